@@ -1,0 +1,1 @@
+//! Model files in: glTF 2.0.

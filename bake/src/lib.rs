@@ -1,0 +1,16 @@
+//! The offline half of pelage: a glTF model and a recipe go in, a `.pelage` package comes out.
+//!
+//! [`pipeline`] reads top to bottom in the order of the stages; each stage is a function of plain data in a module of its own.
+//! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.
+
+pub mod error;
+pub mod hair;
+pub mod import;
+pub mod io;
+pub mod mesh;
+pub mod pipeline;
+pub mod recipe;
+pub mod surface;
+pub mod textures;
+
+pub use error::BakeError;

@@ -1,0 +1,135 @@
+//! The model as `import` hands it on: one triangle mesh, its materials, images and motions.
+
+use glam::{Mat3, Mat4, Vec2, Vec3};
+use pelage_formats::{Animation, InputRecord, Pose, SkinVertex};
+
+/// An imported model.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// All primitives of the scene in one mesh.
+    pub mesh: Mesh,
+    /// Materials; at least one where the mesh has a part.
+    pub materials: Vec<Material>,
+    /// Base-colour images that a material uses, decoded.
+    pub images: Vec<BaseColorImage>,
+    /// Skeleton and clips. Present where anything moves; then every vertex has an entry in [`Mesh::skin`].
+    pub animation: Option<Animation>,
+    /// The files that were read, in the order of reading.
+    pub inputs: Vec<InputRecord>,
+    /// What was repaired, left out or guessed.
+    pub warnings: Vec<String>,
+}
+
+/// A triangle mesh as separate streams, one entry per vertex.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Positions: mesh space where `skin` is not empty, else world space.
+    pub positions: Vec<Vec3>,
+    /// Unit normals in the same space, outward.
+    pub normals: Vec<Vec3>,
+    /// The model's texture coordinates; zero in parts without.
+    pub uvs: Vec<Vec2>,
+    /// Vertex colours, linear RGBA 0..=255; white in parts without.
+    pub colors: Vec<[u8; 4]>,
+    /// Joints and weights (normalised), or empty.
+    pub skin: Vec<SkinVertex>,
+    /// Corner indices, counter-clockwise seen from outside in the posed rest state.
+    pub triangles: Vec<[u32; 3]>,
+    /// Runs of triangles with one material, covering `triangles` in order.
+    pub parts: Vec<MeshPart>,
+}
+
+/// A run of triangles that came from one primitive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshPart {
+    /// Where it stands in the input, for messages: `mesh 0 "body", primitive 1`.
+    pub source: String,
+    /// Index into [`Model::materials`].
+    pub material: usize,
+    /// First triangle.
+    pub first_triangle: usize,
+    /// Number of triangles.
+    pub triangle_count: usize,
+    /// Whether the primitive has texture coordinates.
+    pub has_uvs: bool,
+}
+
+/// What `import` keeps of a material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name, may be empty.
+    pub name: String,
+    /// Linear RGBA factor.
+    pub base_color: [f32; 4],
+    /// Index into [`Model::images`].
+    pub base_color_image: Option<usize>,
+    /// Alpha below which the skin is cut away (glTF `MASK`).
+    pub alpha_cutoff: Option<f32>,
+    /// Whether back faces show.
+    pub double_sided: bool,
+}
+
+/// A decoded base-colour image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BaseColorImage {
+    /// Width, texels.
+    pub width: u32,
+    /// Height, texels.
+    pub height: u32,
+    /// `width * height` RGBA8 texels, straight alpha, sRGB-encoded, row-major from the top.
+    pub rgba: Vec<u8>,
+}
+
+/// Positions and normals in world space at rest: no clip playing. All lengths of a bake are judged here, in metres.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestPose {
+    /// One per vertex.
+    pub positions: Vec<Vec3>,
+    /// One per vertex, unit length.
+    pub normals: Vec<Vec3>,
+}
+
+impl RestPose {
+    /// Poses `mesh` with its skeleton at rest.
+    pub fn of(mesh: &Mesh, animation: Option<&Animation>) -> Self {
+        let Some(animation) = animation.filter(|_| !mesh.skin.is_empty()) else {
+            return Self { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
+        };
+        let mut pose = Pose::default();
+        pose.sample(animation, None, 0.0);
+        Self::posed(mesh, &pose)
+    }
+
+    /// Poses a skinned `mesh`: the CPU twin of the runtime's `pose` pass.
+    pub fn posed(mesh: &Mesh, pose: &Pose) -> Self {
+        let mut rest = Self::default();
+        for ((position, normal), skin) in mesh.positions.iter().zip(&mesh.normals).zip(&mesh.skin) {
+            let matrix = blend(pose, skin);
+            rest.positions.push(matrix.transform_point3(*position));
+            rest.normals.push(transform_normal(matrix, *normal));
+        }
+        rest
+    }
+}
+
+/// The weighted sum of a vertex's joint matrices (linear blend skinning).
+pub fn blend(pose: &Pose, skin: &SkinVertex) -> Mat4 {
+    let mut sum = Mat4::ZERO;
+    for (joint, weight) in skin.joints.iter().zip(skin.weights) {
+        if weight > 0.0 {
+            sum += pose.joints.get(usize::from(*joint)).copied().unwrap_or(Mat4::IDENTITY) * weight;
+        }
+    }
+    sum
+}
+
+/// A normal under a matrix that may scale unevenly, mirror or collapse: unit length always, and outward stays outward.
+///
+/// The cofactor matrix is the inverse transpose times the determinant: it needs no division, so it survives a zero scale; its
+/// sign is the determinant's, which is taken out again. A normal that collapses altogether keeps its old direction.
+pub fn transform_normal(matrix: Mat4, normal: Vec3) -> Vec3 {
+    let m = Mat3::from_mat4(matrix);
+    let cofactor = Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+    let sign = if m.x_axis.dot(cofactor.x_axis) < 0.0 { -1.0 } else { 1.0 };
+    (cofactor * normal * sign).try_normalize().unwrap_or(normal)
+}

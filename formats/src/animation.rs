@@ -1,0 +1,157 @@
+//! The `ANIM` section: the node tree, the joints and the clips. The order of the fields is the order of the bytes.
+
+use serde::{Deserialize, Serialize};
+
+/// Skeleton and clips of a model.
+///
+/// Every vertex of a package with this section follows up to four joints: also rigid parts, which follow the node they hang on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Animation {
+    /// Nodes, each after its parent.
+    pub nodes: Vec<Node>,
+    /// What [`crate::SkinVertex::joints`] points into.
+    pub joints: Vec<Joint>,
+    /// Named motions.
+    pub clips: Vec<Clip>,
+}
+
+/// A node of the tree with its transform at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Node {
+    /// Name in the model, may be empty.
+    pub name: String,
+    /// Index of the parent, less than the node's own index; `None` for roots.
+    pub parent: Option<u32>,
+    /// Translation, in the parent's units.
+    pub translation: [f32; 3],
+    /// Unit quaternion x, y, z, w.
+    pub rotation: [f32; 4],
+    /// Scale along the node's axes; zero and negative allowed.
+    pub scale: [f32; 3],
+}
+
+/// A joint: a node, seen from the space in which the vertices are stored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Joint {
+    /// Index into [`Animation::nodes`].
+    pub node: u32,
+    /// Mesh space to node space at bind time, column-major.
+    pub inverse_bind: [f32; 16],
+}
+
+/// One motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clip {
+    /// Name in the model, or `clip_<index>` where it has none.
+    pub name: String,
+    /// Time of the last key of all channels, seconds.
+    pub duration_s: f32,
+    /// Curves; nodes without one keep their rest transform.
+    pub channels: Vec<Channel>,
+}
+
+/// Which part of a node's transform a channel drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Property {
+    /// Three numbers a key.
+    Translation,
+    /// Four numbers a key: quaternion x, y, z, w.
+    Rotation,
+    /// Three numbers a key.
+    Scale,
+}
+
+impl Property {
+    /// Numbers in one value.
+    pub fn components(self) -> usize {
+        match self {
+            Self::Rotation => 4,
+            Self::Translation | Self::Scale => 3,
+        }
+    }
+}
+
+/// How values between keys are found, as in glTF 2.0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Interpolation {
+    /// The value of the key before.
+    Step,
+    /// Linear; spherical for rotations.
+    Linear,
+    /// Cubic Hermite; each key holds in-tangent, value and out-tangent.
+    Cubic,
+}
+
+/// One curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Index into [`Animation::nodes`].
+    pub node: u32,
+    /// What it drives.
+    pub property: Property,
+    /// How it runs between keys.
+    pub interpolation: Interpolation,
+    /// Key times, seconds, strictly rising, at least one.
+    pub times: Vec<f32>,
+    /// `times.len() * property.components()` numbers, three times as many for [`Interpolation::Cubic`].
+    pub values: Vec<f32>,
+}
+
+impl Animation {
+    /// Checks every index, count and number; what [`crate::Pose`] relies on. Returns the path of the fault, what was found and
+    /// what was expected.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
+        for (i, node) in self.nodes.iter().enumerate() {
+            if node.parent.is_some_and(|p| p as usize >= i) {
+                return Err(format!("nodes[{i}].parent is {:?}, expected less than {i}", node.parent));
+            }
+            if !finite(&node.translation) || !finite(&node.rotation) || !finite(&node.scale) {
+                return Err(format!("nodes[{i}] is {node:?}, expected finite numbers"));
+            }
+        }
+        if self.joints.len() > 1 << 16 {
+            return Err(format!("{} joints, expected at most 65536", self.joints.len()));
+        }
+        for (i, joint) in self.joints.iter().enumerate() {
+            if joint.node as usize >= self.nodes.len() {
+                let n = self.nodes.len();
+                return Err(format!("joints[{i}].node is {}, expected less than {n}", joint.node));
+            }
+            if !finite(&joint.inverse_bind) {
+                return Err(format!("joints[{i}].inverse_bind holds a number that is not finite"));
+            }
+        }
+        for (i, clip) in self.clips.iter().enumerate() {
+            if !clip.duration_s.is_finite() || clip.duration_s < 0.0 {
+                return Err(format!("clips[{i}].duration_s is {}, expected >= 0", clip.duration_s));
+            }
+            for (k, channel) in clip.channels.iter().enumerate() {
+                channel.check(self.nodes.len()).map_err(|e| format!("clips[{i}].channels[{k}]{e}"))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Channel {
+    fn check(&self, nodes: usize) -> Result<(), String> {
+        if self.node as usize >= nodes {
+            return Err(format!(".node is {}, expected less than {nodes}", self.node));
+        }
+        let per_key = match self.interpolation {
+            Interpolation::Cubic => 3,
+            Interpolation::Step | Interpolation::Linear => 1,
+        };
+        let expected = self.times.len() * self.property.components() * per_key;
+        if self.times.is_empty() || self.values.len() != expected {
+            let (k, v) = (self.times.len(), self.values.len());
+            return Err(format!(" has {k} keys and {v} numbers, expected at least one key and {expected} numbers"));
+        }
+        let rising = self.times.windows(2).all(|w| w[0] < w[1]);
+        if !rising || !self.times.iter().chain(&self.values).all(|v| v.is_finite()) {
+            return Err(" has keys that do not rise, or a number that is not finite".into());
+        }
+        Ok(())
+    }
+}

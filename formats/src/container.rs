@@ -1,0 +1,210 @@
+//! Header and section table: the outermost shell of the file. Byte positions are those of `FORMAT.md`.
+
+use crate::{FormatError, Limits};
+use std::fmt;
+
+/// The first eight bytes of every package. The high bit, and the line feed at the end, make damage by text-mode transfer visible.
+pub const MAGIC: [u8; 8] = *b"\x89PELAGE\n";
+/// The version of the format that this crate writes, and the newest it reads.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Bytes of the fixed header.
+pub(crate) const HEADER_BYTES: usize = 32;
+/// Bytes of one entry of the table.
+pub(crate) const ENTRY_BYTES: usize = 32;
+/// Every section begins at a multiple of this, so that vertex data can be mapped and uploaded in place.
+pub(crate) const ALIGNMENT: u64 = 16;
+
+/// The four bytes that say what a section is.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Tag(pub [u8; 4]);
+
+impl Tag {
+    /// Manifest: bincode of [`crate::Manifest`]. Exactly one, and the first section.
+    pub const MANIFEST: Self = Self(*b"MANI");
+    /// Vertex and index data, ready to upload. At most one.
+    pub const MESH: Self = Self(*b"MESH");
+    /// Skeleton and clips: bincode of [`crate::Animation`]. At most one.
+    pub const ANIMATION: Self = Self(*b"ANIM");
+    /// A complete .ktx2 file; the k-th one belongs to the k-th texture of the manifest.
+    pub const TEXTURE: Self = Self(*b"KTX2");
+    /// Stands for header and table in errors; never in a file's table.
+    pub const HEAD: Self = Self(*b"head");
+}
+
+impl fmt::Display for Tag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.escape_ascii().fmt(f)
+    }
+}
+
+impl fmt::Debug for Tag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Tag({self})")
+    }
+}
+
+/// One entry of the section table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Section {
+    /// What the section is.
+    pub tag: Tag,
+    /// First byte, from the start of the package; a multiple of 16.
+    pub offset: u64,
+    /// Bytes, without the padding that follows.
+    pub length: u64,
+    /// CRC-32 (ISO-HDLC, as in zlib and PNG) of the section's bytes.
+    pub checksum: u32,
+}
+
+fn u32_at(bytes: &[u8], offset: usize) -> u32 {
+    let mut field = [0; 4];
+    field.copy_from_slice(&bytes[offset..offset + 4]);
+    u32::from_le_bytes(field)
+}
+
+fn u64_at(bytes: &[u8], offset: usize) -> u64 {
+    let mut field = [0; 8];
+    field.copy_from_slice(&bytes[offset..offset + 8]);
+    u64::from_le_bytes(field)
+}
+
+fn align_up(offset: u64) -> Option<u64> {
+    offset.checked_next_multiple_of(ALIGNMENT)
+}
+
+/// Fails unless `bytes` holds `needed` bytes at `offset`.
+fn require(bytes: &[u8], what: &'static str, offset: u64, needed: u64) -> Result<(), FormatError> {
+    let available = (bytes.len() as u64).saturating_sub(offset);
+    if needed > available {
+        return Err(FormatError::Truncated { what, offset, needed, available });
+    }
+    Ok(())
+}
+
+fn expect_field(what: &'static str, offset: usize, found: u64, expected: u64) -> Result<(), FormatError> {
+    if found != expected {
+        let (offset, expected) = (offset as u64, expected.to_string());
+        return Err(FormatError::Field { what, offset, found, expected });
+    }
+    Ok(())
+}
+
+/// Reads and checks header and table: magic, version, length, checksum, reserved fields, and that the sections lie one
+/// after the other, aligned, with zero padding between them and nothing behind the last.
+///
+/// The layout is canonical, one byte string for one list of sections: that is what makes unpack–pack the identity and leaves no
+/// byte of the file unchecked.
+pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<Vec<Section>, FormatError> {
+    if !bytes.starts_with(&MAGIC) {
+        // A prefix of the magic is a truncated package; anything else is some other file.
+        if !bytes.is_empty() && MAGIC.starts_with(bytes) {
+            require(bytes, "header", 0, HEADER_BYTES as u64)?;
+        }
+        let found = bytes[..bytes.len().min(8)].to_vec();
+        return Err(FormatError::Magic { found, expected: MAGIC });
+    }
+    require(bytes, "header", 0, HEADER_BYTES as u64)?;
+    let version = u32_at(bytes, 8);
+    if version > FORMAT_VERSION {
+        return Err(FormatError::Version { found: version, supported: FORMAT_VERSION });
+    }
+    expect_field("version", 8, version.into(), FORMAT_VERSION.into())?;
+    let count = u32_at(bytes, 12);
+    if count > limits.sections {
+        let (found, limit) = (count.into(), limits.sections.into());
+        return Err(FormatError::Limit { what: "section count", offset: 12, found, limit });
+    }
+    let table_bytes = u64::from(count) * ENTRY_BYTES as u64;
+    require(bytes, "section table", HEADER_BYTES as u64, table_bytes)?;
+    let head_bytes = HEADER_BYTES + table_bytes as usize;
+    let expected = u32_at(bytes, 24);
+    let found = head_checksum(&bytes[..head_bytes]);
+    if found != expected {
+        return Err(FormatError::Checksum { tag: Tag::HEAD, offset: 0, found, expected });
+    }
+    expect_field("header reserved bytes", 28, u32_at(bytes, 28).into(), 0)?;
+
+    let mut sections = Vec::new();
+    let mut end = head_bytes as u64;
+    for index in 0..count as usize {
+        let at = HEADER_BYTES + index * ENTRY_BYTES;
+        expect_field("table reserved bytes", at + 4, u32_at(bytes, at + 4).into(), 0)?;
+        expect_field("table reserved bytes", at + 28, u32_at(bytes, at + 28).into(), 0)?;
+        let mut tag = [0; 4];
+        tag.copy_from_slice(&bytes[at..at + 4]);
+        let section = Section {
+            tag: Tag(tag),
+            offset: u64_at(bytes, at + 8),
+            length: u64_at(bytes, at + 16),
+            checksum: u32_at(bytes, at + 24),
+        };
+        let expected_offset = align_up(end).unwrap_or(u64::MAX);
+        expect_field("section offset", at + 8, section.offset, expected_offset)?;
+        require(bytes, "section", section.offset, section.length)?;
+        expect_zero_padding(bytes, end, section.offset)?;
+        end = section.offset + section.length;
+        sections.push(section);
+    }
+    let end = align_up(end).unwrap_or(u64::MAX);
+    expect_field("package length", 16, u64_at(bytes, 16), end)?;
+    let available = bytes.len() as u64;
+    if available < end {
+        let last = sections.last().map_or(head_bytes as u64, |s| s.offset + s.length);
+        require(bytes, "padding", last, end - last)?;
+    }
+    if available > end {
+        return Err(FormatError::TrailingBytes { offset: end, count: available - end });
+    }
+    let last = sections.last().map_or(head_bytes as u64, |s| s.offset + s.length);
+    expect_zero_padding(bytes, last, end)?;
+    Ok(sections)
+}
+
+fn expect_zero_padding(bytes: &[u8], from: u64, to: u64) -> Result<(), FormatError> {
+    // Both ends were checked against the input's length before.
+    for offset in from..to {
+        expect_field("padding", offset as usize, bytes[offset as usize].into(), 0)?;
+    }
+    Ok(())
+}
+
+/// CRC-32 of header and table with the checksum field itself left out.
+fn head_checksum(head: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&head[..24]);
+    hasher.update(&head[28..]);
+    hasher.finalize()
+}
+
+/// Lays out header, table and sections. The inverse of [`read_table`].
+pub(crate) fn write(sections: &[(Tag, impl AsRef<[u8]>)]) -> Vec<u8> {
+    let head_bytes = (HEADER_BYTES + sections.len() * ENTRY_BYTES) as u64;
+    let mut out = Vec::new();
+    out.extend_from_slice(&MAGIC);
+    out.extend_from_slice(&FORMAT_VERSION.to_le_bytes());
+    out.extend_from_slice(&(sections.len() as u32).to_le_bytes());
+    out.extend_from_slice(&[0; 16]); // length, checksum and reserved: filled in below
+    let mut offset = head_bytes;
+    for (tag, data) in sections {
+        let data = data.as_ref();
+        offset = offset.next_multiple_of(ALIGNMENT);
+        out.extend_from_slice(&tag.0);
+        out.extend_from_slice(&[0; 4]);
+        out.extend_from_slice(&offset.to_le_bytes());
+        out.extend_from_slice(&(data.len() as u64).to_le_bytes());
+        out.extend_from_slice(&crc32fast::hash(data).to_le_bytes());
+        out.extend_from_slice(&[0; 4]);
+        offset += data.len() as u64;
+    }
+    let length = offset.next_multiple_of(ALIGNMENT);
+    out[16..24].copy_from_slice(&length.to_le_bytes());
+    let checksum = head_checksum(&out);
+    out[24..28].copy_from_slice(&checksum.to_le_bytes());
+    for (_, data) in sections {
+        out.resize(out.len().next_multiple_of(ALIGNMENT as usize), 0);
+        out.extend_from_slice(data.as_ref());
+    }
+    out.resize(length as usize, 0);
+    out
+}

@@ -1,0 +1,35 @@
+//! The `.pelage` package: the one place where the file is defined.
+//!
+//! A package is a checksummed table of sections (see `formats/FORMAT.md`, from which a reader can be written in any language).
+//! [`Package::open`] borrows from the caller's bytes: header, table and manifest are read and checked, vertex, index and
+//! texture data are handed out as slices of the input. A section's checksum is verified when it is first used.
+//!
+//! ```
+//! use pelage_formats::{Limits, Manifest, Package, PackageWriter};
+//! let bytes = PackageWriter::new(Manifest::default()).finish()?;
+//! let package = Package::open(&bytes, &Limits::default())?;
+//! assert_eq!(package.manifest(), &Manifest::default());
+//! # Ok::<(), pelage_formats::FormatError>(())
+//! ```
+//!
+//! This crate knows no GPU, no thread and no file system.
+
+mod animation;
+mod container;
+mod error;
+mod limits;
+mod manifest;
+mod mesh;
+mod package;
+mod sampling;
+mod texture;
+
+pub use animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
+pub use container::{FORMAT_VERSION, MAGIC, Section, Tag};
+pub use error::FormatError;
+pub use limits::Limits;
+pub use manifest::{Bounds, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, TextureEntry};
+pub use mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
+pub use package::{Package, PackageWriter};
+pub use sampling::Pose;
+pub use texture::{TextureFormat, TextureView};

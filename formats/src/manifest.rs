@@ -1,0 +1,279 @@
+//! What a package says about itself. The order of the fields is the order of the bytes: see `FORMAT.md`, "MANI".
+
+use crate::FormatError;
+use crate::container::Tag;
+use serde::{Deserialize, Serialize};
+
+/// The manifest section: what is in the package, how it was made, how to shade it.
+///
+/// It holds no absolute path, no time and no user name, so that the same inputs give the same bytes anywhere.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Tool and version that baked the package, such as `pelage 0.1.0`.
+    pub generator: String,
+    /// Name of the model: the input's file name without folder and extension.
+    pub model: String,
+    /// The recipe as resolved, TOML: every key with the value that was used.
+    pub recipe: String,
+    /// The files that went in, in the order of reading.
+    pub inputs: Vec<InputRecord>,
+    /// Extent of the skin in its posed rest state, without fur.
+    pub bounds: Bounds,
+    /// The shell volume.
+    pub fur: FurInfo,
+    /// Constants of the lighting equation.
+    pub shading: Shading,
+    /// Materials of the model.
+    pub materials: Vec<Material>,
+    /// Index ranges, one draw each; together they cover the index buffer in order.
+    pub parts: Vec<Part>,
+    /// The k-th entry names the k-th `KTX2` section.
+    pub textures: Vec<TextureEntry>,
+    /// Figures that bake measured.
+    pub quality: Vec<QualityFigure>,
+    /// What bake had to repair, leave out or guess.
+    pub warnings: Vec<String>,
+}
+
+/// One input file of a bake.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InputRecord {
+    /// `model`, `recipe`, `buffer` or `image`.
+    pub role: String,
+    /// File name without folders; empty for data embedded in another file.
+    pub name: String,
+    /// Size in bytes.
+    pub bytes: u64,
+    /// SHA-256 of the contents.
+    pub sha256: [u8; 32],
+}
+
+/// Extent of the skin in its posed rest state, metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// Least x, y, z.
+    pub min: [f32; 3],
+    /// Greatest x, y, z.
+    pub max: [f32; 3],
+    /// Centre of the bounding sphere.
+    pub center: [f32; 3],
+    /// Radius of the bounding sphere about `center`.
+    pub radius: f32,
+}
+
+/// The shell volume: one periodic tile of hair, sliced into layers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FurInfo {
+    /// Layers of the shell textures; layer 0 lies on the skin. 0 for a package without fur.
+    pub layers: u32,
+    /// Width and height of a layer, texels.
+    pub tile_texels: u32,
+    /// Width and height of the tile on the skin, metres.
+    pub tile_size_m: f32,
+    /// Height of layer `layers - 1` above the skin where a vertex's `fur_height` is not scaled, metres.
+    pub height_m: f32,
+    /// Strands in the tile.
+    pub strands: u32,
+    /// Patches of the parameterization; 1 where the model's own texture coordinates serve.
+    pub patches: u32,
+    /// Index into `textures`: RGBA, premultiplied linear colour and opacity, `layers` array layers, skin first.
+    pub color_texture: u32,
+    /// Index into `textures`: hair direction in the tile frame, `layers` array layers (`FORMAT.md`, "Directions").
+    pub direction_texture: u32,
+}
+
+/// Constants of Yang 2006, eqs. (1)–(3). Colours are linear RGB.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shading {
+    /// ka, multiplied by the hair's colour (default 0.25 each).
+    pub ambient: [f32; 3],
+    /// kd (default 0.9 each).
+    pub diffuse: [f32; 3],
+    /// ks (default 0.12 each).
+    pub specular: [f32; 3],
+    /// pd, 0..=10 000 (default 2): 0 lights all directions alike.
+    pub diffuse_exponent: f32,
+    /// ps, 0..=10 000 (default 30): higher is a narrower highlight.
+    pub specular_exponent: f32,
+    /// ε of the ambient attenuation γ, 0..1 (default 0.3): share of the ambient light that reaches the skin.
+    pub ambient_floor: f32,
+    /// r of Attenu_Back, 0..1, exclusive (default 0.3): how far light creeps past the terminator, as −N·L.
+    pub back_light_range: f32,
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self {
+            ambient: [0.25; 3],
+            diffuse: [0.9; 3],
+            specular: [0.12; 3],
+            diffuse_exponent: 2.0,
+            specular_exponent: 30.0,
+            ambient_floor: 0.3,
+            back_light_range: 0.3,
+        }
+    }
+}
+
+/// A surface material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Material {
+    /// Name in the model, may be empty.
+    pub name: String,
+    /// Linear RGBA factor.
+    pub base_color: [f32; 4],
+    /// Index into `textures`: base colour in the model's own texture coordinates.
+    pub base_color_texture: Option<u32>,
+    /// Opacity below which a texel of the skin is cut away; `None` for opaque materials.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether hair grows on it; bare materials (eyes, hooves) are drawn by the skin pass only.
+    pub furred: bool,
+    /// Whether back faces are drawn.
+    pub double_sided: bool,
+}
+
+/// One range of the index buffer with one material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Part {
+    /// Index into `materials`.
+    pub material: u32,
+    /// First index.
+    pub first_index: u32,
+    /// Number of indices, a multiple of 3.
+    pub index_count: u32,
+}
+
+/// One texture of the package.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TextureEntry {
+    /// Unique name, also the file name of the texture after `pelage unpack`: letters, digits, `_` and `-`.
+    pub name: String,
+}
+
+/// One measured figure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QualityFigure {
+    /// Name, such as `angle_distortion`.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Unit, `1` for ratios.
+    pub unit: String,
+}
+
+/// How bincode is used in every section: little-endian, fixed-width integers, so that the layout can be stated in one table.
+pub(crate) fn bincode_config() -> impl bincode::config::Config {
+    bincode::config::standard().with_little_endian().with_fixed_int_encoding()
+}
+
+/// Decodes a bincode section to its last byte.
+///
+/// `offset` is where `bytes` begins in the package. The caller has bounded `bytes` by [`crate::Limits`]; the decoder's list and
+/// string allocations are bounded by it in turn, because serde reserves at most 1 MiB ahead of the elements it has read.
+pub(crate) fn decode_section<T: serde::de::DeserializeOwned>(
+    tag: Tag,
+    offset: u64,
+    bytes: &[u8],
+) -> Result<T, FormatError> {
+    let (value, read) = bincode::serde::decode_from_slice::<T, _>(bytes, bincode_config())
+        .map_err(|error| FormatError::Content { tag, offset, reason: error.to_string() })?;
+    if read != bytes.len() {
+        let reason = format!("{} bytes follow the end of the value", bytes.len() - read);
+        return Err(FormatError::Content { tag, offset: offset + read as u64, reason });
+    }
+    Ok(value)
+}
+
+pub(crate) fn encode_section<T: Serialize>(tag: Tag, value: &T) -> Result<Vec<u8>, FormatError> {
+    bincode::serde::encode_to_vec(value, bincode_config()).map_err(|error| FormatError::Content {
+        tag,
+        offset: 0,
+        reason: error.to_string(),
+    })
+}
+
+impl Manifest {
+    /// Checks that every number is finite and in its range and every index points into its list; what a reader may rely on.
+    ///
+    /// Returns the path of the faulty field with what was found and expected.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let finite = |what: &str, values: &[f32]| match values.iter().find(|v| !v.is_finite()) {
+            Some(v) => Err(format!("{what} is {v}, expected a finite number")),
+            None => Ok(()),
+        };
+        let b = &self.bounds;
+        finite("bounds.min", &b.min)?;
+        finite("bounds.max", &b.max)?;
+        finite("bounds.center", &b.center)?;
+        finite("bounds.radius", &[b.radius])?;
+        let s = &self.shading;
+        finite("shading.ambient", &s.ambient)?;
+        finite("shading.diffuse", &s.diffuse)?;
+        finite("shading.specular", &s.specular)?;
+        for (what, value, max) in [
+            ("shading.diffuse_exponent", s.diffuse_exponent, 10_000.0),
+            ("shading.specular_exponent", s.specular_exponent, 10_000.0),
+            ("shading.ambient_floor", s.ambient_floor, 1.0),
+            ("shading.back_light_range", s.back_light_range, 1.0),
+        ] {
+            if !(0.0..=max).contains(&value) {
+                return Err(format!("{what} is {value}, expected 0..={max}"));
+            }
+        }
+        let textures = self.textures.len() as u32;
+        let texture = |what: String, index: u32| match index < textures {
+            true => Ok(()),
+            false => Err(format!("{what} is {index}, expected less than the {textures} textures")),
+        };
+        let f = &self.fur;
+        finite("fur.tile_size_m", &[f.tile_size_m])?;
+        finite("fur.height_m", &[f.height_m])?;
+        if f.layers > 0 {
+            texture("fur.color_texture".into(), f.color_texture)?;
+            texture("fur.direction_texture".into(), f.direction_texture)?;
+            if !(f.tile_size_m > 0.0) || !(f.height_m >= 0.0) {
+                return Err(format!(
+                    "fur.tile_size_m is {} and fur.height_m is {}, expected them positive",
+                    f.tile_size_m, f.height_m
+                ));
+            }
+        }
+        for (i, m) in self.materials.iter().enumerate() {
+            finite(&format!("materials[{i}].base_color"), &m.base_color)?;
+            finite(&format!("materials[{i}].alpha_cutoff"), &[m.alpha_cutoff.unwrap_or(0.0)])?;
+            if let Some(index) = m.base_color_texture {
+                texture(format!("materials[{i}].base_color_texture"), index)?;
+            }
+        }
+        let mut next = 0u32;
+        for (i, p) in self.parts.iter().enumerate() {
+            if p.material as usize >= self.materials.len() {
+                let n = self.materials.len();
+                return Err(format!("parts[{i}].material is {}, expected less than {n}", p.material));
+            }
+            if p.first_index != next || p.index_count % 3 != 0 {
+                return Err(format!(
+                    "parts[{i}] is {} indices from {}, expected a multiple of 3 from {next}",
+                    p.index_count, p.first_index
+                ));
+            }
+            next = next.checked_add(p.index_count).ok_or(format!("parts[{i}] ends past 2^32 indices"))?;
+        }
+        for (i, t) in self.textures.iter().enumerate() {
+            let legal = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+            if t.name.is_empty() || t.name.len() > 64 || !t.name.chars().all(legal) {
+                return Err(format!(
+                    "textures[{i}].name is {:?}, expected 1 to 64 letters, digits, '_' or '-'",
+                    t.name
+                ));
+            }
+            if self.textures[..i].iter().any(|other| other.name.eq_ignore_ascii_case(&t.name)) {
+                return Err(format!("textures[{i}].name {:?} is taken, expected unique names", t.name));
+            }
+        }
+        match self.quality.iter().find(|q| !q.value.is_finite()) {
+            Some(q) => Err(format!("quality figure {:?} is {}, expected a finite number", q.name, q.value)),
+            None => Ok(()),
+        }
+    }
+}

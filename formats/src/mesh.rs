@@ -1,0 +1,268 @@
+//! The `MESH` section: vertex streams and indices as the GPU wants them. Layout in `FORMAT.md`, "MESH".
+
+use crate::container::Tag;
+use crate::{FormatError, Limits};
+use bytemuck::{Pod, Zeroable};
+
+/// First vertex stream: what posing changes. 48 bytes.
+///
+/// Positions and directions are in mesh space when the package has a skeleton, else in world space at rest.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GeometryVertex {
+    /// Position, metres once posed.
+    pub position: [f32; 3],
+    /// Height of the outermost layer above the skin in the posed state, metres; 0 where the skin is bare.
+    pub fur_height: f32,
+    /// Unit normal, outward.
+    pub normal: [f32; 3],
+    /// Always zero.
+    pub reserved: f32,
+    /// Unit tangent along +u of the tile in the first three, and in the fourth the handedness ±1:
+    /// bitangent (along +v) = handedness · normal × tangent.
+    pub tangent: [f32; 4],
+}
+
+/// Second vertex stream: what posing leaves alone. 24 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct AttributeVertex {
+    /// Coordinates in the hair tile; 1 is one tile, the texture repeats.
+    pub tile_uv: [f32; 2],
+    /// The model's own texture coordinates, for base colour.
+    pub base_uv: [f32; 2],
+    /// Vertex colour, linear RGBA, 0..=255 for 0..=1.
+    pub color: [u8; 4],
+    /// Always zero.
+    pub reserved: u32,
+}
+
+/// Third vertex stream, present in packages with a skeleton. 24 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SkinVertex {
+    /// Indices into [`crate::Animation::joints`].
+    pub joints: [u16; 4],
+    /// Weights, each 0..=1, summing to 1.
+    pub weights: [f32; 4],
+}
+
+/// A mesh to be written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshData {
+    /// One per vertex.
+    pub geometry: Vec<GeometryVertex>,
+    /// One per vertex.
+    pub attributes: Vec<AttributeVertex>,
+    /// One per vertex, or none at all for a mesh without skeleton.
+    pub skin: Vec<SkinVertex>,
+    /// Three per triangle, counter-clockwise seen from outside.
+    pub indices: Vec<u32>,
+}
+
+/// A mesh in an opened package: slices of the package's bytes, ready to upload.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshView<'a> {
+    /// Number of vertices.
+    pub vertex_count: u32,
+    /// Number of indices, a multiple of 3.
+    pub index_count: u32,
+    /// `vertex_count` [`GeometryVertex`], 48 bytes each.
+    pub geometry: &'a [u8],
+    /// `vertex_count` [`AttributeVertex`], 24 bytes each.
+    pub attributes: &'a [u8],
+    /// `vertex_count` [`SkinVertex`], 24 bytes each, or empty.
+    pub skin: &'a [u8],
+    /// `index_count` little-endian u32.
+    pub indices: &'a [u8],
+}
+
+const HEADER_BYTES: u64 = 64;
+const FLAG_SKIN: u32 = 1;
+
+/// Offsets of the four streams and the end, relative to the section. They follow from the counts, so the file cannot disagree.
+fn layout(vertices: u64, indices: u64, skinned: bool) -> [u64; 5] {
+    let align = |offset: u64| offset.next_multiple_of(16);
+    let geometry = HEADER_BYTES;
+    let attributes = align(geometry + vertices * size_of::<GeometryVertex>() as u64);
+    let skin = align(attributes + vertices * size_of::<AttributeVertex>() as u64);
+    let skin_bytes = if skinned { vertices * size_of::<SkinVertex>() as u64 } else { 0 };
+    let index = align(skin + skin_bytes);
+    [geometry, attributes, skin, index, index + indices * 4]
+}
+
+impl MeshData {
+    /// Bytes of the section. Fails where the streams differ in length or an index points past the vertices.
+    pub(crate) fn encode(&self) -> Result<Vec<u8>, FormatError> {
+        let fail = |reason: String| FormatError::Content { tag: Tag::MESH, offset: 0, reason };
+        let vertices = self.geometry.len();
+        let skinned = !self.skin.is_empty();
+        if self.attributes.len() != vertices || (skinned && self.skin.len() != vertices) {
+            return Err(fail(format!(
+                "{vertices} positions, {} attributes, {} skin entries: expected one of each per vertex",
+                self.attributes.len(),
+                self.skin.len()
+            )));
+        }
+        if vertices > u32::MAX as usize || self.indices.len() > u32::MAX as usize {
+            return Err(fail("more than 2^32 vertices or indices".into()));
+        }
+        let [geometry, attributes, skin, index, end] = layout(vertices as u64, self.indices.len() as u64, skinned);
+        let mut out = vec![0u8; end as usize];
+        out[0..4].copy_from_slice(&(vertices as u32).to_le_bytes());
+        out[4..8].copy_from_slice(&(self.indices.len() as u32).to_le_bytes());
+        out[8..12].copy_from_slice(&(if skinned { FLAG_SKIN } else { 0 }).to_le_bytes());
+        for (slot, offset) in [(16, geometry), (24, attributes), (32, skin), (40, index)] {
+            out[slot..slot + 8].copy_from_slice(&offset.to_le_bytes());
+        }
+        let mut put = |offset: u64, bytes: &[u8]| {
+            out[offset as usize..offset as usize + bytes.len()].copy_from_slice(bytes);
+        };
+        // bytemuck copies in the machine's own byte order; the package is little-endian.
+        const { assert!(cfg!(target_endian = "little"), "pelage packages are written on little-endian machines") };
+        put(geometry, bytemuck::cast_slice(&self.geometry));
+        put(attributes, bytemuck::cast_slice(&self.attributes));
+        put(skin, bytemuck::cast_slice(&self.skin));
+        put(index, bytemuck::cast_slice(&self.indices));
+        MeshView::parse(&out, 0, &Limits { vertices: u32::MAX, indices: u32::MAX, ..Limits::default() })?;
+        Ok(out)
+    }
+}
+
+impl<'a> MeshView<'a> {
+    /// Reads the section that begins at `offset` of the package and checks every index and number in it.
+    pub(crate) fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
+        let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::MESH, offset: offset + at, reason };
+        if (bytes.len() as u64) < HEADER_BYTES {
+            let reason = format!("the section has {} bytes, expected a header of {HEADER_BYTES}", bytes.len());
+            return Err(fail(0, reason));
+        }
+        let u32_at = |at: usize| bytemuck::pod_read_unaligned::<u32>(&bytes[at..at + 4]);
+        let u64_at = |at: usize| bytemuck::pod_read_unaligned::<u64>(&bytes[at..at + 8]);
+        let (vertex_count, index_count, flags) = (u32_at(0), u32_at(4), u32_at(8));
+        for (what, at, found, limit) in
+            [("vertex count", 0, vertex_count, limits.vertices), ("index count", 4, index_count, limits.indices)]
+        {
+            if found > limit {
+                let (found, limit) = (found.into(), limit.into());
+                return Err(FormatError::Limit { what, offset: offset + at, found, limit });
+            }
+        }
+        if flags & !FLAG_SKIN != 0 {
+            return Err(fail(8, format!("flags are {flags:#x}, expected only bit 0 (skin)")));
+        }
+        if index_count % 3 != 0 {
+            return Err(fail(4, format!("{index_count} indices, expected a multiple of 3")));
+        }
+        let skinned = flags & FLAG_SKIN != 0;
+        let ends = layout(vertex_count.into(), index_count.into(), skinned);
+        for (slot, expected) in [(16, ends[0]), (24, ends[1]), (32, ends[2]), (40, ends[3])] {
+            let found = u64_at(slot);
+            if found != expected {
+                let reason = format!("stream offset is {found}, expected {expected} for these counts");
+                return Err(fail(slot as u64, reason));
+            }
+        }
+        for at in (12..16).chain(48..64) {
+            if bytes[at] != 0 {
+                return Err(fail(at as u64, format!("reserved byte is {}, expected 0", bytes[at])));
+            }
+        }
+        let [geometry, attributes, skin, index, end] = ends;
+        if bytes.len() as u64 != end {
+            let reason = format!("the section has {} bytes, expected {end} for these counts", bytes.len());
+            return Err(fail(0, reason));
+        }
+        let stream =
+            |from: u64, count: u32, stride: usize| &bytes[from as usize..from as usize + count as usize * stride];
+        let view = Self {
+            vertex_count,
+            index_count,
+            geometry: stream(geometry, vertex_count, size_of::<GeometryVertex>()),
+            attributes: stream(attributes, vertex_count, size_of::<AttributeVertex>()),
+            skin: stream(skin, if skinned { vertex_count } else { 0 }, size_of::<SkinVertex>()),
+            indices: stream(index, index_count, 4),
+        };
+        let used = |from: u64, part: &[u8]| from + part.len() as u64;
+        for (from, to) in [
+            (used(geometry, view.geometry), attributes),
+            (used(attributes, view.attributes), skin),
+            (used(skin, view.skin), index),
+        ] {
+            if let Some(at) = (from..to).find(|at| bytes[*at as usize] != 0) {
+                return Err(fail(at, format!("padding byte is {}, expected 0", bytes[at as usize])));
+            }
+        }
+        view.check(|reason, at| fail(at, reason), [geometry, attributes, skin, index])?;
+        Ok(view)
+    }
+
+    fn check(
+        &self,
+        fail: impl Fn(String, u64) -> FormatError,
+        [geometry, attributes, skin, index]: [u64; 4],
+    ) -> Result<(), FormatError> {
+        let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
+        for (i, v) in self.geometry().enumerate() {
+            let at = geometry + i as u64 * size_of::<GeometryVertex>() as u64;
+            let numbers = finite(&v.position) && finite(&v.normal) && finite(&v.tangent);
+            if !numbers || !v.fur_height.is_finite() || v.fur_height < 0.0 || v.reserved.to_bits() != 0 {
+                let reason = format!("vertex {i} is {v:?}, expected finite numbers, fur_height >= 0 and reserved 0");
+                return Err(fail(reason, at));
+            }
+        }
+        for (i, v) in self.attributes().enumerate() {
+            if !finite(&v.tile_uv) || !finite(&v.base_uv) || v.reserved != 0 {
+                let at = attributes + i as u64 * size_of::<AttributeVertex>() as u64;
+                return Err(fail(format!("vertex {i} is {v:?}, expected finite numbers and reserved 0"), at));
+            }
+        }
+        for (i, v) in self.skin().enumerate() {
+            let sum: f32 = v.weights.iter().sum();
+            if !v.weights.iter().all(|w| (0.0..=1.0).contains(w)) || (sum - 1.0).abs() > 1e-3 {
+                let at = skin + i as u64 * size_of::<SkinVertex>() as u64;
+                return Err(fail(
+                    format!("weights of vertex {i} are {:?}, expected 0..=1 summing to 1", v.weights),
+                    at,
+                ));
+            }
+        }
+        for (i, v) in self.indices().enumerate() {
+            if v >= self.vertex_count {
+                let reason = format!("index {i} is {v}, expected less than the {} vertices", self.vertex_count);
+                return Err(fail(reason, index + i as u64 * 4));
+            }
+        }
+        Ok(())
+    }
+
+    /// The first vertex stream, decoded.
+    pub fn geometry(&self) -> impl ExactSizeIterator<Item = GeometryVertex> + 'a {
+        self.geometry.chunks_exact(size_of::<GeometryVertex>()).map(bytemuck::pod_read_unaligned)
+    }
+
+    /// The second vertex stream, decoded.
+    pub fn attributes(&self) -> impl ExactSizeIterator<Item = AttributeVertex> + 'a {
+        self.attributes.chunks_exact(size_of::<AttributeVertex>()).map(bytemuck::pod_read_unaligned)
+    }
+
+    /// The third vertex stream, decoded; empty for a mesh without skeleton.
+    pub fn skin(&self) -> impl ExactSizeIterator<Item = SkinVertex> + 'a {
+        self.skin.chunks_exact(size_of::<SkinVertex>()).map(bytemuck::pod_read_unaligned)
+    }
+
+    /// The indices, decoded.
+    pub fn indices(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
+        self.indices.chunks_exact(4).map(bytemuck::pod_read_unaligned)
+    }
+
+    /// Copies everything out.
+    pub fn to_data(&self) -> MeshData {
+        MeshData {
+            geometry: self.geometry().collect(),
+            attributes: self.attributes().collect(),
+            skin: self.skin().collect(),
+            indices: self.indices().collect(),
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Opening and writing whole packages.
+
+use crate::animation::Animation;
+use crate::container::{self, Section, Tag};
+use crate::manifest::{decode_section, encode_section};
+use crate::mesh::{MeshData, MeshView};
+use crate::texture::TextureView;
+use crate::{FormatError, Limits, Manifest};
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// An opened package, borrowing from the bytes it was opened from.
+#[derive(Debug)]
+pub struct Package<'a> {
+    bytes: &'a [u8],
+    limits: Limits,
+    sections: Vec<Section>,
+    /// Sections whose checksum was found right. Relaxed is enough: verifying twice is harmless.
+    verified: Vec<AtomicBool>,
+    manifest: Manifest,
+}
+
+impl<'a> Package<'a> {
+    /// Reads header, section table and manifest. No other byte of the sections is touched: their checksums are verified, and
+    /// their contents checked, when they are first used.
+    pub fn open(bytes: &'a [u8], limits: &Limits) -> Result<Self, FormatError> {
+        let sections = container::read_table(bytes, limits)?;
+        let missing = || FormatError::MissingSection {
+            tag: Tag::MANIFEST,
+            index: 0,
+            reason: "every package begins with its manifest".into(),
+        };
+        let first = *sections.first().filter(|s| s.tag == Tag::MANIFEST).ok_or_else(missing)?;
+        for tag in [Tag::MANIFEST, Tag::MESH, Tag::ANIMATION] {
+            if let Some(second) = sections.iter().filter(|s| s.tag == tag).nth(1) {
+                let reason = "a second section of this tag, expected at most one".into();
+                return Err(FormatError::Content { tag, offset: second.offset, reason });
+            }
+        }
+        check_limit("manifest length", &first, limits.manifest_bytes)?;
+        let verified = sections.iter().map(|_| AtomicBool::new(false)).collect();
+        let mut package = Self { bytes, limits: limits.clone(), sections, verified, manifest: Manifest::default() };
+        package.manifest = decode_section(Tag::MANIFEST, first.offset, package.section_bytes(0)?)?;
+        package.manifest.check().map_err(|reason| FormatError::Content {
+            tag: Tag::MANIFEST,
+            offset: first.offset,
+            reason,
+        })?;
+        let textures = package.sections.iter().filter(|s| s.tag == Tag::TEXTURE).count();
+        if textures != package.manifest.textures.len() {
+            return Err(FormatError::MissingSection {
+                tag: Tag::TEXTURE,
+                index: textures.min(package.manifest.textures.len()) as u32,
+                reason: format!(
+                    "the manifest names {} textures, the package holds {textures}",
+                    package.manifest.textures.len()
+                ),
+            });
+        }
+        Ok(package)
+    }
+
+    /// Reads everything: every checksum, every vertex, every texture's header, every key. Returns all faults, in file order.
+    pub fn validate(bytes: &'a [u8], limits: &Limits) -> Vec<FormatError> {
+        let package = match Self::open(bytes, limits) {
+            Ok(package) => package,
+            Err(error) => return vec![error],
+        };
+        let mut faults = Vec::new();
+        let mut texture = 0;
+        for (index, section) in package.sections.iter().enumerate() {
+            let fault = match section.tag {
+                Tag::MESH => package.mesh().map(drop),
+                Tag::ANIMATION => package.animation().map(drop),
+                Tag::TEXTURE => {
+                    texture += 1;
+                    package.texture(texture - 1).map(drop)
+                }
+                _ => package.section_bytes(index).map(drop),
+            };
+            faults.extend(fault.err());
+        }
+        faults
+    }
+
+    /// Version of the format the package was written in.
+    pub fn version(&self) -> u32 {
+        container::FORMAT_VERSION
+    }
+
+    /// The bytes the package was opened from.
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// The manifest.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The section table, in file order.
+    pub fn sections(&self) -> &[Section] {
+        &self.sections
+    }
+
+    /// Bytes of section number `index` of the table; verifies its checksum the first time.
+    pub fn section_bytes(&self, index: usize) -> Result<&'a [u8], FormatError> {
+        let section = self.sections.get(index).ok_or_else(|| FormatError::MissingSection {
+            tag: Tag::HEAD,
+            index: index as u32,
+            reason: format!("the table has {} entries", self.sections.len()),
+        })?;
+        let data = &self.bytes[section.offset as usize..(section.offset + section.length) as usize];
+        if !self.verified[index].load(Ordering::Relaxed) {
+            let found = crc32fast::hash(data);
+            if found != section.checksum {
+                let (tag, offset, expected) = (section.tag, section.offset, section.checksum);
+                return Err(FormatError::Checksum { tag, offset, found, expected });
+            }
+            self.verified[index].store(true, Ordering::Relaxed);
+        }
+        Ok(data)
+    }
+
+    fn find(&self, tag: Tag, nth: usize) -> Option<(usize, Section)> {
+        let matching = self.sections.iter().copied().enumerate().filter(|(_, s)| s.tag == tag);
+        matching.into_iter().nth(nth)
+    }
+
+    /// The mesh; `None` for a package without one.
+    ///
+    /// Fails where the manifest's parts do not cover the index buffer, or a skinned mesh has no skeleton.
+    pub fn mesh(&self) -> Result<Option<MeshView<'a>>, FormatError> {
+        let Some((index, section)) = self.find(Tag::MESH, 0) else { return Ok(None) };
+        let view = MeshView::parse(self.section_bytes(index)?, section.offset, &self.limits)?;
+        let fail = |reason| FormatError::Content { tag: Tag::MESH, offset: section.offset, reason };
+        let covered: u64 = self.manifest.parts.iter().map(|p| u64::from(p.index_count)).sum();
+        if covered != u64::from(view.index_count) {
+            let n = view.index_count;
+            return Err(fail(format!("{n} indices, expected the {covered} that the manifest's parts cover")));
+        }
+        if !view.skin.is_empty() {
+            let joints = self.animation()?.map_or(0, |a| a.joints.len());
+            let top = view.skin().flat_map(|v| v.joints).map(usize::from).max().unwrap_or(0);
+            if top >= joints {
+                return Err(fail(format!("a vertex follows joint {top}, expected less than the {joints} joints")));
+            }
+        }
+        Ok(Some(view))
+    }
+
+    /// Skeleton and clips; `None` for a package without. Decodes anew at every call.
+    pub fn animation(&self) -> Result<Option<Animation>, FormatError> {
+        let Some((index, section)) = self.find(Tag::ANIMATION, 0) else { return Ok(None) };
+        check_limit("animation length", &section, self.limits.animation_bytes)?;
+        let animation: Animation = decode_section(Tag::ANIMATION, section.offset, self.section_bytes(index)?)?;
+        animation.check().map_err(|reason| FormatError::Content {
+            tag: Tag::ANIMATION,
+            offset: section.offset,
+            reason,
+        })?;
+        Ok(Some(animation))
+    }
+
+    /// Texture number `index` of the manifest.
+    pub fn texture(&self, index: u32) -> Result<TextureView<'a>, FormatError> {
+        let (at, section) = self.find(Tag::TEXTURE, index as usize).ok_or_else(|| FormatError::MissingSection {
+            tag: Tag::TEXTURE,
+            index,
+            reason: format!("the package holds {} textures", self.manifest.textures.len()),
+        })?;
+        TextureView::parse(self.section_bytes(at)?, section.offset, &self.limits)
+    }
+}
+
+fn check_limit(what: &'static str, section: &Section, limit: u64) -> Result<(), FormatError> {
+    if section.length > limit {
+        let (offset, found) = (section.offset, section.length);
+        return Err(FormatError::Limit { what, offset, found, limit });
+    }
+    Ok(())
+}
+
+/// Collects sections and writes a package.
+///
+/// The manifest comes first; the other sections follow in the order in which they were added.
+#[derive(Debug)]
+pub struct PackageWriter<'a> {
+    manifest: Manifest,
+    sections: Vec<(Tag, Cow<'a, [u8]>)>,
+    error: Option<FormatError>,
+}
+
+impl<'a> PackageWriter<'a> {
+    /// Begins a package.
+    pub fn new(manifest: Manifest) -> Self {
+        Self { manifest, sections: Vec::new(), error: None }
+    }
+
+    fn push(mut self, tag: Tag, bytes: Result<Vec<u8>, FormatError>) -> Self {
+        match bytes {
+            Ok(bytes) => self.sections.push((tag, bytes.into())),
+            Err(error) => self.error = self.error.or(Some(error)),
+        }
+        self
+    }
+
+    /// Adds the mesh.
+    pub fn mesh(self, mesh: &MeshData) -> Self {
+        self.push(Tag::MESH, mesh.encode())
+    }
+
+    /// Adds skeleton and clips.
+    pub fn animation(self, animation: &Animation) -> Self {
+        self.push(Tag::ANIMATION, encode_section(Tag::ANIMATION, animation))
+    }
+
+    /// Adds a complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
+    pub fn texture(mut self, ktx2: impl Into<Cow<'a, [u8]>>) -> Self {
+        self.sections.push((Tag::TEXTURE, ktx2.into()));
+        self
+    }
+
+    /// Adds a section as it is: how sections this version does not know are carried over.
+    pub fn section(mut self, tag: Tag, bytes: impl Into<Cow<'a, [u8]>>) -> Self {
+        self.sections.push((tag, bytes.into()));
+        self
+    }
+
+    /// Writes the package, then reads it back in full: what is returned is a package that opens and validates.
+    pub fn finish(self) -> Result<Vec<u8>, FormatError> {
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        let manifest = encode_section(Tag::MANIFEST, &self.manifest)?;
+        let mut sections = vec![(Tag::MANIFEST, Cow::Owned(manifest))];
+        sections.extend(self.sections);
+        let bytes = container::write(&sections);
+        let unlimited = Limits {
+            sections: u32::MAX,
+            manifest_bytes: u64::MAX,
+            animation_bytes: u64::MAX,
+            vertices: u32::MAX,
+            indices: u32::MAX,
+            texture_size: u32::MAX,
+            texture_layers: u32::MAX,
+        };
+        match Package::validate(&bytes, &unlimited).into_iter().next() {
+            Some(fault) => Err(fault),
+            None => Ok(bytes),
+        }
+    }
+}
