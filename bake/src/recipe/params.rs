@@ -1,0 +1,316 @@
+//! The parameters of each stage, with their meaning, range and default in one place.
+
+use super::Key;
+use super::field::{Field, PowerOfTwo, SrgbColor};
+use crate::BakeError;
+use serde::{Deserialize, Serialize};
+
+/// Declares an enum whose values are words in a recipe.
+macro_rules! words {
+    ($(#[$meta:meta])* $name:ident { $($(#[$variant_meta:meta])* $variant:ident = $word:literal,)+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum $name { $($(#[$variant_meta])* #[serde(rename = $word)] $variant,)+ }
+
+        impl $name {
+            /// All values, in the order of declaration.
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
+            /// The word in a recipe.
+            pub fn word(self) -> &'static str {
+                match self { $(Self::$variant => $word),+ }
+            }
+        }
+
+        impl Field for $name {
+            type Range = ();
+
+            fn expected((): &()) -> String {
+                let words: Vec<_> = Self::ALL.iter().map(|v| format!("{:?}", v.word())).collect();
+                match words.as_slice() {
+                    [one] => one.clone(),
+                    _ => format!("one of {}", words.join(", ")),
+                }
+            }
+
+            fn from_raw(raw: &super::Raw) -> Option<Self> {
+                match raw {
+                    super::Raw::String(s) => Self::ALL.iter().copied().find(|v| v.word() == s),
+                    _ => None,
+                }
+            }
+
+            fn in_range(&self, (): &()) -> bool {
+                true
+            }
+
+            fn to_toml(&self) -> Option<String> {
+                Some(format!("{:?}", self.word()))
+            }
+        }
+    };
+}
+
+/// Declares a stage's parameters: the struct, its defaults, its checks and its recipe keys.
+///
+/// A field reads `/// meaning`, `name: Type = default, in range, as Checked;`; without a range the type's values are all allowed,
+/// and `Checked` is the wrapper whose [`Field`] does the checking where the type alone does not say enough.
+macro_rules! params {
+    (
+        $(#[$meta:meta])*
+        $name:ident in $section:ident {
+            $($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $default:expr $(, in $range:expr $(, as $wrap:ident)?)?;)+
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $(
+                $(#[doc = $doc])+
+                #[doc = concat!("\n\n" $(, "Range `", stringify!($range), "`. ")?, "Default `", stringify!($default), "`.")]
+                pub $field: $ty,
+            )+
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default),+ }
+            }
+        }
+
+        impl $name {
+            /// Checks every field against its range.
+            ///
+            /// # Errors
+            /// [`BakeError::Params`] naming the recipe key, what was found and what was expected.
+            pub fn validate(&self) -> Result<(), BakeError> {
+                $(
+                    let value = &self.$field;
+                    $($(let value = &$wrap(*value);)?)?
+                    value.check(&params!(@range $($range)?)).map_err(|reason| BakeError::Params {
+                        what: concat!(stringify!($section), ".", stringify!($field)),
+                        reason,
+                    })?;
+                )+
+                Ok(())
+            }
+
+            pub(super) const KEYS: &[Key] = &[$(Key {
+                name: concat!(stringify!($section), ".", stringify!($field)),
+                doc: concat!($($doc, "\n"),+),
+                expected: || params!(@type $ty $($(, $wrap)?)?)(&params!(@range $($range)?)),
+                read: |recipe, raw| {
+                    recipe.$section.$field = params!(@read $ty $($(, $wrap)?)?)(raw, &params!(@range $($range)?))?;
+                    Ok(())
+                },
+                write: |recipe| Field::to_toml(&recipe.$section.$field),
+            }),+];
+        }
+    };
+    (@range) => { () };
+    (@range $range:expr) => { $range };
+    (@type $ty:ty) => { <$ty as Field>::expected };
+    (@type $ty:ty, $wrap:ident) => { <$wrap as Field>::expected };
+    (@read $ty:ty) => { <$ty as Field>::read };
+    (@read $ty:ty, $wrap:ident) => { |raw, range| <$wrap as Field>::read(raw, range).map(|v| v.0) };
+}
+
+params! {
+    /// `[model]`: how the model is read.
+    ModelParams in model {
+        /// Metres per unit of the model. glTF says metres; set it where an exporter did not keep to that.
+        unit_m: f32 = 1.0, in 1e-6..=1e6;
+        /// Names of materials where no hair grows, such as eyes and hooves. `*` stands for any characters, `?` for one.
+        bare: Vec<String> = Vec::new();
+    }
+}
+
+words! {
+    /// Where tile coordinates come from.
+    SurfaceSource {
+        /// The model's own texture coordinates, scaled.
+        #[default]
+        Model = "model",
+    }
+}
+
+params! {
+    /// `[surface]`: how the periodic tile of hair lies on the model.
+    SurfaceParams in surface {
+        /// Where tile coordinates come from: `model` takes the model's own texture coordinates.
+        source: SurfaceSource = SurfaceSource::Model;
+        /// Width of the tile on the skin, metres. Left out, it is chosen from the model's size. Small repeats visibly,
+        /// large spreads the texels thin.
+        tile_size_m: Option<f32> = None, in 1e-6..=1e3;
+    }
+}
+
+words! {
+    /// The forces that shape a strand.
+    Style {
+        /// Stiff and smooth.
+        #[default]
+        Straight = "straight",
+        /// Helices.
+        Curly = "curly",
+        /// Pushed about by a smooth random field.
+        Messy = "messy",
+    }
+}
+
+params! {
+    /// `[hair]`: the strands of one tile. Lengths on the tile are fractions of its width, so that the look does not depend on
+    /// the model's units.
+    HairParams in hair {
+        /// The forces that shape a strand: `straight`, `curly` or `messy`.
+        style: Style = Style::Straight;
+        /// Seed of everything random. Another seed is another coat of the same kind.
+        seed: u64 = 1, in 0..=i64::MAX as u64;
+        /// Strands in the tile.
+        density: u32 = 700, in 1..=1_000_000;
+        /// Length of the longest strand along its curve, metres. Left out, it is chosen from the model's size.
+        length_m: Option<f32> = None, in 1e-6..=1e3;
+        /// How much shorter than the longest a strand may be: 0 all alike, 1 down to nothing. Longer is rarer, so that the
+        /// fur thins towards its surface.
+        length_variation: f32 = 0.5, in 0.0..=1.0;
+        /// Radius at the root, fractions of the tile's width. Below a texel hair fades instead of breaking up.
+        root_radius: f32 = 0.009, in 1e-5..=0.25;
+        /// Radius at the tip, fractions of the tile's width.
+        tip_radius: f32 = 0.003, in 0.0..=0.25;
+        /// How far strands bend over from root to tip: 0 upright, 1 lying on the skin.
+        lean: f32 = 0.35, in 0.0..=1.0;
+        /// Where they lean to, degrees in the tile: 0 towards +v, 90 towards +u.
+        lean_direction_deg: f32 = 0.0, in -360.0..=360.0;
+        /// Radius of the helix of `curly` strands, fractions of the tile's width.
+        curl_radius: f32 = 0.03, in 0.0..=1.0;
+        /// Height of one turn of that helix along its axis, fractions of the tile's width. Small is tight.
+        curl_pitch: f32 = 0.18, in 1e-3..=100.0;
+        /// Small random bends along a strand: 0 smooth, 1 woolly.
+        frizz: f32 = 0.1, in 0.0..=1.0;
+    }
+}
+
+params! {
+    /// `[color]`: the strands' colour.
+    ColorParams in color {
+        /// sRGB colour at the root.
+        root: SrgbColor = SrgbColor::hex(0x6b_56_40);
+        /// sRGB colour at the tip.
+        tip: SrgbColor = SrgbColor::hex(0xe6_d3_b3);
+        /// How much strands differ in brightness: 0 all alike, 1 from black to double.
+        variation: f32 = 0.25, in 0.0..=1.0;
+        /// Whether the model's base colour (factor, texture and vertex colours) multiplies the hair's.
+        base_color: bool = true;
+    }
+}
+
+params! {
+    /// `[shading]`: constants of Yang 2006, eqs. (1)–(3). Colours are linear RGB.
+    ShadingParams in shading {
+        /// ka: ambient light, multiplied by the hair's colour.
+        ambient: [f32; 3] = pelage_formats::Shading::default().ambient, in 0.0..=100.0;
+        /// kd: diffuse light.
+        diffuse: [f32; 3] = pelage_formats::Shading::default().diffuse, in 0.0..=100.0;
+        /// ks: the highlight.
+        specular: [f32; 3] = pelage_formats::Shading::default().specular, in 0.0..=100.0;
+        /// pd: 0 lights all directions alike, higher darkens hair that points to the light.
+        diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in 0.0..=10_000.0;
+        /// ps: higher is a narrower highlight.
+        specular_exponent: f32 = pelage_formats::Shading::default().specular_exponent, in 0.0..=10_000.0;
+        /// Share of the ambient light that reaches the skin: 0 black roots, towards 1 flat.
+        ambient_floor: f32 = pelage_formats::Shading::default().ambient_floor, in 0.0..=0.999;
+        /// How far light creeps past the terminator, as −N·L: small is a hard edge.
+        back_light_range: f32 = pelage_formats::Shading::default().back_light_range, in 0.001..=0.999;
+    }
+}
+
+impl From<&ShadingParams> for pelage_formats::Shading {
+    fn from(params: &ShadingParams) -> Self {
+        Self {
+            ambient: params.ambient,
+            diffuse: params.diffuse,
+            specular: params.specular,
+            diffuse_exponent: params.diffuse_exponent,
+            specular_exponent: params.specular_exponent,
+            ambient_floor: params.ambient_floor,
+            back_light_range: params.back_light_range,
+        }
+    }
+}
+
+params! {
+    /// `[slice]`: the shell textures. Defaults as in Yang 2006.
+    SliceParams in slice {
+        /// Layers, skin included. More is smoother from the side and costs frame time in proportion.
+        layers: u32 = 16, in 4..=256;
+        /// Width and height of a layer, texels.
+        tile_texels: u32 = 64, in 16..=2048, as PowerOfTwo;
+        /// Standard deviation of the Gaussian that filters the strands, texels: small is sharp and sparkles, large is soft.
+        filter_width: f32 = 0.5, in 0.25..=4.0;
+    }
+}
+
+words! {
+    /// Texel format of the shell textures.
+    ShellFormat {
+        /// BC7: one byte a texel.
+        #[default]
+        Bc7 = "bc7",
+        /// RGBA8: four bytes a texel, exact.
+        Rgba8 = "rgba8",
+    }
+}
+
+words! {
+    /// Texel format of the direction textures.
+    DirectionFormat {
+        /// BC5: one byte a texel.
+        #[default]
+        Bc5 = "bc5",
+        /// RG8: two bytes a texel.
+        Rg8 = "rg8",
+        /// RGBA8: four bytes a texel, with the confidence in the fourth.
+        Rgba8 = "rgba8",
+    }
+}
+
+words! {
+    /// Texel format of base-colour textures.
+    BaseColorFormat {
+        /// BC7: one byte a texel.
+        #[default]
+        Bc7 = "bc7",
+        /// RGBA8: four bytes a texel, exact.
+        Rgba8 = "rgba8",
+    }
+}
+
+words! {
+    /// Effort of the block encoders.
+    BcQuality {
+        /// For trying things out.
+        Fast = "fast",
+        /// Balanced.
+        #[default]
+        Basic = "basic",
+        /// For the final bake.
+        Slow = "slow",
+    }
+}
+
+params! {
+    /// `[pack]`: texture formats of the package.
+    PackParams in pack {
+        /// Texel format of the shell textures.
+        shell_format: ShellFormat = ShellFormat::Bc7;
+        /// Texel format of the direction textures.
+        direction_format: DirectionFormat = DirectionFormat::Bc5;
+        /// Texel format of base-colour textures.
+        base_color_format: BaseColorFormat = BaseColorFormat::Bc7;
+        /// Base-colour textures are scaled down until neither side has more texels than this.
+        base_color_max: u32 = 1024, in 4..=16_384;
+        /// Effort of the block encoders.
+        bc_quality: BcQuality = BcQuality::Basic;
+    }
+}

@@ -1,0 +1,195 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use super::*;
+use proptest::prelude::*;
+
+fn error(text: &str) -> String {
+    Recipe::parse("r.toml", text).unwrap_err().to_string()
+}
+
+#[test]
+fn an_empty_recipe_is_the_default() {
+    assert_eq!(Recipe::parse("r.toml", "").unwrap(), Recipe::default());
+    Recipe::default().validate().unwrap();
+}
+
+#[test]
+fn every_key_is_a_field_and_every_field_a_key() {
+    let tree = toml::Value::try_from(Recipe::default()).unwrap();
+    let mut fields = Vec::new();
+    for (section, table) in tree.as_table().unwrap() {
+        fields.extend(table.as_table().unwrap().keys().map(|k| format!("{section}.{k}")));
+    }
+    // Optional fields are absent from the serialised default.
+    fields.extend(["surface.tile_size_m".to_owned(), "hair.length_m".to_owned()]);
+    let mut names: Vec<_> = keys().map(|k| k.name.to_owned()).collect();
+    fields.sort();
+    names.sort();
+    assert_eq!(names, fields);
+    for key in keys() {
+        assert!(key.doc.len() > 10 && !(key.expected)().is_empty(), "{} is not documented", key.name);
+    }
+}
+
+#[test]
+fn mistakes_name_line_key_found_and_expected() {
+    for (text, parts) in [
+        ("[hair]\ndensty = 3", &["r.toml: line 2, hair.densty:", "hair.density"][..]),
+        ("\n[hiar]\ndensity = 3", &["line 2, hiar", "[hair]"]),
+        ("[slice]\ndensity = 3", &["line 2, slice.density", "hair.density"]),
+        ("density = 3", &["line 1, density", "unknown table"]),
+        ("hair = 3", &["line 1, hair", "found 3", "a table"]),
+        ("hair.length = 3", &["line 1, hair.length:", "hair.length_m"]),
+        ("[slice]\nlayers = 0", &["line 2, slice.layers", "found 0", "4..=256"]),
+        ("[slice]\nlayers = 16.0", &["found 16", "an integer 4..=256"]),
+        ("[slice]\ntile_texels = 65", &["found 65", "a power of two 16..=2048"]),
+        ("[slice]\ntile_texels = \"64\"", &["found the string \"64\"", "power of two"]),
+        ("[hair]\nstyle = \"curley\"", &["\"curley\"", "\"straight\", \"curly\", \"messy\""]),
+        ("[hair]\nlength_m = nan", &["found NaN", "a number"]),
+        ("[hair]\nlength_m = 2021-01-01", &["found a date"]),
+        ("[hair]\nseed = -1", &["found -1", "0..=9223372036854775807"]),
+        ("[hair]\nlean = 1e400", &["found inf"]),
+        ("[color]\nroot = \"#12345\"", &["\"#12345\"", "#rrggbb"]),
+        ("[color]\nroot = [1, 2]", &["found [1, 2]"]),
+        ("[color]\nroot = [0, 0, 2]", &["0..=1"]),
+        ("[color]\nbase_color = 1", &["found 1", "true or false"]),
+        ("[model]\nbare = [1]", &["found [1]", "a list of strings"]),
+        ("[hair]\nlean = ", &["line 2"]),
+        ("[hair]\nlean = 1\nlean = 0.5", &["line 3", "duplicate"]),
+        ("[hair\n", &["line 1"]),
+    ] {
+        let message = error(text);
+        for part in parts {
+            assert!(message.contains(part), "{text:?} gives {message:?}, expected {part:?} in it");
+        }
+    }
+}
+
+#[test]
+fn set_takes_bare_strings_and_reports_the_key() {
+    let mut recipe = Recipe::default();
+    for assignment in
+        ["hair.style=messy", "color.tip = #ff8000", "model.bare=Eye*", "hair.length_m=2e-2", "hair.lean=1"]
+    {
+        recipe.set(assignment).unwrap();
+    }
+    assert_eq!(recipe.hair.style, Style::Messy);
+    assert_eq!(recipe.color.tip, SrgbColor([1.0, 128.0 / 255.0, 0.0]));
+    assert_eq!(recipe.model.bare, ["Eye*"]);
+    assert_eq!((recipe.hair.length_m, recipe.hair.lean), (Some(0.02), 1.0));
+    recipe.set("model.bare=[\"a\", \"b\"]").unwrap();
+    assert_eq!(recipe.model.bare, ["a", "b"]);
+    let before = recipe.clone();
+    for (assignment, part) in [
+        ("hair.style", "key=value"),
+        ("hair.stile=messy", "hair.style"),
+        ("lean=1", "hair.lean"),
+        ("slice.layers=0", "found 0"),
+        ("slice.layers=", "found the string \"\""),
+        ("", "key=value"),
+    ] {
+        let message = recipe.set(assignment).unwrap_err().to_string();
+        assert!(message.starts_with("--set: ") && message.contains(part), "{assignment:?} gives {message:?}");
+    }
+    assert_eq!(recipe, before, "a refused value must change nothing");
+}
+
+#[test]
+fn validate_names_the_key() {
+    let mut recipe = Recipe::default();
+    recipe.hair.lean = f32::NAN;
+    let message = recipe.validate().unwrap_err().to_string();
+    assert!(message.contains("hair.lean") && message.contains("0..=1"), "{message}");
+    recipe = Recipe::default();
+    recipe.slice.tile_texels = 96;
+    assert!(recipe.validate().unwrap_err().to_string().contains("slice.tile_texels"));
+}
+
+#[test]
+fn documented_toml_parses_to_the_same_recipe() {
+    let mut recipe = Recipe::default();
+    let text = recipe.to_documented_toml();
+    assert_eq!(Recipe::parse("r.toml", &text).unwrap(), recipe, "{text}");
+    assert!(text.contains("# length_m =\n"));
+    recipe.hair.length_m = Some(0.03);
+    assert!(recipe.to_documented_toml().contains("\nlength_m = 0.03\n"));
+    assert_eq!(Recipe::parse("r.toml", &format!("\u{feff}{}", recipe.to_toml())).unwrap(), recipe);
+}
+
+fn recipes() -> impl Strategy<Value = Recipe> {
+    let unit = || 0.0f32..=1.0;
+    let color = || [unit(), unit(), unit()].prop_map(SrgbColor);
+    let hair = (
+        (prop::sample::select(Style::ALL), 0..=i64::MAX as u64, 1u32..=1_000_000, prop::option::of(1e-6f32..=1e3)),
+        (unit(), 1e-5f32..=0.25, 0f32..=0.25, unit(), -360f32..=360.0, unit(), 1e-3f32..=100.0, unit()),
+    )
+        .prop_map(|(a, b)| HairParams {
+            style: a.0,
+            seed: a.1,
+            density: a.2,
+            length_m: a.3,
+            length_variation: b.0,
+            root_radius: b.1,
+            tip_radius: b.2,
+            lean: b.3,
+            lean_direction_deg: b.4,
+            curl_radius: b.5,
+            curl_pitch: b.6,
+            frizz: b.7,
+        });
+    let pack = (
+        prop::sample::select(ShellFormat::ALL),
+        prop::sample::select(DirectionFormat::ALL),
+        prop::sample::select(BaseColorFormat::ALL),
+        4u32..=16_384,
+        prop::sample::select(BcQuality::ALL),
+    )
+        .prop_map(|p| PackParams {
+            shell_format: p.0,
+            direction_format: p.1,
+            base_color_format: p.2,
+            base_color_max: p.3,
+            bc_quality: p.4,
+        });
+    let rest = (
+        (1e-6f32..=1e6, prop::collection::vec(any::<String>(), 0..3), prop::option::of(1e-6f32..=1e3)),
+        (color(), color(), unit(), any::<bool>()),
+        ([0f32..=100.0, 0.0..=100.0, 0.0..=100.0], 0f32..=10_000.0, 0f32..=0.999, 0.001f32..=0.999),
+        (4u32..=256, 4u32..=11, 0.25f32..=4.0),
+    );
+    (hair, pack, rest).prop_map(|(hair, pack, (model, color, shading, slice))| Recipe {
+        model: ModelParams { unit_m: model.0, bare: model.1 },
+        surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2 },
+        hair,
+        color: ColorParams { root: color.0, tip: color.1, variation: color.2, base_color: color.3 },
+        shading: ShadingParams {
+            ambient: shading.0,
+            specular_exponent: shading.1,
+            ambient_floor: shading.2,
+            back_light_range: shading.3,
+            ..ShadingParams::default()
+        },
+        slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
+        pack,
+    })
+}
+
+proptest! {
+    #[test]
+    fn toml_round_trip(recipe in recipes()) {
+        recipe.validate().unwrap();
+        let text = recipe.to_toml();
+        prop_assert_eq!(&Recipe::parse("r.toml", &text).unwrap(), &recipe, "{}", text);
+        prop_assert_eq!(&Recipe::parse("r.toml", &text).unwrap().to_toml(), &text);
+        // The serde form is the same language.
+        prop_assert_eq!(&toml::from_str::<Recipe>(&text).unwrap(), &recipe);
+    }
+
+    #[test]
+    fn any_text_gives_an_answer(text in "\\PC{0,40}", key in "[a-z_.]{0,12}", value in "\\PC{0,12}") {
+        let _ = Recipe::parse("r.toml", &text);
+        let _ = Recipe::parse("r.toml", &format!("[hair]\n{key} = {value}"));
+        let _ = Recipe::default().set(&text);
+        let _ = Recipe::default().set(&format!("hair.{key}={value}"));
+    }
+}
