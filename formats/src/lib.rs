@@ -16,6 +16,7 @@
 
 mod animation;
 mod container;
+mod direction;
 mod error;
 mod limits;
 mod manifest;
@@ -26,6 +27,7 @@ mod texture;
 
 pub use animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
 pub use container::{FORMAT_VERSION, MAGIC, Section, Tag};
+pub use direction::{decode_direction, encode_direction};
 pub use error::FormatError;
 pub use limits::Limits;
 pub use manifest::{Bounds, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, TextureEntry};
