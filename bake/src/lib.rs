@@ -4,6 +4,7 @@
 //! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.
 
 pub mod error;
+pub mod groom;
 pub mod hair;
 pub mod import;
 pub mod io;

@@ -1,0 +1,116 @@
+//! Where hair grows, and how long: the `groom` stage. Lengths are metres in the posed rest state.
+
+use crate::mesh::{Material, Mesh, RestPose};
+use pelage_formats::Bounds;
+
+/// Length of the hair where the recipe gives none, as a share of the bounding sphere's radius: a short-haired animal's coat.
+const LENGTH_PER_RADIUS: f32 = 0.06;
+/// Width of the tile where the recipe gives none, as a share of the radius.
+const TILE_PER_RADIUS: f32 = 0.3;
+
+/// Lengths that the recipe may leave open, resolved for one model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lengths {
+    /// Length of the longest strand, metres.
+    pub length_m: f32,
+    /// Width of the hair tile on the skin, metres.
+    pub tile_size_m: f32,
+}
+
+impl Lengths {
+    /// Takes what the recipe gives and derives the rest from the model's size.
+    ///
+    /// Models are modelled in all units, whatever glTF says, so only a length relative to the model suits them all.
+    pub fn resolve(length_m: Option<f32>, tile_size_m: Option<f32>, bounds: &Bounds) -> Self {
+        // A model of one point has no size to go by; any positive number keeps the stages defined.
+        let radius = if bounds.radius > 0.0 { bounds.radius } else { 1.0 };
+        Self {
+            length_m: length_m.unwrap_or(LENGTH_PER_RADIUS * radius),
+            tile_size_m: tile_size_m.unwrap_or(TILE_PER_RADIUS * radius),
+        }
+    }
+}
+
+/// Box and sphere about the skin at rest.
+pub fn bounds(rest: &RestPose) -> Bounds {
+    let mut points = rest.positions.iter().copied();
+    let Some(first) = points.next() else { return Bounds::default() };
+    let (min, max) = points.fold((first, first), |(min, max), p| (min.min(p), max.max(p)));
+    let center = (min + max) / 2.0;
+    let radius = rest.positions.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
+    Bounds { min: min.into(), max: max.into(), center: center.into(), radius }
+}
+
+/// One per material: whether hair grows on it.
+///
+/// `bare` holds names, in which `*` stands for any run of characters; case does not matter. A pattern that matches no material
+/// is reported in `warnings`, with the names there are.
+pub fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
+    for pattern in bare.iter().filter(|p| !materials.iter().any(|m| glob(p, &m.name))) {
+        let names: Vec<_> = materials.iter().map(|m| m.name.as_str()).collect();
+        warnings.push(format!("model.bare: {pattern:?} matches no material; the model has {names:?}"));
+    }
+    materials.iter().map(|m| !bare.iter().any(|p| glob(p, &m.name))).collect()
+}
+
+fn glob(pattern: &str, name: &str) -> bool {
+    let (pattern, name) = (pattern.to_lowercase(), name.to_lowercase());
+    let mut pieces = pattern.split('*');
+    let Some(rest) = pieces.next().and_then(|first| name.strip_prefix(first)) else { return false };
+    let pieces: Vec<_> = pieces.collect();
+    let Some((last, middle)) = pieces.split_last() else { return rest.is_empty() };
+    let mut rest = rest;
+    for piece in middle {
+        match rest.find(piece) {
+            Some(at) => rest = &rest[at + piece.len()..],
+            None => return false,
+        }
+    }
+    rest.ends_with(last)
+}
+
+/// Height of the outermost layer at every vertex, metres: `height_m` on furred parts, 0 on bare ones.
+pub fn fur_heights(mesh: &Mesh, furred: &[bool], height_m: f32) -> Vec<f32> {
+    let mut heights = vec![0.0; mesh.positions.len()];
+    for part in mesh.parts.iter().filter(|p| furred.get(p.material).copied().unwrap_or(false)) {
+        for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
+            triangle.iter().for_each(|i| heights[*i as usize] = height_m);
+        }
+    }
+    heights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn globs_match_as_shells_do() {
+        for (pattern, name, expected) in [
+            ("Eye", "eye", true),
+            ("Eye", "Eyes", false),
+            ("eye*", "Eye_L", true),
+            ("*", "", true),
+            ("*hoof*", "front hoof L", true),
+            ("a*b", "ab", true),
+            ("a*b*", "axxbyy", true),
+            ("a*b", "abc", false),
+            ("a*a", "a", false),
+            ("", "", true),
+            ("", "x", false),
+        ] {
+            assert_eq!(glob(pattern, name), expected, "{pattern:?} on {name:?}");
+        }
+    }
+
+    #[test]
+    fn bounds_hold_every_point() {
+        let positions = vec![Vec3::new(1., 2., 3.), Vec3::new(-1., 0., 5.), Vec3::new(0., 1., 4.)];
+        let b = bounds(&RestPose { normals: vec![Vec3::Z; 3], positions: positions.clone() });
+        assert_eq!((b.min, b.max), ([-1., 0., 3.], [1., 2., 5.]));
+        for p in positions {
+            assert!(p.distance(b.center.into()) <= b.radius * 1.000001);
+        }
+    }
+}

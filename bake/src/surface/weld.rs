@@ -1,0 +1,74 @@
+//! Joining what exporters tear apart: vertices that are equal in all they carry, and normals across seams.
+
+use crate::mesh::Mesh;
+use glam::Vec3;
+use std::collections::HashMap;
+
+fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
+    // Adding zero turns -0 into +0, which would otherwise tear a seam into every mirrored model.
+    values.map(|v| (v + 0.0).to_bits())
+}
+
+/// Joins vertices of one material that agree in position, normal, texture coordinates, colour and skin, bit for bit.
+///
+/// Files without indices hold every corner of every triangle; only joined can corners share a tile frame. The first of equal
+/// vertices stays, so the order does not depend on the hash map. Vertices of no triangle vanish.
+pub(super) fn join_equal_vertices(mesh: &Mesh) -> Mesh {
+    let mut out = Mesh { parts: mesh.parts.clone(), ..Mesh::default() };
+    let mut seen = HashMap::new();
+    for part in &mesh.parts {
+        for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
+            let joined = triangle.map(|corner| {
+                let i = corner as usize;
+                let skin = mesh.skin.get(i);
+                let key = (
+                    part.material,
+                    bits(mesh.positions[i].to_array()),
+                    bits(mesh.normals[i].to_array()),
+                    bits(mesh.uvs[i].to_array()),
+                    mesh.colors[i],
+                    skin.map(|s| (s.joints, bits(s.weights))),
+                );
+                *seen.entry(key).or_insert_with(|| {
+                    out.positions.push(mesh.positions[i]);
+                    out.normals.push(mesh.normals[i]);
+                    out.uvs.push(mesh.uvs[i]);
+                    out.colors.push(mesh.colors[i]);
+                    out.skin.extend(skin);
+                    out.positions.len() as u32 - 1
+                })
+            });
+            out.triangles.push(joined);
+        }
+    }
+    out
+}
+
+/// Gives all furred vertices at one position one normal, so that the shells above a seam or a hard edge stay closed.
+///
+/// The mean is weighted by the angle of each triangle's corner there, which makes it independent of the triangulation; hair has
+/// no creases, so flat-shaded input is rounded as well. Bare parts keep their normals.
+pub(super) fn smooth_normals_over_seams(mesh: &mut Mesh, furred: &[bool]) {
+    let mut sums: HashMap<[u32; 3], Vec3> = HashMap::new();
+    let corners = |mesh: &Mesh| -> Vec<(usize, f32)> {
+        let mut out = Vec::new();
+        for (triangle, _) in mesh.triangles.iter().zip(furred).filter(|(_, f)| **f) {
+            for k in 0..3 {
+                let [a, b, c] = [0, 1, 2].map(|j| triangle[(k + j) % 3] as usize);
+                let (p, q, r) = (mesh.positions[a], mesh.positions[b], mesh.positions[c]);
+                let angle = if p == q || p == r { 0.0 } else { (q - p).angle_between(r - p) };
+                out.push((a, if angle.is_finite() { angle } else { 0.0 }));
+            }
+        }
+        out
+    };
+    let corners = corners(mesh);
+    for (vertex, angle) in &corners {
+        *sums.entry(bits(mesh.positions[*vertex].to_array())).or_default() += mesh.normals[*vertex] * *angle;
+    }
+    for (vertex, _) in corners {
+        if let Some(normal) = sums.get(&bits(mesh.positions[vertex].to_array())).and_then(|sum| sum.try_normalize()) {
+            mesh.normals[vertex] = normal;
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Texels into .ktx2 files, by way of the `ctt` crate (Intel's block encoder; KTX2 writer).
+//!
+//! Layers are encoded one at a time as they arrive, so that of a large tile only the blocks stay in memory.
+
+use crate::BakeError;
+use crate::mesh::BaseColorImage;
+use crate::recipe::{BaseColorFormat, BcQuality, PackParams};
+use ctt::Quality;
+use ctt::encoders::Encoder;
+use ctt::{
+    AlphaMode, ColorSpace, Container, ConvertSettings, FormatDesc, ImageRef, PipelineOutput, Surface, SurfaceRef,
+    TargetFormat, TextureKind,
+};
+use ktx2::Format;
+use pelage_formats::TextureFormat;
+
+/// One mip level of one layer.
+#[derive(Clone, Copy, Debug)]
+pub struct RawLevel<'a> {
+    /// Width, texels.
+    pub width: u32,
+    /// Height, texels.
+    pub height: u32,
+    /// `width * height` texels, row-major: RGBA bytes, or RG bytes for two-component formats.
+    pub texels: &'a [u8],
+}
+
+impl<'a> RawLevel<'a> {
+    fn surface(&self, texel_bytes: u32) -> SurfaceRef<'a> {
+        let (width, height, data) = (self.width, self.height, self.texels);
+        SurfaceRef { data, width, height, depth: 1, stride: width * texel_bytes, slice_stride: 0 }
+    }
+}
+
+/// Collects the layers of one texture and writes it as a complete .ktx2 file.
+#[derive(Debug)]
+pub struct TextureEncoder {
+    format: TextureFormat,
+    alpha: AlphaMode,
+    quality: Quality,
+    /// Encoded levels, one list per layer.
+    layers: Vec<Vec<Surface>>,
+}
+
+impl From<BcQuality> for Quality {
+    fn from(quality: BcQuality) -> Self {
+        match quality {
+            BcQuality::Fast => Self::Fast,
+            BcQuality::Basic => Self::Basic,
+            BcQuality::Slow => Self::Slow,
+        }
+    }
+}
+
+impl TextureEncoder {
+    /// A texture of `format` without layers. `premultiplied` goes into the file's data format descriptor.
+    pub fn new(format: TextureFormat, premultiplied: bool, quality: BcQuality) -> Self {
+        let alpha = if premultiplied { AlphaMode::Premultiplied } else { AlphaMode::Straight };
+        Self { format, alpha, quality: quality.into(), layers: Vec::new() }
+    }
+
+    fn color_space(&self) -> ColorSpace {
+        match self.format {
+            TextureFormat::Rgba8Srgb | TextureFormat::Bc7Srgb => ColorSpace::Srgb,
+            _ => ColorSpace::Linear,
+        }
+    }
+
+    /// Format of the texels that come in.
+    fn raw_format(&self) -> Format {
+        match (self.format.components(), self.color_space()) {
+            (2, _) => Format::R8G8_UNORM,
+            (_, ColorSpace::Srgb) => Format::R8G8B8A8_SRGB,
+            (_, ColorSpace::Linear) => Format::R8G8B8A8_UNORM,
+        }
+    }
+
+    fn describe(&self, format: Format) -> FormatDesc {
+        FormatDesc { format, color_space: self.color_space(), alpha: self.alpha }
+    }
+
+    /// Encodes one layer with its mip levels, largest first. All layers need the same sizes.
+    pub fn push_layer(&mut self, levels: &[RawLevel<'_>]) -> Result<(), BakeError> {
+        let image = ImageRef {
+            surfaces: vec![levels.iter().map(|level| level.surface(self.format.components())).collect()],
+            kind: TextureKind::Texture2D,
+            desc: self.describe(self.raw_format()),
+        };
+        let target = match self.format.block_size() {
+            1 => TargetFormat::Uncompressed(self.format.ktx2()),
+            _ => TargetFormat::Compressed {
+                format: self.format.ktx2(),
+                encoder: Encoder::Intel(ctt::encoders::ispc::IspcSettings::default()),
+            },
+        };
+        let settings = ConvertSettings {
+            format: Some(target),
+            container: Container::Raw,
+            quality: self.quality,
+            ..Default::default()
+        };
+        match ctt::convert(image, settings) {
+            Ok(PipelineOutput::Raw(image)) => {
+                self.layers.extend(image.surfaces);
+                Ok(())
+            }
+            Ok(PipelineOutput::Encoded(_)) => Err(internal("asked for texels, got a file")),
+            Err(error) => Err(internal(error)),
+        }
+    }
+
+    /// Writes the .ktx2 file: a 2D array where there are several layers, else a plain 2D texture.
+    pub fn finish(self) -> Result<Vec<u8>, BakeError> {
+        let desc = self.describe(self.format.ktx2());
+        let image = ctt::Image { surfaces: self.layers, kind: TextureKind::Texture2D, desc };
+        let settings = ConvertSettings { container: Container::ktx2(), ..Default::default() };
+        match ctt::convert(image.to_ref(), settings) {
+            Ok(PipelineOutput::Encoded(bytes)) => Ok(bytes),
+            Ok(PipelineOutput::Raw(_)) => Err(internal("asked for a file, got texels")),
+            Err(error) => Err(internal(error)),
+        }
+    }
+}
+
+fn internal(error: impl std::fmt::Display) -> BakeError {
+    BakeError::Internal(format!("texture encoder: {error}"))
+}
+
+/// Encodes a model's base-colour image with mips filtered in linear light.
+///
+/// Block formats need sides that are multiples of four (WebGPU, "texture creation"): others are resampled to the next one up.
+pub fn encode_base_color(image: &BaseColorImage, params: &PackParams) -> Result<Vec<u8>, BakeError> {
+    let format = match params.base_color_format {
+        BaseColorFormat::Bc7 => TextureFormat::Bc7Srgb,
+        BaseColorFormat::Rgba8 => TextureFormat::Rgba8Srgb,
+    };
+    let mut levels = mip_chain(image.width, image.height, &image.rgba)?;
+    levels.retain(|level| level.width.max(level.height) <= params.base_color_max);
+    let block = format.block_size();
+    if let Some(top) = levels.first().filter(|top| top.width % block != 0 || top.height % block != 0) {
+        let (width, height) = (top.width.next_multiple_of(block), top.height.next_multiple_of(block));
+        let texels = image::RgbaImage::from_raw(top.width, top.height, top.data.clone())
+            .ok_or_else(|| internal("a mip level of the wrong size"))?;
+        let texels = image::imageops::resize(&texels, width, height, image::imageops::FilterType::Triangle);
+        levels = mip_chain(width, height, texels.as_raw())?;
+    }
+    let mut encoder = TextureEncoder::new(format, false, params.bc_quality);
+    let levels: Vec<_> =
+        levels.iter().map(|s| RawLevel { width: s.width, height: s.height, texels: &s.data }).collect();
+    encoder.push_layer(&levels)?;
+    encoder.finish()
+}
+
+/// The full mip chain of an RGBA8 sRGB image with straight alpha.
+fn mip_chain(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<Surface>, BakeError> {
+    let surface = RawLevel { width, height, texels: rgba }.surface(4);
+    let desc = FormatDesc { format: Format::R8G8B8A8_SRGB, color_space: ColorSpace::Srgb, alpha: AlphaMode::Straight };
+    let image = ImageRef { surfaces: vec![vec![surface]], kind: TextureKind::Texture2D, desc };
+    let settings = ConvertSettings { container: Container::Raw, mipmap: true, ..Default::default() };
+    match ctt::convert(image, settings) {
+        Ok(PipelineOutput::Raw(image)) => image.surfaces.into_iter().next().ok_or_else(|| internal("no layer")),
+        Ok(PipelineOutput::Encoded(_)) => Err(internal("asked for texels, got a file")),
+        Err(error) => Err(internal(error)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    use super::*;
+    use pelage_formats::{Limits, Manifest, Package, PackageWriter, TextureEntry};
+
+    fn reread<T>(ktx2: Vec<u8>, look: impl FnOnce(pelage_formats::TextureView<'_>) -> T) -> T {
+        let manifest = Manifest { textures: vec![TextureEntry { name: "t".into() }], ..Manifest::default() };
+        let bytes = PackageWriter::new(manifest).texture(ktx2).finish().unwrap();
+        look(Package::open(&bytes, &Limits::default()).unwrap().texture(0).unwrap())
+    }
+
+    #[test]
+    fn layers_and_levels_keep_their_order_in_every_format() {
+        for format in TextureFormat::ALL {
+            let n = format.components() as usize;
+            let texels = |size: u32, value: u8| vec![value; (size * size) as usize * n];
+            let mut encoder = TextureEncoder::new(format, true, BcQuality::Basic);
+            for layer in 0..3u8 {
+                let levels: Vec<_> = (0..4u8).map(|l| (8 >> l, texels(8 >> l, 10 + 60 * layer + 10 * l))).collect();
+                let raw: Vec<_> = levels.iter().map(|(s, t)| RawLevel { width: *s, height: *s, texels: t }).collect();
+                encoder.push_layer(&raw).unwrap();
+            }
+            reread(encoder.finish().unwrap(), |view| {
+                assert_eq!((view.format, view.width, view.layers, view.levels), (format, 8, 3, 4));
+                let reader = ktx2::Reader::new(view.ktx2).unwrap();
+                assert_eq!(reader.is_alpha_premultiplied(), Some(true), "{format:?}");
+                if format.block_size() == 1 {
+                    for (level, layer) in (0..4u32).flat_map(|level| (0..3u32).map(move |layer| (level, layer))) {
+                        let size = format.layer_bytes(8 >> level, 8 >> level) as usize;
+                        let bytes = &view.level(level)[layer as usize * size..][..size];
+                        let expected = (10 + 60 * layer + 10 * level) as u8;
+                        assert!(bytes.iter().all(|b| *b == expected), "{format:?} level {level} layer {layer}");
+                    }
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn base_color_is_scaled_down_and_rounded_up_to_blocks() {
+        let image = BaseColorImage { width: 30, height: 22, rgba: [200, 100, 50, 255].repeat(30 * 22) };
+        let params = PackParams { base_color_max: 16, ..PackParams::default() };
+        reread(encode_base_color(&image, &params).unwrap(), |view| {
+            assert_eq!((view.format, view.width, view.height), (TextureFormat::Bc7Srgb, 16, 12));
+            assert_eq!(view.levels, 5);
+        });
+        let params = PackParams { base_color_format: BaseColorFormat::Rgba8, ..PackParams::default() };
+        reread(encode_base_color(&image, &params).unwrap(), |view| {
+            assert_eq!((view.width, view.height, view.levels), (30, 22, 5));
+            assert_eq!(view.level(4), &[200, 100, 50, 255], "a flat image stays flat down to one texel");
+        });
+    }
+}
