@@ -1,1 +1,109 @@
-//! Model files in: glTF 2.0.
+//! Model files in: glTF 2.0, as `.gltf` or `.glb`.
+//!
+//! [`import`] reads bytes and touches no file; buffers and images that the model names come through a callback. It reads, in
+//! this order: the container, required extensions, the node tree, the meshes of the scene with their materials, skins, clips;
+//! and puts them together ([`Model`]).
+//!
+//! * Where any mesh of the scene has a skin, or a clip moves a node that a mesh hangs on, every vertex gets joints (rigid parts:
+//!   one, their node) and stays in mesh space. Else everything is placed in world space and there is no animation.
+//! * Missing normals are computed smooth, without creases (glTF asks for flat ones, which tear a coat of fur open).
+//! * Vertices of a skin without any weight follow the first joint that they name; of more than four, the largest four count.
+//! * Parts that the scene or the rest pose mirrors, or that face against their normals, are turned around.
+//! * Morph targets are applied at their default weights; their animation is left out.
+//!
+//! All that is repaired, left out or guessed is told in [`Model::warnings`]. What cannot be is an error that names the place as
+//! a byte offset or a JSON pointer, with what was found and what was expected. No number of the file is trusted before it is
+//! checked against the bytes there are, or against [`pelage_formats::Limits`].
+
+mod accessor;
+mod assemble;
+mod clips;
+mod container;
+mod extensions;
+mod json;
+mod material;
+mod normals;
+mod orient;
+mod primitive;
+mod scene;
+mod skin;
+mod source;
+mod weights;
+
+use crate::BakeError;
+use crate::mesh::Model;
+use json::At;
+use serde::{Deserialize, Serialize};
+use source::Source;
+
+/// How to read a model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ImportOptions {
+    /// Length of one unit of the model, metres, 1e-6..=1e6 (default 1, as glTF says; 0.01 for a model made in centimetres).
+    pub unit_m: f32,
+}
+
+impl Default for ImportOptions {
+    fn default() -> Self {
+        Self { unit_m: 1.0 }
+    }
+}
+
+impl ImportOptions {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Params`] for a unit outside its range.
+    pub fn validate(&self) -> Result<(), BakeError> {
+        if (1e-6..=1e6).contains(&self.unit_m) {
+            return Ok(());
+        }
+        let reason = format!("is {}, expected 1e-6..=1e6 metres", self.unit_m);
+        Err(BakeError::Params { what: "model.unit_m", reason })
+    }
+}
+
+/// Reads a glTF 2.0 model from `bytes`; what the file is shows in its contents, not in its name.
+///
+/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI, as written in the model (still
+/// percent-encoded).
+///
+/// # Errors
+///
+/// [`BakeError::Input`] with byte offset or JSON pointer for everything wrong with the model or a file that it names,
+/// [`BakeError::Params`] for options outside their range.
+pub fn import(
+    file: &str,
+    bytes: &[u8],
+    resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>, BakeError>,
+    options: &ImportOptions,
+) -> Result<Model, BakeError> {
+    options.validate()?;
+    let mut warnings = Vec::new();
+    let container = container::split(file, bytes, &mut warnings)?;
+    let document = json::parse(file, container.json, container.json_offset)?;
+    let mut source = Source::new(At::root(file, &document), container.bin, resolve, warnings);
+    source.record("model", file.rsplit(['/', '\\']).next().unwrap_or_default(), bytes);
+    check_version(&source)?;
+    source.check_extensions()?;
+    let mut model = assemble::model(&mut source, options)?;
+    (model.warnings, model.inputs) = source.finish();
+    Ok(model)
+}
+
+fn check_version(source: &Source<'_, '_>) -> Result<(), BakeError> {
+    let asset = source.root.require("asset")?;
+    let version_at = asset.require("version")?;
+    let major = |at: &At<'_>| at.string().map(|v| v.split('.').next().and_then(|m| m.parse::<u32>().ok()));
+    match major(&version_at)? {
+        Some(2) => {}
+        Some(1) => return Err(version_at.expected("2.x; convert glTF 1.0 with `gltf-pipeline -i in.gltf -o out.gltf`")),
+        _ => return Err(version_at.expected("2.x")),
+    }
+    match asset.get("minVersion") {
+        Some(at) if at.string()? != "2.0" => Err(at.expected("2.0, the newest version that pelage reads")),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,234 @@
+//! Accessors (glTF 2.0, section 3.6.2), read with every range checked against the bytes there are.
+
+use super::json::At;
+use super::source::Source;
+use crate::BakeError;
+use pelage_formats::Limits;
+
+/// Type of one component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    fn read(at: &At<'_>) -> Result<Self, BakeError> {
+        Ok(match at.unsigned()? {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return Err(at.expected("5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)")),
+        })
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::I8 => "i8",
+            Self::U8 => "u8",
+            Self::I16 => "i16",
+            Self::U16 => "u16",
+            Self::U32 => "u32",
+            Self::F32 => "f32",
+        }
+    }
+}
+
+/// The elements of an accessor, tightly packed, as stored.
+#[derive(Debug)]
+pub(super) struct Elements {
+    pub count: usize,
+    /// Components of an element.
+    pub width: usize,
+    pub component: Component,
+    normalized: bool,
+    bytes: Vec<u8>,
+}
+
+/// The component types of floating-point data: floats, and what KHR_mesh_quantization adds.
+pub(super) const REAL: &[Component] = &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
+/// The component types of indices.
+pub(super) const WHOLE: &[Component] = &[Component::U8, Component::U16, Component::U32];
+
+impl Elements {
+    /// As floats; integers are divided by their maximum where the accessor says `normalized` or `always` is set
+    /// (glTF 2.0, section 3.11).
+    pub fn reals(&self, always: bool) -> Vec<f32> {
+        let scale = |divisor: f32| if self.normalized || always { 1.0 / divisor } else { 1.0 };
+        let low = if self.normalized || always { -1.0 } else { f32::MIN };
+        match self.component {
+            Component::F32 => self.map(f32::from_le_bytes),
+            Component::I8 => self.map(|b| (f32::from(i8::from_le_bytes(b)) * scale(127.0)).max(low)),
+            Component::U8 => self.map(|b| f32::from(u8::from_le_bytes(b)) * scale(255.0)),
+            Component::I16 => self.map(|b| (f32::from(i16::from_le_bytes(b)) * scale(32_767.0)).max(low)),
+            Component::U16 => self.map(|b| f32::from(u16::from_le_bytes(b)) * scale(65_535.0)),
+            Component::U32 => self.map(|b| u32::from_le_bytes(b) as f32),
+        }
+    }
+
+    /// As whole numbers. Only for the types in [`WHOLE`].
+    pub fn wholes(&self) -> Vec<u32> {
+        match self.component {
+            Component::U8 | Component::I8 => self.map(|b| u8::from_le_bytes(b).into()),
+            Component::U16 | Component::I16 => self.map(|b| u16::from_le_bytes(b).into()),
+            Component::U32 | Component::F32 => self.map(u32::from_le_bytes),
+        }
+    }
+
+    fn map<const N: usize, T>(&self, convert: impl Fn([u8; N]) -> T) -> Vec<T> {
+        let (chunks, _) = self.bytes.as_chunks::<N>();
+        chunks.iter().map(|chunk| convert(*chunk)).collect()
+    }
+}
+
+/// Groups a flat list into vectors of `N`.
+pub(super) fn grouped<const N: usize>(flat: &[f32]) -> impl ExactSizeIterator<Item = [f32; N]> + '_ {
+    flat.as_chunks::<N>().0.iter().copied()
+}
+
+fn width_of(at: &At<'_>) -> Result<usize, BakeError> {
+    Ok(match at.string()? {
+        "SCALAR" => 1,
+        "VEC2" => 2,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        "MAT4" => 16,
+        // Their columns are padded to four bytes; nothing that is read here uses them.
+        "MAT2" | "MAT3" => return Err(at.expected("SCALAR, VEC2, VEC3, VEC4 or MAT4 here")),
+        _ => return Err(at.expected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
+    })
+}
+
+impl<'a> Source<'a, '_> {
+    /// Number of elements of the accessor that `reference` names, without reading them.
+    pub fn accessor_count(&self, reference: &At<'a>) -> Result<u64, BakeError> {
+        let (_, at) = self.root.referred("accessors", reference)?;
+        at.require("count")?.unsigned()
+    }
+
+    /// Reads the accessor that `reference` names. Faults of the accessor stand at the accessor; one of a wrong type, compared
+    /// with `widths` and `components`, stands at the reference.
+    pub fn accessor(
+        &mut self,
+        reference: &At<'a>,
+        widths: &[usize],
+        components: &[Component],
+    ) -> Result<Elements, BakeError> {
+        let (index, at) = self.root.referred("accessors", reference)?;
+        let component = Component::read(&at.require("componentType")?)?;
+        let width = width_of(&at.require("type")?)?;
+        if !widths.contains(&width) || !components.contains(&component) {
+            let list = |names: Vec<String>| names.join(" or ");
+            let expected = list(widths.iter().map(ToString::to_string).collect());
+            let types = list(components.iter().map(|c| c.name().to_owned()).collect());
+            let found = component.name();
+            return Err(reference
+                .fault(format!("accessor {index} has elements of {width} x {found}, expected {expected} x {types}")));
+        }
+        let count_at = at.require("count")?;
+        let count = count_at.unsigned()?;
+        let size = width * component.size();
+        let bytes = match at.get("bufferView") {
+            Some(view) => {
+                let offset = at.unsigned_or("byteOffset", 0)?;
+                let stride_fault = |stride: usize| {
+                    at.fault(format!(
+                        "its bufferView has byteStride {stride}, expected at least {size}, the size of an element"
+                    ))
+                };
+                let view = self.view(&view)?;
+                let stride = view.stride.unwrap_or(size);
+                if stride < size {
+                    return Err(stride_fault(stride));
+                }
+                packed(view.bytes, offset, stride, size, count).map_err(|reason| at.fault(reason))?
+            }
+            // Without a view the elements are zero. No bytes bound their number, so the package's limit does.
+            None if count > u64::from(Limits::default().vertices) => {
+                let limit = Limits::default().vertices;
+                return Err(
+                    count_at.fault(format!("is {count}, expected at most {limit} for an accessor without data"))
+                );
+            }
+            None => vec![0; count as usize * size],
+        };
+        let mut elements =
+            Elements { count: count as usize, width, component, normalized: at.flag("normalized")?, bytes };
+        if let Some(sparse) = at.get("sparse") {
+            self.replace_sparse(&sparse, &mut elements)?;
+        }
+        Ok(elements)
+    }
+
+    /// Sparse storage: single elements that replace the ones read before.
+    fn replace_sparse(&mut self, sparse: &At<'a>, elements: &mut Elements) -> Result<(), BakeError> {
+        let count = sparse.require("count")?.unsigned()?;
+        let size = elements.width * elements.component.size();
+        let at = sparse.require("indices")?;
+        let component_at = at.require("componentType")?;
+        let component = Component::read(&component_at)?;
+        if !WHOLE.contains(&component) {
+            return Err(component_at.expected("5121 (u8), 5123 (u16) or 5125 (u32)"));
+        }
+        let mut part = |at: &At<'a>, size: usize| -> Result<Vec<u8>, BakeError> {
+            let offset = at.unsigned_or("byteOffset", 0)?;
+            let view = self.view(&at.require("bufferView")?)?;
+            packed(view.bytes, offset, size, size, count).map_err(|reason| at.fault(reason))
+        };
+        let indices = part(&at, component.size())?;
+        let values = part(&sparse.require("values")?, size)?;
+        let indices =
+            Elements { count: count as usize, width: 1, component, normalized: false, bytes: indices }.wholes();
+        for (i, (index, value)) in indices.iter().zip(values.chunks_exact(size)).enumerate() {
+            let start = *index as usize * size;
+            let slot = elements.bytes.get_mut(start..start.saturating_add(size)).ok_or_else(|| {
+                at.fault(format!("element {i} is {index}, expected less than {}, the accessor's count", elements.count))
+            })?;
+            slot.copy_from_slice(value);
+        }
+        Ok(())
+    }
+}
+
+/// Copies `count` elements of `size` bytes out of `bytes`.
+fn packed(bytes: &[u8], offset: u64, stride: usize, size: usize, count: u64) -> Result<Vec<u8>, String> {
+    let have = bytes.len() as u64;
+    let need = match count {
+        0 => Some(0),
+        _ => (count - 1).checked_mul(stride as u64).and_then(|n| n.checked_add(size as u64)?.checked_add(offset)),
+    };
+    let Some(need) = need.filter(|need| *need <= have) else {
+        let need = need.map_or("more than 2^64".to_owned(), |n| n.to_string());
+        return Err(format!(
+            "{count} elements of {size} bytes every {stride} from byte {offset} need {need} bytes of the bufferView, \
+             which has {have}"
+        ));
+    };
+    if need == 0 {
+        return Ok(Vec::new());
+    }
+    let used = bytes.get(offset as usize..need as usize).unwrap_or_default();
+    if stride == size {
+        return Ok(used.to_vec());
+    }
+    let mut out = Vec::with_capacity(count as usize * size);
+    for element in used.chunks(stride) {
+        out.extend_from_slice(&element[..size.min(element.len())]);
+    }
+    Ok(out)
+}

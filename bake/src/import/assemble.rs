@@ -1,0 +1,282 @@
+//! From nodes with meshes to one mesh: baked to world space where nothing moves, else bound to joints.
+
+use super::clips;
+use super::json::At;
+use super::material::Materials;
+use super::primitive::{MeshUse, Primitive, read_mesh};
+use super::scene::{Tree, mirrors};
+use super::skin::Joints;
+use super::source::Source;
+use super::{ImportOptions, orient};
+use crate::BakeError;
+use crate::mesh::{Mesh, MeshPart, Model, RestPose, transform_normal};
+use glam::{Mat4, Vec3};
+use pelage_formats::{Animation, Joint, Limits, Node, SkinVertex};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// A mesh as one node shows it.
+struct Instance<'a> {
+    node: usize,
+    /// Number of the skin.
+    skin: Option<usize>,
+    primitives: Rc<Vec<Primitive<'a>>>,
+}
+
+/// Reads the scene.
+pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) -> Result<Model, BakeError> {
+    let tree = Tree::read(source)?;
+    let root = Mat4::from_scale(Vec3::splat(options.unit_m));
+    let mut materials = Materials::default();
+    let mut joints = Joints::default();
+    let mut skipped = 0;
+    let instances = instances(source, &tree, &mut materials, &mut joints, &mut skipped)?;
+    if instances.iter().all(|i| i.primitives.is_empty()) {
+        return Err(nothing_to_show(source, skipped));
+    }
+
+    // Every node that a vertex may follow, if the model turns out to move.
+    let mut followed = Vec::new();
+    for instance in &instances {
+        for primitive in instance.primitives.iter() {
+            followed.push(joint_range(&mut joints, &tree, instance, primitive)?);
+        }
+    }
+    let (numbers, nodes) = number_nodes(&tree, &joints, options);
+    let clips = clips::read(source, &numbers)?;
+    let skinned = instances.iter().any(|i| i.skin.is_some() && i.primitives.iter().any(|p| p.influences.is_some()));
+    let moving = skinned || !clips.is_empty();
+
+    let world = tree.world(root);
+    let mut builder = Builder { mesh: Mesh::default(), places: Vec::new(), authored: Vec::new() };
+    let mut followed = followed.into_iter();
+    for instance in &instances {
+        for primitive in instance.primitives.iter() {
+            let (first, count) = followed.next().unwrap_or_default();
+            let placed = if moving { Placed::Bound { first, count } } else { Placed::At(world[instance.node]) };
+            builder.add(primitive, placed)?;
+        }
+    }
+    let Builder { mut mesh, places, authored } = builder;
+    let animation = moving.then(|| {
+        let number = |node: usize| numbers.get(node).copied().flatten().unwrap_or_default();
+        let joints =
+            joints.list.iter().map(|(node, bind)| Joint { node: number(*node), inverse_bind: *bind }).collect();
+        Animation { nodes, joints, clips }
+    });
+    let rest = RestPose::of(&mesh, animation.as_ref());
+    check_finite(&mesh, &rest, &places)?;
+    orient::face_outward(source, &mut mesh, animation.as_ref(), &rest, &authored);
+    Ok(Model {
+        mesh,
+        materials: materials.materials,
+        images: materials.images,
+        animation,
+        inputs: Vec::new(),
+        warnings: Vec::new(),
+    })
+}
+
+/// Reads the mesh of each node of the scene; one that several nodes show alike is read once.
+fn instances<'a>(
+    source: &mut Source<'a, '_>,
+    tree: &Tree<'a>,
+    materials: &mut Materials,
+    joints: &mut Joints,
+    skipped: &mut usize,
+) -> Result<Vec<Instance<'a>>, BakeError> {
+    let mut known: BTreeMap<(usize, bool), Rc<Vec<Primitive<'a>>>> = BTreeMap::new();
+    let mut instances = Vec::new();
+    for node in &tree.scene {
+        let at = &tree.nodes[*node].at;
+        let Some(reference) = at.get("mesh") else { continue };
+        source.warn_extension(at, "EXT_mesh_gpu_instancing", "the mesh is shown once");
+        let (index, mesh_at) = source.root.referred("meshes", &reference)?;
+        let skin = at.get("skin").map(|s| joints.skin(source, &s)).transpose()?;
+        let weights = at.get("weights");
+        let (key, own) = ((index, skin.is_some()), weights.is_some());
+        let mesh = MeshUse { index, at: mesh_at, weights, skinned: skin.is_some() };
+        let primitives = match known.get(&key).filter(|_| !own) {
+            Some(primitives) => primitives.clone(),
+            None => {
+                let primitives = Rc::new(read_mesh(source, materials, &mesh, skipped)?);
+                if !own {
+                    known.insert(key, primitives.clone());
+                }
+                primitives
+            }
+        };
+        if let (Some(_), Some(rigid)) = (skin, primitives.iter().find(|p| p.influences.is_none())) {
+            source.warn(format!("{} is shown with a skin and has no joints; it follows its node", rigid.label));
+        }
+        instances.push(Instance { node: *node, skin, primitives });
+    }
+    Ok(instances)
+}
+
+/// First joint and number of joints that a primitive can follow.
+fn joint_range<'a>(
+    joints: &mut Joints,
+    tree: &Tree<'a>,
+    instance: &Instance<'a>,
+    primitive: &Primitive<'a>,
+) -> Result<(usize, usize), BakeError> {
+    match (instance.skin, &primitive.influences) {
+        (Some(skin), Some(_)) => joints.of_skin(&primitive.at, skin),
+        _ => Ok((joints.of_node(&tree.nodes[instance.node].at, instance.node)?, 1)),
+    }
+}
+
+/// Numbers the nodes that joints hang on and their ancestors, parents first. A unit other than a metre becomes a root of its own.
+fn number_nodes(tree: &Tree<'_>, joints: &Joints, options: &ImportOptions) -> (Vec<Option<u32>>, Vec<Node>) {
+    let mut kept = vec![false; tree.nodes.len()];
+    for (node, _) in &joints.list {
+        for ancestor in tree.lineage(*node) {
+            if std::mem::replace(&mut kept[ancestor], true) {
+                break;
+            }
+        }
+    }
+    let mut nodes = Vec::new();
+    let mut unit_root = None;
+    if options.unit_m != 1.0 {
+        let scale = [options.unit_m; 3];
+        let name = "unit".to_owned();
+        nodes.push(Node { name, parent: None, translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale });
+        unit_root = Some(0);
+    }
+    let mut numbers: Vec<Option<u32>> = vec![None; tree.nodes.len()];
+    for i in tree.order.iter().filter(|i| kept[**i]) {
+        let node = &tree.nodes[*i];
+        let (translation, rotation, scale) = node.trs;
+        numbers[*i] = Some(nodes.len() as u32);
+        nodes.push(Node {
+            name: node.at.name().to_owned(),
+            parent: node.parent.map_or(unit_root, |p| numbers[p]),
+            translation: translation.into(),
+            rotation: rotation.into(),
+            scale: scale.into(),
+        });
+    }
+    (numbers, nodes)
+}
+
+/// Where the vertices of a primitive go.
+#[derive(Clone, Copy)]
+enum Placed {
+    /// To world space, for good.
+    At(Mat4),
+    /// They stay, and follow joints `first .. first + count`.
+    Bound { first: usize, count: usize },
+}
+
+struct Builder<'a> {
+    mesh: Mesh,
+    /// The primitive of each part.
+    places: Vec<At<'a>>,
+    /// Whether the normals of each part come from the file.
+    authored: Vec<bool>,
+}
+
+impl<'a> Builder<'a> {
+    fn add(&mut self, primitive: &Primitive<'a>, placed: Placed) -> Result<(), BakeError> {
+        let mesh = &mut self.mesh;
+        let (base, first_triangle) = (mesh.positions.len(), mesh.triangles.len());
+        let limits = Limits::default();
+        let (vertices, corners) = (base + primitive.positions.len(), 3 * (first_triangle + primitive.triangles.len()));
+        if vertices > limits.vertices as usize || corners > limits.indices as usize {
+            let (v, t) = (limits.vertices, limits.indices / 3);
+            let reason = format!(
+                "takes the model to {vertices} vertices and {} triangles, expected at most {v} and {t}",
+                corners / 3
+            );
+            return Err(primitive.at.fault(reason));
+        }
+        let mut flip = false;
+        match placed {
+            Placed::At(world) => {
+                flip = mirrors(&world);
+                mesh.positions.extend(primitive.positions.iter().map(|p| world.transform_point3(*p)));
+                mesh.normals.extend(primitive.normals.iter().map(|n| transform_normal(world, *n)));
+            }
+            Placed::Bound { first, count } => {
+                mesh.positions.extend(&primitive.positions);
+                mesh.normals.extend(&primitive.normals);
+                bind(primitive, first, count, &mut mesh.skin)?;
+            }
+        }
+        mesh.uvs.extend(&primitive.uvs);
+        mesh.colors.extend(&primitive.colors);
+        let base = base as u32;
+        mesh.triangles.extend(primitive.triangles.iter().map(|[a, b, c]| {
+            let (b, c) = if flip { (c, b) } else { (b, c) };
+            [base + a, base + b, base + c]
+        }));
+        mesh.parts.push(MeshPart {
+            source: primitive.label.clone(),
+            material: primitive.material,
+            first_triangle,
+            triangle_count: primitive.triangles.len(),
+            has_uvs: primitive.has_uvs,
+        });
+        self.places.push(primitive.at.clone());
+        self.authored.push(primitive.has_normals);
+        Ok(())
+    }
+}
+
+/// Appends the joints and weights of each vertex.
+fn bind(primitive: &Primitive<'_>, first: usize, count: usize, skin: &mut Vec<SkinVertex>) -> Result<(), BakeError> {
+    let Some(influences) = primitive.influences.as_ref() else {
+        let rigid = SkinVertex { joints: [first as u16, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] };
+        skin.extend(std::iter::repeat_n(rigid, primitive.positions.len()));
+        return Ok(());
+    };
+    for (vertex, (joints, weights)) in influences.iter().enumerate() {
+        let mut bound = SkinVertex { joints: [0; 4], weights: *weights };
+        for ((slot, joint), weight) in bound.joints.iter_mut().zip(joints).zip(weights) {
+            if *weight == 0.0 {
+                continue;
+            }
+            if *joint as usize >= count {
+                let reason = format!(
+                    "vertex {vertex} follows joint {joint}, expected less than {count}, the joints of its skin"
+                );
+                return Err(primitive.at.fault(reason));
+            }
+            *slot = (first + *joint as usize) as u16;
+        }
+        skin.push(bound);
+    }
+    Ok(())
+}
+
+/// Transforms of finite numbers may leave the range of floats.
+fn check_finite(mesh: &Mesh, rest: &RestPose, places: &[At<'_>]) -> Result<(), BakeError> {
+    let finite = |v: u32| rest.positions.get(v as usize).is_some_and(|p| p.is_finite());
+    for (part, at) in mesh.parts.iter().zip(places) {
+        let triangles = &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
+        if let Some(v) = triangles.iter().flatten().find(|v| !finite(**v)) {
+            let found = rest.positions.get(*v as usize).copied().unwrap_or_default();
+            return Err(
+                at.fault(format!("a vertex lands at {found} once its nodes are applied, expected finite numbers"))
+            );
+        }
+    }
+    Ok(())
+}
+
+fn nothing_to_show(source: &Source<'_, '_>, skipped: usize) -> BakeError {
+    let lists = ["nodes", "meshes", "skins", "animations", "materials", "images", "cameras"];
+    let has: Vec<String> = lists
+        .into_iter()
+        .filter_map(|list| {
+            let count = source.root.get(list)?.len().ok().filter(|n| *n > 0)?;
+            Some(format!("{list}: {count}"))
+        })
+        .collect();
+    let has = if has.is_empty() { "is empty".to_owned() } else { format!("has {}", has.join(", ")) };
+    let skipped =
+        if skipped > 0 { format!("; {skipped} primitives hold points, lines or nothing") } else { String::new() };
+    source.root.fault(format!("the scene shows no triangle, expected at least one; the file {has}{skipped}"))
+}

@@ -1,0 +1,61 @@
+//! Which required extensions can be read, and what to do about the others.
+
+use super::json::At;
+use super::source::Source;
+use crate::BakeError;
+
+/// Extensions that are read, or that change nothing about shape, base colour and motion.
+const READABLE: &[&str] = &[
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_lights_punctual",
+    "KHR_materials_variants",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "KHR_animation_pointer",
+    "EXT_lights_image_based",
+    "EXT_lights_ies",
+    "MSFT_packing_occlusionRoughnessMetallic",
+    "MSFT_packing_normalRoughnessMetallic",
+];
+
+/// How to get rid of an extension that cannot be read.
+pub(super) fn conversion(name: &str) -> &'static str {
+    match name {
+        "KHR_draco_mesh_compression" => "decode it with `gltf-transform cp in.glb out.glb`",
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "decode it with `gltf-transform cp in.glb out.glb`, or run gltfpack without -c"
+        }
+        "KHR_texture_basisu" => "supply the textures as PNG or JPEG: `gltf-transform ktxdecompress in.glb out.glb`",
+        "EXT_texture_webp" => "supply the textures as PNG or JPEG: `gltf-transform png in.glb out.glb`",
+        "EXT_texture_avif" | "MSFT_texture_dds" => "supply the textures as PNG or JPEG",
+        "EXT_mesh_gpu_instancing" => "write the instances as nodes: `gltf-transform uninstance in.glb out.glb`",
+        _ => "export the model without it",
+    }
+}
+
+impl Source<'_, '_> {
+    /// Fails where the model requires an extension that cannot be read; names each.
+    pub fn check_extensions(&mut self) -> Result<(), BakeError> {
+        let Some(list) = self.root.get("extensionsRequired") else { return Ok(()) };
+        let mut unreadable = Vec::new();
+        for at in list.entries()? {
+            let name = at.string()?;
+            // Materials are read for their base colour only; all other material extensions leave that alone.
+            if !READABLE.contains(&name) && !name.starts_with("KHR_materials_") {
+                unreadable.push((at.clone(), format!("{}: {}", super::json::shorten(name), conversion(name))));
+            }
+        }
+        let Some((first, _)) = unreadable.first() else { return Ok(()) };
+        let names: Vec<&str> = unreadable.iter().map(|(_, text)| text.as_str()).collect();
+        Err(first.fault(format!("the model requires what pelage cannot read: {}", names.join("; "))))
+    }
+
+    /// Warns of an extension under `at` that would change the picture and is left out.
+    pub fn warn_extension(&mut self, at: &At<'_>, name: &str, effect: &str) {
+        if at.get("extensions").is_some_and(|e| e.get(name).is_some()) {
+            self.warn(format!("{}: {name} is left out, {effect}; {}", at.place, conversion(name)));
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Materials: base-colour factor, texture and its coordinates, cut-out alpha.
+
+use super::extensions::conversion;
+use super::json::At;
+use super::source::Source;
+use crate::BakeError;
+use crate::mesh::{BaseColorImage, Material};
+use glam::{Affine2, Mat2, Vec2};
+use pelage_formats::Limits;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+/// All images of a model together have at most this many texels (one of 16 384², or sixteen of 4096²): 1 GiB decoded.
+/// A few kilobytes of PNG can claim as much.
+const MAX_TEXELS: u64 = 1 << 28;
+
+/// How a material reads texture coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TextureCoords {
+    /// The set `TEXCOORD_<n>`, or `None` for a material without texture: any will do.
+    pub set: Option<u32>,
+    /// KHR_texture_transform.
+    pub transform: Affine2,
+}
+
+/// The materials and images that the parts use, in the order of first use.
+#[derive(Debug, Default)]
+pub(super) struct Materials {
+    pub materials: Vec<Material>,
+    pub images: Vec<BaseColorImage>,
+    texels: u64,
+    /// From the document's number (`None`: the default material) to ours.
+    known: BTreeMap<Option<usize>, (usize, TextureCoords)>,
+    known_images: BTreeMap<usize, usize>,
+}
+
+impl Materials {
+    /// Number and texture coordinates of the material that a primitive names.
+    pub fn read<'a>(
+        &mut self,
+        source: &mut Source<'a, '_>,
+        reference: Option<&At<'a>>,
+    ) -> Result<(usize, TextureCoords), BakeError> {
+        let found = reference.map(|r| source.root.referred("materials", r)).transpose()?;
+        let key = found.as_ref().map(|(index, _)| *index);
+        if let Some(known) = self.known.get(&key) {
+            return Ok(*known);
+        }
+        let mut material = Material {
+            name: String::new(),
+            base_color: [1.0; 4],
+            base_color_image: None,
+            alpha_cutoff: None,
+            double_sided: false,
+        };
+        let mut coords = TextureCoords { set: None, transform: Affine2::IDENTITY };
+        if let Some((_, at)) = &found {
+            coords = self.fill(source, at, &mut material)?;
+        }
+        let entry = (self.materials.len(), coords);
+        self.materials.push(material);
+        self.known.insert(key, entry);
+        Ok(entry)
+    }
+
+    fn fill<'a>(
+        &mut self,
+        source: &mut Source<'a, '_>,
+        at: &At<'a>,
+        material: &mut Material,
+    ) -> Result<TextureCoords, BakeError> {
+        material.name = at.name().to_owned();
+        material.double_sided = at.flag("doubleSided")?;
+        if let Some(mode) = at.get("alphaMode") {
+            match mode.string()? {
+                "MASK" => material.alpha_cutoff = Some(at.get("alphaCutoff").map_or(Ok(0.5), |v| v.number())?),
+                "OPAQUE" | "BLEND" => {}
+                _ => return Err(mode.expected("OPAQUE, MASK or BLEND")),
+            }
+        }
+        // The diffuse colour of the older specular-glossiness model is the same thing under other names.
+        let specular = at.get("extensions").and_then(|e| e.get("KHR_materials_pbrSpecularGlossiness"));
+        let (base, factor, texture) = match (at.get("pbrMetallicRoughness"), specular) {
+            (None, Some(specular)) => (Some(specular), "diffuseFactor", "diffuseTexture"),
+            (base, _) => (base, "baseColorFactor", "baseColorTexture"),
+        };
+        let mut coords = TextureCoords { set: None, transform: Affine2::IDENTITY };
+        let Some(base) = base else { return Ok(coords) };
+        if let Some(factor) = base.get(factor) {
+            material.base_color = factor.numbers()?;
+        }
+        let Some(info) = base.get(texture) else { return Ok(coords) };
+        let mut set = info.unsigned_or("texCoord", 0)?;
+        if let Some(extension) = info.get("extensions").and_then(|e| e.get("KHR_texture_transform")) {
+            coords.transform = texture_transform(&extension)?;
+            set = extension.unsigned_or("texCoord", set)?;
+        }
+        coords.set = Some(u32::try_from(set).map_err(|_| info.fault("has a texCoord beyond 32 bits"))?);
+        material.base_color_image = Some(self.image(source, &info.require("index")?)?);
+        Ok(coords)
+    }
+
+    /// Number of the decoded image behind the texture that `reference` names.
+    fn image<'a>(&mut self, source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<usize, BakeError> {
+        let (_, texture) = source.root.referred("textures", reference)?;
+        let Some(reference) = texture.get("source") else {
+            let name = texture.get("extensions").and_then(|e| e.keys().next());
+            let reason = name.map_or("has no `source`, expected the number of an image".to_owned(), |name| {
+                let name = super::json::shorten(name);
+                format!("has an image only through {name}, which cannot be read; {}", conversion(&name))
+            });
+            return Err(texture.fault(reason));
+        };
+        let (index, at) = source.root.referred("images", &reference)?;
+        if let Some(known) = self.known_images.get(&index) {
+            return Ok(*known);
+        }
+        let (bytes, origin) = match (at.get("bufferView"), at.get("uri")) {
+            (Some(view), _) => {
+                let bytes = source.view(&view)?.bytes.to_vec();
+                source.record("image", "", &bytes);
+                (bytes, view)
+            }
+            (None, Some(uri)) => (source.uri(&uri, "image")?, uri),
+            (None, None) => return Err(at.fault("has neither `bufferView` nor `uri`")),
+        };
+        let image = decode(&bytes, MAX_TEXELS - self.texels).map_err(|reason| {
+            origin.fault(format!("image {index} \"{}\" {reason}", super::json::shorten(at.name())))
+        })?;
+        self.texels += u64::from(image.width) * u64::from(image.height);
+        self.known_images.insert(index, self.images.len());
+        self.images.push(image);
+        Ok(self.images.len() - 1)
+    }
+}
+
+/// KHR_texture_transform: scale, then turn, then shift. The extension turns coordinates counter-clockwise as seen on the image,
+/// whose v axis points down.
+fn texture_transform(at: &At<'_>) -> Result<Affine2, BakeError> {
+    let offset: Vec2 = at.get("offset").map_or(Ok([0.0; 2]), |v| v.numbers())?.into();
+    let scale: Vec2 = at.get("scale").map_or(Ok([1.0; 2]), |v| v.numbers())?.into();
+    let angle = at.get("rotation").map_or(Ok(0.0), |v| v.number())?;
+    Ok(Affine2::from_mat2_translation(Mat2::from_angle(-angle) * Mat2::from_diagonal(scale), offset))
+}
+
+fn decode(bytes: &[u8], texels_left: u64) -> Result<BaseColorImage, String> {
+    let png_or_jpeg = match image::guess_format(bytes) {
+        Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => Ok(format),
+        Ok(other) => Err(format!("{other:?}")),
+        Err(_) if bytes.starts_with(b"\xabKTX") => Err("KTX".to_owned()),
+        Err(_) => {
+            let head: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
+            Err(format!("{} bytes that begin with [{}]", bytes.len(), head.join(" ")))
+        }
+    };
+    let format = png_or_jpeg.map_err(|found| format!("is {found}, expected PNG or JPEG"))?;
+    let side = Limits::default().texture_size;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(side);
+    limits.max_image_height = Some(side);
+    // Sixteen bits per channel need twice the eight that are kept.
+    limits.max_alloc = Some(8 * MAX_TEXELS);
+    let reader = |limits: &image::Limits| {
+        let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
+        reader.limits(limits.clone());
+        reader
+    };
+    let broken = |e: image::ImageError| format!("cannot be decoded: {e}");
+    let (width, height) = reader(&limits).into_dimensions().map_err(broken)?;
+    if width == 0 || height == 0 || width > side || height > side {
+        return Err(format!("is {width} x {height} texels, expected 1..={side} each way"));
+    }
+    if u64::from(width) * u64::from(height) > texels_left {
+        return Err(format!("of {width} x {height} texels takes the images of the model past {MAX_TEXELS} texels"));
+    }
+    let rgba = reader(&limits).decode().map_err(broken)?.into_rgba8().into_raw();
+    Ok(BaseColorImage { width, height, rgba })
+}

@@ -1,0 +1,306 @@
+//! Primitives: attributes and topology of one mesh (glTF 2.0, section 3.7.2).
+
+use super::accessor::{Component, REAL, WHOLE, grouped};
+use super::json::{At, shorten};
+use super::material::{Materials, TextureCoords};
+use super::source::Source;
+use super::{normals, weights};
+use crate::BakeError;
+use glam::{Vec2, Vec3};
+use pelage_formats::Limits;
+
+/// One primitive of triangles, in mesh space, with the default morph weights applied.
+#[derive(Debug)]
+pub(super) struct Primitive<'a> {
+    /// Where it stands, for errors.
+    pub at: At<'a>,
+    /// Where it stands, for people.
+    pub label: String,
+    /// Index into [`Materials::materials`].
+    pub material: usize,
+    pub positions: Vec<Vec3>,
+    /// Unit length.
+    pub normals: Vec<Vec3>,
+    /// Whether the file has the normals, not the importer computed them.
+    pub has_normals: bool,
+    pub uvs: Vec<Vec2>,
+    pub has_uvs: bool,
+    pub colors: Vec<[u8; 4]>,
+    /// Four joints of the skin and their weights; `None` for a primitive that follows its node.
+    pub influences: Option<Vec<weights::Influence>>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// The mesh of a node.
+pub(super) struct MeshUse<'a> {
+    pub index: usize,
+    pub at: At<'a>,
+    /// Morph weights of the node, which go before the mesh's own.
+    pub weights: Option<At<'a>>,
+    pub skinned: bool,
+}
+
+/// Reads all primitives of a mesh that hold triangles; what is left out is warned of and counted in `skipped`.
+pub(super) fn read_mesh<'a>(
+    source: &mut Source<'a, '_>,
+    materials: &mut Materials,
+    mesh: &MeshUse<'a>,
+    skipped: &mut usize,
+) -> Result<Vec<Primitive<'a>>, BakeError> {
+    let morph = mesh.weights.clone().or_else(|| mesh.at.get("weights"));
+    let morph_weights = match &morph {
+        Some(list) => list.entries()?.map(|w| w.number()).collect::<Result<Vec<f32>, _>>()?,
+        None => Vec::new(),
+    };
+    let name = mesh.at.name();
+    let name = if name.is_empty() { String::new() } else { format!(" \"{}\"", shorten(name)) };
+    let mut primitives = Vec::new();
+    for (i, at) in mesh.at.require("primitives")?.entries()?.enumerate() {
+        let label = format!("mesh {}{name}, primitive {i}", mesh.index);
+        match read_primitive(source, materials, &at, label, &morph_weights, mesh.skinned)? {
+            Some(primitive) => primitives.push(primitive),
+            None => *skipped += 1,
+        }
+    }
+    normals::complete(source, &mut primitives);
+    Ok(primitives)
+}
+
+fn read_primitive<'a>(
+    source: &mut Source<'a, '_>,
+    materials: &mut Materials,
+    at: &At<'a>,
+    label: String,
+    morph_weights: &[f32],
+    skinned: bool,
+) -> Result<Option<Primitive<'a>>, BakeError> {
+    let mode = at.unsigned_or("mode", 4)?;
+    if mode > 6 {
+        return at.get("mode").map_or(Ok(None), |mode| Err(mode.expected("0..=6 (4 is triangles)")));
+    }
+    if mode < 4 {
+        let what = ["points", "lines", "a line loop", "a line strip"][mode as usize];
+        source.warn(format!("{label} holds {what}, expected triangles; left out"));
+        return Ok(None);
+    }
+    if draco_only(source, at) {
+        let how = super::extensions::conversion("KHR_draco_mesh_compression");
+        return Err(at.fault(format!("is compressed with KHR_draco_mesh_compression, which cannot be read; {how}")));
+    }
+    let attributes = at.require("attributes")?;
+    let Some(position_at) = attributes.get("POSITION") else {
+        source.warn(format!("{label} has no POSITION; left out"));
+        return Ok(None);
+    };
+    let limit = u64::from(Limits::default().vertices);
+    let count = source.accessor_count(&position_at)?;
+    if count > limit {
+        return Err(position_at.fault(format!("has {count} elements, expected at most {limit}")));
+    }
+    let mut positions = vectors(&source.accessor(&position_at, &[3], REAL)?.reals(false));
+    let indices = match at.get("indices") {
+        Some(reference) => {
+            let indices = source.accessor(&reference, &[1], WHOLE)?.wholes();
+            let vertices = positions.len();
+            if let Some(i) = indices.iter().position(|v| *v as usize >= vertices) {
+                let found = indices[i];
+                return Err(
+                    reference.fault(format!("element {i} is {found}, expected less than the {vertices} vertices"))
+                );
+            }
+            indices
+        }
+        None => (0..positions.len() as u32).collect(),
+    };
+    let triangles = triangulate(mode, &indices);
+    if mode == 4 && indices.len() % 3 != 0 {
+        let n = indices.len();
+        source.warn(format!("{label} has {n} corners, which is no multiple of 3; the last {} are left out", n % 3));
+    }
+    if triangles.is_empty() {
+        source.warn(format!("{label} has {} vertices and no triangle; left out", positions.len()));
+        return Ok(None);
+    }
+    let mut normals = match attributes.get("NORMAL") {
+        Some(reference) => Some(vectors(&same_count(source, &reference, &[3], positions.len(), false)?)),
+        None => None,
+    };
+    morph(source, at, &label, morph_weights, &mut positions, normals.as_deref_mut())?;
+    if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
+        return Err(position_at.fault(format!("element {i} is {}, expected finite numbers", positions[i])));
+    }
+    let (material, coords) = materials.read(source, at.get("material").as_ref())?;
+    let uvs = read_uvs(source, &attributes, &label, &coords, positions.len())?;
+    let colors = read_colors(source, &attributes, positions.len())?;
+    let influences = if skinned { weights::read(source, &attributes, &label, positions.len())? } else { None };
+    Ok(Some(Primitive {
+        at: at.clone(),
+        label,
+        material,
+        has_normals: normals.is_some(),
+        normals: normals.unwrap_or_default(),
+        has_uvs: uvs.is_some(),
+        uvs: uvs.unwrap_or_else(|| vec![Vec2::ZERO; positions.len()]),
+        colors,
+        influences,
+        triangles,
+        positions,
+    }))
+}
+
+/// Whether a primitive has Draco data and no plain data beside it.
+fn draco_only<'a>(source: &Source<'a, '_>, at: &At<'a>) -> bool {
+    if at.get("extensions").is_none_or(|e| e.get("KHR_draco_mesh_compression").is_none()) {
+        return false;
+    }
+    let position = at.get("attributes").and_then(|a| a.get("POSITION"));
+    let accessor = position.and_then(|p| source.root.referred("accessors", &p).ok());
+    accessor.is_none_or(|(_, a)| a.get("bufferView").is_none() && a.get("sparse").is_none())
+}
+
+fn vectors(flat: &[f32]) -> Vec<Vec3> {
+    grouped::<3>(flat).map(Vec3::from).collect()
+}
+
+/// Reads an attribute that must have one element per vertex.
+pub(super) fn same_count<'a>(
+    source: &mut Source<'a, '_>,
+    reference: &At<'a>,
+    widths: &[usize],
+    vertices: usize,
+    normalized: bool,
+) -> Result<Vec<f32>, BakeError> {
+    let elements = source.accessor(reference, widths, REAL)?;
+    check_count(reference, elements.count, vertices)?;
+    Ok(elements.reals(normalized))
+}
+
+pub(super) fn check_count(reference: &At<'_>, found: usize, vertices: usize) -> Result<(), BakeError> {
+    if found == vertices {
+        return Ok(());
+    }
+    Err(reference.fault(format!("has {found} elements, expected {vertices}, one per POSITION")))
+}
+
+/// Corner indices of each triangle (glTF 2.0, section 3.7.2.1, "Topology").
+fn triangulate(mode: u64, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        5 => {
+            // Every other triangle of a strip has its last two corners swapped, so that all face the same way.
+            let corner = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
+            indices.windows(3).enumerate().map(corner).collect()
+        }
+        6 => {
+            let (first, rest) = indices.split_first().map_or((0, &[][..]), |(f, r)| (*f, r));
+            rest.windows(2).map(|w| [w[0], w[1], first]).collect()
+        }
+        _ => indices.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+/// Adds the morph targets at their default weights.
+fn morph<'a>(
+    source: &mut Source<'a, '_>,
+    at: &At<'a>,
+    label: &str,
+    weights: &[f32],
+    positions: &mut [Vec3],
+    mut normals: Option<&mut [Vec3]>,
+) -> Result<(), BakeError> {
+    let Some(targets) = at.get("targets") else { return Ok(()) };
+    let count = targets.len()?;
+    if count == 0 {
+        return Ok(());
+    }
+    source.warn(format!(
+        "{label} has {count} morph targets: the default weights are applied, morph animation is left out"
+    ));
+    if !weights.is_empty() && weights.len() != count {
+        source
+            .warn(format!("{label} has {count} morph targets and {} weights; missing ones count as 0", weights.len()));
+    }
+    for (target, weight) in targets.entries()?.zip(weights) {
+        if *weight == 0.0 {
+            continue;
+        }
+        let mut add = |key: &str, onto: &mut [Vec3]| -> Result<(), BakeError> {
+            let Some(reference) = target.get(key) else { return Ok(()) };
+            let deltas = same_count(source, &reference, &[3], onto.len(), false)?;
+            for (v, d) in onto.iter_mut().zip(grouped::<3>(&deltas)) {
+                *v += Vec3::from(d) * *weight;
+            }
+            Ok(())
+        };
+        add("POSITION", positions)?;
+        if let Some(normals) = normals.as_deref_mut() {
+            add("NORMAL", normals)?;
+        }
+    }
+    Ok(())
+}
+
+/// The texture coordinates that the material uses, transformed; without a texture the first set there is.
+fn read_uvs<'a>(
+    source: &mut Source<'a, '_>,
+    attributes: &At<'a>,
+    label: &str,
+    coords: &TextureCoords,
+    vertices: usize,
+) -> Result<Option<Vec<Vec2>>, BakeError> {
+    let mut found = coords.set.and_then(|n| attributes.get(&format!("TEXCOORD_{n}")));
+    if found.is_none() {
+        found = (0..8).find_map(|n| attributes.get(&format!("TEXCOORD_{n}")));
+        if let Some(set) = coords.set {
+            let instead = found.as_ref().map_or("its texture cannot be placed".to_owned(), |at| {
+                format!("{} is used", at.place.rsplit('/').next().unwrap_or_default())
+            });
+            source.warn(format!("{label} has no TEXCOORD_{set}, which its material's texture asks for; {instead}"));
+        }
+    }
+    let Some(reference) = found else { return Ok(None) };
+    let flat = same_count(source, &reference, &[2], vertices, false)?;
+    let mut uvs: Vec<Vec2> = grouped::<2>(&flat).map(|uv| coords.transform.transform_point2(uv.into())).collect();
+    let mut bad = 0;
+    for uv in uvs.iter_mut().filter(|uv| !uv.is_finite()) {
+        *uv = Vec2::ZERO;
+        bad += 1;
+    }
+    if bad > 0 {
+        source.warn(format!("{}: {bad} texture coordinates are not finite; set to 0", reference.place));
+    }
+    Ok(Some(uvs))
+}
+
+fn read_colors<'a>(
+    source: &mut Source<'a, '_>,
+    attributes: &At<'a>,
+    vertices: usize,
+) -> Result<Vec<[u8; 4]>, BakeError> {
+    let Some(reference) = attributes.get("COLOR_0") else { return Ok(vec![[255; 4]; vertices]) };
+    let elements = source.accessor(&reference, &[3, 4], REAL)?;
+    check_count(&reference, elements.count, vertices)?;
+    // Integer colours are fractions of 1 whether the file says `normalized` or, against the rules, does not.
+    let flat = elements.reals(elements.component != Component::F32);
+    let byte = |x: f32| (x * 255.0).round().clamp(0.0, 255.0) as u8;
+    Ok(match elements.width {
+        3 => grouped::<3>(&flat).map(|[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect(),
+        _ => grouped::<4>(&flat).map(|rgba| rgba.map(byte)).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_one_side() {
+        assert_eq!(triangulate(5, &[0, 1, 2, 3, 4]), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+        assert_eq!(triangulate(6, &[9, 1, 2, 3]), [[1, 2, 9], [2, 3, 9]]);
+        assert_eq!(triangulate(4, &[0, 1, 2, 3, 4]), [[0, 1, 2]]);
+        for mode in 4..=6 {
+            for short in 0..3 {
+                assert!(triangulate(mode, &[0, 1, 2][..short]).is_empty());
+            }
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! The node tree: parents, order, transforms.
+
+use super::json::At;
+use super::source::Source;
+use crate::BakeError;
+use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Quat, Vec3};
+
+/// A node of the document.
+#[derive(Debug)]
+pub(super) struct TreeNode<'a> {
+    pub at: At<'a>,
+    pub parent: Option<usize>,
+    /// To the parent's space.
+    pub local: Mat4,
+    /// `local` as translation, rotation and scale; without shear.
+    pub trs: (Vec3, Quat, Vec3),
+}
+
+/// All nodes of the document.
+#[derive(Debug)]
+pub(super) struct Tree<'a> {
+    /// As numbered in the document.
+    pub nodes: Vec<TreeNode<'a>>,
+    /// All nodes, parents first, siblings in the order of the document.
+    pub order: Vec<usize>,
+    /// The nodes of the scene, parents first.
+    pub scene: Vec<usize>,
+}
+
+impl<'a> Tree<'a> {
+    pub fn read(source: &mut Source<'a, '_>) -> Result<Self, BakeError> {
+        let mut nodes = Vec::new();
+        if let Some(list) = source.root.get("nodes") {
+            for at in list.entries()? {
+                let (local, trs) = transform(&at, source)?;
+                nodes.push(TreeNode { at, parent: None, local, trs });
+            }
+        }
+        let mut children = vec![Vec::new(); nodes.len()];
+        for (parent, list) in children.iter_mut().enumerate() {
+            let Some(named) = nodes[parent].at.get("children") else { continue };
+            for reference in named.entries()? {
+                let (child, _) = source.root.referred("nodes", &reference)?;
+                if let Some(other) = nodes[child].parent {
+                    let reason = format!("is {child}, which is also a child of node {other}; expected one parent");
+                    return Err(reference.fault(reason));
+                }
+                nodes[child].parent = Some(parent);
+                list.push(child);
+            }
+        }
+        let roots: Vec<usize> = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
+        let order = walk(&roots, &children);
+        if order.len() < nodes.len() {
+            // Every node has at most one parent, so what the roots do not reach goes round in a circle.
+            let mut reached = vec![false; nodes.len()];
+            order.iter().for_each(|i| reached[*i] = true);
+            let lost = reached.iter().position(|r| !r).unwrap_or_default();
+            return Err(nodes[lost].at.fault("is its own ancestor; expected a tree"));
+        }
+        let scene = walk(&scene_roots(source, &nodes)?.unwrap_or(roots), &children);
+        Ok(Self { nodes, order, scene })
+    }
+
+    /// Transforms to world space, one per node, under `root`.
+    pub fn world(&self, root: Mat4) -> Vec<Mat4> {
+        let mut world = vec![root; self.nodes.len()];
+        for i in &self.order {
+            let node = &self.nodes[*i];
+            world[*i] = node.parent.map_or(root, |p| world[p]) * node.local;
+        }
+        world
+    }
+
+    /// `node` and its ancestors.
+    pub fn lineage(&self, node: usize) -> impl Iterator<Item = usize> {
+        std::iter::successors(Some(node), |i| self.nodes.get(*i).and_then(|n| n.parent))
+    }
+}
+
+/// Depth-first order below `roots`, without recursion: trees may be deep.
+fn walk(roots: &[usize], children: &[Vec<usize>]) -> Vec<usize> {
+    let mut order = Vec::new();
+    let mut open: Vec<usize> = roots.iter().rev().copied().collect();
+    while let Some(node) = open.pop() {
+        order.push(node);
+        open.extend(children[node].iter().rev());
+    }
+    order
+}
+
+/// Roots of the default scene, or of the first; `None` without scenes: then all roots of the document are shown.
+fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Result<Option<Vec<usize>>, BakeError> {
+    let root = source.root.clone();
+    let scene = match root.get("scene") {
+        Some(reference) => root.referred("scenes", &reference)?.1,
+        None => match root.get("scenes").and_then(|scenes| scenes.entry(0)) {
+            Some(first) => first,
+            None => return Ok(None),
+        },
+    };
+    let mut roots = Vec::new();
+    let Some(list) = scene.get("nodes") else { return Ok(Some(roots)) };
+    let mut seen = vec![false; nodes.len()];
+    for reference in list.entries()? {
+        let (index, _) = root.referred("nodes", &reference)?;
+        if let Some(parent) = nodes[index].parent {
+            return Err(reference.fault(format!("is {index}, which is a child of node {parent}; expected a root node")));
+        }
+        if std::mem::replace(&mut seen[index], true) {
+            source.warn(format!("{}: node {index} is listed twice and used once", reference.place));
+        } else {
+            roots.push(index);
+        }
+    }
+    Ok(Some(roots))
+}
+
+/// Reads the transform of a node, as matrix and as translation, rotation, scale.
+fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<(Mat4, (Vec3, Quat, Vec3)), BakeError> {
+    if let Some(matrix_at) = at.get("matrix") {
+        let matrix = Mat4::from_cols_array(&matrix_at.numbers::<16>()?);
+        if matrix.row(3) != glam::Vec4::W {
+            let row = matrix.row(3);
+            return Err(matrix_at.fault(format!("has the last row {row}, expected [0, 0, 0, 1] (column-major order)")));
+        }
+        let trs = decompose(matrix);
+        if shear(matrix, trs) > 1e-4 {
+            source.warn(format!("{} shears; where the model is animated, the shear is left out", matrix_at.place));
+        }
+        return Ok((matrix, trs));
+    }
+    let translation = at.get("translation").map_or(Ok([0.0; 3]), |v| v.numbers())?.into();
+    let scale: Vec3 = at.get("scale").map_or(Ok([1.0; 3]), |v| v.numbers())?.into();
+    let mut rotation = Quat::IDENTITY;
+    if let Some(rotation_at) = at.get("rotation") {
+        let q = Quat::from_array(rotation_at.numbers()?);
+        // In double precision: the squares of small numbers vanish in single.
+        let length = q.to_array().iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        if (length - 1.0).abs() > 1e-2 {
+            source.warn(format!("{} has length {length:.3} and was normalised", rotation_at.place));
+        }
+        if length > 1e-12 {
+            rotation = Quat::from_array(q.to_array().map(|x| (f64::from(x) / length) as f32));
+        }
+    }
+    Ok((Mat4::from_scale_rotation_translation(scale, rotation, translation), (translation, rotation, scale)))
+}
+
+/// Splits an affine matrix. A mirroring goes to the z axis; a collapsed axis keeps a scale of zero and some direction.
+fn decompose(matrix: Mat4) -> (Vec3, Quat, Vec3) {
+    let m = DMat4::from_cols_array(&matrix.to_cols_array().map(f64::from));
+    let [cx, cy, cz] = [m.x_axis.truncate(), m.y_axis.truncate(), m.z_axis.truncate()];
+    let unit = |v: DVec3| v.try_normalize();
+    let x = unit(cx)
+        .or_else(|| unit(cy.cross(cz)))
+        .or_else(|| unit(cy.any_orthogonal_vector()))
+        .or_else(|| unit(cz.any_orthogonal_vector()));
+    let x = x.unwrap_or(DVec3::X);
+    // What is left of y once its part along x is gone; where nothing is left, z says where y was.
+    let y = unit_or_none(cy - x * x.dot(cy), cy.length()).or_else(|| unit_or_none(cz.cross(x), cz.length()));
+    let y = y.unwrap_or_else(|| x.any_orthonormal_vector());
+    let z = x.cross(y);
+    let rotation = glam::DQuat::from_mat3(&DMat3::from_cols(x, y, z)).as_quat().normalize();
+    let scale = DVec3::new(x.dot(cx), y.dot(cy), z.dot(cz)).as_vec3();
+    (matrix.w_axis.truncate(), rotation, scale)
+}
+
+fn unit_or_none(v: DVec3, of: f64) -> Option<DVec3> {
+    if v.length() > 1e-9 * of { v.try_normalize() } else { None }
+}
+
+/// How far the parts are from the matrix, relative to its largest axis.
+fn shear(matrix: Mat4, (translation, rotation, scale): (Vec3, Quat, Vec3)) -> f32 {
+    let back = Mat3::from_mat4(Mat4::from_scale_rotation_translation(scale, rotation, translation));
+    let linear = Mat3::from_mat4(matrix);
+    let size = linear.x_axis.length().max(linear.y_axis.length()).max(linear.z_axis.length());
+    let difference = (back - linear).to_cols_array().into_iter().fold(0.0_f32, |a, b| a.max(b.abs()));
+    if size > 0.0 { difference / size } else { 0.0 }
+}
+
+/// Whether a matrix turns left hands into right hands. In double precision: the product of three small scales vanishes in single.
+pub(super) fn mirrors(matrix: &Mat4) -> bool {
+    DMat4::from_cols_array(&matrix.to_cols_array().map(f64::from)).determinant() < 0.0
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    fn assert_rebuilds(matrix: Mat4) {
+        let (t, r, s) = decompose(matrix);
+        assert!(r.is_normalized());
+        let back = Mat4::from_scale_rotation_translation(s, r, t);
+        for (a, b) in back.to_cols_array().into_iter().zip(matrix.to_cols_array()) {
+            assert!((a - b).abs() < 1e-5, "{matrix} became {back}");
+        }
+    }
+
+    #[test]
+    fn decomposition_rebuilds_rotation_scale_and_mirroring() {
+        let r = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
+        for scale in [
+            Vec3::ONE,
+            Vec3::new(2.0, 3.0, 0.5),
+            Vec3::new(-1.0, 1.0, 1.0),
+            Vec3::new(-1.0, -2.0, -3.0),
+            Vec3::new(1e-3, 1e-3, 1e-3),
+            Vec3::new(0.0, 1.0, 2.0),
+            Vec3::new(1.0, 0.0, 2.0),
+            Vec3::new(1.0, 2.0, 0.0),
+            Vec3::new(0.0, 0.0, 2.0),
+            Vec3::new(0.0, 2.0, 0.0),
+            Vec3::new(2.0, 0.0, 0.0),
+            Vec3::ZERO,
+        ] {
+            assert_rebuilds(Mat4::from_scale_rotation_translation(scale, r, Vec3::new(1.0, 2.0, 3.0)));
+        }
+    }
+
+    #[test]
+    fn shear_is_seen_and_its_absence_too() {
+        let sheared = Mat4::from_cols_array(&[1., 0., 0., 0., 0.5, 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.]);
+        assert!(shear(sheared, decompose(sheared)) > 0.4);
+        let plain = Mat4::from_rotation_y(0.7) * Mat4::from_scale(Vec3::new(2.0, -3.0, 0.1));
+        assert!(shear(plain, decompose(plain)) < 1e-6);
+    }
+
+    #[test]
+    fn mirroring_is_seen_at_any_scale() {
+        for size in [1e-14_f32, 1.0, 1e12] {
+            assert!(mirrors(&Mat4::from_scale(Vec3::new(-size, size, size))));
+            assert!(!mirrors(&Mat4::from_scale(Vec3::new(-size, -size, size))));
+        }
+    }
+}

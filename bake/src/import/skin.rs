@@ -1,0 +1,104 @@
+//! Skins: joints and inverse bind matrices, and the list of joints of the whole model.
+
+use super::accessor::{Component, grouped};
+use super::json::At;
+use super::source::Source;
+use crate::BakeError;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+/// A skin of the document.
+#[derive(Debug)]
+pub(super) struct Skin {
+    /// Nodes of the document.
+    pub joints: Vec<usize>,
+    /// One per joint, column-major.
+    pub inverse_binds: Vec<[f32; 16]>,
+}
+
+const IDENTITY: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+
+impl Skin {
+    fn read<'a>(source: &mut Source<'a, '_>, at: &At<'a>) -> Result<Self, BakeError> {
+        let mut joints = Vec::new();
+        let joints_at = at.require("joints")?;
+        for reference in joints_at.entries()? {
+            joints.push(source.root.referred("nodes", &reference)?.0);
+        }
+        if joints.is_empty() {
+            return Err(joints_at.fault("is empty, expected at least one joint"));
+        }
+        let mut inverse_binds = vec![IDENTITY; joints.len()];
+        if let Some(reference) = at.get("inverseBindMatrices") {
+            let elements = source.accessor(&reference, &[16], &[Component::F32])?;
+            if elements.count < joints.len() {
+                let (found, expected) = (elements.count, joints.len());
+                return Err(reference.fault(format!("has {found} matrices, expected {expected}, one per joint")));
+            }
+            for (i, (slot, matrix)) in inverse_binds.iter_mut().zip(grouped::<16>(&elements.reals(false))).enumerate() {
+                if !matrix.iter().all(|x| x.is_finite()) {
+                    return Err(reference.fault(format!("element {i} is not finite, expected finite numbers")));
+                }
+                *slot = matrix;
+                // The last row is [0, 0, 0, 1] by definition; some files hold rounding there.
+                (slot[3], slot[7], slot[11], slot[15]) = (0.0, 0.0, 0.0, 1.0);
+            }
+        }
+        Ok(Self { joints, inverse_binds })
+    }
+}
+
+/// What a vertex can follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Owner {
+    /// All joints of a skin.
+    Skin(usize),
+    /// A node, rigidly.
+    Node(usize),
+}
+
+/// The joints of the model: those of each skin, and one for each node with a rigid mesh.
+#[derive(Debug, Default)]
+pub(super) struct Joints {
+    /// Node of the document and inverse bind matrix.
+    pub list: Vec<(usize, [f32; 16])>,
+    first: BTreeMap<Owner, usize>,
+    skins: BTreeMap<usize, Skin>,
+}
+
+impl Joints {
+    /// The skin that `reference` names, and its number.
+    pub fn skin<'a>(&mut self, source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<usize, BakeError> {
+        let (index, at) = source.root.referred("skins", reference)?;
+        if let Entry::Vacant(slot) = self.skins.entry(index) {
+            slot.insert(Skin::read(source, &at)?);
+        }
+        Ok(index)
+    }
+
+    /// Number of the first joint of a skin, and how many it has.
+    pub fn of_skin(&mut self, at: &At<'_>, skin: usize) -> Result<(usize, usize), BakeError> {
+        let (joints, binds) = self.skins.get(&skin).map_or((&[][..], &[][..]), |s| (&s.joints, &s.inverse_binds));
+        let count = joints.len();
+        let entries: Vec<_> = joints.iter().copied().zip(binds.iter().copied()).collect();
+        Ok((self.add(at, Owner::Skin(skin), entries)?, count))
+    }
+
+    /// Number of the joint of a node that carries a rigid mesh.
+    pub fn of_node(&mut self, at: &At<'_>, node: usize) -> Result<usize, BakeError> {
+        self.add(at, Owner::Node(node), vec![(node, IDENTITY)])
+    }
+
+    fn add(&mut self, at: &At<'_>, owner: Owner, entries: Vec<(usize, [f32; 16])>) -> Result<usize, BakeError> {
+        if let Some(first) = self.first.get(&owner) {
+            return Ok(*first);
+        }
+        let first = self.list.len();
+        if first + entries.len() > usize::from(u16::MAX) + 1 {
+            return Err(at.fault("takes the model past 65536 joints (those of all skins and one per rigid part)"));
+        }
+        self.list.extend(entries);
+        self.first.insert(owner, first);
+        Ok(first)
+    }
+}

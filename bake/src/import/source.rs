@@ -1,0 +1,160 @@
+//! The bytes behind a model: buffers, buffer views, URIs, and the record of what was read.
+
+use super::json::{At, shorten};
+use crate::BakeError;
+use base64::Engine as _;
+use base64::alphabet;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use pelage_formats::InputRecord;
+use sha2::{Digest, Sha256};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// Fetches the bytes of a relative URI.
+pub(super) type Resolve<'r> = dyn FnMut(&str) -> Result<Vec<u8>, BakeError> + 'r;
+
+/// A model being read.
+pub(super) struct Source<'a, 'r> {
+    /// The JSON document.
+    pub root: At<'a>,
+    bin: Option<&'a [u8]>,
+    resolve: &'r mut Resolve<'r>,
+    buffers: BTreeMap<usize, Cow<'a, [u8]>>,
+    /// What was read, in the order of reading.
+    pub inputs: Vec<InputRecord>,
+    warnings: Vec<String>,
+}
+
+/// The bytes of a buffer view.
+pub(super) struct View<'b> {
+    pub bytes: &'b [u8],
+    pub stride: Option<usize>,
+}
+
+/// Warnings beyond this many are counted, not kept: a file can be wrong once per vertex.
+const MAX_WARNINGS: usize = 100;
+
+// Encoders differ in padding and in the unused bits of the last character; neither makes the data ambiguous.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &alphabet::STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
+);
+
+impl<'a, 'r> Source<'a, 'r> {
+    pub fn new(root: At<'a>, bin: Option<&'a [u8]>, resolve: &'r mut Resolve<'r>, warnings: Vec<String>) -> Self {
+        Self { root, bin, resolve, buffers: BTreeMap::new(), inputs: Vec::new(), warnings }
+    }
+
+    /// Notes what was repaired, left out or guessed. The same sentence is kept once.
+    pub fn warn(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        // The list grows one past the limit only for the count, which `into_warnings` writes.
+        if self.warnings.len() <= MAX_WARNINGS && !self.warnings.contains(&text) {
+            self.warnings.push(text);
+        }
+    }
+
+    /// The warnings and the records.
+    pub fn finish(mut self) -> (Vec<String>, Vec<InputRecord>) {
+        if self.warnings.len() > MAX_WARNINGS {
+            self.warnings.truncate(MAX_WARNINGS);
+            self.warnings.push(format!("more than {MAX_WARNINGS} warnings; the rest is not shown"));
+        }
+        (self.warnings, self.inputs)
+    }
+
+    /// Notes a file or an embedded image.
+    pub fn record(&mut self, role: &str, name: &str, bytes: &[u8]) {
+        let sha256 = Sha256::digest(bytes).into();
+        self.inputs.push(InputRecord { role: role.into(), name: name.into(), bytes: bytes.len() as u64, sha256 });
+    }
+
+    /// What `uri` stands for: the data in it, or the file it names. `role` is for the record.
+    pub fn uri(&mut self, at: &At<'a>, role: &str) -> Result<Vec<u8>, BakeError> {
+        let uri = at.string()?;
+        if let Some(data) = uri.get(..5).filter(|s| s.eq_ignore_ascii_case("data:")).and_then(|_| uri.get(5..)) {
+            let bytes = decode_data(data).map_err(|reason| at.fault(reason))?;
+            if role == "image" {
+                self.record(role, "", &bytes);
+            }
+            return Ok(bytes);
+        }
+        let bytes = (self.resolve)(uri).map_err(|error| {
+            // A reader may complain about the URI itself or about the file behind it: either way the model names it.
+            let cause = match error {
+                BakeError::Input { reason, .. } => reason,
+                BakeError::Io { source, action, .. } => format!("cannot {action} it: {source}"),
+                other => other.to_string(),
+            };
+            at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri)))
+        })?;
+        let name = urlencoding::decode(uri).unwrap_or(Cow::Borrowed(uri));
+        let name = name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+        self.record(role, &name, &bytes);
+        Ok(bytes)
+    }
+
+    fn buffer(&mut self, reference: &At<'a>) -> Result<usize, BakeError> {
+        let (index, at) = self.root.referred("buffers", reference)?;
+        if self.buffers.contains_key(&index) {
+            return Ok(index);
+        }
+        let expected = at.require("byteLength")?.unsigned()?;
+        let (bytes, origin) = match (at.get("uri"), self.bin) {
+            (Some(uri), _) => (Cow::Owned(self.uri(&uri, "buffer")?), uri),
+            (None, Some(bin)) if index == 0 => (Cow::Borrowed(bin), at.clone()),
+            (None, _) => {
+                let only = if index == 0 { "the file has no BIN chunk" } else { "only buffer 0 can be the BIN chunk" };
+                let hint = "re-export the model, and decode it first if it is compressed (meshopt)";
+                return Err(at.fault(format!("has no `uri`, and {only}; {hint}")));
+            }
+        };
+        if (bytes.len() as u64) < expected {
+            let found = bytes.len();
+            return Err(
+                origin.fault(format!("buffer {index} holds {found} bytes, byteLength says {expected}: it is cut off"))
+            );
+        }
+        self.buffers.insert(index, bytes);
+        Ok(index)
+    }
+
+    /// The bytes of the buffer view that `reference` names.
+    pub fn view(&mut self, reference: &At<'a>) -> Result<View<'_>, BakeError> {
+        let (view_index, at) = self.root.referred("bufferViews", reference)?;
+        if let Some(name) = at.get("extensions").and_then(|e| e.keys().find(|k| k.ends_with("meshopt_compression"))) {
+            let reason = format!("is compressed with {name}; decode it first: `gltf-transform cp in.glb out.glb`");
+            return Err(at.fault(reason));
+        }
+        let index = self.buffer(&at.require("buffer")?)?;
+        let (offset, length) = (at.unsigned_or("byteOffset", 0)?, at.require("byteLength")?.unsigned()?);
+        let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
+        let have = self.buffers.get(&index).map_or(0, |b| b.len()) as u64;
+        if offset > have {
+            return Err(at.fault(format!("begins at byte {offset} of buffer {index}, which has {have}")));
+        }
+        let end = offset.saturating_add(length);
+        if end > have {
+            // What lies beyond the end may be unused: each accessor is checked against the bytes there are.
+            self.warn(format!("bufferView {view_index} reaches to byte {end} of buffer {index}, which has {have}"));
+        }
+        let buffer = self.buffers.get(&index).map(Cow::as_ref).unwrap_or_default();
+        let bytes = buffer.get(offset as usize..end.min(have) as usize).unwrap_or_default();
+        Ok(View { bytes, stride })
+    }
+}
+
+/// The data of a `data:` URI (RFC 2397) behind the scheme.
+fn decode_data(data: &str) -> Result<Vec<u8>, String> {
+    let (header, body) =
+        data.split_once(',').ok_or("is a data URI without a comma, expected data:[type][;base64],data")?;
+    let body = urlencoding::decode_binary(body.as_bytes());
+    if header.to_ascii_lowercase().ends_with(";base64") {
+        let text: Vec<u8> = body.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect();
+        BASE64.decode(text).map_err(|e| format!("is a data URI whose base64 is broken: {e}"))
+    } else {
+        Ok(body.into_owned())
+    }
+}
