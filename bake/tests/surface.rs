@@ -1,0 +1,131 @@
+#![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+//! The `surface` stage on meshes small enough to know the answer by hand.
+
+use glam::{Vec2, Vec3, vec2, vec3};
+use pelage_bake::BakeError;
+use pelage_bake::mesh::{Material, Mesh, MeshPart, Model};
+use pelage_bake::surface::{Surface, SurfaceParams, from_model_uvs};
+
+/// Triangles as exporters without indices write them: three vertices of its own for each.
+fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
+    let n = corners.len();
+    let mesh = Mesh {
+        positions: corners.iter().map(|c| c.0).collect(),
+        normals: vec![normal; n],
+        uvs: corners.iter().map(|c| c.1).collect(),
+        colors: vec![[255; 4]; n],
+        skin: Vec::new(),
+        triangles: (0..n as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+        parts: vec![MeshPart {
+            source: "mesh 0 \"body\", primitive 0".into(),
+            material: 0,
+            first_triangle: 0,
+            triangle_count: n / 3,
+            has_uvs: true,
+        }],
+    };
+    let material = Material {
+        name: "Coat".into(),
+        base_color: [1.0; 4],
+        base_color_image: None,
+        alpha_cutoff: None,
+        double_sided: false,
+    };
+    Model { mesh, materials: vec![material], ..Model::default() }
+}
+
+fn surface(model: &Model) -> Surface {
+    from_model_uvs("m.glb", model, &SurfaceParams { tile_size_m: 0.25, furred: vec![true] }).unwrap()
+}
+
+/// A unit square in the plane z = 0, seen from +z; texture coordinates from `uv`.
+fn square(uv: impl Fn(f32, f32) -> Vec2) -> Model {
+    let corner = |x: f32, y: f32| (vec3(x, y, 0.0), uv(x, y));
+    let corners = [corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 0.), corner(1., 1.), corner(0., 1.)];
+    model(&corners, Vec3::Z)
+}
+
+#[test]
+fn corners_are_joined_and_the_tile_has_its_size() {
+    let s = surface(&square(|x, y| vec2(x, y) * 3.0));
+    assert_eq!(s.mesh.positions.len(), 4, "six corners of four places");
+    let (a, b) = (s.mesh.triangles[0][0] as usize, s.mesh.triangles[0][1] as usize);
+    // One metre of skin is four tiles of 0.25 m, whatever the texture coordinates were.
+    assert!(((s.tile_uvs[b] - s.tile_uvs[a]).length() - 4.0).abs() < 1e-5);
+    for (tangent, normal) in s.tangents.iter().zip(&s.mesh.normals) {
+        assert!((tangent.truncate() - Vec3::X).length() < 1e-6 && tangent.w == 1.0, "{tangent}");
+        assert_eq!(*normal, Vec3::Z);
+    }
+    assert_eq!((s.measures.patches, s.measures.flipped_triangles), (1, 0));
+    assert!(s.warnings.is_empty(), "{:?}", s.warnings);
+}
+
+#[test]
+fn gltf_unwraps_run_downward_and_still_give_upright_frames() {
+    // v down, as a painted texture has it: mirrored as seen from outside.
+    let s = surface(&square(|x, y| vec2(x, 1.0 - y)));
+    assert_eq!(s.measures.flipped_triangles, 0);
+    for t in &s.tangents {
+        assert_eq!(t.w, 1.0);
+        // +v is down on the skin; with the normal towards us, +u then points left.
+        assert!((t.truncate() + Vec3::X).length() < 1e-6, "{t}");
+    }
+}
+
+#[test]
+fn a_mirrored_half_gets_frames_of_its_own() {
+    // Both halves of a strip share the texture, as on most animals: u = |x|.
+    let corner = |x: f32, y: f32| (vec3(x, y, 0.0), vec2(x.abs(), y));
+    let mut corners =
+        vec![corner(0., 0.), corner(2., 0.), corner(2., 1.), corner(0., 0.), corner(2., 1.), corner(0., 1.)];
+    corners.extend([corner(-1., 0.), corner(0., 0.), corner(0., 1.), corner(-1., 0.), corner(0., 1.), corner(-1., 1.)]);
+    let s = surface(&model(&corners, Vec3::Z));
+    assert_eq!(s.mesh.positions.len(), 8, "the two vertices on the mirror line exist once for each side");
+    for triangle in &s.mesh.triangles {
+        let x: f32 = triangle.iter().map(|i| s.mesh.positions[*i as usize].x).sum();
+        for i in triangle {
+            let t = s.tangents[*i as usize];
+            assert_eq!(t.w, x.signum(), "handedness");
+            assert!((t.truncate() - Vec3::X * x.signum()).length() < 1e-6, "u grows away from the mirror line");
+        }
+    }
+    assert_eq!(s.measures.flipped_triangles, 2);
+    assert!(s.warnings.iter().any(|w| w.contains("33 %") && w.contains("mirrored")), "{:?}", s.warnings);
+}
+
+#[test]
+fn normals_agree_across_hard_edges() {
+    // Two faces of a cube that meet at the edge x = 1, z = 0, flat-shaded.
+    let f = |p: Vec3| (p, vec2(p.x - p.z, p.y));
+    let (a, b, c) = (vec3(0., 0., 0.), vec3(1., 0., 0.), vec3(1., 1., 0.));
+    let mut m = model(&[f(a), f(b), f(c), f(b), f(vec3(1., 0., -1.)), f(c)], Vec3::Z);
+    m.mesh.normals[3..].fill(Vec3::X);
+    let s = surface(&m);
+    let at_edge: Vec<Vec3> =
+        (0..s.mesh.positions.len()).filter(|i| s.mesh.positions[*i] == b).map(|i| s.mesh.normals[i]).collect();
+    assert!(at_edge.len() == 2 && at_edge[0] == at_edge[1], "{at_edge:?}");
+    assert!((at_edge[0].length() - 1.0).abs() < 1e-6 && at_edge[0].x > 0.3 && at_edge[0].z > 0.3);
+}
+
+#[test]
+fn a_furred_part_without_texture_coordinates_is_named() {
+    let mut m = square(vec2);
+    m.mesh.parts[0].has_uvs = false;
+    let error = from_model_uvs("m.glb", &m, &SurfaceParams { tile_size_m: 0.1, furred: vec![true] }).unwrap_err();
+    let text = error.to_string();
+    assert!(matches!(error, BakeError::Input { .. }));
+    for word in ["m.glb", "body", "primitive 0", "texture coordinates", "Coat", "model.bare"] {
+        assert!(text.contains(word), "{text}");
+    }
+    assert!(from_model_uvs("m.glb", &m, &SurfaceParams { tile_size_m: 0.1, furred: vec![false] }).is_ok());
+}
+
+#[test]
+fn collapsed_texture_coordinates_stay_finite() {
+    let s = surface(&square(|_, _| vec2(0.5, 0.5)));
+    assert!(s.tile_uvs.iter().all(|uv| uv.is_finite()) && s.tangents.iter().all(|t| t.is_finite()));
+    for (t, n) in s.tangents.iter().zip(&s.mesh.normals) {
+        assert!((t.truncate().length() - 1.0).abs() < 1e-5 && t.truncate().dot(*n).abs() < 1e-5);
+    }
+    assert!(s.warnings.iter().any(|w| w.contains("no area")), "{:?}", s.warnings);
+}
