@@ -135,23 +135,36 @@ impl Animation {
 }
 
 impl Channel {
-    fn check(&self, nodes: usize) -> Result<(), String> {
-        if self.node as usize >= nodes {
-            return Err(format!(".node is {}, expected less than {nodes}", self.node));
-        }
+    /// Numbers that `values` must hold for its keys; `None` where there are no keys, or too many to count.
+    pub(crate) fn expected_values(&self) -> Option<usize> {
         let per_key = match self.interpolation {
             Interpolation::Cubic => 3,
             Interpolation::Step | Interpolation::Linear => 1,
         };
-        let expected = self.times.len() * self.property.components() * per_key;
+        let keys = Some(self.times.len()).filter(|keys| *keys > 0)?;
+        keys.checked_mul(self.property.components() * per_key)
+    }
+
+    fn check(&self, nodes: usize) -> Result<(), String> {
+        if self.node as usize >= nodes {
+            return Err(format!(".node is {}, expected less than {nodes}", self.node));
+        }
+        let expected = self.expected_values().unwrap_or(0);
         if self.times.is_empty() || self.values.len() != expected {
             let (k, v) = (self.times.len(), self.values.len());
             return Err(format!(" has {k} keys and {v} numbers, expected at least one key and {expected} numbers"));
         }
-        let rising = self.times.windows(2).all(|w| w[0] < w[1]);
-        if !rising || !self.times.iter().chain(&self.values).all(|v| v.is_finite()) {
-            return Err(" has keys that do not rise, or a number that is not finite".into());
+        for (what, numbers) in [("times", &self.times), ("values", &self.values)] {
+            if let Some(k) = numbers.iter().position(|v| !v.is_finite()) {
+                return Err(format!(".{what}[{k}] is {}, expected a finite number", numbers[k]));
+            }
         }
-        Ok(())
+        match self.times.windows(2).position(|w| w[0] >= w[1]) {
+            Some(k) => {
+                let (a, b) = (self.times[k], self.times[k + 1]);
+                Err(format!(".times[{}] is {b}, expected more than the key before, {a}", k + 1))
+            }
+            None => Ok(()),
+        }
     }
 }

@@ -10,6 +10,8 @@ pub const FORMAT_VERSION: u32 = 1;
 
 /// Bytes of the fixed header.
 pub(crate) const HEADER_BYTES: usize = 32;
+/// End of magic and version, the part of the header that is the same in every version.
+const VERSION_END: usize = 12;
 /// Bytes of one entry of the table.
 pub(crate) const ENTRY_BYTES: usize = 32;
 /// Every section begins at a multiple of this, so that vertex data can be mapped and uploaded in place.
@@ -28,7 +30,7 @@ impl Tag {
     pub const ANIMATION: Self = Self(*b"ANIM");
     /// A complete .ktx2 file; the k-th one belongs to the k-th texture of the manifest.
     pub const TEXTURE: Self = Self(*b"KTX2");
-    /// Stands for header and table in errors; never in a file's table.
+    /// Stands for header, table and padding in errors; never in a file's table.
     pub const HEAD: Self = Self(*b"head");
 }
 
@@ -74,10 +76,10 @@ fn align_up(offset: u64) -> Option<u64> {
 }
 
 /// Fails unless `bytes` holds `needed` bytes at `offset`.
-fn require(bytes: &[u8], what: &'static str, offset: u64, needed: u64) -> Result<(), FormatError> {
+fn require(bytes: &[u8], tag: Tag, what: &'static str, offset: u64, needed: u64) -> Result<(), FormatError> {
     let available = (bytes.len() as u64).saturating_sub(offset);
     if needed > available {
-        return Err(FormatError::Truncated { what, offset, needed, available });
+        return Err(FormatError::Truncated { tag, what, offset, needed, available });
     }
     Ok(())
 }
@@ -99,24 +101,26 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<Vec<Section>, 
     if !bytes.starts_with(&MAGIC) {
         // A prefix of the magic is a truncated package; anything else is some other file.
         if !bytes.is_empty() && MAGIC.starts_with(bytes) {
-            require(bytes, "header", 0, HEADER_BYTES as u64)?;
+            require(bytes, Tag::HEAD, "header", 0, HEADER_BYTES as u64)?;
         }
         let found = bytes[..bytes.len().min(8)].to_vec();
         return Err(FormatError::Magic { found, expected: MAGIC });
     }
-    require(bytes, "header", 0, HEADER_BYTES as u64)?;
-    let version = u32_at(bytes, 8);
-    if version > FORMAT_VERSION {
+    // Magic and version are the only fields whose place no later version may change, so the version is judged before anything
+    // else is required of the file: a newer package must never be taken for a damaged one.
+    if let Some(version) = bytes.get(8..VERSION_END).map(|field| u32_at(field, 0)).filter(|v| *v > FORMAT_VERSION) {
         return Err(FormatError::Version { found: version, supported: FORMAT_VERSION });
     }
+    require(bytes, Tag::HEAD, "header", 0, HEADER_BYTES as u64)?;
+    let version = u32_at(bytes, 8);
     expect_field("version", 8, version.into(), FORMAT_VERSION.into())?;
     let count = u32_at(bytes, 12);
     if count > limits.sections {
         let (found, limit) = (count.into(), limits.sections.into());
-        return Err(FormatError::Limit { what: "section count", offset: 12, found, limit });
+        return Err(FormatError::Limit { tag: Tag::HEAD, what: "section count", offset: 12, found, limit });
     }
     let table_bytes = u64::from(count) * ENTRY_BYTES as u64;
-    require(bytes, "section table", HEADER_BYTES as u64, table_bytes)?;
+    require(bytes, Tag::HEAD, "section table", HEADER_BYTES as u64, table_bytes)?;
     let head_bytes = HEADER_BYTES + table_bytes as usize;
     let expected = u32_at(bytes, 24);
     let found = head_checksum(&bytes[..head_bytes]);
@@ -133,6 +137,11 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<Vec<Section>, 
         expect_field("table reserved bytes", at + 28, u32_at(bytes, at + 28).into(), 0)?;
         let mut tag = [0; 4];
         tag.copy_from_slice(&bytes[at..at + 4]);
+        if Tag(tag) == Tag::HEAD {
+            let (what, found) = ("section tag \"head\"", u32::from_le_bytes(tag).into());
+            let expected = "a tag other than the one that stands for the header".into();
+            return Err(FormatError::Field { what, offset: at as u64, found, expected });
+        }
         let section = Section {
             tag: Tag(tag),
             offset: u64_at(bytes, at + 8),
@@ -141,32 +150,29 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<Vec<Section>, 
         };
         let expected_offset = align_up(end).unwrap_or(u64::MAX);
         expect_field("section offset", at + 8, section.offset, expected_offset)?;
-        require(bytes, "section", section.offset, section.length)?;
         expect_zero_padding(bytes, end, section.offset)?;
+        require(bytes, section.tag, "section", section.offset, section.length)?;
         end = section.offset + section.length;
         sections.push(section);
     }
-    let end = align_up(end).unwrap_or(u64::MAX);
+    let last = end;
+    let end = align_up(last).unwrap_or(u64::MAX);
     expect_field("package length", 16, u64_at(bytes, 16), end)?;
-    let available = bytes.len() as u64;
-    if available < end {
-        let last = sections.last().map_or(head_bytes as u64, |s| s.offset + s.length);
-        require(bytes, "padding", last, end - last)?;
-    }
-    if available > end {
-        return Err(FormatError::TrailingBytes { offset: end, count: available - end });
-    }
-    let last = sections.last().map_or(head_bytes as u64, |s| s.offset + s.length);
     expect_zero_padding(bytes, last, end)?;
-    Ok(sections)
+    match bytes.len() as u64 - end {
+        0 => Ok(sections),
+        count => Err(FormatError::TrailingBytes { offset: end, count }),
+    }
 }
 
+/// Fails unless the bytes from `from` up to `to` are there and zero. An empty section may begin past the end of a file that is
+/// cut inside the padding before it, so presence is checked here and not left to the section.
 fn expect_zero_padding(bytes: &[u8], from: u64, to: u64) -> Result<(), FormatError> {
-    // Both ends were checked against the input's length before.
-    for offset in from..to {
-        expect_field("padding", offset as usize, bytes[offset as usize].into(), 0)?;
+    require(bytes, Tag::HEAD, "padding", from, to - from)?;
+    match (from..).zip(&bytes[from as usize..to as usize]).find(|(_, byte)| **byte != 0) {
+        Some((offset, byte)) => expect_field("padding", offset as usize, (*byte).into(), 0),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// CRC-32 of header and table with the checksum field itself left out.

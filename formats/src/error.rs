@@ -25,8 +25,10 @@ pub enum FormatError {
         supported: u32,
     },
     /// The input ends before the named thing is complete.
-    #[error("package is cut short: {what} at byte {offset} needs {needed} bytes, {available} are left")]
+    #[error("package is cut short: {what} ({tag}) at byte {offset} needs {needed} bytes, {available} are left")]
     Truncated {
+        /// The section that is cut; `head` for header, table and padding.
+        tag: Tag,
         /// What was being read.
         what: &'static str,
         /// Where it begins.
@@ -57,8 +59,10 @@ pub enum FormatError {
         expected: String,
     },
     /// A number in the file is above the reader's [`crate::Limits`].
-    #[error("{what} at byte {offset} is {found}, above the reader's limit of {limit}")]
+    #[error("section {tag}: {what} at byte {offset} is {found}, above the reader's limit of {limit}")]
     Limit {
+        /// Which section; `head` for header and table.
+        tag: Tag,
         /// Name of the field.
         what: &'static str,
         /// Where it stands.
@@ -118,11 +122,17 @@ impl FormatError {
         }
     }
 
-    /// The section the error is about, where it is about one.
+    /// The section the error is about; [`Tag::HEAD`] for header, table, padding and the length of the whole.
+    ///
+    /// Every error of this version names one; the `Option` leaves room for those that cannot.
     pub fn section(&self) -> Option<Tag> {
-        match self {
-            Self::Checksum { tag, .. } | Self::MissingSection { tag, .. } | Self::Content { tag, .. } => Some(*tag),
-            _ => None,
-        }
+        Some(match self {
+            Self::Magic { .. } | Self::Version { .. } | Self::TrailingBytes { .. } | Self::Field { .. } => Tag::HEAD,
+            Self::Truncated { tag, .. }
+            | Self::Limit { tag, .. }
+            | Self::Checksum { tag, .. }
+            | Self::MissingSection { tag, .. }
+            | Self::Content { tag, .. } => *tag,
+        })
     }
 }

@@ -12,11 +12,28 @@
 //! # Ok::<(), pelage_formats::FormatError>(())
 //! ```
 //!
+//! # Trust
+//!
+//! No input makes this crate panic, and memory stays in proportion to the input and [`Limits`]: counts and lengths in the file
+//! are compared with the bytes that are really there before anything is allocated. Every byte of a package is covered: by
+//! a field with one legal value, by the checksum of header and table, by a section's checksum, or by being zero padding.
+//! [`Package::validate`] looks at all of them. A checksum finds damage, not malice, so contents are checked as well:
+//! indices, counts, ranges, and that numbers are finite.
+//!
+//! # Errors
+//!
+//! [`FormatError`] says which section, at which byte of the package, what was found and what was expected.
+//!
 //! This crate knows no GPU, no thread and no file system.
+
+// Vertex data is handed out as it lies in the file, which is little-endian.
+#[cfg(target_endian = "big")]
+compile_error!("pelage-formats needs a little-endian target: packages hold vertex data that is uploaded in place");
 
 mod animation;
 mod container;
 mod direction;
+mod encoding;
 mod error;
 mod limits;
 mod manifest;
@@ -32,6 +49,6 @@ pub use error::FormatError;
 pub use limits::Limits;
 pub use manifest::{Bounds, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, TextureEntry};
 pub use mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
-pub use package::{Package, PackageWriter};
+pub use package::{FurTextures, Package, PackageWriter};
 pub use sampling::Pose;
 pub use texture::{TextureFormat, TextureView};

@@ -7,9 +7,9 @@
 pub struct Limits {
     /// Sections in the table, 1..=65 535 (default 4 096).
     pub sections: u32,
-    /// Bytes of the manifest section (default 16 MiB); also bounds every string and list inside it.
+    /// Bytes of the manifest section (default 16 MiB, at most 256 MiB); also bounds every string and list inside it.
     pub manifest_bytes: u64,
-    /// Bytes of the animation section (default 256 MiB).
+    /// Bytes of the animation section (default 256 MiB, which is also the most).
     pub animation_bytes: u64,
     /// Vertices of the mesh (default 16 777 216).
     pub vertices: u32,

@@ -1,8 +1,7 @@
 //! What a package says about itself. The order of the fields is the order of the bytes: see `FORMAT.md`, "MANI".
 
-use crate::FormatError;
-use crate::container::Tag;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// The manifest section: what is in the package, how it was made, how to shade it.
 ///
@@ -161,37 +160,6 @@ pub struct QualityFigure {
     pub unit: String,
 }
 
-/// How bincode is used in every section: little-endian, fixed-width integers, so that the layout can be stated in one table.
-pub(crate) fn bincode_config() -> impl bincode::config::Config {
-    bincode::config::standard().with_little_endian().with_fixed_int_encoding()
-}
-
-/// Decodes a bincode section to its last byte.
-///
-/// `offset` is where `bytes` begins in the package. The caller has bounded `bytes` by [`crate::Limits`]; the decoder's list and
-/// string allocations are bounded by it in turn, because serde reserves at most 1 MiB ahead of the elements it has read.
-pub(crate) fn decode_section<T: serde::de::DeserializeOwned>(
-    tag: Tag,
-    offset: u64,
-    bytes: &[u8],
-) -> Result<T, FormatError> {
-    let (value, read) = bincode::serde::decode_from_slice::<T, _>(bytes, bincode_config())
-        .map_err(|error| FormatError::Content { tag, offset, reason: error.to_string() })?;
-    if read != bytes.len() {
-        let reason = format!("{} bytes follow the end of the value", bytes.len() - read);
-        return Err(FormatError::Content { tag, offset: offset + read as u64, reason });
-    }
-    Ok(value)
-}
-
-pub(crate) fn encode_section<T: Serialize>(tag: Tag, value: &T) -> Result<Vec<u8>, FormatError> {
-    bincode::serde::encode_to_vec(value, bincode_config()).map_err(|error| FormatError::Content {
-        tag,
-        offset: 0,
-        reason: error.to_string(),
-    })
-}
-
 impl Manifest {
     /// Checks that every number is finite and in its range and every index points into its list; what a reader may rely on.
     ///
@@ -206,6 +174,17 @@ impl Manifest {
         finite("bounds.max", &b.max)?;
         finite("bounds.center", &b.center)?;
         finite("bounds.radius", &[b.radius])?;
+        for axis in 0..3 {
+            if b.min[axis] > b.max[axis] {
+                return Err(format!(
+                    "bounds.min[{axis}] is {}, expected at most bounds.max[{axis}], {}",
+                    b.min[axis], b.max[axis]
+                ));
+            }
+        }
+        if b.radius < 0.0 {
+            return Err(format!("bounds.radius is {}, expected >= 0", b.radius));
+        }
         let s = &self.shading;
         finite("shading.ambient", &s.ambient)?;
         finite("shading.diffuse", &s.diffuse)?;
@@ -214,14 +193,17 @@ impl Manifest {
             ("shading.diffuse_exponent", s.diffuse_exponent, 10_000.0),
             ("shading.specular_exponent", s.specular_exponent, 10_000.0),
             ("shading.ambient_floor", s.ambient_floor, 1.0),
-            ("shading.back_light_range", s.back_light_range, 1.0),
         ] {
             if !(0.0..=max).contains(&value) {
                 return Err(format!("{what} is {value}, expected 0..={max}"));
             }
         }
-        let textures = self.textures.len() as u32;
-        let texture = |what: String, index: u32| match index < textures {
+        // Exclusive: the lighting equation divides by it, and at 1 no direction is ever dark.
+        if !(s.back_light_range > 0.0 && s.back_light_range < 1.0) {
+            return Err(format!("shading.back_light_range is {}, expected it between 0 and 1", s.back_light_range));
+        }
+        let textures = self.textures.len();
+        let texture = |what: String, index: u32| match (index as usize) < textures {
             true => Ok(()),
             false => Err(format!("{what} is {index}, expected less than the {textures} textures")),
         };
@@ -231,16 +213,19 @@ impl Manifest {
         if f.layers > 0 {
             texture("fur.color_texture".into(), f.color_texture)?;
             texture("fur.direction_texture".into(), f.direction_texture)?;
-            if !(f.tile_size_m > 0.0) || !(f.height_m >= 0.0) {
+            if f.tile_texels == 0 {
+                return Err("fur.tile_texels is 0, expected at least 1 for a package with fur".into());
+            }
+            if f.tile_size_m <= 0.0 || f.height_m < 0.0 {
                 return Err(format!(
-                    "fur.tile_size_m is {} and fur.height_m is {}, expected them positive",
+                    "fur.tile_size_m is {} and fur.height_m is {}, expected > 0 and >= 0",
                     f.tile_size_m, f.height_m
                 ));
             }
         }
         for (i, m) in self.materials.iter().enumerate() {
             finite(&format!("materials[{i}].base_color"), &m.base_color)?;
-            finite(&format!("materials[{i}].alpha_cutoff"), &[m.alpha_cutoff.unwrap_or(0.0)])?;
+            finite(&format!("materials[{i}].alpha_cutoff"), m.alpha_cutoff.as_slice())?;
             if let Some(index) = m.base_color_texture {
                 texture(format!("materials[{i}].base_color_texture"), index)?;
             }
@@ -257,8 +242,9 @@ impl Manifest {
                     p.index_count, p.first_index
                 ));
             }
-            next = next.checked_add(p.index_count).ok_or(format!("parts[{i}] ends past 2^32 indices"))?;
+            next = next.checked_add(p.index_count).ok_or_else(|| format!("parts[{i}] ends past 2^32 indices"))?;
         }
+        let mut names = BTreeSet::new();
         for (i, t) in self.textures.iter().enumerate() {
             let legal = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
             if t.name.is_empty() || t.name.len() > 64 || !t.name.chars().all(legal) {
@@ -267,7 +253,8 @@ impl Manifest {
                     t.name
                 ));
             }
-            if self.textures[..i].iter().any(|other| other.name.eq_ignore_ascii_case(&t.name)) {
+            // Two names that differ by case alone would be one file on some systems.
+            if !names.insert(t.name.to_ascii_lowercase()) {
                 return Err(format!("textures[{i}].name {:?} is taken, expected unique names", t.name));
             }
         }

@@ -19,7 +19,8 @@ pub struct GeometryVertex {
     /// Always zero.
     pub reserved: f32,
     /// Unit tangent along +u of the tile in the first three, and in the fourth the handedness ±1:
-    /// bitangent (along +v) = handedness · normal × tangent.
+    /// bitangent (along +v) = handedness · normal × tangent. Readers check that the numbers are finite, not that the vectors
+    /// are unit or the handedness is ±1.
     pub tangent: [f32; 4],
 }
 
@@ -108,7 +109,8 @@ impl MeshData {
             return Err(fail("more than 2^32 vertices or indices".into()));
         }
         let [geometry, attributes, skin, index, end] = layout(vertices as u64, self.indices.len() as u64, skinned);
-        let mut out = vec![0u8; end as usize];
+        let size = usize::try_from(end).map_err(|_| fail(format!("{end} bytes, more than this machine can hold")))?;
+        let mut out = vec![0u8; size];
         out[0..4].copy_from_slice(&(vertices as u32).to_le_bytes());
         out[4..8].copy_from_slice(&(self.indices.len() as u32).to_le_bytes());
         out[8..12].copy_from_slice(&(if skinned { FLAG_SKIN } else { 0 }).to_le_bytes());
@@ -118,8 +120,6 @@ impl MeshData {
         let mut put = |offset: u64, bytes: &[u8]| {
             out[offset as usize..offset as usize + bytes.len()].copy_from_slice(bytes);
         };
-        // bytemuck copies in the machine's own byte order; the package is little-endian.
-        const { assert!(cfg!(target_endian = "little"), "pelage packages are written on little-endian machines") };
         put(geometry, bytemuck::cast_slice(&self.geometry));
         put(attributes, bytemuck::cast_slice(&self.attributes));
         put(skin, bytemuck::cast_slice(&self.skin));
@@ -145,7 +145,7 @@ impl<'a> MeshView<'a> {
         {
             if found > limit {
                 let (found, limit) = (found.into(), limit.into());
-                return Err(FormatError::Limit { what, offset: offset + at, found, limit });
+                return Err(FormatError::Limit { tag: Tag::MESH, what, offset: offset + at, found, limit });
             }
         }
         if flags & !FLAG_SKIN != 0 {

@@ -2,11 +2,12 @@
 
 use crate::animation::Animation;
 use crate::container::{self, Section, Tag};
-use crate::manifest::{decode_section, encode_section};
+use crate::encoding::{decode_section, encode_section};
 use crate::mesh::{MeshData, MeshView};
 use crate::texture::TextureView;
 use crate::{FormatError, Limits, Manifest};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// An opened package, borrowing from the bytes it was opened from.
@@ -40,13 +41,13 @@ impl<'a> Package<'a> {
         check_limit("manifest length", &first, limits.manifest_bytes)?;
         let verified = sections.iter().map(|_| AtomicBool::new(false)).collect();
         let mut package = Self { bytes, limits: limits.clone(), sections, verified, manifest: Manifest::default() };
+        let textures = package.sections.iter().filter(|s| s.tag == Tag::TEXTURE).count();
         package.manifest = decode_section(Tag::MANIFEST, first.offset, package.section_bytes(0)?)?;
         package.manifest.check().map_err(|reason| FormatError::Content {
             tag: Tag::MANIFEST,
             offset: first.offset,
             reason,
         })?;
-        let textures = package.sections.iter().filter(|s| s.tag == Tag::TEXTURE).count();
         if textures != package.manifest.textures.len() {
             return Err(FormatError::MissingSection {
                 tag: Tag::TEXTURE,
@@ -60,16 +61,20 @@ impl<'a> Package<'a> {
         Ok(package)
     }
 
-    /// Reads everything: every checksum, every vertex, every texture's header, every key. Returns all faults, in file order.
+    /// Reads everything: every checksum, every vertex, every texture's header, every key, and whether the manifest's textures
+    /// are fit for their use. Returns all faults: those of each section in file order, then those between sections. Where
+    /// the package does not open, that is the only fault found.
     pub fn validate(bytes: &'a [u8], limits: &Limits) -> Vec<FormatError> {
         let package = match Self::open(bytes, limits) {
             Ok(package) => package,
             Err(error) => return vec![error],
         };
-        let mut faults = Vec::new();
+        let mut faults: Vec<FormatError> = Vec::new();
+        // A damaged section fails again in each check that uses it: once is enough.
+        let mut add = |fault: Option<FormatError>| faults.extend(fault.filter(|fault| !faults.contains(fault)));
         let mut texture = 0;
         for (index, section) in package.sections.iter().enumerate() {
-            let fault = match section.tag {
+            add(match section.tag {
                 Tag::MESH => package.mesh().map(drop),
                 Tag::ANIMATION => package.animation().map(drop),
                 Tag::TEXTURE => {
@@ -77,8 +82,19 @@ impl<'a> Package<'a> {
                     package.texture(texture - 1).map(drop)
                 }
                 _ => package.section_bytes(index).map(drop),
-            };
-            faults.extend(fault.err());
+            }
+            .err());
+        }
+        if package.find(Tag::MESH, 0).is_none() {
+            add(package.mesh().err());
+        }
+        add(package.fur_textures().err());
+        // Each texture once, however many materials share it.
+        let mut seen = BTreeSet::new();
+        for (index, material) in package.manifest.materials.iter().enumerate() {
+            if material.base_color_texture.is_some_and(|texture| seen.insert(texture)) {
+                add(package.base_color_texture(index).err());
+            }
         }
         faults
     }
@@ -123,15 +139,22 @@ impl<'a> Package<'a> {
     }
 
     fn find(&self, tag: Tag, nth: usize) -> Option<(usize, Section)> {
-        let matching = self.sections.iter().copied().enumerate().filter(|(_, s)| s.tag == tag);
-        matching.into_iter().nth(nth)
+        self.sections.iter().copied().enumerate().filter(|(_, s)| s.tag == tag).nth(nth)
     }
 
-    /// The mesh; `None` for a package without one.
+    /// The mesh; `None` for a package without one. Checks every vertex and index anew at every call.
     ///
-    /// Fails where the manifest's parts do not cover the index buffer, or a skinned mesh has no skeleton.
+    /// Fails where the manifest's parts do not cover the index buffer, a skinned mesh has no skeleton, or a mesh without skin
+    /// has one.
     pub fn mesh(&self) -> Result<Option<MeshView<'a>>, FormatError> {
-        let Some((index, section)) = self.find(Tag::MESH, 0) else { return Ok(None) };
+        let Some((index, section)) = self.find(Tag::MESH, 0) else {
+            let parts = self.manifest.parts.len();
+            if parts == 0 {
+                return Ok(None);
+            }
+            let reason = format!("the manifest has {parts} parts of its indices");
+            return Err(FormatError::MissingSection { tag: Tag::MESH, index: 0, reason });
+        };
         let view = MeshView::parse(self.section_bytes(index)?, section.offset, &self.limits)?;
         let fail = |reason| FormatError::Content { tag: Tag::MESH, offset: section.offset, reason };
         let covered: u64 = self.manifest.parts.iter().map(|p| u64::from(p.index_count)).sum();
@@ -139,8 +162,14 @@ impl<'a> Package<'a> {
             let n = view.index_count;
             return Err(fail(format!("{n} indices, expected the {covered} that the manifest's parts cover")));
         }
-        if !view.skin.is_empty() {
-            let joints = self.animation()?.map_or(0, |a| a.joints.len());
+        let joints = self.animation()?.map_or(0, |a| a.joints.len());
+        if view.skin.is_empty() {
+            if joints > 0 && view.vertex_count > 0 {
+                return Err(fail(format!(
+                    "vertices without joints, expected joints and weights beside {joints} joints"
+                )));
+            }
+        } else {
             let top = view.skin().flat_map(|v| v.joints).map(usize::from).max().unwrap_or(0);
             if top >= joints {
                 return Err(fail(format!("a vertex follows joint {top}, expected less than the {joints} joints")));
@@ -171,12 +200,78 @@ impl<'a> Package<'a> {
         })?;
         TextureView::parse(self.section_bytes(at)?, section.offset, &self.limits)
     }
+
+    /// Where texture number `index` of the manifest lies and what it is called, for an error about its use.
+    fn texture_fault(&self, index: u32, reason: &str) -> FormatError {
+        let offset = self.find(Tag::TEXTURE, index as usize).map_or(0, |(_, section)| section.offset);
+        let name = self.manifest.textures.get(index as usize).map_or("", |t| &t.name);
+        FormatError::Content { tag: Tag::TEXTURE, offset, reason: format!("texture {name:?} {reason}") }
+    }
+
+    /// The two shell textures; `None` for a package without fur.
+    ///
+    /// Fails where one of them is damaged or not as [`crate::FurInfo`] says: `layers` array layers, `tile_texels` square, colour with
+    /// four components, directions in a format that is not sRGB.
+    pub fn fur_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
+        let fur = &self.manifest.fur;
+        if fur.layers == 0 {
+            return Ok(None);
+        }
+        let (color, direction) = (self.texture(fur.color_texture)?, self.texture(fur.direction_texture)?);
+        for (index, view) in [(fur.color_texture, &color), (fur.direction_texture, &direction)] {
+            let (found, expected) =
+                ((view.width, view.height, view.layers), (fur.tile_texels, fur.tile_texels, fur.layers));
+            if found != expected {
+                let reason = format!(
+                    "is {}x{} texels in {} layers, expected {}x{} in {} as the manifest's fur says",
+                    found.0, found.1, found.2, expected.0, expected.1, expected.2
+                );
+                return Err(self.texture_fault(index, &reason));
+            }
+        }
+        if color.format.components() != 4 {
+            let reason = format!("is {}, expected four components for colour and opacity", color.format.name());
+            return Err(self.texture_fault(fur.color_texture, &reason));
+        }
+        if direction.format.is_srgb() {
+            let reason = format!("is {}, expected a format that is not sRGB for directions", direction.format.name());
+            return Err(self.texture_fault(fur.direction_texture, &reason));
+        }
+        Ok(Some(FurTextures { color, direction }))
+    }
+
+    /// The base-colour texture of a material; `None` for a material without one, or a material that does not exist.
+    ///
+    /// Fails where the texture is damaged, has more than one array layer, or has not four components.
+    pub fn base_color_texture(&self, material: usize) -> Result<Option<TextureView<'a>>, FormatError> {
+        let Some(index) = self.manifest.materials.get(material).and_then(|m| m.base_color_texture) else {
+            return Ok(None);
+        };
+        let view = self.texture(index)?;
+        if view.layers != 1 || view.format.components() != 4 {
+            let (layers, format) = (view.layers, view.format.name());
+            let reason = format!(
+                "is {format} in {layers} layers, expected four components in one layer as base colour of materials[{material}]"
+            );
+            return Err(self.texture_fault(index, &reason));
+        }
+        Ok(Some(view))
+    }
+}
+
+/// The shell textures of a package, see [`Package::fur_textures`].
+#[derive(Clone, Copy, Debug)]
+pub struct FurTextures<'a> {
+    /// Premultiplied colour and opacity, one array layer per shell, skin first.
+    pub color: TextureView<'a>,
+    /// Hair direction in the tile frame, of the same size (`FORMAT.md`, "Directions").
+    pub direction: TextureView<'a>,
 }
 
 fn check_limit(what: &'static str, section: &Section, limit: u64) -> Result<(), FormatError> {
     if section.length > limit {
         let (offset, found) = (section.offset, section.length);
-        return Err(FormatError::Limit { what, offset, found, limit });
+        return Err(FormatError::Limit { tag: section.tag, what, offset, found, limit });
     }
     Ok(())
 }

@@ -15,7 +15,11 @@ pub struct Pose {
 impl Pose {
     /// Poses the skeleton at `time_s` of clip number `clip`, or at rest for `None` or a clip that does not exist.
     ///
-    /// Times before the first and after the last key hold that key's value; looping is the caller's choice.
+    /// Times before the first and after the last key hold that key's value, and a NaN time counts as before the first; looping
+    /// is the caller's choice.
+    ///
+    /// Never panics and never gives NaN, whatever the animation: a channel whose counts do not fit leaves the node at rest, a
+    /// rotation without direction (0, 0, 0, 0) is no rotation, and a matrix whose numbers overflow f32 is the identity.
     pub fn sample(&mut self, animation: &Animation, clip: Option<usize>, time_s: f32) {
         let mut locals: Vec<(Vec3, Quat, Vec3)> = animation
             .nodes
@@ -25,7 +29,7 @@ impl Pose {
         let channels = clip.and_then(|c| animation.clips.get(c)).map_or(&[][..], |c| &c.channels);
         for channel in channels {
             let Some((translation, rotation, scale)) = locals.get_mut(channel.node as usize) else { continue };
-            let value = sample_channel(channel, time_s);
+            let Some(value) = sample_channel(channel, time_s) else { continue };
             match channel.property {
                 Property::Translation => *translation = value.truncate(),
                 Property::Rotation => *rotation = Quat::from_vec4(value),
@@ -40,23 +44,37 @@ impl Pose {
                 Some(parent) => *parent * local,
                 None => local,
             };
-            self.nodes.push(world);
+            self.nodes.push(finite_or_identity(world));
         }
         self.joints.clear();
         self.joints.extend(animation.joints.iter().map(|joint| {
             let node = self.nodes.get(joint.node as usize).copied().unwrap_or(Mat4::IDENTITY);
-            node * Mat4::from_cols_array(&joint.inverse_bind)
+            finite_or_identity(node * Mat4::from_cols_array(&joint.inverse_bind))
         }));
     }
 }
 
-/// A zero quaternion (from cubic keys that cross the origin, or a broken file) has no direction: no rotation then.
-fn normalize_or_identity(q: Quat) -> Quat {
-    if q.length_squared() > 1e-12 && q.is_finite() { q.normalize() } else { Quat::IDENTITY }
+fn finite_or_identity(matrix: Mat4) -> Mat4 {
+    if matrix.is_finite() { matrix } else { Mat4::IDENTITY }
 }
 
-fn sample_channel(channel: &Channel, time_s: f32) -> Vec4 {
+/// A zero quaternion (from cubic keys that cross the origin, or a broken file) has no direction: no rotation then. Dividing by
+/// the largest component first keeps the squares of very short and very long ones in range.
+fn normalize_or_identity(q: Quat) -> Quat {
+    let largest = q.x.abs().max(q.y.abs()).max(q.z.abs()).max(q.w.abs());
+    if q.is_finite() && largest >= f32::MIN_POSITIVE {
+        Quat::from_vec4((Vec4::from(q) / largest).normalize())
+    } else {
+        Quat::IDENTITY
+    }
+}
+
+/// The channel's value, in as many components as its property has; `None` where its counts do not fit.
+fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
     let n = channel.property.components();
+    if channel.expected_values() != Some(channel.values.len()) {
+        return None;
+    }
     let value = |index: usize| {
         let mut v = Vec4::ZERO;
         for (k, x) in channel.values[index * n..(index + 1) * n].iter().enumerate() {
@@ -69,16 +87,18 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Vec4 {
     let times = &channel.times;
     let next = times.partition_point(|t| *t <= time_s);
     if next == 0 {
-        return key(0);
+        return Some(key(0));
     }
     if next == times.len() {
-        return key(next - 1);
+        return Some(key(next - 1));
     }
     let before = next - 1;
-    let span = times[next] - times[before];
-    let t = (time_s - times[before]) / span;
+    // In f64, where the distance of any two f32 is finite and not zero.
+    let span = f64::from(times[next]) - f64::from(times[before]);
+    let t = ((f64::from(time_s) - f64::from(times[before])) / span) as f32;
+    let span = span as f32;
     let rotation = channel.property == Property::Rotation;
-    match channel.interpolation {
+    Some(match channel.interpolation {
         Interpolation::Step => key(before),
         Interpolation::Linear if rotation => {
             let (a, b) = (Quat::from_vec4(key(before)), Quat::from_vec4(key(next)));
@@ -95,5 +115,5 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Vec4 {
                 + key(next) * (3.0 * t2 - 2.0 * t3)
                 + in_tangent * (t3 - t2)
         }
-    }
+    })
 }

@@ -1,4 +1,4 @@
-//! `KTX2` sections: complete .ktx2 files, read with the `ktx2` crate and narrowed to what the runtime can upload as it is.
+//! `KTX2` sections: complete .ktx2 files, decoded with the `ktx2` crate and narrowed to what the runtime can upload as it is.
 
 use crate::container::Tag;
 use crate::{FormatError, Limits};
@@ -78,10 +78,15 @@ impl TextureFormat {
         }
     }
 
-    /// Bytes of one layer of `width × height` texels.
+    /// Whether a sampler decodes sRGB.
+    pub fn is_srgb(self) -> bool {
+        matches!(self, Self::Rgba8Srgb | Self::Bc7Srgb)
+    }
+
+    /// Bytes of one layer of `width × height` texels; `u64::MAX` where that is more.
     pub fn layer_bytes(self, width: u32, height: u32) -> u64 {
         let blocks = |texels: u32| u64::from(texels.div_ceil(self.block_size()));
-        blocks(width) * blocks(height) * u64::from(self.block_bytes())
+        (blocks(width) * blocks(height)).saturating_mul(self.block_bytes().into())
     }
 }
 
@@ -102,23 +107,52 @@ pub struct TextureView<'a> {
     pub ktx2: &'a [u8],
 }
 
+/// Bytes of an entry of the level index, which follows the header.
+const LEVEL_ENTRY: usize = ktx2::LevelIndex::LENGTH;
+
+/// Where a .ktx2 file lies in the package, for errors.
+#[derive(Clone, Copy)]
+struct Place(u64);
+
+impl Place {
+    fn fail(self, at: u64, reason: String) -> FormatError {
+        FormatError::Content { tag: Tag::TEXTURE, offset: self.0.saturating_add(at), reason }
+    }
+}
+
 impl<'a> TextureView<'a> {
-    /// Reads a .ktx2 file that begins at `offset` of the package.
-    pub(crate) fn parse(ktx2: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
-        let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::TEXTURE, offset: offset + at, reason };
-        let reader = ktx2::Reader::new(ktx2).map_err(|e| fail(0, format!("not a readable KTX2 file: {e}")))?;
-        let header = reader.header();
+    /// Reads a .ktx2 file. `offset` is where it begins in the package and only serves errors: 0 for a file on its own.
+    ///
+    /// Accepted are 2D textures and 2D arrays in a [`TextureFormat`], not supercompressed, whose levels lie as KTX 2.0 asks
+    /// (smallest first, aligned, none overlapping) and whose data format descriptor agrees with the format. Block-compressed
+    /// ones must be whole blocks at level 0, as WebGPU asks. Key/value data is not looked at.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::Limit`] for sizes above `limits`, [`FormatError::Content`] for everything else.
+    pub fn parse(ktx2: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
+        // The crate's types decode the header and the level index. Its `Reader` is not used: it panics on a descriptor whose
+        // block dimension is 255, and its errors do not say where.
+        let place = Place(offset);
+        let header: &[u8; ktx2::Header::LENGTH] = ktx2.first_chunk().ok_or_else(|| {
+            place.fail(0, format!("{} bytes, expected a KTX2 header of {}", ktx2.len(), ktx2::Header::LENGTH))
+        })?;
+        let header = ktx2::Header::from_bytes(header)
+            .map_err(|e| place.fail(0, format!("{e}, expected the header of a KTX2 file")))?;
         let format = header.format.and_then(TextureFormat::from_ktx2).ok_or_else(|| {
             let names: Vec<_> = TextureFormat::ALL.iter().map(|f| f.name()).collect();
-            fail(12, format!("texel format is {:?}, expected one of {}", header.format, names.join(", ")))
+            place.fail(12, format!("texel format is {:?}, expected one of {}", header.format, names.join(", ")))
         })?;
         if let Some(scheme) = header.supercompression_scheme {
-            return Err(fail(44, format!("supercompressed with {scheme:?}, expected data ready to upload")));
+            return Err(place.fail(44, format!("supercompressed with {scheme:?}, expected data ready to upload")));
+        }
+        if header.type_size != 1 {
+            return Err(place.fail(16, format!("type size is {}, expected 1 for this format", header.type_size)));
         }
         let (depth, faces) = (header.pixel_depth, header.face_count);
         if depth != 0 || faces != 1 || header.pixel_height == 0 {
             let found = format!("height {}, depth {depth} and {faces} faces", header.pixel_height);
-            return Err(fail(24, format!("{found}, expected a 2D texture or 2D array")));
+            return Err(place.fail(24, format!("{found}, expected a 2D texture or 2D array")));
         }
         let view = Self {
             format,
@@ -134,49 +168,147 @@ impl<'a> TextureView<'a> {
             ("texture layers", 32, view.layers, limits.texture_layers),
         ] {
             if found > limit {
-                let (found, limit) = (found.into(), limit.into());
-                return Err(FormatError::Limit { what, offset: offset + at, found, limit });
+                let (tag, offset, found, limit) = (Tag::TEXTURE, offset.saturating_add(at), found.into(), limit.into());
+                return Err(FormatError::Limit { tag, what, offset, found, limit });
             }
+        }
+        let block = format.block_size();
+        if !view.width.is_multiple_of(block) || !view.height.is_multiple_of(block) {
+            let (w, h) = (view.width, view.height);
+            return Err(place.fail(20, format!("{w}x{h} texels, expected multiples of {block} for {}", format.name())));
         }
         let full_chain = 32 - view.width.max(view.height).leading_zeros();
-        if view.levels > full_chain {
-            return Err(fail(40, format!("{} mip levels, expected at most {full_chain}", view.levels)));
+        // 0 levels would mean that the reader makes the mips.
+        if header.level_count == 0 || header.level_count > full_chain {
+            return Err(place.fail(40, format!("{} mip levels, expected 1 to {full_chain}", header.level_count)));
         }
-        for (level, data) in reader.levels().enumerate() {
-            let expected = view.level_bytes(level as u32);
-            if data.data.len() as u64 != expected {
-                let at = ktx2::Header::LENGTH as u64 + 24 * level as u64;
-                return Err(fail(at, format!("level {level} has {} bytes, expected {expected}", data.data.len())));
+        let meta_end = view.check_metadata(place, &header.index)?;
+        view.check_levels(place, meta_end)?;
+        Ok(view)
+    }
+
+    /// Checks where descriptor, key/value and global data lie, and the descriptor's contents. Returns where they end.
+    fn check_metadata(&self, place: Place, index: &ktx2::Index) -> Result<u64, FormatError> {
+        let index_end = (ktx2::Header::LENGTH + LEVEL_ENTRY * self.levels as usize) as u64;
+        let mut end = index_end;
+        for (what, at, offset, length) in [
+            ("data format descriptor", 48, u64::from(index.dfd_byte_offset), u64::from(index.dfd_byte_length)),
+            ("key/value data", 56, index.kvd_byte_offset.into(), index.kvd_byte_length.into()),
+        ] {
+            if length == 0 && offset == 0 {
+                continue;
+            }
+            // Both are u32 in the file, so the sum cannot overflow.
+            if length == 0 || offset < end || offset + length > self.ktx2.len() as u64 {
+                let file = self.ktx2.len();
+                let reason = format!("{what} is {length} bytes at {offset}, expected it after {end} in {file} bytes");
+                return Err(place.fail(at, reason));
+            }
+            end = offset + length;
+        }
+        if (index.sgd_byte_offset, index.sgd_byte_length) != (0, 0) {
+            let (offset, length) = (index.sgd_byte_offset, index.sgd_byte_length);
+            let reason = format!("global data is {length} bytes at {offset}, expected none without supercompression");
+            return Err(place.fail(64, reason));
+        }
+        self.check_descriptor(place, index.dfd_byte_offset, index.dfd_byte_length)?;
+        Ok(end)
+    }
+
+    /// The descriptor says a second time what the format says. Where the two disagree, tools disagree about the colours.
+    fn check_descriptor(&self, place: Place, offset: u32, length: u32) -> Result<(), FormatError> {
+        let (expected, _) = ktx2::dfd::Basic::from_format(self.format.ktx2())
+            .map_err(|e| place.fail(12, format!("no data format descriptor for {}: {e}", self.format.name())))?;
+        let mut expected = ktx2::dfd::Block::Basic(expected).to_vec();
+        let mut whole = (expected.len() as u32 + 4).to_le_bytes().to_vec();
+        whole.append(&mut expected);
+        let found = (self.ktx2.get(offset as usize..)).and_then(|rest| rest.get(..length as usize)).unwrap_or(&[]);
+        if found.len() < whole.len() {
+            let reason = format!("data format descriptor has {} bytes, expected {}", found.len(), whole.len());
+            return Err(place.fail(52, reason));
+        }
+        for (at, (found, expected)) in found.iter().zip(&whole).enumerate() {
+            if !DESCRIPTOR_FREE.contains(&at) && found != expected {
+                let reason = format!(
+                    "byte {at} of the data format descriptor is {found:#04x}, expected {expected:#04x} for {}",
+                    self.format.name()
+                );
+                return Err(place.fail(u64::from(offset) + at as u64, reason));
             }
         }
-        Ok(view)
+        if found.len() > whole.len() {
+            let reason = format!("data format descriptor has {} bytes, expected {}", found.len(), whole.len());
+            return Err(place.fail(52, reason));
+        }
+        Ok(())
+    }
+
+    fn check_levels(&self, place: Place, mut end: u64) -> Result<(), FormatError> {
+        // Least common multiple of the block's bytes and 4: 4 for 2 and 4, 16 for 16.
+        let alignment = u64::from(self.format.block_bytes().max(4));
+        for level in (0..self.levels).rev() {
+            let at = (ktx2::Header::LENGTH + LEVEL_ENTRY * level as usize) as u64;
+            let Some(entry) = self.level_entry(level) else {
+                let (levels, file) = (self.levels, self.ktx2.len());
+                return Err(place.fail(at, format!("the file has {file} bytes, expected an index of {levels} levels")));
+            };
+            let expected = self.level_bytes(level);
+            for (field, found) in [(8, entry.byte_length), (16, entry.uncompressed_byte_length)] {
+                if found != expected {
+                    return Err(place.fail(at + field, format!("level {level} has {found} bytes, expected {expected}")));
+                }
+            }
+            let start = end.next_multiple_of(alignment);
+            if entry.byte_offset != start {
+                let found = entry.byte_offset;
+                return Err(place.fail(at, format!("level {level} begins at {found}, expected {start}")));
+            }
+            if entry.byte_length > (self.ktx2.len() as u64).saturating_sub(start) {
+                let file = self.ktx2.len();
+                let reason = format!("level {level} is {expected} bytes at {start}, the file has {file} bytes");
+                return Err(place.fail(at, reason));
+            }
+            end = start + entry.byte_length;
+        }
+        match self.ktx2.len() as u64 - end {
+            0 => Ok(()),
+            rest => Err(place.fail(end, format!("{rest} bytes follow level 0, expected none"))),
+        }
+    }
+
+    fn level_entry(&self, level: u32) -> Option<ktx2::LevelIndex> {
+        let at = ktx2::Header::LENGTH.checked_add(LEVEL_ENTRY.checked_mul(level as usize)?)?;
+        Some(ktx2::LevelIndex::from_bytes(self.ktx2.get(at..)?.first_chunk()?))
     }
 
     /// Width and height of a level, texels.
     pub fn level_size(&self, level: u32) -> (u32, u32) {
-        ((self.width >> level).max(1), (self.height >> level).max(1))
+        let size = |texels: u32| texels.checked_shr(level).unwrap_or(0).max(1);
+        (size(self.width), size(self.height))
     }
 
-    /// Bytes of a level, all layers.
+    /// Bytes of a level, all layers; `u64::MAX` where that is more.
     pub fn level_bytes(&self, level: u32) -> u64 {
         let (width, height) = self.level_size(level);
-        self.format.layer_bytes(width, height) * u64::from(self.layers)
+        self.format.layer_bytes(width, height).saturating_mul(self.layers.into())
     }
 
     /// Bytes of all levels: what the texture takes on the GPU.
     pub fn gpu_bytes(&self) -> u64 {
-        (0..self.levels).map(|level| self.level_bytes(level)).sum()
+        (0..self.levels.min(32)).fold(0, |sum: u64, level| sum.saturating_add(self.level_bytes(level)))
     }
 
     /// Data of a level: layer after layer, rows of blocks without padding. Empty for a level that does not exist.
     pub fn level(&self, level: u32) -> &'a [u8] {
-        let entry = ktx2::Header::LENGTH + 24 * level as usize;
-        // Bounds were checked by `parse`; a view cannot be made otherwise, so a failure here means `level >= levels`.
-        let bytes = |at: usize| self.ktx2.get(at..at + 8).map_or(0, bytemuck::pod_read_unaligned::<u64>) as usize;
-        if level >= self.levels {
-            return &[];
-        }
-        let (offset, length) = (bytes(entry), bytes(entry + 8));
-        self.ktx2.get(offset..offset + length).unwrap_or(&[])
+        let find = || {
+            let entry = self.level_entry(level)?;
+            let from = usize::try_from(entry.byte_offset).ok()?;
+            self.ktx2.get(from..)?.get(..usize::try_from(entry.byte_length).ok()?)
+        };
+        // `parse` has checked the bounds of every level that exists.
+        if level < self.levels { find().unwrap_or(&[]) } else { &[] }
     }
 }
+
+/// Bytes of the descriptor that a writer may choose: the colour primaries and the flags (premultiplied alpha).
+const DESCRIPTOR_FREE: [usize; 2] = [13, 15];

@@ -1,0 +1,91 @@
+//! bincode as the package uses it: little-endian, fixed-width integers, so that the layout can be stated in one table.
+
+use crate::FormatError;
+use crate::container::Tag;
+use bincode::config::{Configuration, Fixint, LittleEndian};
+use bincode::de::read::Reader;
+use bincode::error::DecodeError;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+const CONFIG: Configuration<LittleEndian, Fixint> =
+    bincode::config::standard().with_little_endian().with_fixed_int_encoding();
+
+/// Reads from a section and knows how far it has come, so that an error can say where it happened.
+struct SectionReader<'a> {
+    bytes: &'a [u8],
+    position: usize,
+}
+
+impl Reader for SectionReader<'_> {
+    fn read(&mut self, out: &mut [u8]) -> Result<(), DecodeError> {
+        let left = &self.bytes[self.position..];
+        let Some(found) = left.get(..out.len()) else {
+            return Err(DecodeError::UnexpectedEnd { additional: out.len() - left.len() });
+        };
+        out.copy_from_slice(found);
+        self.position += out.len();
+        Ok(())
+    }
+
+    fn peek_read(&mut self, count: usize) -> Option<&[u8]> {
+        self.bytes[self.position..].get(..count)
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.position = (self.position + count).min(self.bytes.len());
+    }
+}
+
+/// Decodes a bincode section to its last byte. `offset` is where `bytes` begins in the package.
+///
+/// Memory stays in proportion to `bytes`, which the caller has bounded by [`crate::Limits`]: serde reserves at most 1 MiB for
+/// a list ahead of the elements that it has read, and bincode's own limit, without which it would allocate whatever length a
+/// string states, is set to the next of a few steps above the section's size (bincode takes it as a constant).
+pub(crate) fn decode_section<T: DeserializeOwned>(tag: Tag, offset: u64, bytes: &[u8]) -> Result<T, FormatError> {
+    let mut reader = SectionReader { bytes, position: 0 };
+    let decoded = match bytes.len() {
+        0..=0x1_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x1_0000>()),
+        0x1_0001..=0x10_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x10_0000>()),
+        0x10_0001..=0x100_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x100_0000>()),
+        0x100_0001..=0x1000_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x1000_0000>()),
+        found => {
+            let (what, found, limit) = ("section length", found as u64, 0x1000_0000);
+            return Err(FormatError::Limit { tag, what, offset, found, limit });
+        }
+    };
+    let at = offset + reader.position as u64;
+    let value = decoded.map_err(|error| FormatError::Content { tag, offset: at, reason: in_words(&error) })?;
+    match bytes.len() - reader.position {
+        0 => Ok(value),
+        rest => Err(FormatError::Content {
+            tag,
+            offset: at,
+            reason: format!("{rest} bytes follow the value, expected none"),
+        }),
+    }
+}
+
+fn in_words(error: &DecodeError) -> String {
+    match error {
+        DecodeError::UnexpectedEnd { additional } => {
+            format!("the section ends inside a value, {additional} more bytes expected")
+        }
+        DecodeError::LimitExceeded => "a length is greater than the section, expected at most its size".into(),
+        DecodeError::InvalidBooleanValue(found) => format!("a bool is {found}, expected 0 or 1"),
+        DecodeError::UnexpectedVariant { found, .. } => {
+            format!("an option or enum is {found}, expected a known variant")
+        }
+        DecodeError::OutsideUsizeRange(found) => format!("a length is {found}, more than this machine can hold"),
+        DecodeError::Utf8 { inner } => format!("a string is not UTF-8: {inner}"),
+        other => other.to_string(),
+    }
+}
+
+pub(crate) fn encode_section<T: Serialize>(tag: Tag, value: &T) -> Result<Vec<u8>, FormatError> {
+    bincode::serde::encode_to_vec(value, CONFIG).map_err(|error| FormatError::Content {
+        tag,
+        offset: 0,
+        reason: error.to_string(),
+    })
+}
