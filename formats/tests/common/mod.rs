@@ -1,0 +1,189 @@
+//! Things that several tests need: a minimal .ktx2 writer (the real one is in bake) and a package with everything in it.
+#![allow(dead_code, reason = "every test binary compiles this module and uses its own part of it")]
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_formats::*;
+
+/// A .ktx2 file whose data are the bytes `seed`, `seed + 1`, … in file order. `layers` 0 is a texture that is no array.
+pub fn ktx2_file(format: TextureFormat, width: u32, height: u32, layers: u32, levels: u32, seed: u8) -> Vec<u8> {
+    let (basic, type_size) = ktx2::dfd::Basic::from_format(format.ktx2()).unwrap();
+    let descriptor = ktx2::dfd::Block::Basic(basic).to_vec();
+    let descriptor_at = ktx2::Header::LENGTH + ktx2::LevelIndex::LENGTH * levels as usize;
+    let descriptor_length = descriptor.len() + 4;
+    let header = ktx2::Header {
+        format: Some(format.ktx2()),
+        type_size,
+        pixel_width: width,
+        pixel_height: height,
+        pixel_depth: 0,
+        layer_count: layers,
+        face_count: 1,
+        level_count: levels,
+        supercompression_scheme: None,
+        index: ktx2::Index {
+            dfd_byte_offset: descriptor_at as u32,
+            dfd_byte_length: descriptor_length as u32,
+            kvd_byte_offset: 0,
+            kvd_byte_length: 0,
+            sgd_byte_offset: 0,
+            sgd_byte_length: 0,
+        },
+    };
+    let mut out = header.as_bytes().to_vec();
+    out.resize(descriptor_at, 0);
+    out.extend_from_slice(&(descriptor_length as u32).to_le_bytes());
+    out.extend_from_slice(&descriptor);
+    let alignment = format.block_bytes().max(4) as usize;
+    for level in (0..levels).rev() {
+        let bytes = format.layer_bytes((width >> level).max(1), (height >> level).max(1)) * u64::from(layers.max(1));
+        out.resize(out.len().next_multiple_of(alignment), 0);
+        let entry =
+            ktx2::LevelIndex { byte_offset: out.len() as u64, byte_length: bytes, uncompressed_byte_length: bytes };
+        let at = ktx2::Header::LENGTH + ktx2::LevelIndex::LENGTH * level as usize;
+        out[at..at + ktx2::LevelIndex::LENGTH].copy_from_slice(&entry.as_bytes());
+        out.extend((0..bytes).map(|i| (i as u8).wrapping_add(seed)));
+    }
+    out
+}
+
+/// The same numbers on every machine: SplitMix64.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A number less than `bound`, which is not 0.
+    pub fn below(&mut self, bound: usize) -> usize {
+        (self.next() % bound as u64) as usize
+    }
+}
+
+pub fn sample_mesh(skinned: bool) -> MeshData {
+    let vertex = |x: f32, y: f32| GeometryVertex {
+        position: [x, y, 0.25],
+        fur_height: 0.5 * x,
+        normal: [0.0, 0.0, 1.0],
+        reserved: 0.0,
+        tangent: [1.0, 0.0, 0.0, -1.0],
+    };
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.5, 0.5)];
+    let attribute = |(x, y): (f32, f32)| AttributeVertex {
+        tile_uv: [4.0 * x, 4.0 * y],
+        base_uv: [x, 1.0 - y],
+        color: [255, 128, 64, 255],
+        reserved: 0,
+    };
+    MeshData {
+        geometry: corners.iter().map(|(x, y)| vertex(*x, *y)).collect(),
+        attributes: corners.iter().copied().map(attribute).collect(),
+        skin: (0..if skinned { 5 } else { 0 })
+            .map(|i| SkinVertex { joints: [i % 2, 1, 0, 0], weights: [0.75, 0.25, 0.0, 0.0] })
+            .collect(),
+        indices: vec![0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4],
+    }
+}
+
+pub fn sample_animation() -> Animation {
+    let mut inverse_bind = [0.0; 16];
+    for diagonal in [0, 5, 10, 15] {
+        inverse_bind[diagonal] = 1.0;
+    }
+    let node = |name: &str, parent| Node {
+        name: name.into(),
+        parent,
+        translation: [0.0, 1.0, 0.0],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        scale: [1.0, 2.0, -1.0],
+    };
+    let channel = |property, interpolation, values: Vec<f32>| Channel {
+        node: 1,
+        property,
+        interpolation,
+        times: vec![0.0, 0.5],
+        values,
+    };
+    Animation {
+        nodes: vec![node("root", None), node("ear", Some(0))],
+        joints: vec![Joint { node: 0, inverse_bind }, Joint { node: 1, inverse_bind }],
+        clips: vec![Clip {
+            name: "breathe".into(),
+            duration_s: 0.5,
+            channels: vec![
+                channel(Property::Translation, Interpolation::Step, vec![0.0, 1.0, 0.0, 0.0, 1.5, 0.0]),
+                channel(Property::Rotation, Interpolation::Linear, vec![0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
+                channel(Property::Scale, Interpolation::Cubic, (0..18).map(|i| i as f32 * 0.25).collect()),
+            ],
+        }],
+    }
+}
+
+/// A manifest that fits [`sample_mesh`] and the textures of [`sample_package`], no field at its default.
+pub fn sample_manifest() -> Manifest {
+    Manifest {
+        generator: "pelage 0.1.0".into(),
+        model: "häre".into(),
+        recipe: "[strands]\nlength = 0.03\n".into(),
+        inputs: vec![
+            InputRecord { role: "model".into(), name: "hare.glb".into(), bytes: 123_456, sha256: [0xab; 32] },
+            InputRecord { role: "image".into(), name: String::new(), bytes: 1 << 40, sha256: [7; 32] },
+        ],
+        bounds: Bounds { min: [0.0, 0.0, 0.25], max: [1.0, 1.0, 0.25], center: [0.5, 0.5, 0.25], radius: 0.75 },
+        fur: FurInfo {
+            layers: 2,
+            tile_texels: 4,
+            tile_size_m: 0.25,
+            height_m: 0.03,
+            strands: 12,
+            patches: 3,
+            color_texture: 0,
+            direction_texture: 1,
+        },
+        shading: Shading { ambient: [0.25, 0.5, 0.75], diffuse_exponent: 3.5, ..Shading::default() },
+        materials: vec![
+            Material {
+                name: "fur".into(),
+                base_color: [0.5, 0.25, 0.125, 1.0],
+                base_color_texture: Some(2),
+                alpha_cutoff: None,
+                furred: true,
+                double_sided: false,
+            },
+            Material {
+                name: "eyes".into(),
+                base_color: [0.0, 0.0, 0.0, 1.0],
+                base_color_texture: None,
+                alpha_cutoff: Some(0.5),
+                furred: false,
+                double_sided: true,
+            },
+        ],
+        parts: vec![
+            Part { material: 0, first_index: 0, index_count: 9 },
+            Part { material: 1, first_index: 9, index_count: 3 },
+        ],
+        textures: ["shell_color", "shell_direction", "base-color"]
+            .map(|name| TextureEntry { name: name.into() })
+            .to_vec(),
+        quality: vec![QualityFigure { name: "angle_distortion".into(), value: 0.0625, unit: "1".into() }],
+        warnings: vec!["3 triangles without area were left out".into()],
+    }
+}
+
+/// A package with every kind of section, one of an unknown tag among them.
+pub fn sample_package() -> Vec<u8> {
+    PackageWriter::new(sample_manifest())
+        .mesh(&sample_mesh(true))
+        .animation(&sample_animation())
+        .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 1))
+        .texture(ktx2_file(TextureFormat::Bc5Unorm, 4, 4, 2, 1, 2))
+        .section(Tag(*b"XTRA"), &b"a section of a later version"[..])
+        .texture(ktx2_file(TextureFormat::Bc7Srgb, 8, 4, 0, 2, 3))
+        .finish()
+        .unwrap()
+}
