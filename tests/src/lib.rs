@@ -1,1 +1,3 @@
-//!
+//! What the tests and the developers' chores share.
+
+pub mod assets;

@@ -1,0 +1,306 @@
+//! The hare: a brown hare sitting upright, about 0.45 m to the tips of its ears, on the plane y = 0, facing +Z.
+//!
+//! The body is a smooth union of round cones and ellipsoids. Every solid also carries the way its hair is combed, so that
+//! the comb field, the coat's colours and the skeleton all come from the same list.
+
+use glam::{DMat3, DVec3};
+
+use super::{
+    charts::{self, ChartParams},
+    glb::{Material, Model, Primitive},
+    hare_rig,
+    remesh::{Sizing, remesh},
+    sdf::{Solid, normal, smooth_max, smooth_min},
+    trimesh::TriMesh,
+};
+
+/// Metres of skin in one unit of texture coordinates, in all three models.
+pub const METRES_PER_UV: f64 = 0.1;
+
+/// How a solid's hair is combed, before projection onto the skin.
+#[derive(Clone, Copy, Debug)]
+enum Comb {
+    /// Along a fixed direction.
+    Along(DVec3),
+    /// Away from a point.
+    From(DVec3),
+}
+
+struct Piece {
+    solid: Solid,
+    /// Rounding of the union with everything before it, metres.
+    blend: f64,
+    /// Whether it is carved out instead of added.
+    carved: bool,
+    comb: Comb,
+}
+
+/// The body as an implicit surface.
+pub struct Body {
+    pieces: Vec<Piece>,
+}
+
+/// Mirror image across the plane x = 0.
+fn mirror(v: DVec3) -> DVec3 {
+    DVec3::new(-v.x, v.y, v.z)
+}
+
+fn v(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// Rotation about x that turns +Z down by the angle whose sine and cosine are given in the ratio `sin : cos`.
+fn pitch(sin: f64, cos: f64) -> DMat3 {
+    let length = (sin * sin + cos * cos).sqrt();
+    let (s, c) = (sin / length, cos / length);
+    DMat3::from_cols(DVec3::X, v(0.0, c, s), v(0.0, -s, c))
+}
+
+/// Root, tip and unit facing direction of an ear; `side` is +1 for the hare's left ear (towards +X).
+pub fn ear(side: f64) -> [DVec3; 3] {
+    // The left ear stands a little higher and more forward than the right one: a listening hare.
+    let (tip_height, lean) = if side > 0.0 { (0.474, 0.030) } else { (0.468, 0.012) };
+    [v(side * 0.0165, 0.341, 0.05), v(side * 0.047, tip_height, lean), v(side * 0.5, 0.12, 0.86).normalize()]
+}
+
+impl Body {
+    /// The hare's body without eyes and nose.
+    pub fn new() -> Self {
+        let mut body = Self { pieces: Vec::new() };
+        let back = Comb::Along(v(0.0, -0.55, -0.83));
+        let down = Comb::Along(v(0.0, -1.0, -0.12));
+        let nose = v(0.0, 0.297, 0.165);
+
+        // Trunk: rump, arched back, chest, neck.
+        body.add(cone(v(0.0, 0.088, -0.07), 0.077, v(0.0, 0.19, 0.008), 0.061), 0.02, back);
+        body.add(ellipsoid(v(0.0, 0.15, -0.055), v(0.06, 0.08, 0.07), pitch(-0.4, 0.9)), 0.03, back);
+        body.add(ellipsoid(v(0.0, 0.185, 0.035), v(0.05, 0.066, 0.05), DMat3::IDENTITY), 0.03, down);
+        body.add(cone(v(0.0, 0.215, 0.03), 0.05, v(0.0, 0.285, 0.058), 0.036), 0.03, Comb::From(v(0.0, 0.42, 0.16)));
+
+        // Head: skull, muzzle, cheeks, chin and the two lips.
+        let face = Comb::From(nose);
+        body.add(ellipsoid(v(0.0, 0.316, 0.068), v(0.036, 0.037, 0.048), pitch(0.35, 1.0)), 0.02, face);
+        body.add(cone(v(0.0, 0.31, 0.094), 0.029, v(0.0, 0.297, 0.128), 0.0195), 0.015, face);
+        for side in [1.0, -1.0] {
+            body.add(ellipsoid(v(side * 0.021, 0.298, 0.083), v(0.02, 0.0225, 0.025), DMat3::IDENTITY), 0.015, face);
+            body.add(ellipsoid(v(side * 0.0085, 0.29, 0.135), v(0.0105, 0.0105, 0.0115), DMat3::IDENTITY), 0.008, face);
+        }
+        body.add(ellipsoid(v(0.0, 0.279, 0.118), v(0.011, 0.010, 0.016), DMat3::IDENTITY), 0.01, face);
+
+        // Haunches, hind feet and the tail.
+        for side in [1.0, -1.0] {
+            let m = |p: DVec3| if side > 0.0 { p } else { mirror(p) };
+            let haunch = Comb::Along(m(v(0.0, -0.75, -0.66)));
+            body.add(ellipsoid(m(v(0.066, 0.09, -0.047)), v(0.036, 0.078, 0.072), pitch(0.35, 0.9)), 0.014, haunch);
+            body.add(cone(m(v(0.074, 0.075, -0.005)), 0.028, m(v(0.075, 0.045, 0.014)), 0.021), 0.02, haunch);
+            let foot = Comb::Along(m(v(0.0, -0.25, 0.97)));
+            body.add(cone(m(v(0.072, 0.021, -0.075)), 0.02, m(v(0.077, 0.0145, 0.05)), 0.0135), 0.012, foot);
+            body.add(ellipsoid(m(v(0.078, 0.0135, 0.06)), v(0.016, 0.0128, 0.021), DMat3::IDENTITY), 0.01, foot);
+        }
+        let tail = Comb::Along(v(0.0, 0.6, -0.8));
+        body.add(ellipsoid(v(0.0, 0.09, -0.153), v(0.023, 0.029, 0.023), pitch(0.5, 0.9)), 0.014, tail);
+
+        // Shoulders, front legs and paws.
+        for side in [1.0, -1.0] {
+            let m = |p: DVec3| if side > 0.0 { p } else { mirror(p) };
+            body.add(ellipsoid(m(v(0.036, 0.168, 0.036)), v(0.025, 0.052, 0.034), pitch(-0.1, 1.0)), 0.02, down);
+            body.add(cone(m(v(0.034, 0.145, 0.05)), 0.0235, m(v(0.028, 0.075, 0.066)), 0.0155), 0.018, down);
+            body.add(cone(m(v(0.028, 0.075, 0.066)), 0.0155, m(v(0.0275, 0.02, 0.073)), 0.0125), 0.006, down);
+            let paw = Comb::Along(m(v(0.0, -0.5, 0.87)));
+            body.add(ellipsoid(m(v(0.028, 0.0128, 0.085)), v(0.015, 0.0125, 0.022), DMat3::IDENTITY), 0.01, paw);
+        }
+
+        // Ears: a flattened leaf of two cones, hollowed on its face.
+        for side in [1.0, -1.0] {
+            let [root, tip, facing] = ear(side);
+            let along = tip - root;
+            let normal = (facing - along * (facing.dot(along) / along.length_squared())).normalize();
+            let comb = Comb::Along(along.normalize());
+            let widest = root + along * 0.47;
+            let leaf = |a, ra, b, rb| Solid::FlatCone { a, b, ra, rb, normal, flatness: 0.45 };
+            body.add(leaf(root, 0.0115, widest, 0.0225), 0.012, comb);
+            body.add(leaf(widest, 0.0225, tip - along * 0.07, 0.0095), 0.004, comb);
+            let axes = DMat3::from_cols(normal.cross(along).normalize(), along.normalize(), normal);
+            let hollow = ellipsoid(widest + normal * 0.015, v(0.0155, 0.052, 0.0125), axes);
+            body.pieces.push(Piece { solid: hollow, blend: 0.006, carved: true, comb });
+        }
+        body
+    }
+
+    fn add(&mut self, solid: Solid, blend: f64, comb: Comb) {
+        self.pieces.push(Piece { solid, blend, carved: false, comb });
+    }
+
+    /// Signed distance, roughly, negative inside.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        let mut d = 1.0;
+        for piece in &self.pieces {
+            let own = piece.solid.distance(p);
+            d = if piece.carved { smooth_max(d, -own, piece.blend) } else { smooth_min(d, own, piece.blend) };
+        }
+        d
+    }
+
+    /// Direction in which the hair at `p` lies, not yet in the skin's plane: the solids' combs, weighted by how near they are.
+    pub fn comb(&self, p: DVec3) -> DVec3 {
+        let added = self.pieces.iter().filter(|piece| !piece.carved);
+        let near: Vec<(f64, &Piece)> = added.map(|piece| (piece.solid.distance(p), piece)).collect();
+        let nearest = near.iter().fold(f64::MAX, |m, &(d, _)| m.min(d));
+        near.iter().fold(DVec3::ZERO, |sum, &(d, piece)| {
+            let q = (d - nearest) / 0.008;
+            let weight = 1.0 / ((1.0 + q * q) * (1.0 + q * q));
+            let direction = match piece.comb {
+                Comb::Along(direction) => direction,
+                Comb::From(point) => (p - point).normalize_or_zero(),
+            };
+            sum + direction * weight
+        })
+    }
+}
+
+impl Default for Body {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64) -> Solid {
+    Solid::RoundCone { a, b, ra, rb }
+}
+
+fn ellipsoid(centre: DVec3, radii: DVec3, axes: DMat3) -> Solid {
+    Solid::Ellipsoid { centre, radii, axes }
+}
+
+/// 0 below `low`, 1 above `high`, smooth between.
+fn ramp(low: f64, high: f64, x: f64) -> f64 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Centre and radii of an eye.
+fn eye(side: f64) -> (DVec3, DVec3) {
+    (v(side * 0.0295, 0.323, 0.088), v(0.0095, 0.012, 0.0125))
+}
+
+/// The coat's colour at a point of the skin, linear RGB.
+fn coat(p: DVec3, n: DVec3) -> DVec3 {
+    let back = v(0.23, 0.135, 0.068);
+    let flank = v(0.36, 0.215, 0.105);
+    let cream = v(0.74, 0.62, 0.46);
+    let dark = v(0.03, 0.022, 0.016);
+    let rust = v(0.38, 0.19, 0.08);
+
+    // Darker along the spine, lighter down the flanks.
+    let mut c = flank.lerp(back, ramp(-0.1, 0.75, n.y - 0.35 * n.z));
+    // Belly, the inside of the legs, throat: pale where the skin looks down or forward low on the body.
+    let below = ramp(0.1, 0.75, -n.y) * ramp(0.3, 0.24, p.y);
+    c = c.lerp(cream, below);
+    let chest = ramp(0.35, 0.9, n.z) * ramp(0.036, 0.014, p.x.abs()) * ramp(0.25, 0.2, p.y) * ramp(0.02, 0.05, p.z);
+    c = c.lerp(cream, chest * 0.85);
+    // Rusty breast and nape, as brown hares have.
+    let breast = ramp(0.17, 0.21, p.y) * ramp(0.28, 0.24, p.y);
+    c = c.lerp(rust, breast * 0.55);
+    // Head: pale lips and chin, pale ring round the eye.
+    if p.y > 0.26 && p.y < 0.345 {
+        c = c.lerp(cream, ramp(0.300, 0.286, p.y) * ramp(0.07, 0.1, p.z));
+        let (centre, _) = eye(if p.x > 0.0 { 1.0 } else { -1.0 });
+        let ring = (p - centre).length();
+        c = c.lerp(cream, ramp(0.0245, 0.0175, ring) * 0.9);
+        c = c.lerp(dark, ramp(0.0165, 0.0125, ring) * 0.8);
+    }
+    // Ears: black tips, pale inside.
+    if p.y > 0.345 {
+        let [root, tip, facing] = ear(if p.x > 0.0 { 1.0 } else { -1.0 });
+        let t = (p - root).dot(tip - root) / (tip - root).length_squared();
+        c = c.lerp(v(0.62, 0.45, 0.36), ramp(0.2, 0.8, n.dot(facing)) * ramp(0.12, 0.3, t) * 0.85);
+        c = c.lerp(dark, ramp(0.72, 0.86, t));
+    }
+    // Tail: black above, white below.
+    if p.z < -0.142 && p.y < 0.13 {
+        let away = ramp(-0.142, -0.156, p.z);
+        let light = v(0.85, 0.82, 0.76);
+        c = c.lerp(light.lerp(dark, ramp(0.1, 0.55, n.y)), away);
+    }
+    // Soles.
+    c.lerp(rust, ramp(0.02, 0.008, p.y) * 0.4)
+}
+
+/// Makes the body's mesh: closed, about 5 000 triangles, vertices on the surface.
+pub fn body_mesh(body: &Body) -> TriMesh {
+    let field = |p: DVec3| body.distance(p);
+    let mut mesh = TriMesh::from_field(&field, v(-0.1413, -0.0312, -0.2117), v(0.14, 0.50, 0.17), 0.0041);
+    mesh.keep_largest_component();
+    remesh(&mut mesh, &field, Sizing { sagitta: 0.00052, shortest: 0.004, longest: 0.0145 }, 12);
+    mesh
+}
+
+/// The whole model.
+pub fn model() -> anyhow::Result<Model> {
+    let body = Body::new();
+    let field = |p: DVec3| body.distance(p);
+    let mesh = body_mesh(&body);
+    let comb = |p: DVec3| body.comb(p);
+    let atlas = charts::make(&mesh, &comb, &ChartParams { metres_per_uv: METRES_PER_UV, ..ChartParams::default() })?;
+
+    let mut coat_primitive = Primitive::new("body", 0);
+    let normals: Vec<DVec3> = mesh.positions.iter().map(|&p| normal(&field, p)).collect();
+    let weights = hare_rig::weights(&mesh);
+    for vertex in &atlas.vertices {
+        let source = vertex.position as usize;
+        let (p, n) = (mesh.positions[source], normals[source]);
+        coat_primitive.push_vertex(p, n, vertex.uv, coat(p, n), weights[source]);
+    }
+    coat_primitive.triangles = atlas.triangles;
+
+    let mut eyes = Primitive::new("eyes", 1);
+    for side in [1.0, -1.0] {
+        let (centre, radii) = eye(side);
+        push_ball(&mut eyes, centre, radii, 6);
+    }
+    let mut nose = Primitive::new("nose", 2);
+    push_ball(&mut nose, v(0.0, 0.3005, 0.1455), v(0.0075, 0.0055, 0.0058), 4);
+
+    Ok(Model {
+        name: "Hare".into(),
+        materials: vec![
+            Material { name: "Coat".into(), color: [1.0, 1.0, 1.0], roughness: 0.9 },
+            Material { name: "Eye".into(), color: [0.012, 0.007, 0.004], roughness: 0.1 },
+            Material { name: "Nose".into(), color: [0.045, 0.022, 0.018], roughness: 0.5 },
+        ],
+        primitives: vec![coat_primitive, eyes, nose],
+        skeleton: Some(hare_rig::skeleton()),
+        clips: vec![hare_rig::ear_breath()],
+    })
+}
+
+/// A bare ball on the head: a cube with `n` cells along an edge, blown up, so that no triangle is a sliver.
+fn push_ball(to: &mut Primitive, centre: DVec3, radii: DVec3, n: u32) {
+    let faces = [
+        [DVec3::X, DVec3::Y, DVec3::Z],
+        [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z],
+        [DVec3::Y, DVec3::Z, DVec3::X],
+        [DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X],
+        [DVec3::Z, DVec3::X, DVec3::Y],
+        [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y],
+    ];
+    for [out, along_u, along_v] in faces {
+        let first = to.len() as u32;
+        for j in 0..=n {
+            for i in 0..=n {
+                let (s, t) = (f64::from(i) / f64::from(n) * 2.0 - 1.0, f64::from(j) / f64::from(n) * 2.0 - 1.0);
+                let unit = (out + along_u * s + along_v * t).normalize();
+                let uv = [(s + 1.0) * radii.x / METRES_PER_UV, (t + 1.0) * radii.y / METRES_PER_UV];
+                to.push_vertex(centre + unit * radii, (unit / radii).normalize(), uv, DVec3::ONE, hare_rig::HEAD_ONLY);
+            }
+        }
+        for j in 0..n {
+            for i in 0..n {
+                let a = first + j * (n + 1) + i;
+                let (b, c, d) = (a + 1, a + n + 2, a + n + 1);
+                to.triangles.push([a, b, c]);
+                to.triangles.push([a, c, d]);
+            }
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Implicit shapes: signed distances (negative inside) of a few solids, and their smooth union and difference.
+//!
+//! Everything here uses only `+ - * /` and square roots, so that the same source gives the same bits on every machine.
+//! The ellipsoid and the flattened cone are not exact distances, only functions with the right zero set and a gradient of
+//! order one; [`project`] therefore walks with Newton steps divided by the squared gradient.
+
+use glam::{DMat3, DVec3};
+
+/// A solid, in metres.
+#[derive(Clone, Debug)]
+pub enum Solid {
+    /// Axis lengths `radii` along the columns of `axes` around `centre`.
+    Ellipsoid {
+        /// Centre.
+        centre: DVec3,
+        /// Half lengths along the columns of `axes`.
+        radii: DVec3,
+        /// Orthonormal axes as columns.
+        axes: DMat3,
+    },
+    /// The hull of two spheres.
+    RoundCone {
+        /// Centre of the first sphere.
+        a: DVec3,
+        /// Centre of the second sphere.
+        b: DVec3,
+        /// Radius at `a`.
+        ra: f64,
+        /// Radius at `b`.
+        rb: f64,
+    },
+    /// A round cone squeezed towards the plane through `a` with unit normal `normal`, by the factor `flatness` (0..1].
+    FlatCone {
+        /// Centre of the first sphere before the squeeze.
+        a: DVec3,
+        /// Centre of the second sphere before the squeeze.
+        b: DVec3,
+        /// Radius at `a`.
+        ra: f64,
+        /// Radius at `b`.
+        rb: f64,
+        /// Unit vector along which the cone is squeezed.
+        normal: DVec3,
+        /// Thickness divided by width.
+        flatness: f64,
+    },
+}
+
+impl Solid {
+    /// Signed distance of `p` (approximate, see the module's text).
+    pub fn distance(&self, p: DVec3) -> f64 {
+        match *self {
+            Self::Ellipsoid { centre, radii, axes } => {
+                let q = axes.transpose() * (p - centre);
+                let k0 = (q / radii).length();
+                let k1 = (q / (radii * radii)).length();
+                // At the centre both vanish; any value not above the smallest radius is right there.
+                if k1 < 1e-9 { -radii.min_element() } else { k0 * (k0 - 1.0) / k1 }
+            }
+            Self::RoundCone { a, b, ra, rb } => round_cone(p, a, b, ra, rb),
+            Self::FlatCone { a, b, ra, rb, normal, flatness } => {
+                let stretch = |q: DVec3| q + normal * ((q - a).dot(normal) * (1.0 / flatness - 1.0));
+                round_cone(stretch(p), a, stretch(b), ra, rb) * (0.5 + 0.5 * flatness)
+            }
+        }
+    }
+}
+
+/// Distance to the hull of two spheres: the least distance to any sphere of the family between them. With `h` along the
+/// axis and `q` across it, the foot satisfies `(h - t l) / distance = (ra - rb) / l`, hence the closed form of `t`.
+fn round_cone(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> f64 {
+    let length = (b - a).length();
+    let axis = (b - a) / length;
+    let h = (p - a).dot(axis);
+    let q = ((p - a) - axis * h).length();
+    let slope = (ra - rb) / length;
+    let t = ((h - slope * q / (1.0 - slope * slope).sqrt()) / length).clamp(0.0, 1.0);
+    (p - (a + (b - a) * t)).length() - (ra + (rb - ra) * t)
+}
+
+/// Minimum of two distances, rounded where they differ by less than `k` metres.
+pub fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
+    let h = (k - (a - b).abs()).max(0.0) / k;
+    a.min(b) - h * h * k * 0.25
+}
+
+/// Maximum of two distances, rounded like [`smooth_min`].
+pub fn smooth_max(a: f64, b: f64, k: f64) -> f64 {
+    -smooth_min(-a, -b, k)
+}
+
+/// Gradient of `field` at `p` by central differences of 0.1 mm.
+pub fn gradient(field: &dyn Fn(DVec3) -> f64, p: DVec3) -> DVec3 {
+    let e = 1e-4;
+    let along = |axis: DVec3| (field(p + axis * e) - field(p - axis * e)) / (2.0 * e);
+    DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
+}
+
+/// Outward unit normal of the level set through `p`.
+pub fn normal(field: &dyn Fn(DVec3) -> f64, p: DVec3) -> DVec3 {
+    gradient(field, p).normalize_or(DVec3::Y)
+}
+
+/// Moves `p` onto the zero set of `field` by at most `steps` Newton steps along the gradient.
+pub fn project(field: &dyn Fn(DVec3) -> f64, mut p: DVec3, steps: usize) -> DVec3 {
+    for _ in 0..steps {
+        let value = field(p);
+        if value.abs() < 1e-7 {
+            break;
+        }
+        let g = gradient(field, p);
+        p -= g * (value / g.length_squared().max(1e-3));
+    }
+    p
+}
