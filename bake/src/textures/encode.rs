@@ -109,6 +109,12 @@ impl TextureEncoder {
         }
     }
 
+    /// As [`TextureEncoder::finish`], where the last layer was pushed first.
+    pub fn finish_reversed(mut self) -> Result<Vec<u8>, BakeError> {
+        self.layers.reverse();
+        self.finish()
+    }
+
     /// Writes the .ktx2 file: a 2D array where there are several layers, else a plain 2D texture.
     pub fn finish(self) -> Result<Vec<u8>, BakeError> {
         let desc = self.describe(self.format.ktx2());

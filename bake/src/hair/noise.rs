@@ -1,0 +1,51 @@
+//! Hashed random numbers and smooth noise: functions of seed and place, without state.
+
+use glam::Vec3;
+
+/// A well-mixed hash of two numbers: the finaliser of SplitMix64 (Steele, Lea, Flood 2014) over both in turn.
+pub(super) fn hash(seed: u64, n: u64) -> u64 {
+    let mix = |mut z: u64| {
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    mix(mix(seed.wrapping_add(0x9e37_79b9_7f4a_7c15)) ^ n.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
+/// Uniform in 0..1 from the hash's top 24 bits, which an f32 holds exactly.
+pub(super) fn uniform(seed: u64, n: u64) -> f32 {
+    (hash(seed, n) >> 40) as f32 / (1 << 24) as f32
+}
+
+/// Uniform in the cube -1..1.
+pub(super) fn vector(seed: u64, n: u64) -> Vec3 {
+    let h = hash(seed, n);
+    let component = |shift: u32| ((h >> shift) & 0x1f_ffff) as f32 / (1 << 20) as f32 - 1.0;
+    Vec3::new(component(0), component(21), component(42))
+}
+
+fn smooth(t: f32) -> f32 {
+    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+}
+
+/// Smooth noise in -1..1 along a line, one random value per unit.
+pub(super) fn along(seed: u64, x: f32) -> Vec3 {
+    let cell = x.floor();
+    let at = |i: i64| vector(seed, i as u64);
+    at(cell as i64).lerp(at(cell as i64 + 1), smooth(x - cell))
+}
+
+/// Smooth noise in -1..1 over the tile, with `cells` random values per width: periodic in u and v, not in h.
+pub(super) fn field(seed: u64, p: Vec3, cells: i64) -> Vec3 {
+    let q = p * cells as f32;
+    let cell = q.floor();
+    let f = (q - cell).map(smooth);
+    let (x, y, z) = (cell.x as i64, cell.y as i64, cell.z as i64);
+    let at = |i: i64, j: i64, k: i64| {
+        let (i, j) = ((x + i).rem_euclid(cells), (y + j).rem_euclid(cells));
+        vector(seed, ((z + k) as u64) << 32 ^ (i as u64) << 16 ^ j as u64)
+    };
+    let row = |j: i64, k: i64| at(0, j, k).lerp(at(1, j, k), f.x);
+    let plane = |k: i64| row(0, k).lerp(row(1, k), f.y);
+    plane(0).lerp(plane(1), f.z)
+}

@@ -1,0 +1,110 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use super::*;
+use crate::recipe::Style;
+
+fn grow(change: impl FnOnce(&mut HairParams)) -> Strands {
+    let mut params = HairParams { density: 120, ..HairParams::default() };
+    change(&mut params);
+    simulate(&params, &ColorParams::default(), &VolumeParams::default()).unwrap()
+}
+
+#[test]
+fn same_on_one_and_four_threads() {
+    for style in Style::ALL {
+        let on = |threads| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| grow(|p| p.style = *style))
+        };
+        assert_eq!(on(1), on(4));
+    }
+}
+
+#[test]
+fn seeds_differ_and_styles_differ() {
+    let base = grow(|_| {});
+    assert_ne!(base.points, grow(|p| p.seed = 2).points);
+    assert_ne!(base.points, grow(|p| p.style = Style::Messy).points);
+}
+
+#[test]
+fn roots_cover_the_tile_evenly() {
+    for density in [1u32, 2, 3, 7, 100, 700, 1023] {
+        let strands = grow(|p| p.density = density);
+        assert_eq!(strands.len(), density as usize);
+        strands.validate().unwrap();
+        let roots: Vec<_> = (0..strands.len()).map(|i| strands.points[strands.range(i).start]).collect();
+        assert!(roots.iter().all(|r| (0.0..=1.0).contains(&r.x) && (0.0..=1.0).contains(&r.y) && r.z == 0.0));
+        if density >= 100 {
+            let mut quarters = [0u32; 4];
+            for r in &roots {
+                quarters[usize::from(r.x >= 0.5) + 2 * usize::from(r.y >= 0.5)] += 1;
+            }
+            let fair = density / 4;
+            assert!(quarters.iter().all(|q| q.abs_diff(fair) <= 4 + fair / 8), "{density}: {quarters:?}");
+        }
+    }
+}
+
+#[test]
+fn lean_bends_towards_its_direction() {
+    let tip_offset = |degrees: f32, lean: f32| {
+        let strands = grow(|p| {
+            p.lean = lean;
+            p.lean_direction_deg = degrees;
+        });
+        let sum: Vec3 = (0..strands.len())
+            .map(|i| strands.range(i))
+            .map(|r| strands.points[r.end - 1] - strands.points[r.start])
+            .sum();
+        sum / strands.len() as f32
+    };
+    let to_v = tip_offset(0.0, 0.7);
+    assert!(to_v.y > 0.1 && to_v.x.abs() < 0.02, "{to_v}");
+    let to_u = tip_offset(90.0, 0.7);
+    assert!(to_u.x > 0.1 && to_u.y.abs() < 0.02, "{to_u}");
+    assert!(tip_offset(0.0, 1.0).z < tip_offset(0.0, 0.5).z && tip_offset(0.0, 0.5).z < tip_offset(0.0, 0.0).z);
+}
+
+#[test]
+fn curls_have_the_radius_and_pitch_asked_for() {
+    let (radius, pitch) = (0.03, 0.2);
+    let params = HairParams {
+        style: Style::Curly,
+        density: 1,
+        lean: 0.0,
+        frizz: 0.0,
+        length_variation: 0.0,
+        curl_radius: radius,
+        curl_pitch: pitch,
+        ..HairParams::default()
+    };
+    let strands = simulate(&params, &ColorParams::default(), &VolumeParams { height: 2.0 }).unwrap();
+    let points = &strands.points[strands.points.len() / 2..];
+    let turn = (pitch * pitch + (std::f32::consts::TAU * radius).powi(2)).sqrt();
+    let per_turn = (turn / (points[1] - points[0]).length()).round() as usize;
+    // Half a turn on, the trail is on the other side of the axis; a whole turn on, one pitch higher.
+    let across = (points[per_turn / 2] - points[0]).truncate().length();
+    let along = (points[per_turn] - points[0]).length();
+    assert!((across / (2.0 * radius) - 1.0).abs() < 0.12, "diameter {across}");
+    assert!((along / pitch - 1.0).abs() < 0.05, "pitch {along}");
+}
+
+#[test]
+fn out_of_range_is_an_error() {
+    let simulate = |p: &HairParams, h: f32| simulate(p, &ColorParams::default(), &VolumeParams { height: h });
+    for height in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(simulate(&HairParams::default(), height).unwrap_err().to_string().contains("hair.length_m"));
+    }
+    let error = simulate(&HairParams { density: 0, ..HairParams::default() }, 0.4).unwrap_err().to_string();
+    assert!(error.contains("hair.density"), "{error}");
+}
+
+#[test]
+fn colour_runs_from_root_to_tip() {
+    let color = ColorParams { variation: 0.0, ..ColorParams::default() };
+    let strands = simulate(&HairParams::default(), &color, &VolumeParams::default()).unwrap();
+    let range = strands.range(5);
+    assert!((strands.colors[range.start] - linear(color.root)).length() < 1e-6);
+    assert!((strands.colors[range.end - 1] - linear(color.tip)).length() < 1e-6);
+    assert_eq!(strands.range(strands.len()), 0..0);
+}

@@ -1,0 +1,166 @@
+//! From the sums of one layer to the texels of all its mip levels.
+//!
+//! Averaging opacities layer by layer makes distant fur too opaque, because the layers of one hair stand above one another
+//! (measured in formulas 3.2: a mean transmittance of 0.84 becomes 0.51). What an eye far above sees is the mean of the product,
+//! so the *cumulative* transmittance is averaged: with P the transmittance of all layers outside of this one, a coarse texel gets
+//! α = ⟨Pα⟩/⟨P⟩ and the colour ⟨PαC⟩/⟨P⟩, and the product over the layers is the mean of the products exactly. Directions are
+//! averaged with the same weights.
+//!
+//! Bytes are rounded so that the error of one layer is made up for in the next: the product of the stored transmittances
+//! follows the true one at any number of layers, where plain rounding loses the faint hair of a fine stack altogether.
+
+use super::direction;
+use super::splat::Sums;
+use super::srgb::linear_to_srgb;
+use glam::Vec3;
+use pelage_formats::TextureFormat;
+use rayon::prelude::*;
+
+/// Keeps a layer's own opacity where nothing of it can be seen from above.
+const HIDDEN: f32 = 1e-4;
+
+/// Transmittance from outside down to the layer in work, for every level.
+pub(super) struct Transmittance {
+    direction_format: TextureFormat,
+    levels: Vec<LevelTransmittance>,
+}
+
+struct LevelTransmittance {
+    exact: Vec<f32>,
+    /// Product of what is stored.
+    stored: Vec<f32>,
+}
+
+/// RGBA bytes and direction bytes of one level, `texels * texels * 4` each.
+pub(super) type LevelBytes = (Vec<u8>, Vec<u8>);
+
+impl Transmittance {
+    /// Nothing drawn yet.
+    pub(super) fn new(texels: u32, direction_format: TextureFormat) -> Self {
+        let sizes = (0..=texels.ilog2()).map(|level| (texels >> level) as usize);
+        let levels = sizes.map(|n| LevelTransmittance { exact: vec![1.0; n * n], stored: vec![1.0; n * n] }).collect();
+        Self { direction_format, levels }
+    }
+
+    /// Turns the `sums` of the next layer inward into texels of every level. With `skin`, the layer is opaque and of that colour,
+    /// and its directions are those of the hair in `sums`.
+    pub(super) fn layer(&mut self, sums: &mut Vec<Sums>, texels: u32, skin: Option<Vec3>) -> Vec<LevelBytes> {
+        weigh(sums, &self.levels[0].exact);
+        let mut levels = Vec::with_capacity(self.levels.len());
+        let mut coarse: Vec<Sums> = Vec::new();
+        for (level, transmittance) in self.levels.iter_mut().enumerate() {
+            let n = (texels >> level) as usize;
+            if level > 0 {
+                let fine = if level == 1 { &*sums } else { &coarse };
+                coarse = halve(fine, n);
+            }
+            levels.push(store(if level == 0 { sums } else { &coarse }, transmittance, self.direction_format));
+        }
+        if let Some(skin) = skin {
+            let [r, g, b] = skin.to_array().map(linear_to_srgb);
+            let texels = levels.iter_mut().flat_map(|(color, ..)| color.chunks_exact_mut(4));
+            texels.for_each(|texel| texel.copy_from_slice(&[r, g, b, 255]));
+        }
+        fill_empty(&mut levels, texels, self.direction_format);
+        levels.into_iter().map(|(color, direction, _)| (color, direction)).collect()
+    }
+}
+
+/// Replaces depth, depth·colour, depth·direction by W, WαC, WαT with W in the eighth place and Wα in the first: all that
+/// averages linearly.
+fn weigh(sums: &mut [Sums], outside: &[f32]) {
+    sums.par_iter_mut().zip(outside).with_min_len(1024).for_each(|(s, outside)| {
+        let w = outside + HIDDEN;
+        let depth = s[0];
+        let opacity = -libm::expm1f(-depth);
+        let scale = if depth > 0.0 { w * opacity / depth } else { 0.0 };
+        for v in &mut s[1..7] {
+            *v *= scale;
+        }
+        s[0] = w * opacity;
+        s[7] = w;
+    });
+}
+
+fn halve(fine: &[Sums], n: usize) -> Vec<Sums> {
+    let mut coarse = vec![[0.0; 8]; n * n];
+    coarse.par_chunks_mut(n).with_min_len(16).enumerate().for_each(|(y, row)| {
+        let above = &fine[4 * y * n..][..2 * n];
+        let below = &fine[(4 * y + 2) * n..][..2 * n];
+        for (x, sum) in row.iter_mut().enumerate() {
+            for (c, s) in sum.iter_mut().enumerate() {
+                *s = 0.25 * (above[2 * x][c] + above[2 * x + 1][c] + below[2 * x][c] + below[2 * x + 1][c]);
+            }
+        }
+    });
+    coarse
+}
+
+/// Bytes of one level, and whether each texel has a direction of its own.
+fn store(
+    sums: &[Sums],
+    transmittance: &mut LevelTransmittance,
+    format: TextureFormat,
+) -> (Vec<u8>, Vec<u8>, Vec<bool>) {
+    let mut color = vec![0; 4 * sums.len()];
+    let mut directions = vec![0; 4 * sums.len()];
+    let mut has_direction = vec![false; sums.len()];
+    let inputs = (sums, transmittance.exact.par_iter_mut(), transmittance.stored.par_iter_mut());
+    let outputs = (color.par_chunks_mut(4), directions.par_chunks_mut(4), has_direction.par_iter_mut());
+    (inputs, outputs).into_par_iter().with_min_len(1024).for_each(
+        |((s, exact, stored), (color, direction, has_direction))| {
+            let opacity = (s[0] / s[7]).clamp(0.0, 1.0);
+            *exact *= 1.0 - opacity;
+            let alpha = round_opacity(opacity, *exact, *stored);
+            *stored *= 1.0 - f32::from(alpha) / 255.0;
+            if alpha > 0 {
+                let scale = f32::from(alpha) / (255.0 * s[0]);
+                for (byte, value) in color.iter_mut().zip(&s[1..4]) {
+                    *byte = linear_to_srgb(value * scale);
+                }
+                color[3] = alpha;
+            }
+            // In the far tail of a splat the sums are too small to divide.
+            if s[0] > 1e-12 {
+                let mean = Vec3::new(s[4], s[5], s[6]) / s[0];
+                *has_direction = true;
+                direction.copy_from_slice(&direction::encode_mean(mean, format));
+            }
+        },
+    );
+    (color, directions, has_direction)
+}
+
+/// Byte for `opacity`, within one step of it, chosen so that the stored product comes nearest to `exact`, the true
+/// transmittance down through this layer. Where there is no hair the byte is 0.
+fn round_opacity(opacity: f32, exact: f32, stored_outside: f32) -> u8 {
+    let own = 255.0 * opacity;
+    if own < 1e-3 {
+        return 0;
+    }
+    let wanted = if stored_outside > 1e-3 { 255.0 * (1.0 - exact / stored_outside) } else { own };
+    (wanted.clamp(own - 1.0, own + 1.0).clamp(0.0, 255.0) + 0.5) as u8
+}
+
+/// Gives texels without hair the direction of the next coarser level, so that bilinear filtering at the edge of a hair
+/// does not mix in anything foreign.
+fn fill_empty(levels: &mut [(Vec<u8>, Vec<u8>, Vec<bool>)], texels: u32, format: TextureFormat) {
+    if let Some((_, direction, has)) = levels.last_mut()
+        && !has[0]
+    {
+        direction.copy_from_slice(&direction::encode_mean(Vec3::ZERO, format));
+    }
+    for level in (0..levels.len().saturating_sub(1)).rev() {
+        let n = (texels >> level) as usize;
+        let (fine, coarse) = levels.split_at_mut(level + 1);
+        let (Some((_, directions, has)), Some((_, parents, _))) = (fine.last_mut(), coarse.first()) else { return };
+        directions.par_chunks_mut(4 * n).zip(has.par_chunks(n)).with_min_len(16).enumerate().for_each(
+            |(y, (row, has))| {
+                for (x, texel) in row.chunks_exact_mut(4).enumerate().filter(|(x, _)| !has[*x]) {
+                    let parent = 4 * ((y / 2) * (n / 2) + x / 2);
+                    texel.copy_from_slice(&parents[parent..parent + 4]);
+                }
+            },
+        );
+    }
+}

@@ -1,0 +1,88 @@
+//! Strands → layers of texels.
+
+use super::layer::Transmittance;
+use super::splat::{LayerIndex, draw};
+use crate::BakeError;
+use crate::hair::Strands;
+use crate::recipe::SliceParams;
+use pelage_formats::TextureFormat;
+
+/// One layer with its mip levels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layer {
+    /// Index, 0 on the skin.
+    pub index: u32,
+    /// Per mip level, finest first down to 1×1: `size * size` RGBA8 texels, row-major, v down. Colour is linear light times
+    /// opacity, then sRGB-encoded; alpha is linear opacity.
+    pub color: Vec<Vec<u8>>,
+    /// Per mip level: `size * size` directions in the format asked for, with as many bytes as it has components.
+    pub direction: Vec<Vec<u8>>,
+}
+
+/// All layers of a sliced volume, for volumes that fit in memory.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ShellSet {
+    /// Width and height of a layer at level 0, texels.
+    pub texels: u32,
+    /// Skin first.
+    pub layers: Vec<Layer>,
+}
+
+/// Slices strands into layers, outermost first, and hands each to `sink` with all mip levels.
+///
+/// * `direction_format`: a format of two or of four components, which decides whether the length of mean directions is kept
+///
+/// The layers lie evenly from the skin (layer 0, opaque) to `strands.height`; texels wrap at the tile's borders. Memory beyond the
+/// strands: about 100 bytes a texel of one layer and 40 bytes a splat of one layer.
+///
+/// # Errors
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for strands that are not whole, and
+/// whatever `sink` returns.
+pub fn slice(
+    strands: &Strands,
+    params: &SliceParams,
+    direction_format: TextureFormat,
+    mut sink: impl FnMut(Layer) -> Result<(), BakeError>,
+) -> Result<(), BakeError> {
+    params.validate()?;
+    strands.validate()?;
+    let n = params.tile_texels;
+    let index = LayerIndex::new(strands, params.layers);
+    let mut transmittance = Transmittance::new(n, direction_format);
+    let mut sums = vec![[0.0; 8]; n as usize * n as usize];
+    for k in (0..params.layers).rev() {
+        // The skin is opaque; its hair direction is that of the roots just above it.
+        let splats = index.splats(strands, k.max(1) as usize, n, params.filter_width);
+        draw(&splats, n, &mut sums);
+        let skin = (k == 0).then_some(strands.root_color);
+        let levels = transmittance.layer(&mut sums, n, skin);
+        let (color, mut direction): (Vec<_>, Vec<_>) = levels.into_iter().unzip();
+        if direction_format.components() == 2 {
+            direction.iter_mut().for_each(|level| *level = level.chunks_exact(4).flat_map(|t| [t[0], t[1]]).collect());
+        }
+        sink(Layer { index: k, color, direction })?;
+    }
+    Ok(())
+}
+
+/// As [`slice`], with all layers in memory.
+///
+/// # Errors
+/// As [`slice`].
+pub fn collect_layers(
+    strands: &Strands,
+    params: &SliceParams,
+    direction_format: TextureFormat,
+) -> Result<ShellSet, BakeError> {
+    let mut layers = Vec::new();
+    slice(strands, params, direction_format, |layer| {
+        layers.push(layer);
+        Ok(())
+    })?;
+    layers.reverse();
+    Ok(ShellSet { texels: params.tile_texels, layers })
+}
+
+#[cfg(test)]
+#[path = "slice_tests.rs"]
+mod tests;
