@@ -3,7 +3,6 @@
 use super::json::At;
 use super::source::Source;
 use crate::BakeError;
-use pelage_formats::Limits;
 
 /// Type of one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +59,9 @@ pub(super) struct Elements {
     bytes: Vec<u8>,
 }
 
+/// Bytes of an accessor without data: as many positions as a package may have vertices.
+const MAX_ZEROS: u64 = 12 << 24;
+
 /// The component types of floating-point data: floats, and what KHR_mesh_quantization adds.
 pub(super) const REAL: &[Component] = &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
 /// The component types of indices.
@@ -69,14 +71,14 @@ impl Elements {
     /// As floats; integers are divided by their maximum where the accessor says `normalized` or `always` is set
     /// (glTF 2.0, section 3.11).
     pub fn reals(&self, always: bool) -> Vec<f32> {
-        let scale = |divisor: f32| if self.normalized || always { 1.0 / divisor } else { 1.0 };
-        let low = if self.normalized || always { -1.0 } else { f32::MIN };
+        let fraction = self.normalized || always;
+        let over = |x: f32, max: f32| if fraction { (x / max).max(-1.0) } else { x };
         match self.component {
             Component::F32 => self.map(f32::from_le_bytes),
-            Component::I8 => self.map(|b| (f32::from(i8::from_le_bytes(b)) * scale(127.0)).max(low)),
-            Component::U8 => self.map(|b| f32::from(u8::from_le_bytes(b)) * scale(255.0)),
-            Component::I16 => self.map(|b| (f32::from(i16::from_le_bytes(b)) * scale(32_767.0)).max(low)),
-            Component::U16 => self.map(|b| f32::from(u16::from_le_bytes(b)) * scale(65_535.0)),
+            Component::I8 => self.map(|b| over(i8::from_le_bytes(b).into(), 127.0)),
+            Component::U8 => self.map(|b| over(u8::from_le_bytes(b).into(), 255.0)),
+            Component::I16 => self.map(|b| over(i16::from_le_bytes(b).into(), 32_767.0)),
+            Component::U16 => self.map(|b| over(u16::from_le_bytes(b).into(), 65_535.0)),
             Component::U32 => self.map(|b| u32::from_le_bytes(b) as f32),
         }
     }
@@ -158,14 +160,14 @@ impl<'a> Source<'a, '_> {
                 }
                 packed(view.bytes, offset, stride, size, count).map_err(|reason| at.fault(reason))?
             }
-            // Without a view the elements are zero. No bytes bound their number, so the package's limit does.
-            None if count > u64::from(Limits::default().vertices) => {
-                let limit = Limits::default().vertices;
-                return Err(
-                    count_at.fault(format!("is {count}, expected at most {limit} for an accessor without data"))
-                );
+            // Without a view the elements are zero. No bytes of the file bound their number, so this does.
+            None => {
+                let bytes = count.checked_mul(size as u64).filter(|bytes| *bytes <= MAX_ZEROS);
+                let limit = MAX_ZEROS / size as u64;
+                let fault =
+                    || count_at.fault(format!("is {count}, expected at most {limit} for an accessor without data"));
+                vec![0; bytes.ok_or_else(fault)? as usize]
             }
-            None => vec![0; count as usize * size],
         };
         let mut elements =
             Elements { count: count as usize, width, component, normalized: at.flag("normalized")?, bytes };

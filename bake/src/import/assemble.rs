@@ -17,7 +17,8 @@ use std::rc::Rc;
 
 /// A mesh as one node shows it.
 struct Instance<'a> {
-    node: usize,
+    /// Node of the document; `None` in a document without nodes.
+    node: Option<usize>,
     /// Number of the skin.
     skin: Option<usize>,
     primitives: Rc<Vec<Primitive<'a>>>,
@@ -53,7 +54,11 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     for instance in &instances {
         for primitive in instance.primitives.iter() {
             let (first, count) = followed.next().unwrap_or_default();
-            let placed = if moving { Placed::Bound { first, count } } else { Placed::At(world[instance.node]) };
+            let placed = if moving {
+                Placed::Bound { first, count }
+            } else {
+                Placed::At(instance.node.map_or(root, |n| world[n]))
+            };
             builder.add(primitive, placed)?;
         }
     }
@@ -87,6 +92,9 @@ fn instances<'a>(
 ) -> Result<Vec<Instance<'a>>, BakeError> {
     let mut known: BTreeMap<(usize, bool), Rc<Vec<Primitive<'a>>>> = BTreeMap::new();
     let mut instances = Vec::new();
+    if tree.nodes.is_empty() {
+        return library(source, materials, skipped);
+    }
     for node in &tree.scene {
         let at = &tree.nodes[*node].at;
         let Some(reference) = at.get("mesh") else { continue };
@@ -109,7 +117,25 @@ fn instances<'a>(
         if let (Some(_), Some(rigid)) = (skin, primitives.iter().find(|p| p.influences.is_none())) {
             source.warn(format!("{} is shown with a skin and has no joints; it follows its node", rigid.label));
         }
-        instances.push(Instance { node: *node, skin, primitives });
+        instances.push(Instance { node: Some(*node), skin, primitives });
+    }
+    Ok(instances)
+}
+
+/// A document without nodes is a library of meshes, of which a viewer shows nothing. A file with one animal in it and no scene is
+/// more likely to come from a careless exporter, so all meshes are shown where they are.
+fn library<'a>(
+    source: &mut Source<'a, '_>,
+    materials: &mut Materials,
+    skipped: &mut usize,
+) -> Result<Vec<Instance<'a>>, BakeError> {
+    let Some(meshes) = source.root.get("meshes") else { return Ok(Vec::new()) };
+    source.warn("the file has no nodes; all its meshes are shown as they are");
+    let mut instances = Vec::new();
+    for (index, at) in meshes.entries()?.enumerate() {
+        let mesh = MeshUse { index, at, weights: None, skinned: false };
+        let primitives = Rc::new(read_mesh(source, materials, &mesh, skipped)?);
+        instances.push(Instance { node: None, skin: None, primitives });
     }
     Ok(instances)
 }
@@ -121,9 +147,11 @@ fn joint_range<'a>(
     instance: &Instance<'a>,
     primitive: &Primitive<'a>,
 ) -> Result<(usize, usize), BakeError> {
-    match (instance.skin, &primitive.influences) {
-        (Some(skin), Some(_)) => joints.of_skin(&primitive.at, skin),
-        _ => Ok((joints.of_node(&tree.nodes[instance.node].at, instance.node)?, 1)),
+    match (instance.skin, &primitive.influences, instance.node) {
+        (Some(skin), Some(_), _) => joints.of_skin(&primitive.at, skin),
+        (_, _, Some(node)) => Ok((joints.of_node(&tree.nodes[node].at, node)?, 1)),
+        // Without nodes nothing can move.
+        (_, _, None) => Ok((0, 0)),
     }
 }
 
@@ -275,7 +303,7 @@ fn nothing_to_show(source: &Source<'_, '_>, skipped: usize) -> BakeError {
             Some(format!("{list}: {count}"))
         })
         .collect();
-    let has = if has.is_empty() { "is empty".to_owned() } else { format!("has {}", has.join(", ")) };
+    let has = if has.is_empty() { "holds nothing".to_owned() } else { format!("has {}", has.join(", ")) };
     let skipped =
         if skipped > 0 { format!("; {skipped} primitives hold points, lines or nothing") } else { String::new() };
     source.root.fault(format!("the scene shows no triangle, expected at least one; the file {has}{skipped}"))

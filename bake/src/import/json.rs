@@ -5,7 +5,7 @@
 //! (an animation channel without a target node, a scene without nodes). Only what is used is read, and it is checked as read.
 
 use crate::BakeError;
-use gltf::json::Value;
+use serde_json::Value;
 
 /// A value and its place.
 #[derive(Clone, Debug)]
@@ -155,7 +155,7 @@ pub(super) fn shorten(text: &str) -> String {
 
 /// Parses `json`, which begins `offset` bytes into the file.
 pub(super) fn parse(file: &str, json: &[u8], offset: usize) -> Result<Value> {
-    gltf::json::deserialize::from_slice(json).map_err(|error| {
+    serde_json::from_slice(json).map_err(|error| {
         let mut at = json.len();
         if error.line() > 0 && !error.is_eof() {
             let line_starts =

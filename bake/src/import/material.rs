@@ -155,24 +155,25 @@ fn decode(bytes: &[u8], texels_left: u64) -> Result<BaseColorImage, String> {
     };
     let format = png_or_jpeg.map_err(|found| format!("is {found}, expected PNG or JPEG"))?;
     let side = Limits::default().texture_size;
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(side);
-    limits.max_image_height = Some(side);
-    // Sixteen bits per channel need twice the eight that are kept.
-    limits.max_alloc = Some(8 * MAX_TEXELS);
-    let reader = |limits: &image::Limits| {
-        let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
-        reader.limits(limits.clone());
-        reader
-    };
+    let reader = || image::ImageReader::with_format(Cursor::new(bytes), format);
     let broken = |e: image::ImageError| format!("cannot be decoded: {e}");
-    let (width, height) = reader(&limits).into_dimensions().map_err(broken)?;
+    // Only the header is read for this; the limits of the decoder would say less than the messages below.
+    let mut header = reader();
+    header.no_limits();
+    let (width, height) = header.into_dimensions().map_err(broken)?;
     if width == 0 || height == 0 || width > side || height > side {
         return Err(format!("is {width} x {height} texels, expected 1..={side} each way"));
     }
     if u64::from(width) * u64::from(height) > texels_left {
         return Err(format!("of {width} x {height} texels takes the images of the model past {MAX_TEXELS} texels"));
     }
-    let rgba = reader(&limits).decode().map_err(broken)?.into_rgba8().into_raw();
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(side);
+    limits.max_image_height = Some(side);
+    // Sixteen bits per channel need twice the eight that are kept.
+    limits.max_alloc = Some(8 * MAX_TEXELS);
+    let mut pixels = reader();
+    pixels.limits(limits);
+    let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
     Ok(BaseColorImage { width, height, rgba })
 }

@@ -1,0 +1,327 @@
+//! Broken models: each fault is an error that says where it is, what was found and what was expected.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod import_support;
+
+use import_support::*;
+use pelage_bake::BakeError;
+use serde_json::{Value, json};
+
+/// An indexed triangle with normals and texture coordinates.
+fn plain() -> Doc {
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    let normal = doc.floats(&[0., 0., 1., 0., 0., 1., 0., 0., 1.], "VEC3");
+    let uv = doc.floats(&[0.; 6], "VEC2");
+    let indices = doc.accessor(&[0_u16, 1, 2][..].bytes(), U16, "SCALAR", 3);
+    let attributes = json!({"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv});
+    doc.show(json!({"attributes": attributes, "indices": indices}));
+    doc.model();
+    doc
+}
+
+/// Replaces what `pointer` names in a good document and expects this error.
+#[track_caller]
+fn expect(pointer: &str, value: Value, place: &str, reason: &str) {
+    let mut doc = plain();
+    match doc.json.pointer_mut(pointer) {
+        Some(slot) => *slot = value,
+        None => {
+            let (parent, key) = pointer.rsplit_once('/').unwrap();
+            doc.json.pointer_mut(parent).unwrap()[key] = value;
+        }
+    }
+    assert_eq!(doc.fault(), (place.to_owned(), reason.to_owned()));
+}
+
+#[test]
+fn references_and_types_are_checked_where_they_stand() {
+    expect("/nodes/0/mesh", json!(7), "/nodes/0/mesh", "is 7, expected less than 1, the number of meshes");
+    expect("/nodes/0/mesh", json!(-1), "/nodes/0/mesh", "is -1, expected a whole number >= 0");
+    expect(
+        "/nodes/0/mesh",
+        json!(4294967296_u64),
+        "/nodes/0/mesh",
+        "is 4294967296, expected less than 1, the number of meshes",
+    );
+    expect("/nodes/0/mesh", json!("a"), "/nodes/0/mesh", "is \"a\", expected a whole number >= 0");
+    expect("/nodes", json!({}), "/nodes", "is an object, expected an array");
+    expect("/nodes/0/children", json!([0]), "/nodes/0", "is its own ancestor; expected a tree");
+    expect("/scene", json!(0), "/scene", "is 0, expected less than 0, the number of scenes");
+    expect("/nodes/0/scale", json!([1, 1]), "/nodes/0/scale", "has 2 numbers, expected 3");
+    expect("/nodes/0/scale", json!([1, 1, "x"]), "/nodes/0/scale/2", "is \"x\", expected a number");
+    let far = "is 1e+39, expected a number within the range of 32-bit floats";
+    expect("/nodes/0/scale", json!([1, 1e39, 1]), "/nodes/0/scale/1", far);
+    let affine = "has the last row [0, 0, 1, 1], expected [0, 0, 0, 1] (column-major order)";
+    let matrix = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1]);
+    expect("/nodes/0/matrix", matrix, "/nodes/0/matrix", affine);
+    let primitive = "/meshes/0/primitives/0";
+    expect(
+        &format!("{primitive}/mode"),
+        json!(7),
+        "/meshes/0/primitives/0/mode",
+        "is 7, expected 0..=6 (4 is triangles)",
+    );
+    let at = format!("{primitive}/attributes/POSITION");
+    expect(&at, json!(2), &at, "accessor 2 has elements of 2 x f32, expected 3 x f32 or i8 or u8 or i16 or u16");
+    let at = format!("{primitive}/indices");
+    expect(&at, json!(0), &at, "accessor 0 has elements of 3 x f32, expected 1 x u8 or u16 or u32");
+    let at = format!("{primitive}/material");
+    expect(&at, json!(0), &at, "is 0, expected less than 0, the number of materials");
+    expect("/meshes/0/primitives", json!(null), "/meshes/0", "has no `primitives`, which glTF 2.0 requires here");
+    expect(
+        "/accessors/0/componentType",
+        json!(5124),
+        "/accessors/0/componentType",
+        "is 5124, expected 5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)",
+    );
+    expect(
+        "/accessors/0/type",
+        json!("VEC5"),
+        "/accessors/0/type",
+        "is \"VEC5\", expected SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4",
+    );
+}
+
+#[test]
+fn ranges_are_checked_against_the_bytes_there_are() {
+    let cut = "4 elements of 12 bytes every 12 from byte 0 need 48 bytes of the bufferView, which has 36";
+    expect("/accessors/0/count", json!(4), "/accessors/0", cut);
+    let huge =
+        "4294967295 elements of 12 bytes every 12 from byte 0 need 51539607540 bytes of the bufferView, which has 36";
+    expect(
+        "/accessors/0/count",
+        json!(4294967295_u64),
+        "/meshes/0/primitives/0/attributes/POSITION",
+        "has 4294967295 elements, expected at most 16777216",
+    );
+    expect("/accessors/1/count", json!(4294967295_u64), "/accessors/1", huge);
+    let over = "18446744073709551615 elements of 12 bytes every 12 from byte 0 need more than 2^64 bytes of the bufferView, which has 36";
+    expect("/accessors/1/count", json!(u64::MAX), "/accessors/1", over);
+    let offset = "3 elements of 12 bytes every 12 from byte 4 need 40 bytes of the bufferView, which has 36";
+    expect("/accessors/0/byteOffset", json!(4), "/accessors/0", offset);
+    expect(
+        "/bufferViews/0/byteStride",
+        json!(8),
+        "/accessors/0",
+        "its bufferView has byteStride 8, expected at least 12, the size of an element",
+    );
+    expect(
+        "/bufferViews/0/byteOffset",
+        json!(10_000),
+        "/bufferViews/0",
+        "begins at byte 10000 of buffer 0, which has 104",
+    );
+    expect(
+        "/bufferViews/0/buffer",
+        json!(1),
+        "/bufferViews/0/buffer",
+        "is 1, expected less than 1, the number of buffers",
+    );
+    let mut doc = plain();
+    doc.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    doc.json["accessors"][0]["count"] = json!(1 << 20);
+    doc.json["accessors"][1]["count"] = json!(3);
+    let reason = doc.fault().1;
+    assert!(reason.contains("expected 1048576, one per POSITION"), "{reason}");
+    doc.json["accessors"][1].as_object_mut().unwrap().remove("bufferView");
+    doc.json["accessors"][1]["count"] = json!(1_u64 << 40);
+    let (place, reason) = doc.fault();
+    assert_eq!(place, "/accessors/1/count");
+    assert!(reason.contains("expected at most 16777216 for an accessor without data"), "{reason}");
+}
+
+#[test]
+fn a_view_past_its_buffer_is_no_fault_while_nothing_reads_there() {
+    let mut doc = plain();
+    let last = doc.json["bufferViews"].as_array().unwrap().len() - 1;
+    doc.json["bufferViews"][last]["byteLength"] = json!(1_000_000);
+    assert_warns(&doc.model(), "reaches to byte");
+}
+
+#[test]
+fn indices_and_positions_name_the_element() {
+    let mut doc = plain();
+    let at = doc.json["bufferViews"][3]["byteOffset"].as_u64().unwrap() as usize;
+    doc.bin[at + 2] = 3;
+    let (place, reason) = doc.fault();
+    assert_eq!(place, "/meshes/0/primitives/0/indices");
+    assert_eq!(reason, "element 1 is 3, expected less than the 3 vertices");
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut doc = plain();
+        doc.bin[16..20].copy_from_slice(&bad.to_le_bytes());
+        let (place, reason) = doc.fault();
+        assert_eq!(place, "/meshes/0/primitives/0/attributes/POSITION");
+        assert!(reason.starts_with("element 1 is [") && reason.ends_with("expected finite numbers"), "{reason}");
+    }
+    let mut doc = plain();
+    doc.json["nodes"][0]["scale"] = json!([1e38, 1e38, 1e38]);
+    doc.push("nodes", json!({"children": [0], "scale": [1e38, 1, 1]}));
+    assert!(doc.fault().1.contains("once its nodes are applied"));
+}
+
+#[test]
+fn attributes_have_one_element_per_vertex() {
+    let mut doc = plain();
+    doc.json["accessors"][1]["count"] = json!(2);
+    let (place, reason) = doc.fault();
+    assert_eq!(place, "/meshes/0/primitives/0/attributes/NORMAL");
+    assert_eq!(reason, "has 2 elements, expected 3, one per POSITION");
+}
+
+#[test]
+fn sparse_data_is_checked_too() {
+    let sparse = |edit: &dyn Fn(&mut Value)| {
+        let mut doc = plain();
+        let (indices, values) = (doc.view(&[0_u8, 3]), doc.view(&[0.0_f32; 6][..].bytes()));
+        let mut sparse = json!({"count": 2, "indices": {"bufferView": indices, "componentType": U8}, "values": {"bufferView": values}});
+        edit(&mut sparse);
+        doc.json["accessors"][0]["sparse"] = sparse;
+        doc.fault()
+    };
+    let (place, reason) = sparse(&|_| {});
+    assert_eq!(place, "/accessors/0/sparse/indices");
+    assert_eq!(reason, "element 1 is 3, expected less than 3, the accessor's count");
+    let (place, _) = sparse(&|s| s["count"] = json!(1_u64 << 60));
+    assert_eq!(place, "/accessors/0/sparse/indices");
+    let (place, _) = sparse(&|s| s["indices"]["componentType"] = json!(F32));
+    assert_eq!(place, "/accessors/0/sparse/indices/componentType");
+    let (place, _) = sparse(&|s| s["values"] = json!({"bufferView": 99}));
+    assert_eq!(place, "/accessors/0/sparse/values/bufferView");
+}
+
+#[test]
+fn extensions_that_cannot_be_read_are_named_with_a_way_out() {
+    let mut doc = plain();
+    doc.json["extensionsRequired"] = json!([
+        "KHR_mesh_quantization",
+        "KHR_draco_mesh_compression",
+        "KHR_materials_sheen",
+        "EXT_meshopt_compression",
+        "KHR_texture_basisu",
+        "ACME_fur"
+    ]);
+    let (place, reason) = doc.fault();
+    assert_eq!(place, "/extensionsRequired/1");
+    for text in [
+        "KHR_draco_mesh_compression: decode it with `gltf-transform cp in.glb out.glb`",
+        "gltfpack without -c",
+        "KHR_texture_basisu: supply the textures as PNG or JPEG",
+        "ACME_fur: export the model without it",
+    ] {
+        assert!(reason.contains(text), "no `{text}` in: {reason}");
+    }
+    assert!(!reason.contains("sheen") && !reason.contains("quantization"));
+}
+
+#[test]
+fn syntax_faults_give_the_byte() {
+    let at = |bytes: &[u8]| fault(import_bytes(bytes)).0;
+    assert_eq!(at(b""), "byte 0");
+    assert_eq!(at(b" \n "), "byte 0");
+    assert_eq!(at(b"{\"asset\": x}"), "byte 10");
+    assert_eq!(at(b"{\n\"asset\":\n tru }"), "byte 15", "in the third line");
+    assert_eq!(at(b"{\"asset\": 1"), "byte 11", "the end");
+    assert_eq!(at(&glb(b"{ \"a\": ?}  ", b"")), "byte 27", "counted from the start of the file");
+    assert_eq!(at(&[b'{', b'"', 0xff, b'"', b'}']), "byte 2");
+    let deep = "[".repeat(100_000);
+    assert!(at(format!("{{\"asset\": {deep}").as_bytes()).starts_with("byte "));
+    assert_eq!(fault(import_bytes(b"{}")), ("/".into(), "has no `asset`, which glTF 2.0 requires here".into()));
+    let version = fault(import_bytes(br#"{"asset": {"version": "1.0"}}"#));
+    assert!(version.0 == "/asset/version" && version.1.contains("gltf-pipeline"), "{version:?}");
+    let guess = fault(import_bytes(b"Kaydara FBX Binary  \0")).1;
+    assert!(guess.contains("FBX") && guess.contains("Blender"), "{guess}");
+    assert!(fault(import_bytes(b"v 0 0 0\nv 1 0 0\n")).1.contains("OBJ"));
+}
+
+#[test]
+fn glb_chunks_are_checked() {
+    let good = plain().glb();
+    let with = |at: usize, bytes: &[u8]| {
+        let mut broken = good.clone();
+        broken[at..at + bytes.len()].copy_from_slice(bytes);
+        fault(import_bytes(&broken))
+    };
+    assert_eq!(with(4, &[3]), ("byte 4".into(), "GLB version is 3, expected 2".into()));
+    assert_eq!(with(8, &[0xff; 4]).0, "byte 8");
+    assert_eq!(with(8, &[0; 4]).0, "byte 8");
+    assert_eq!(with(12, &[0xff; 4]).0, "byte 12", "a length field of 4 GiB");
+    assert_eq!(with(16, b"JUNK"), ("byte 16".into(), "the first chunk is JUNK, expected JSON".into()));
+    let extra = [good.clone(), vec![7; 5]].concat();
+    assert_warns(&import_bytes(&extra).unwrap(), "5 bytes after the end");
+    for length in 0..good.len() {
+        let (place, _) = fault(import_bytes(&good[..length]));
+        assert!(place.starts_with("byte "), "cut to {length}: {place}");
+    }
+}
+
+#[test]
+fn buffers_that_are_missing_or_short_are_named() {
+    let mut doc = plain();
+    let text = |doc: &Doc, buffer: Value| {
+        let mut root = doc.json.clone();
+        root["buffers"] = json!([buffer]);
+        fault(import_bytes(&serde_json::to_vec(&root).unwrap()))
+    };
+    let (place, reason) = text(&doc, json!({"byteLength": 104, "uri": "lost.bin"}));
+    assert_eq!(place, "/buffers/0/uri");
+    assert_eq!(reason, "names the buffer file \"lost.bin\": no such file in this test");
+    let (place, reason) = text(&doc, json!({"byteLength": 104}));
+    assert!(place == "/buffers/0" && reason.contains("has no `uri`, and the file has no BIN chunk"), "{reason}");
+    let (place, reason) = text(&doc, json!({"byteLength": 104, "uri": "data:;base64,AAAA"}));
+    assert_eq!(place, "/buffers/0/uri");
+    assert_eq!(reason, "buffer 0 holds 3 bytes, byteLength says 104: it is cut off");
+    assert!(text(&doc, json!({"byteLength": 104, "uri": "data:;base64,A!"})).1.contains("base64 is broken"));
+    assert!(text(&doc, json!({"byteLength": 104, "uri": "data:AAAA"})).1.contains("without a comma"));
+    // Percent-encoded data: one triangle of zeros except a one.
+    doc.bin.clear();
+    let encoded: String = plain().bin.iter().map(|b| format!("%{b:02X}")).collect();
+    let mut root = doc.json.clone();
+    root["buffers"] =
+        json!([{"byteLength": plain().bin.len(), "uri": format!("data:application/octet-stream,{encoded}")}]);
+    check(&import_bytes(&serde_json::to_vec(&root).unwrap()).unwrap());
+}
+
+#[test]
+fn images_that_cannot_be_read_are_named() {
+    let with = |image: &[u8]| {
+        let mut doc = plain();
+        let view = doc.view(image);
+        doc.push("images", json!({"name": "coat", "bufferView": view}));
+        doc.push("textures", json!({"source": 0}));
+        doc.push("materials", json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
+        doc.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        doc
+    };
+    let encode = |width: u32, height: u32| {
+        let mut out = std::io::Cursor::new(Vec::new());
+        image::GrayImage::new(width, height).write_to(&mut out, image::ImageFormat::Png).unwrap();
+        out.into_inner()
+    };
+    with(&encode(3, 2)).model();
+    let (place, reason) = with(b"\xabKTX 20\xbb\r\n\x1a\n").fault();
+    assert_eq!(
+        (place.as_str(), reason.as_str()),
+        ("/images/0/bufferView", "image 0 \"coat\" is KTX, expected PNG or JPEG")
+    );
+    let mut cut = encode(64, 64);
+    cut.truncate(60);
+    assert!(with(&cut).fault().1.contains("cannot be decoded"));
+    let wide = with(&encode(16_385, 1)).fault().1;
+    assert_eq!(wide, "image 0 \"coat\" is 16385 x 1 texels, expected 1..=16384 each way");
+    let mut doc = with(&encode(1, 1));
+    doc.json["textures"][0] = json!({"extensions": {"KHR_texture_basisu": {"source": 0}}});
+    let (place, reason) = doc.fault();
+    assert_eq!(place, "/textures/0");
+    assert!(reason.contains("only through KHR_texture_basisu") && reason.contains("PNG or JPEG"), "{reason}");
+}
+
+#[test]
+fn a_name_from_the_file_cannot_flood_a_message() {
+    let mut doc = plain();
+    let long = "x".repeat(10_000);
+    doc.json["extensionsRequired"] = json!([format!("{long}\u{1b}[31m")]);
+    let text = doc.import().unwrap_err().to_string();
+    assert!(text.len() < 400 && !text.contains('\u{1b}'), "{} bytes", text.len());
+    assert!(matches!(doc.import(), Err(BakeError::Input { .. })));
+}

@@ -1,0 +1,114 @@
+//! Files in and out: paths that models name, and output that is whole or absent.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod import_support;
+
+use import_support::*;
+use pelage_bake::BakeError;
+use pelage_bake::import::ImportOptions;
+use pelage_bake::io::{read_file, read_model, write_atomic};
+use serde_json::json;
+use std::path::Path;
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut out: Vec<_> =
+        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    out.sort();
+    out
+}
+
+/// A model whose buffer is the file that `uri` names.
+fn external(uri: &str) -> (Vec<u8>, Vec<u8>) {
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    doc.show(json!({"attributes": {"POSITION": position}}));
+    doc.json["buffers"] = json!([{"byteLength": 36, "uri": uri}]);
+    (serde_json::to_vec(&doc.json).unwrap(), doc.bin)
+}
+
+#[test]
+fn buffers_are_found_beside_the_model_by_decoded_name() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("bin")).unwrap();
+    let (text, bin) = external("bin/fuzzy%20h%C3%A5re.bin");
+    let model = folder.path().join("hare.gltf");
+    std::fs::write(&model, text).unwrap();
+    std::fs::write(folder.path().join("bin/fuzzy håre.bin"), bin).unwrap();
+    let read = read_model(&model, &ImportOptions::default()).unwrap();
+    let records: Vec<_> = read.inputs.iter().map(|i| (i.role.as_str(), i.name.as_str(), i.bytes)).collect();
+    assert_eq!(records[0].1, "hare.gltf");
+    assert_eq!(records[1], ("buffer", "fuzzy håre.bin", 36));
+    use sha2::Digest as _;
+    assert_eq!(read.inputs[1].sha256, <[u8; 32]>::from(sha2::Sha256::digest(external("x").1)));
+}
+
+#[test]
+fn uris_that_leave_the_model_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("m.gltf");
+    for (uri, reason) in [
+        ("/etc/hostname", "absolute path"),
+        ("%2Fetc%2Fhostname", "absolute path"),
+        ("\\\\server\\share", "absolute path"),
+        ("C:\\fur.bin", "the scheme `C` (or a drive)"),
+        ("https://example.org/fur.bin", "the scheme `https`"),
+        ("file:///etc/hostname", "the scheme `file`"),
+        ("a%00b", "zero byte"),
+        ("%ff", "no UTF-8"),
+        ("", "empty"),
+        ("missing.bin", "cannot read it"),
+        (".", "it is a folder"),
+    ] {
+        std::fs::write(&model, external(uri).0).unwrap();
+        let (place, found) = fault(read_model(&model, &ImportOptions::default()));
+        assert_eq!(place, "/buffers/0/uri", "{uri}");
+        assert!(found.contains(reason), "{uri}: {found}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = read_file(folder.path()).unwrap_err().to_string();
+    assert!(text.contains("cannot read: it is a folder, expected a file"), "{text}");
+    let missing = folder.path().join("none.glb");
+    let error = read_model(&missing, &ImportOptions::default()).unwrap_err();
+    assert!(matches!(&error, BakeError::Io { path, action: "read", .. } if *path == missing), "{error}");
+}
+
+#[test]
+fn writing_replaces_whole_files_and_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.pelage");
+    write_atomic(&path, b"first").unwrap();
+    write_atomic(&path, b"second").unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), b"second");
+    assert_eq!(names(folder.path()), ["out.pelage"]);
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    let error = write_atomic(&folder.path().join("sub"), b"x").unwrap_err().to_string();
+    assert!(error.contains("it is a folder, expected a file name"), "{error}");
+    let error = write_atomic(&folder.path().join("none/out.pelage"), b"x").unwrap_err().to_string();
+    assert!(error.contains("none: cannot create a file in"), "{error}");
+    assert!(write_atomic(&folder.path().join(".."), b"x").is_err());
+    assert_eq!(names(folder.path()), ["out.pelage", "sub"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn written_files_have_ordinary_permissions_and_links_stay_links() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let (path, plain) = (folder.path().join("a"), folder.path().join("b"));
+    write_atomic(&path, b"x").unwrap();
+    std::fs::write(&plain, b"x").unwrap();
+    let mode = |p: &Path| std::fs::metadata(p).unwrap().permissions().mode();
+    assert_eq!(mode(&path), mode(&plain), "as any other new file");
+    let link = folder.path().join("link");
+    std::os::unix::fs::symlink(&path, &link).unwrap();
+    write_atomic(&link, b"through").unwrap();
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(std::fs::read(&path).unwrap(), b"through");
+    // A device is written to, not replaced.
+    write_atomic(Path::new("/dev/null"), b"gone").unwrap();
+    assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+}

@@ -1,0 +1,284 @@
+//! Skins and clips: models built in code against numbers worked out by hand.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod import_support;
+
+use glam::{Mat4, Vec3};
+use import_support::*;
+use pelage_bake::import::{ImportOptions, import};
+use pelage_bake::mesh::{Model, RestPose};
+use pelage_formats::{Interpolation, Pose, Property, SkinVertex};
+use serde_json::json;
+
+/// A triangle bound to two joints, nodes 0 and 1; node 1 is a child at (0, 1, 0). The mesh hangs on node 2.
+fn skinned(joints: &[u8], weights: &[f32]) -> Doc {
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    let joints = doc.accessor(joints, U8, "VEC4", joints.len() / 4);
+    let weights = doc.floats(weights, "VEC4");
+    doc.push("nodes", json!({"name": "hip", "children": [1]}));
+    doc.push("nodes", json!({"name": "head", "translation": [0, 1, 0]}));
+    let node = doc.show(json!({"attributes": {"POSITION": position, "JOINTS_0": joints, "WEIGHTS_0": weights}}));
+    doc.json["nodes"][node]["skin"] = json!(0);
+    // The node of a skinned mesh places nothing.
+    doc.json["nodes"][node]["translation"] = json!([500, 0, 0]);
+    doc.push("skins", json!({"joints": [0, 1]}));
+    doc
+}
+
+const ALTERNATE: [u8; 12] = [0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0];
+
+fn rest(model: &Model) -> Vec<Vec3> {
+    RestPose::of(&model.mesh, model.animation.as_ref()).positions
+}
+
+#[test]
+fn skins_bind_to_joints_and_ignore_the_mesh_node() {
+    let doc = skinned(&ALTERNATE, &[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]);
+    let model = doc.model();
+    let animation = model.animation.as_ref().unwrap();
+    let names: Vec<&str> = animation.nodes.iter().map(|n| n.name.as_str()).collect();
+    assert_eq!(names, ["hip", "head"], "the mesh's own node moves nothing and is dropped");
+    assert_eq!(animation.nodes[1].parent, Some(0));
+    assert!(animation.clips.is_empty());
+    // No inverse bind matrices: identity, so the second joint lifts by 1, three quarters of it for the last vertex.
+    assert_eq!(rest(&model), [Vec3::ZERO, Vec3::new(1., 1., 0.), Vec3::new(0., 1.75, 0.)]);
+    assert_eq!(model.mesh.positions[1], Vec3::X, "mesh space stays");
+    assert_eq!(model.mesh.skin[1], SkinVertex { joints: [1, 0, 0, 0], weights: [1., 0., 0., 0.] });
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+}
+
+#[test]
+fn inverse_bind_matrices_undo_the_bind_pose() {
+    let mut doc = skinned(&ALTERNATE, &[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]);
+    let bind = [Mat4::IDENTITY, Mat4::from_translation(Vec3::new(0., -1., 0.))].map(|m| m.to_cols_array()).concat();
+    let bind = doc.floats(&bind, "MAT4");
+    doc.json["skins"][0]["inverseBindMatrices"] = json!(bind);
+    assert_eq!(rest(&doc.model()), [Vec3::ZERO, Vec3::X, Vec3::Y]);
+    let short = doc.floats(&Mat4::IDENTITY.to_cols_array(), "MAT4");
+    doc.json["skins"][0]["inverseBindMatrices"] = json!(short);
+    let (place, reason) = doc.fault();
+    assert_eq!(place, "/skins/0/inverseBindMatrices");
+    assert_eq!(reason, "has 1 matrices, expected 2, one per joint");
+}
+
+#[test]
+fn a_unit_scales_what_moves_through_an_extra_root() {
+    let doc = skinned(&ALTERNATE, &[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]);
+    let model = import("m", &doc.glb(), &mut |_| unreachable!(), &ImportOptions { unit_m: 0.5 }).unwrap();
+    check(&model);
+    assert_near(rest(&model)[2], [0.0, 0.875, 0.0]);
+    assert_eq!(model.animation.as_ref().unwrap().nodes.len(), 3);
+    assert_eq!(model.mesh.positions[2], Vec3::Y);
+}
+
+#[test]
+fn odd_weights_are_mended() {
+    let doc = skinned(&ALTERNATE, &[2., 0., 0., 0., 0., 0., 0., 0., -1., 0.5, f32::NAN, 0.]);
+    let model = doc.model();
+    let skin = &model.mesh.skin;
+    assert_eq!(skin[0], SkinVertex { joints: [0; 4], weights: [1., 0., 0., 0.] });
+    assert_eq!(skin[1], SkinVertex { joints: [1, 0, 0, 0], weights: [1., 0., 0., 0.] }, "the first joint it names");
+    assert_eq!(skin[2], SkinVertex { joints: [1, 0, 0, 0], weights: [1., 0., 0., 0.] });
+    assert_warns(&model, "2 weights are negative or not finite");
+    assert_warns(&model, "1 vertices have no weight");
+    assert_warns(&model, "2 vertices have weights that do not sum to 1");
+}
+
+#[test]
+fn of_eight_influences_the_four_largest_stay() {
+    let mut doc = skinned(&[0; 12], &[0.3, 0.05, 0.1, 0.05, 0., 0., 0., 1., 1., 0., 0., 0.]);
+    let extra: Vec<u8> = [[1_u8; 4]; 3].concat();
+    let joints = doc.accessor(&extra, U8, "VEC4", 3);
+    let weights = doc.floats(&[0.2, 0.25, 0.03, 0.02, 0., 0., 0., 0., 0., 0., 0., 0.], "VEC4");
+    let attributes = &mut doc.json["meshes"][0]["primitives"][0]["attributes"];
+    (attributes["JOINTS_1"], attributes["WEIGHTS_1"]) = (json!(joints), json!(weights));
+    let model = doc.model();
+    // 0.3, 0.25, 0.2, 0.1 of 0.85.
+    assert_eq!(model.mesh.skin[0].joints, [0, 1, 1, 0]);
+    for (found, expected) in model.mesh.skin[0].weights.iter().zip([0.3, 0.25, 0.2, 0.1]) {
+        assert!((found - expected / 0.85).abs() < 1e-6);
+    }
+    assert_warns(&model, "1 vertices follow more than four joints");
+}
+
+#[test]
+fn joints_past_the_skin_are_refused_where_they_count() {
+    let mut joints = ALTERNATE;
+    joints[6] = 9;
+    let weights = [1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.];
+    skinned(&joints, &weights).model();
+    joints[4] = 9;
+    let (place, reason) = skinned(&joints, &weights).fault();
+    assert_eq!(place, "/meshes/0/primitives/0");
+    assert_eq!(reason, "vertex 1 follows joint 9, expected less than 2, the joints of its skin");
+}
+
+#[test]
+fn a_skeleton_that_mirrors_turns_the_triangles() {
+    let mut doc = skinned(&[0; 12], &[1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.]);
+    doc.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
+    let model = doc.model();
+    assert_near(face(&model, 0), [0., 0., 1.]);
+    assert_eq!(model.mesh.triangles, [[0, 2, 1]]);
+    let normals = RestPose::of(&model.mesh, model.animation.as_ref()).normals;
+    assert!(normals.iter().all(|n| n.abs_diff_eq(Vec3::Z, 1e-6)));
+}
+
+/// Adds an animation of one channel; `values` per key.
+fn clip(doc: &mut Doc, node: usize, path: &str, interpolation: &str, times: &[f32], values: &[f32]) {
+    let kind = if path == "rotation" { "VEC4" } else { "VEC3" };
+    let (input, output) = (doc.floats(times, "SCALAR"), doc.floats(values, kind));
+    doc.push(
+        "animations",
+        json!({
+            "samplers": [{"input": input, "output": output, "interpolation": interpolation}],
+            "channels": [{"sampler": 0, "target": {"node": node, "path": path}}],
+        }),
+    );
+}
+
+/// Two rigid triangles on nodes 0 (a child of 1) and 2, without any skin.
+fn rigid() -> Doc {
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    let child = doc.show(json!({"attributes": {"POSITION": position}}));
+    doc.push("nodes", json!({"name": "turntable", "children": [child], "translation": [0, 0, 2]}));
+    doc.push("nodes", json!({"name": "other", "mesh": 0, "translation": [0, 0, 9]}));
+    doc
+}
+
+#[test]
+fn a_moving_ancestor_binds_everything_and_a_bystander_nothing() {
+    let mut doc = rigid();
+    let camera = doc.push("nodes", json!({"name": "camera"}));
+    clip(&mut doc, camera, "translation", "LINEAR", &[0., 1.], &[0.; 6]);
+    assert!(doc.model().animation.is_none(), "a moving camera moves no fur");
+    clip(&mut doc, 1, "translation", "LINEAR", &[0., 1.], &[0., 0., 2., 0., 0., 4.]);
+    let model = doc.model();
+    let animation = model.animation.as_ref().unwrap();
+    let names: Vec<&str> = animation.nodes.iter().map(|n| n.name.as_str()).collect();
+    assert_eq!(names, ["turntable", "", "other"], "parents first, the camera dropped");
+    assert_eq!(model.mesh.skin.iter().map(|s| s.joints[0]).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 1]);
+    let clips = &animation.clips;
+    assert_eq!((clips.len(), clips[0].name.as_str(), clips[0].duration_s), (1, "clip_1", 1.0));
+    assert_near(rest(&model)[0], [0., 0., 2.]);
+    let mut pose = Pose::default();
+    pose.sample(animation, Some(0), 0.5);
+    let posed = RestPose::posed(&model.mesh, &pose).positions;
+    assert_near(posed[0], [0., 0., 3.]);
+    assert_near(posed[3], [0., 0., 9.]);
+}
+
+#[test]
+fn mirrored_rigid_parts_that_move_are_turned() {
+    let mut doc = rigid();
+    doc.json["nodes"][1]["scale"] = json!([1, -1, 1]);
+    clip(&mut doc, 1, "translation", "STEP", &[0.], &[0., 0., 2.]);
+    let model = doc.model();
+    assert_eq!(model.mesh.triangles, [[0, 2, 1], [3, 4, 5]]);
+    assert_near(face(&model, 0), [0., 0., 1.]);
+    assert_near(face(&model, 1), [0., 0., 1.]);
+}
+
+#[test]
+fn every_interpolation_keeps_its_keys() {
+    let mut doc = rigid();
+    clip(&mut doc, 1, "scale", "STEP", &[0.5, 1.], &[1., 1., 1., 2., 2., 2.]);
+    // One cubic second from 0 to 1 in x with tangents of 0: half way is half the way.
+    let cubic = [[0.; 3], [0., 0., 0.], [0.; 3], [0.; 3], [1., 0., 0.], [0.; 3]].concat();
+    clip(&mut doc, 1, "translation", "CUBICSPLINE", &[0., 1.], &cubic);
+    let model = doc.model();
+    let animation = model.animation.as_ref().unwrap();
+    let scale = &animation.clips[0].channels[0];
+    assert_eq!((scale.property, scale.interpolation), (Property::Scale, Interpolation::Step));
+    assert_eq!((scale.times.as_slice(), scale.values.len()), (&[0.5, 1.][..], 6));
+    assert_eq!(animation.clips[1].channels[0].interpolation, Interpolation::Cubic);
+    let mut pose = Pose::default();
+    pose.sample(animation, Some(0), 0.99);
+    assert_near(RestPose::posed(&model.mesh, &pose).positions[1], [1., 0., 2.]);
+    pose.sample(animation, Some(1), 0.5);
+    assert_near(RestPose::posed(&model.mesh, &pose).positions[0], [0.5, 0., 0.]);
+}
+
+#[test]
+fn quantised_rotations_are_fractions_of_one() {
+    let mut doc = rigid();
+    let input = doc.floats(&[0.], "SCALAR");
+    let output = doc.accessor(&[0_i16, 0, 32_767, 0][..].bytes(), I16, "VEC4", 1);
+    doc.json["accessors"][output]["normalized"] = json!(true);
+    let sampler = json!({"input": input, "output": output});
+    doc.push(
+        "animations",
+        json!({"name": "turn", "samplers": [sampler],
+        "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}]}),
+    );
+    let model = doc.model();
+    assert_eq!(model.animation.as_ref().unwrap().clips[0].channels[0].values, [0., 0., 1., 0.]);
+    let mut pose = Pose::default();
+    pose.sample(model.animation.as_ref().unwrap(), Some(0), 0.0);
+    assert_near(RestPose::posed(&model.mesh, &pose).positions[1], [-1., 0., 2.]);
+}
+
+#[test]
+fn odd_channels_are_left_out_or_mended() {
+    let mut doc = rigid();
+    let (input, output) = (
+        doc.floats(&[0., 0., 2., 1.], "SCALAR"),
+        doc.floats(&[0., 0., 1., 9., 9., 9., 0., 0., 3., 9., 9., 9.], "VEC3"),
+    );
+    let single = doc.floats(&[0.], "SCALAR");
+    let weights = doc.floats(&[0.], "SCALAR");
+    doc.push(
+        "animations",
+        json!({
+            "name": "odd",
+            "samplers": [{"input": input, "output": output}, {"input": single, "output": weights}],
+            "channels": [
+                {"sampler": 0, "target": {"path": "translation"}},
+                {"sampler": 1, "target": {"node": 0, "path": "weights"}},
+                {"sampler": 0, "target": {"node": 0, "path": "pointer"}},
+                {"sampler": 0, "target": {"node": 1, "path": "scale"}},
+                {"sampler": 0, "target": {"node": 1, "path": "scale"}},
+            ],
+        }),
+    );
+    let model = doc.model();
+    let channels = &model.animation.as_ref().unwrap().clips[0].channels;
+    assert_eq!(channels.len(), 1);
+    assert_eq!(channels[0].times, [0., 2.]);
+    assert_eq!(channels[0].values, [0., 0., 1., 0., 0., 3.]);
+    for text in ["morph weights", "\"pointer\"", "replaces", "2 keys do not come after"] {
+        assert_warns(&model, text);
+    }
+}
+
+#[test]
+fn broken_clips_are_named() {
+    let broken = |times: &[f32], values: &[f32], interpolation: &str| {
+        let mut doc = rigid();
+        clip(&mut doc, 1, "translation", interpolation, times, values);
+        doc.fault()
+    };
+    let (place, reason) = broken(&[0., 1.], &[0.; 3], "LINEAR");
+    assert_eq!(
+        (place.as_str(), reason.as_str()),
+        ("/animations/0/samplers/0/output", "has 1 elements, expected 2 for 2 keys")
+    );
+    assert_eq!(broken(&[0.], &[0.; 3], "CUBICSPLINE").1, "has 1 elements, expected 3 for 1 keys");
+    assert_eq!(broken(&[f32::NAN], &[0.; 3], "LINEAR").0, "/animations/0/samplers/0/input");
+    assert_eq!(broken(&[0.], &[f32::INFINITY; 3], "LINEAR").1, "element 0 is not finite, expected finite numbers");
+    assert_eq!(broken(&[0.], &[0.; 3], "SPLINE").1, "is \"SPLINE\", expected LINEAR, STEP or CUBICSPLINE");
+    assert_eq!(broken(&[], &[], "LINEAR").1, "has no keys, expected at least one");
+}
+
+#[test]
+fn one_mesh_on_two_nodes_appears_twice() {
+    let mut doc = rigid();
+    let model = doc.model();
+    assert_eq!((model.mesh.positions.len(), model.mesh.parts.len()), (6, 2));
+    assert_eq!(model.mesh.parts[0].source, model.mesh.parts[1].source);
+    assert_near(model.mesh.positions[3], [0., 0., 9.]);
+    clip(&mut doc, 2, "rotation", "LINEAR", &[0.], &[0., 0., 0., 1.]);
+    assert_eq!(doc.model().animation.unwrap().joints.len(), 2);
+}
