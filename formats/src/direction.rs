@@ -16,7 +16,7 @@ const OFFSET: f32 = -128.0 / 127.0;
 /// * Four-component formats hold x, y and z in red, green and blue; alpha is 1. Texels are unit vectors; between texels, and in
 ///   smaller mip levels, the length falls where directions disagree. It is kept here: it tells how far to trust the direction.
 ///
-/// No input gives NaN or a vector longer than √3.
+/// No number gives NaN or a vector longer than √3.
 pub fn decode_direction(texel: [f32; 4], format: TextureFormat) -> Vec3 {
     let c = texel.map(|v| (v * SCALE + OFFSET).clamp(-1.0, 1.0));
     if format.components() == 2 {
