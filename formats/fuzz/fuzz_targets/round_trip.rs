@@ -1,0 +1,11 @@
+//! `cargo +nightly fuzz run round_trip -- -max_len=8192` in `formats/`: what validates is written again byte for byte.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use pelage_formats_fuzz::{reseal, round_trip};
+
+fuzz_target!(|data: &[u8]| {
+    let mut sealed = data.to_vec();
+    reseal(&mut sealed);
+    round_trip(&sealed);
+});

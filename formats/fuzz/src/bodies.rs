@@ -1,0 +1,103 @@
+//! What the fuzz targets do with an input. `formats/tests/smoke.rs` includes this file and runs it on stable.
+
+use pelage_formats::*;
+
+/// Makes the input's checksums right where its table can be read at all, so that mutations reach the code behind them.
+pub fn reseal(bytes: &mut [u8]) {
+    let u64_at = |bytes: &[u8], at: usize| {
+        let field = bytes.get(at..)?.first_chunk()?;
+        usize::try_from(u64::from_le_bytes(*field)).ok()
+    };
+    let Some(count) = bytes.get(12..).and_then(|b| b.first_chunk()).map(|b| u32::from_le_bytes(*b) as usize) else {
+        return;
+    };
+    let Some(head_bytes) = count.checked_mul(32).and_then(|n| n.checked_add(32)) else { return };
+    if bytes.len() < head_bytes {
+        return;
+    }
+    for at in (32..head_bytes).step_by(32) {
+        let (offset, length) = (u64_at(bytes, at + 8), u64_at(bytes, at + 16));
+        let section = offset.zip(length).and_then(|(offset, length)| bytes.get(offset..)?.get(..length));
+        if let Some(checksum) = section.map(crc32fast::hash) {
+            bytes[at + 24..at + 28].copy_from_slice(&checksum.to_le_bytes());
+        }
+    }
+    let mut head = crc32fast::Hasher::new();
+    head.update(&bytes[..24]);
+    head.update(&bytes[28..head_bytes]);
+    bytes[24..28].copy_from_slice(&head.finalize().to_le_bytes());
+}
+
+/// Small, so that a fuzzer's memory limit is a test of them.
+pub fn limits() -> Limits {
+    Limits {
+        manifest_bytes: 1 << 20,
+        animation_bytes: 1 << 20,
+        vertices: 1 << 16,
+        indices: 1 << 18,
+        ..Limits::default()
+    }
+}
+
+/// Opens and validates the input and uses everything in it. Returns whether it was a valid package.
+pub fn open(bytes: &[u8]) -> bool {
+    let faults = Package::validate(bytes, &limits());
+    for fault in &faults {
+        assert!(!fault.to_string().is_empty() && fault.section().is_some());
+    }
+    let Ok(package) = Package::open(bytes, &limits()) else {
+        assert!(!faults.is_empty());
+        return false;
+    };
+    for index in 0..=package.sections().len() {
+        let _ = package.section_bytes(index);
+    }
+    if let Ok(Some(mesh)) = package.mesh() {
+        assert!(mesh.indices().all(|index| index < mesh.vertex_count));
+        assert!(mesh.geometry().all(|v| v.position.iter().all(|x| x.is_finite())));
+    }
+    if let Ok(Some(animation)) = package.animation() {
+        let mut pose = Pose::default();
+        for clip in 0..=animation.clips.len() {
+            for time_s in [-1.0, 0.0, 0.3, 1e9, f32::NAN] {
+                pose.sample(&animation, Some(clip), time_s);
+                assert_eq!(pose.joints.len(), animation.joints.len());
+                assert!(pose.joints.iter().all(|joint| joint.is_finite()));
+            }
+        }
+    }
+    for index in 0..=package.manifest().textures.len() as u32 {
+        if let Ok(texture) = package.texture(index) {
+            for level in 0..=texture.levels {
+                let expected = if level < texture.levels { texture.level_bytes(level) } else { 0 };
+                assert_eq!(texture.level(level).len() as u64, expected);
+            }
+        }
+    }
+    let _ = package.fur_textures();
+    faults.is_empty()
+}
+
+/// Takes a valid package apart into values, writes it again and expects the identical bytes. Returns whether it was valid.
+pub fn round_trip(bytes: &[u8]) -> bool {
+    if !Package::validate(bytes, &limits()).is_empty() {
+        return false;
+    }
+    let rewritten = rewrite(bytes).expect("a package that validates is read and written again");
+    assert!(rewritten == bytes, "written again, the package differs");
+    true
+}
+
+fn rewrite(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
+    let package = Package::open(bytes, &limits())?;
+    let mut writer = PackageWriter::new(package.manifest().clone());
+    for (index, section) in package.sections().iter().enumerate().skip(1) {
+        writer = match (section.tag, package.mesh()?, package.animation()?) {
+            (Tag::MESH, Some(mesh), _) => writer.mesh(&mesh.to_data()),
+            (Tag::ANIMATION, _, Some(animation)) => writer.animation(&animation),
+            (Tag::TEXTURE, ..) => writer.texture(package.section_bytes(index)?),
+            _ => writer.section(section.tag, package.section_bytes(index)?),
+        };
+    }
+    writer.finish()
+}

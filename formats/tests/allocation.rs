@@ -1,0 +1,79 @@
+//! What reading allocates: next to nothing for opening a large package, and never more than in proportion to the file, whatever
+//! lengths the file states. Alone in its binary, because it counts every allocation of the process.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(unsafe_code, reason = "only a global allocator sees every allocation")]
+
+mod common;
+
+use pelage_formats::*;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
+
+struct Counting;
+static NOW: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call goes to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let now = NOW.fetch_add(layout.size(), SeqCst) + layout.size();
+        PEAK.fetch_max(now, SeqCst);
+        // SAFETY: the caller's layout, as it came.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        NOW.fetch_sub(layout.size(), SeqCst);
+        // SAFETY: the caller's pointer and layout, as they came.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Most bytes that were allocated at once while `f` ran, beyond those before.
+fn peak<T>(f: impl FnOnce() -> T) -> (usize, T) {
+    let before = NOW.load(SeqCst);
+    PEAK.store(before, SeqCst);
+    let result = f();
+    (PEAK.load(SeqCst) - before, result)
+}
+
+// One test: a second one would allocate on another thread at the same time.
+#[test]
+fn allocations_are_bounded() {
+    let (seen, _) = peak(|| vec![0u8; 1 << 20]);
+    assert!(seen >= 1 << 20, "the counter counts");
+
+    let pixels = vec![7u8; 50 << 20];
+    let bytes = PackageWriter::new(Manifest::default()).section(Tag(*b"DATA"), pixels).finish().unwrap();
+    let (seen, package) = peak(|| Package::open(&bytes, &Limits::default()).unwrap());
+    assert!(seen < 64 << 10, "opening 50 MiB allocated {seen} bytes");
+    let (seen, _) = peak(|| package.section_bytes(1).unwrap().len());
+    assert!(seen < 1 << 10, "reading a section allocated {seen} bytes");
+
+    // Each eight bytes of manifest and animation in turn as an enormous length, checksums put right.
+    let good = common::sample_package();
+    let sections = Package::open(&good, &Limits::default()).unwrap().sections().to_vec();
+    let mut refused = 0;
+    for section in [sections[0], sections[2]] {
+        for at in section.offset..section.offset + section.length - 8 {
+            for length in [1u64 << 16, 1 << 24, 1 << 32, 1 << 40, i64::MAX as u64, 1 << 63, u64::MAX] {
+                let mut bytes = good.clone();
+                bytes[at as usize..at as usize + 8].copy_from_slice(&length.to_le_bytes());
+                reseal(&mut bytes);
+                let (seen, faults) = peak(|| Package::validate(&bytes, &Limits::default()));
+                // serde's 1 MiB ahead for each of three nested lists, and 64 KiB for a string.
+                assert!(seen < 4 << 20, "length {length} at byte {at} made the reader allocate {seen} bytes");
+                refused += faults.len().min(1);
+            }
+        }
+    }
+    assert!(refused > 1000, "only {refused} of the lengths were refused");
+}
+
+#[path = "../fuzz/src/bodies.rs"]
+#[allow(dead_code, reason = "of the fuzz targets' bodies only the resealing serves here")]
+mod bodies;
+use bodies::reseal;
