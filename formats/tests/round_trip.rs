@@ -186,7 +186,7 @@ fn write(parts: &Parts) -> Vec<u8> {
     if let Some(animation) = &parts.animation {
         writer = writer.animation(animation);
     }
-    writer = parts.textures.iter().fold(writer, |w, t| w.texture(t));
+    writer = parts.textures.iter().fold(writer, PackageWriter::texture);
     unknown.fold(writer, |w, (tag, bytes)| w.section(Tag(*tag), bytes)).finish().unwrap()
 }
 

@@ -1,0 +1,245 @@
+/* Reads a .pelage package, version 1, written from FORMAT.md alone: header, table, checksums, the manifest's texture names,
+ * mesh counts and texture sizes. Prints one line for each and exits with 1, saying where, if something is wrong.
+ *
+ *     cc -std=c99 -o read_pelage read_pelage.c && ./read_pelage fox.pelage
+ */
+#include <inttypes.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint8_t *file;
+static uint64_t file_length;
+
+static void fail(const char *what, uint64_t offset)
+{
+    fprintf(stderr, "%s at byte %" PRIu64 "\n", what, offset);
+    exit(1);
+}
+
+static uint64_t number(uint64_t offset, int bytes)
+{
+    uint64_t value = 0;
+    int i;
+    if (offset > file_length || file_length - offset < (uint64_t)bytes)
+        fail("the file ends inside a number", offset);
+    for (i = bytes - 1; i >= 0; i--)
+        value = value << 8 | file[offset + (uint64_t)i];
+    return value;
+}
+
+static uint32_t crc_update(uint32_t crc, const uint8_t *bytes, uint64_t count)
+{
+    uint64_t i;
+    int bit;
+    for (i = 0; i < count; i++) {
+        crc ^= bytes[i];
+        for (bit = 0; bit < 8; bit++)
+            crc = crc >> 1 ^ (crc & 1 ? UINT32_C(0xedb88320) : 0);
+    }
+    return crc;
+}
+
+static void expect_zero(uint64_t from, uint64_t to)
+{
+    for (; from < to; from++)
+        if (number(from, 1) != 0)
+            fail("expected a zero byte", from);
+}
+
+static uint64_t align(uint64_t offset)
+{
+    return (offset + 15) / 16 * 16;
+}
+
+/* A walk through the encoded values of a section. */
+struct cursor {
+    uint64_t at, end;
+};
+
+static uint64_t take(struct cursor *c, int bytes)
+{
+    uint64_t value;
+    if (c->end - c->at < (uint64_t)bytes)
+        fail("the section ends inside a value", c->at);
+    value = number(c->at, bytes);
+    c->at += (uint64_t)bytes;
+    return value;
+}
+
+static void skip(struct cursor *c, uint64_t bytes)
+{
+    if (c->end - c->at < bytes)
+        fail("a length is greater than the section", c->at);
+    c->at += bytes;
+}
+
+static void skip_string(struct cursor *c)
+{
+    skip(c, take(c, 8));
+}
+
+/* Takes the byte of a bool or option. */
+static int flag(struct cursor *c)
+{
+    uint64_t value = take(c, 1);
+    if (value > 1)
+        fail("expected 0 or 1", c->at - 1);
+    return (int)value;
+}
+
+static void print_string(const char *name, struct cursor *c)
+{
+    uint64_t length = take(c, 8), at = c->at;
+    skip(c, length);
+    printf("%s ", name);
+    fwrite(file + at, 1, (size_t)length, stdout);
+    printf("\n");
+}
+
+static void read_manifest(struct cursor c)
+{
+    uint64_t n;
+    print_string("generator", &c);
+    print_string("model", &c);
+    skip_string(&c); /* recipe */
+    for (n = take(&c, 8); n > 0; n--) { /* inputs */
+        skip_string(&c);
+        skip_string(&c);
+        skip(&c, 8 + 32);
+    }
+    skip(&c, 4 * (3 + 3 + 3 + 1)); /* bounds */
+    printf("fur layers %" PRIu64, take(&c, 4));
+    printf(" texels %" PRIu64 "\n", take(&c, 4));
+    skip(&c, 4 + 4 + 4 + 4 + 4 + 4);
+    skip(&c, 4 * (3 + 3 + 3 + 4)); /* shading */
+    for (n = take(&c, 8); n > 0; n--) { /* materials */
+        print_string("material", &c);
+        skip(&c, 4 * 4);
+        if (flag(&c))
+            skip(&c, 4);
+        if (flag(&c))
+            skip(&c, 4);
+        flag(&c);
+        flag(&c);
+    }
+    for (n = take(&c, 8); n > 0; n--) { /* parts */
+        uint64_t material = take(&c, 4), first = take(&c, 4), count = take(&c, 4);
+        printf("part material %" PRIu64 " first %" PRIu64 " count %" PRIu64 "\n", material, first, count);
+    }
+    for (n = take(&c, 8); n > 0; n--) /* textures */
+        print_string("texture", &c);
+    for (n = take(&c, 8); n > 0; n--) { /* quality */
+        skip_string(&c);
+        skip(&c, 8);
+        skip_string(&c);
+    }
+    for (n = take(&c, 8); n > 0; n--) /* warnings */
+        print_string("warning", &c);
+    if (c.at != c.end)
+        fail("bytes follow the manifest", c.at);
+}
+
+static void read_mesh(uint64_t at, uint64_t length)
+{
+    uint64_t vertices, indices, flags, attributes, skin, index;
+    if (length < 64)
+        fail("the mesh has no header", at);
+    vertices = number(at, 4);
+    indices = number(at + 4, 4);
+    flags = number(at + 8, 4);
+    if (flags > 1)
+        fail("unknown mesh flags", at + 8);
+    expect_zero(at + 12, at + 16);
+    expect_zero(at + 48, at + 64);
+    attributes = align(64 + 48 * vertices);
+    skin = align(attributes + 24 * vertices);
+    index = align(skin + 24 * vertices * flags);
+    if (number(at + 16, 8) != 64 || number(at + 24, 8) != attributes || number(at + 32, 8) != skin ||
+        number(at + 40, 8) != index || index + 4 * indices != length)
+        fail("the mesh's offsets do not follow from its counts", at + 16);
+    expect_zero(at + 64 + 48 * vertices, at + attributes);
+    expect_zero(at + attributes + 24 * vertices, at + skin);
+    expect_zero(at + skin + 24 * vertices * flags, at + index);
+    printf("mesh vertices %" PRIu64 " indices %" PRIu64 " skin %" PRIu64 "\n", vertices, indices, flags);
+    for (; indices > 0; indices--, index += 4)
+        if (number(at + index, 4) >= vertices)
+            fail("an index is not less than the vertex count", at + index);
+}
+
+static void read_texture(uint64_t at, uint64_t length)
+{
+    static const uint8_t magic[12] = {0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a, '\n'};
+    uint64_t layers;
+    if (length < 80 || memcmp(file + at, magic, 12) != 0)
+        fail("expected a KTX2 file", at);
+    layers = number(at + 32, 4);
+    printf("ktx2 format %" PRIu64 " width %" PRIu64 " height %" PRIu64 " layers %" PRIu64 " levels %" PRIu64 "\n",
+           number(at + 12, 4), number(at + 20, 4), number(at + 24, 4), layers == 0 ? 1 : layers, number(at + 40, 4));
+}
+
+static void read_package(void)
+{
+    uint64_t count, end, k;
+    uint32_t crc;
+    if (file_length < 12 || memcmp(file, "\x89PELAGE\n", 8) != 0)
+        fail("not a pelage package", 0);
+    if (number(8, 4) != 1)
+        fail("not version 1", 8);
+    count = number(12, 4);
+    end = 32 + 32 * count;
+    if (end > file_length)
+        fail("the file ends inside the section table", 32);
+    crc = crc_update(UINT32_C(0xffffffff), file, 24);
+    crc = ~crc_update(crc, file + 28, end - 28);
+    if (number(24, 4) != crc)
+        fail("the head checksum is wrong", 24);
+    expect_zero(28, 32);
+    printf("version 1 sections %" PRIu64 " bytes %" PRIu64 "\n", count, number(16, 8));
+    for (k = 0; k < count; k++) {
+        uint64_t entry = 32 + 32 * k, offset = number(entry + 8, 8), length = number(entry + 16, 8);
+        struct cursor c;
+        expect_zero(entry + 4, entry + 8);
+        expect_zero(entry + 28, entry + 32);
+        if (offset != align(end) || offset > file_length || length > file_length - offset)
+            fail("a section does not lie where it must", entry + 8);
+        expect_zero(end, offset);
+        if (number(entry + 24, 4) != (uint32_t)~crc_update(UINT32_C(0xffffffff), file + offset, length))
+            fail("a section is damaged", offset);
+        end = offset + length;
+        printf("section %.4s offset %" PRIu64 " length %" PRIu64 "\n", (const char *)file + entry, offset, length);
+        c.at = offset;
+        c.end = end;
+        if ((k == 0) != (memcmp(file + entry, "MANI", 4) == 0))
+            fail("expected one manifest, at the front", entry);
+        if (k == 0)
+            read_manifest(c);
+        if (memcmp(file + entry, "MESH", 4) == 0)
+            read_mesh(offset, length);
+        if (memcmp(file + entry, "KTX2", 4) == 0)
+            read_texture(offset, length);
+    }
+    expect_zero(end, align(end));
+    if (align(end) != file_length || number(16, 8) != file_length)
+        fail("the file does not end where it must", end);
+}
+
+int main(int argc, char **argv)
+{
+    FILE *stream = argc == 2 ? fopen(argv[1], "rb") : NULL;
+    uint8_t *bytes;
+    long length;
+    if (stream == NULL || fseek(stream, 0, SEEK_END) != 0 || (length = ftell(stream)) < 0) {
+        fprintf(stderr, "usage: read_pelage FILE, a readable package\n");
+        return 2;
+    }
+    rewind(stream);
+    bytes = malloc((size_t)length + 1);
+    if (bytes == NULL || fread(bytes, 1, (size_t)length, stream) != (size_t)length)
+        return 2;
+    file = bytes;
+    file_length = (uint64_t)length;
+    read_package();
+    return 0;
+}

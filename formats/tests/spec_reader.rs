@@ -1,0 +1,96 @@
+//! `FORMAT.md` proves itself: `c/read_pelage.c`, written from it alone, must say of a package what the Rust reader says.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+mod common;
+
+use pelage_formats::*;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Compiles the C reader; `None`, said loudly, on a machine without a C compiler.
+fn compile(folder: &Path) -> Option<PathBuf> {
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/c/read_pelage.c");
+    let program = folder.join(if cfg!(windows) { "read_pelage.exe" } else { "read_pelage" });
+    let warnings = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
+    match Command::new(&compiler).args(warnings).arg("-o").arg(&program).arg(&source).output() {
+        Ok(output) => {
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            Some(program)
+        }
+        Err(error) => {
+            eprintln!("SKIPPED (no C compiler {compiler:?}: {error}): FORMAT.md was not proven");
+            None
+        }
+    }
+}
+
+/// What the C program prints, said by this crate.
+fn describe(bytes: &[u8]) -> String {
+    let package = Package::open(bytes, &Limits::default()).unwrap();
+    let manifest = package.manifest();
+    let mut out = format!("version 1 sections {} bytes {}\n", package.sections().len(), bytes.len());
+    let mut texture = 0;
+    for section in package.sections() {
+        writeln!(out, "section {} offset {} length {}", section.tag, section.offset, section.length).unwrap();
+        match section.tag {
+            Tag::MANIFEST => {
+                writeln!(out, "generator {}\nmodel {}", manifest.generator, manifest.model).unwrap();
+                writeln!(out, "fur layers {} texels {}", manifest.fur.layers, manifest.fur.tile_texels).unwrap();
+                manifest.materials.iter().for_each(|m| writeln!(out, "material {}", m.name).unwrap());
+                for part in &manifest.parts {
+                    let (material, first, count) = (part.material, part.first_index, part.index_count);
+                    writeln!(out, "part material {material} first {first} count {count}").unwrap();
+                }
+                manifest.textures.iter().for_each(|t| writeln!(out, "texture {}", t.name).unwrap());
+                manifest.warnings.iter().for_each(|w| writeln!(out, "warning {w}").unwrap());
+            }
+            Tag::MESH => {
+                let mesh = package.mesh().unwrap().unwrap();
+                let (vertices, indices, skin) = (mesh.vertex_count, mesh.index_count, !mesh.skin.is_empty());
+                writeln!(out, "mesh vertices {vertices} indices {indices} skin {}", u32::from(skin)).unwrap();
+            }
+            Tag::TEXTURE => {
+                let view = package.texture(texture).unwrap();
+                texture += 1;
+                let (format, width, height) = (view.format.ktx2().value(), view.width, view.height);
+                let (layers, levels) = (view.layers, view.levels);
+                writeln!(out, "ktx2 format {format} width {width} height {height} layers {layers} levels {levels}")
+                    .unwrap();
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+#[test]
+fn a_reader_written_from_the_specification_agrees() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("spec-reader-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let Some(program) = compile(&folder) else { return };
+    let file = folder.join("package.pelage");
+    let run = |bytes: &[u8]| {
+        std::fs::write(&file, bytes).unwrap();
+        Command::new(&program).arg(&file).output().unwrap()
+    };
+
+    let golden = include_bytes!("golden/v1.pelage");
+    let bald = PackageWriter::new(Manifest::default()).section(Tag(*b"NONE"), Vec::new()).finish().unwrap();
+    for bytes in [&golden[..], &bald] {
+        let output = run(bytes);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(String::from_utf8(output.stdout).unwrap(), describe(bytes));
+    }
+
+    // It also refuses what the Rust reader refuses: damage anywhere, cut and continued files.
+    for at in (0..golden.len()).step_by(7) {
+        let mut bytes = golden.to_vec();
+        bytes[at] ^= 0x10;
+        assert_eq!(run(&bytes).status.code(), Some(1), "byte {at} is damaged");
+        assert_eq!(run(&golden[..at]).status.code(), Some(1), "{at} bytes are left");
+    }
+    assert_eq!(run(&[&golden[..], &[0]].concat()).status.code(), Some(1), "one byte more");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
