@@ -1,1 +1,49 @@
+//! Draws the fur of a .pelage package with wgpu, inside the application's own render pass.
 //!
+//! The application owns device, queue, targets, depth buffer, camera and light. It sets [`RendererOptions`] once to say what its
+//! pass looks like, and [`FrameParams`] per frame:
+//!
+//! ```no_run
+//! # use pelage_runtime::{wgpu, *};
+//! # fn f(device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8], camera: Camera, mut encoder: wgpu::CommandEncoder,
+//! #      descriptor: &wgpu::RenderPassDescriptor<'_>) -> Result<(), RuntimeError> {
+//! let mut renderer = Renderer::new(device, queue, &RendererOptions::default())?;
+//! let fox = renderer.load_bytes(device, queue, bytes)?;
+//! let mut instance = Instance::new(&fox);
+//! // Every frame:
+//! instance.motion = Motion::Clip { clip: 0, time_s: 0.3 };
+//! let frame = renderer.prepare(device, &mut encoder, &FrameParams::new(camera), &mut [&mut instance])?;
+//! let mut pass = encoder.begin_render_pass(descriptor);
+//! // ... the application draws its own opaque things, then:
+//! frame.draw(&mut pass);
+//! # Ok(()) }
+//! ```
+//!
+//! Space is right-handed with +Y up, in metres; clip depth is 0..=1, reversed on request. Colours are linear RGB and leave the
+//! shaders premultiplied with opacity: an sRGB target encodes them.
+//!
+//! The hair is the layered volume of Lengyel 2001, lit per pixel as in Yang 2006, eq. (1), with γ of eq. (2) and Attenu_Back of
+//! eq. (3). A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
+
+mod camera;
+mod error;
+mod frame;
+mod instance;
+mod model;
+mod params;
+mod passes;
+mod renderer;
+pub mod shared;
+
+pub use camera::{Camera, Light, Projection};
+pub use error::RuntimeError;
+pub use frame::{Frame, FrameReport, PassReport};
+pub use instance::{Instance, Motion};
+pub use model::Model;
+pub use params::{FrameParams, RendererOptions, Style};
+pub use passes::PassId;
+pub use renderer::Renderer;
+
+pub use glam;
+pub use pelage_formats as formats;
+pub use wgpu;

@@ -1,0 +1,131 @@
+//! A device without a window, and pictures read back from it.
+
+use pelage_runtime::{RendererOptions, wgpu};
+
+/// A device of the best adapter.
+pub struct Gpu {
+    /// The adapter's description.
+    pub info: wgpu::AdapterInfo,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+}
+
+impl Gpu {
+    /// Opens the adapter, with the features of `wanted` that it has.
+    pub fn open(wanted: wgpu::Features) -> Result<Self, String> {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+        let instance = wgpu::Instance::new(descriptor);
+        pollster::block_on(async {
+            let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default()).await;
+            let adapter =
+                adapter.map_err(|e| format!("no usable adapter: {e}; on Linux install mesa-vulkan-drivers"))?;
+            let descriptor = wgpu::DeviceDescriptor {
+                required_features: wanted & adapter.features(),
+                ..wgpu::DeviceDescriptor::default()
+            };
+            let opened = adapter.request_device(&descriptor).await;
+            let (device, queue) = opened.map_err(|e| format!("the adapter gives no device: {e}"))?;
+            Ok(Self { info: adapter.get_info(), device, queue })
+        })
+    }
+
+    /// Waits until everything submitted is done.
+    pub fn wait(&self) {
+        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    }
+
+    /// Reads a whole buffer made with `MAP_READ`.
+    pub fn map(&self, staging: &wgpu::Buffer) -> Vec<u8> {
+        staging.slice(..).map_async(wgpu::MapMode::Read, Result::unwrap);
+        self.wait();
+        staging.slice(..).get_mapped_range().unwrap().to_vec()
+    }
+}
+
+/// Off-screen targets as an application would own them: colour, depth, and with several samples a resolved picture.
+pub struct Targets {
+    /// Width and height, pixels.
+    pub size: (u32, u32),
+    color: wgpu::TextureView,
+    resolved: Option<wgpu::TextureView>,
+    depth: wgpu::TextureView,
+    picture: wgpu::Texture,
+    reversed_depth: bool,
+}
+
+impl Targets {
+    /// Targets that match `options`; the colour format must have four bytes a texel.
+    pub fn new(gpu: &Gpu, size: (u32, u32), options: &RendererOptions) -> Self {
+        let texture = |format, sample_count, usage| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: size.0, height: size.1, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let picture = texture(options.color_format, 1, attachment | wgpu::TextureUsages::COPY_SRC);
+        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
+        let depth = view(&texture(options.depth_format, options.sample_count, attachment));
+        let (color, resolved) = if options.sample_count > 1 {
+            (view(&texture(options.color_format, options.sample_count, attachment)), Some(view(&picture)))
+        } else {
+            (view(&picture), None)
+        };
+        Self { size, color, resolved, depth, picture, reversed_depth: options.reversed_depth }
+    }
+
+    /// Begins the application's pass: colour cleared to `clear`, depth to the far end.
+    pub fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, clear: wgpu::Color) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("application"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.color,
+                depth_slice: None,
+                resolve_target: self.resolved.as_ref(),
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(if self.reversed_depth { 0.0 } else { 1.0 }),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        })
+    }
+
+    /// Reads the picture back: `width * height` texels of four bytes, row-major from the top.
+    pub fn read(&self, gpu: &Gpu) -> Vec<u8> {
+        let row = self.size.0 * 4;
+        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(padded * self.size.1),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            self.picture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &staging,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
+            },
+            self.picture.size(),
+        );
+        gpu.queue.submit([encoder.finish()]);
+        let data = gpu.map(&staging);
+        data.chunks_exact(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect()
+    }
+}

@@ -1,0 +1,187 @@
+//! Camera and light. World space is right-handed with +Y up, in metres; clip space is WebGPU's, depth 0..=1.
+
+use crate::RuntimeError;
+use glam::{Mat4, Vec3, Vec4};
+
+/// From where the scene is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// World to view space: rotation and translation, no scale. The camera looks along −Z of view space, +Y is up in the picture.
+    pub view_from_world: Mat4,
+    /// View to clip space.
+    pub projection: Projection,
+}
+
+/// How view space becomes clip space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Far things are smaller.
+    Perspective {
+        /// Height of the view, radians, above 0 and below π.
+        fov_y_rad: f32,
+        /// Width of the picture divided by its height.
+        aspect: f32,
+        /// Distance of the near plane, metres, above 0.
+        near_m: f32,
+        /// Distance of the far plane, metres, above `near_m`; infinity is allowed, and with reversed depth costs no precision.
+        far_m: f32,
+    },
+    /// Far things are as large as near ones.
+    Orthographic {
+        /// Height of the view, metres.
+        height_m: f32,
+        /// Width of the picture divided by its height.
+        aspect: f32,
+        /// Distance of the near plane, metres; may be negative.
+        near_m: f32,
+        /// Distance of the far plane, metres, above `near_m`.
+        far_m: f32,
+    },
+    /// The application's own matrix. It must agree with [`crate::RendererOptions::reversed_depth`].
+    Custom(
+        /// `clip_from_view`.
+        Mat4,
+    ),
+}
+
+impl Projection {
+    /// `clip_from_view`; with `reversed_depth` the near plane has depth 1 and the far plane 0.
+    pub fn clip_from_view(&self, reversed_depth: bool) -> Mat4 {
+        match *self {
+            Self::Perspective { fov_y_rad, aspect, near_m, far_m } => {
+                let scale_y = 1.0 / (0.5 * fov_y_rad).tan();
+                // Depth is (a z + b) / −z with depth 0 at −near and 1 at −far; far may be infinite.
+                let (a, b) = if far_m.is_finite() {
+                    (far_m / (near_m - far_m), near_m * far_m / (near_m - far_m))
+                } else {
+                    (-1.0, -near_m)
+                };
+                // 1 − depth: 1 − (a z + b) / −z = ((−1 − a) z − b) / −z.
+                let (a, b) = if reversed_depth { (-1.0 - a, -b) } else { (a, b) };
+                Mat4::from_cols(
+                    Vec4::new(scale_y / aspect, 0.0, 0.0, 0.0),
+                    Vec4::new(0.0, scale_y, 0.0, 0.0),
+                    Vec4::new(0.0, 0.0, a, -1.0),
+                    Vec4::new(0.0, 0.0, b, 0.0),
+                )
+            }
+            Self::Orthographic { height_m, aspect, near_m, far_m } => {
+                let depth = 1.0 / (near_m - far_m);
+                let (a, b) = if reversed_depth { (-depth, 1.0 - near_m * depth) } else { (depth, near_m * depth) };
+                Mat4::from_cols(
+                    Vec4::new(2.0 / (height_m * aspect), 0.0, 0.0, 0.0),
+                    Vec4::new(0.0, 2.0 / height_m, 0.0, 0.0),
+                    Vec4::new(0.0, 0.0, a, 0.0),
+                    Vec4::new(0.0, 0.0, b, 1.0),
+                )
+            }
+            Self::Custom(matrix) => matrix,
+        }
+    }
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target` with +Y up, or −Z up where it looks straight up or down.
+    pub fn look_at(eye: Vec3, target: Vec3, projection: Projection) -> Self {
+        let backward = (eye - target).try_normalize().unwrap_or(Vec3::Z);
+        let up = if backward.y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y };
+        let right = up.cross(backward).normalize();
+        let world_from_view = Mat4::from_cols(
+            right.extend(0.0),
+            backward.cross(right).extend(0.0),
+            backward.extend(0.0),
+            eye.extend(1.0),
+        );
+        Self { view_from_world: world_from_view.inverse(), projection }
+    }
+
+    /// A perspective camera that sees a whole sphere, such as a package's bounds with its fur, from the side `towards_eye`.
+    ///
+    /// * `radius` - metres, above 0
+    /// * `towards_eye` - any length
+    /// * `fov_y_rad`, `aspect` - as in [`Projection::Perspective`]
+    pub fn framing(center: Vec3, radius: f32, towards_eye: Vec3, fov_y_rad: f32, aspect: f32) -> Self {
+        let half = 0.5 * fov_y_rad;
+        // The narrower of the two half angles decides.
+        let narrow = half.tan().min(half.tan() * aspect).atan();
+        let distance = radius / narrow.sin();
+        let eye = center + towards_eye.try_normalize().unwrap_or(Vec3::Z) * distance;
+        let near_m = (distance - radius).max(0.01 * distance) * 0.5;
+        let projection = Projection::Perspective { fov_y_rad, aspect, near_m, far_m: (distance + radius) * 2.0 };
+        Self::look_at(eye, center, projection)
+    }
+
+    /// Eye position and 1; for a parallel projection the direction towards the eye and 0.
+    pub(crate) fn eye_ws(&self, clip_from_view: Mat4) -> Vec4 {
+        let world_from_view = self.view_from_world.inverse();
+        // The last row of a parallel projection is (0, 0, 0, 1).
+        if clip_from_view.row(3).truncate().length_squared() == 0.0 {
+            world_from_view.z_axis.truncate().normalize_or(Vec3::Z).extend(0.0)
+        } else {
+            world_from_view.w_axis.truncate().extend(1.0)
+        }
+    }
+
+    pub(crate) fn check(&self, reversed_depth: bool) -> Result<Mat4, RuntimeError> {
+        let clip_from_view = self.projection.clip_from_view(reversed_depth);
+        let clip_from_world = clip_from_view * self.view_from_world;
+        if !clip_from_world.is_finite() || !self.view_from_world.inverse().is_finite() {
+            return Err(RuntimeError::Params {
+                field: "FrameParams::camera",
+                found: format!("{self:?}"),
+                expected:
+                    "finite matrices, an invertible view, and a projection with near != far, aspect and angle above 0"
+                        .into(),
+            });
+        }
+        Ok(clip_from_view)
+    }
+}
+
+/// The key light: one, as in Yang 2006.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Light from one direction everywhere: the sun.
+    Directional {
+        /// World direction from the scene towards the light, any length above 0.
+        towards_light: Vec3,
+        /// Linear RGB, 1 for full light.
+        color: Vec3,
+    },
+    /// Light from one place.
+    Point {
+        /// World position, metres.
+        position: Vec3,
+        /// Linear RGB as it arrives: it does not fall with distance, so a scene's exposure does not change with its scale.
+        color: Vec3,
+    },
+}
+
+impl Default for Light {
+    /// White light from above, the front and the left.
+    fn default() -> Self {
+        Self::Directional { towards_light: Vec3::new(-0.5, 0.8, 0.6), color: Vec3::ONE }
+    }
+}
+
+impl Light {
+    /// Linear RGB of the light.
+    pub fn color(&self) -> Vec3 {
+        match *self {
+            Self::Directional { color, .. } | Self::Point { color, .. } => color,
+        }
+    }
+
+    /// Position and 1, or unit direction towards the light and 0.
+    pub(crate) fn homogeneous(&self) -> Result<Vec4, RuntimeError> {
+        let result = match *self {
+            Self::Directional { towards_light, .. } => towards_light.try_normalize().map(|d| d.extend(0.0)),
+            Self::Point { position, .. } => position.is_finite().then(|| position.extend(1.0)),
+        };
+        result.filter(|_| self.color().is_finite()).ok_or_else(|| RuntimeError::Params {
+            field: "FrameParams::light",
+            found: format!("{self:?}"),
+            expected: "finite numbers and a direction that is not zero".into(),
+        })
+    }
+}

@@ -1,0 +1,369 @@
+//! A package on the GPU.
+
+use crate::passes::surface::{MaterialUniform, SurfaceLayouts};
+use crate::{RendererOptions, RuntimeError};
+use pelage_formats::{Animation, Clip, Manifest, Package, TextureFormat, TextureView};
+use std::ops::Range;
+use std::sync::Arc;
+use wgpu::util::DeviceExt;
+
+/// A package on the GPU: vertices, textures, materials. Cheap to clone; the clones share everything.
+#[derive(Clone, Debug)]
+pub struct Model(Arc<Resources>);
+
+#[derive(Debug)]
+struct Resources {
+    manifest: Manifest,
+    animation: Option<Animation>,
+    geometry: wgpu::Buffer,
+    attributes: wgpu::Buffer,
+    skin: Option<wgpu::Buffer>,
+    indices: wgpu::Buffer,
+    fur: Option<wgpu::BindGroup>,
+    planar_directions: bool,
+    parts: Vec<Part>,
+    gpu_bytes: u64,
+}
+
+/// A range of the index buffer with one material.
+#[derive(Debug)]
+pub(crate) struct Part {
+    pub(crate) indices: Range<u32>,
+    pub(crate) material: wgpu::BindGroup,
+    pub(crate) has_texture: bool,
+    pub(crate) furred: bool,
+    pub(crate) double_sided: bool,
+}
+
+impl Model {
+    /// What the package says about itself.
+    pub fn manifest(&self) -> &Manifest {
+        &self.0.manifest
+    }
+
+    /// The model's motions.
+    pub fn clips(&self) -> &[Clip] {
+        self.0.animation.as_ref().map_or(&[], |a| &a.clips)
+    }
+
+    /// Index of the first clip of that name, for [`crate::Motion::Clip`].
+    pub fn clip_index(&self, name: &str) -> Option<usize> {
+        self.clips().iter().position(|c| c.name == name)
+    }
+
+    /// Bytes of its buffers and textures, shared by all instances.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.0.gpu_bytes
+    }
+
+    /// The skeleton, where the vertices follow one.
+    pub fn skeleton(&self) -> Option<&Animation> {
+        self.0.animation.as_ref().filter(|_| self.0.skin.is_some())
+    }
+
+    pub(crate) fn geometry(&self) -> &wgpu::Buffer {
+        &self.0.geometry
+    }
+
+    pub(crate) fn attributes(&self) -> &wgpu::Buffer {
+        &self.0.attributes
+    }
+
+    pub(crate) fn skin(&self) -> Option<&wgpu::Buffer> {
+        self.0.skin.as_ref()
+    }
+
+    pub(crate) fn indices(&self) -> &wgpu::Buffer {
+        &self.0.indices
+    }
+
+    pub(crate) fn fur(&self) -> Option<&wgpu::BindGroup> {
+        self.0.fur.as_ref()
+    }
+
+    pub(crate) fn planar_directions(&self) -> bool {
+        self.0.planar_directions
+    }
+
+    pub(crate) fn parts(&self) -> &[Part] {
+        &self.0.parts
+    }
+}
+
+/// Uploads a package, straight from the slices that it borrows.
+pub(crate) fn load(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    options: &RendererOptions,
+    layouts: &SurfaceLayouts,
+    package: &Package<'_>,
+) -> Result<Model, RuntimeError> {
+    let manifest = package.manifest();
+    let uploader = Uploader { device, queue, package };
+    let mesh = package.mesh()?.ok_or_else(|| uploader.content("mesh".into(), "there is none, expected one".into()))?;
+    if mesh.index_count == 0 {
+        return Err(uploader.content("mesh".into(), "it has no triangles, expected at least one".into()));
+    }
+    let animation = package.animation()?;
+    let skinned = !mesh.skin.is_empty();
+
+    use wgpu::BufferUsages as Usage;
+    let pose_input = if skinned { Usage::STORAGE } else { Usage::empty() };
+    let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | pose_input)?;
+    let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX)?;
+    let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
+    let indices = uploader.buffer("indices", mesh.indices, Usage::INDEX)?;
+    let buffers = [Some(&geometry), Some(&attributes), skin.as_ref(), Some(&indices)];
+    let mut gpu_bytes: u64 = buffers.into_iter().flatten().map(wgpu::Buffer::size).sum();
+
+    let sampler = |label, anisotropy_clamp| {
+        device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some(label),
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            anisotropy_clamp,
+            ..Default::default()
+        })
+    };
+
+    let mut planar_directions = false;
+    let fur = if manifest.fur.layers > 0 {
+        let (_, colors) = uploader.shell_texture(
+            manifest.fur.color_texture,
+            &[TextureFormat::Rgba8Srgb, TextureFormat::Rgba8Unorm, TextureFormat::Bc7Srgb, TextureFormat::Bc7Unorm],
+        )?;
+        let (format, directions) = uploader.shell_texture(
+            manifest.fur.direction_texture,
+            &[TextureFormat::Rgba8Unorm, TextureFormat::Rg8Unorm, TextureFormat::Bc7Unorm, TextureFormat::Bc5Unorm],
+        )?;
+        planar_directions = format.components() == 2;
+        for index in [manifest.fur.color_texture, manifest.fur.direction_texture] {
+            gpu_bytes += package.texture(index)?.gpu_bytes();
+        }
+        let array =
+            wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::D2Array), ..Default::default() };
+        Some(layouts.fur_bind_group(
+            device,
+            &colors.create_view(&array),
+            &directions.create_view(&array),
+            &sampler("pelage shells", 1),
+        ))
+    } else {
+        None
+    };
+
+    let base_sampler = sampler("pelage base colour", options.anisotropy);
+    // Materials may share a texture.
+    let mut base_colors = vec![None; manifest.textures.len()];
+    let mut materials = Vec::new();
+    for (i, material) in manifest.materials.iter().enumerate() {
+        let view = match material.base_color_texture {
+            Some(index) => {
+                let view = package.texture(index)?;
+                if view.layers != 1 || view.format.components() != 4 {
+                    let reason = format!(
+                        "the base colour of material {i} has {} layers of {}, expected one of a colour format",
+                        view.layers,
+                        view.format.name()
+                    );
+                    return Err(uploader.content(format!("texture {:?}", uploader.texture_name(index)), reason));
+                }
+                match &base_colors[index as usize] {
+                    Some(shared) => wgpu::TextureView::clone(shared),
+                    None => {
+                        gpu_bytes += view.gpu_bytes();
+                        let made = uploader.texture(index, &view)?.create_view(&wgpu::TextureViewDescriptor::default());
+                        base_colors[index as usize] = Some(made.clone());
+                        made
+                    }
+                }
+            }
+            None => layouts.white.clone(),
+        };
+        let uniform = MaterialUniform {
+            base_color: material.base_color,
+            alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
+            reserved: [0.0; 3],
+        };
+        gpu_bytes += size_of::<MaterialUniform>() as u64;
+        materials.push(layouts.material_bind_group(device, &uniform, &view, &base_sampler));
+    }
+
+    let mut parts: Vec<Part> = Vec::new();
+    let mut previous = None;
+    for part in manifest.parts.iter().filter(|p| p.index_count > 0) {
+        let indices = part.first_index..part.first_index + part.index_count;
+        // Neighbours with one material are one draw.
+        match parts.last_mut() {
+            Some(last) if previous == Some(part.material) => last.indices.end = indices.end,
+            _ => {
+                let material = &manifest.materials[part.material as usize];
+                parts.push(Part {
+                    indices,
+                    material: materials[part.material as usize].clone(),
+                    has_texture: material.base_color_texture.is_some(),
+                    furred: material.furred && fur.is_some(),
+                    double_sided: material.double_sided,
+                });
+            }
+        }
+        previous = Some(part.material);
+    }
+
+    let manifest = manifest.clone();
+    let resources = Resources {
+        manifest,
+        animation,
+        geometry,
+        attributes,
+        skin,
+        indices,
+        fur,
+        planar_directions,
+        parts,
+        gpu_bytes,
+    };
+    Ok(Model(Arc::new(resources)))
+}
+
+struct Uploader<'a> {
+    device: &'a wgpu::Device,
+    queue: &'a wgpu::Queue,
+    package: &'a Package<'a>,
+}
+
+impl Uploader<'_> {
+    fn content(&self, what: String, reason: String) -> RuntimeError {
+        RuntimeError::Content { package: self.package.manifest().model.clone(), what, reason }
+    }
+
+    fn texture_name(&self, index: u32) -> &str {
+        self.package.manifest().textures.get(index as usize).map_or("", |t| &t.name)
+    }
+
+    fn within(
+        &self,
+        what: impl Fn() -> String,
+        found: u64,
+        limit: &'static str,
+        allowed: u64,
+    ) -> Result<(), RuntimeError> {
+        if found > allowed {
+            return Err(RuntimeError::DeviceLimit { what: what(), found, limit, allowed });
+        }
+        Ok(())
+    }
+
+    fn buffer(&self, name: &str, contents: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RuntimeError> {
+        let limits = self.device.limits();
+        let what = || format!("size in bytes of the {name} of package {:?}", self.package.manifest().model);
+        self.within(what, contents.len() as u64, "max_buffer_size", limits.max_buffer_size)?;
+        if usage.contains(wgpu::BufferUsages::STORAGE) {
+            let allowed = limits.max_storage_buffer_binding_size;
+            self.within(what, contents.len() as u64, "max_storage_buffer_binding_size", allowed)?;
+        }
+        let label = format!("pelage {name}");
+        Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(&label), contents, usage }))
+    }
+
+    /// A texture array of the shell volume.
+    fn shell_texture(
+        &self,
+        index: u32,
+        formats: &[TextureFormat],
+    ) -> Result<(TextureFormat, wgpu::Texture), RuntimeError> {
+        let view = self.package.texture(index)?;
+        let what = || format!("texture {:?}", self.texture_name(index));
+        if !formats.contains(&view.format) {
+            let names: Vec<_> = formats.iter().map(|f| f.name()).collect();
+            return Err(
+                self.content(what(), format!("format {}, expected one of {}", view.format.name(), names.join(", ")))
+            );
+        }
+        let layers = self.package.manifest().fur.layers;
+        if view.layers != layers {
+            return Err(self.content(what(), format!("{} array layers, expected the fur's {layers}", view.layers)));
+        }
+        Ok((view.format, self.texture(index, &view)?))
+    }
+
+    fn texture(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::Texture, RuntimeError> {
+        let name = self.texture_name(index);
+        let limits = self.device.limits();
+        let edge = view.width.max(view.height);
+        let what = |what: &str| format!("{what} of texture {name:?} of package {:?}", self.package.manifest().model);
+        self.within(
+            || what("size in texels"),
+            edge.into(),
+            "max_texture_dimension_2d",
+            limits.max_texture_dimension_2d.into(),
+        )?;
+        let (layers, allowed) = (view.layers.into(), limits.max_texture_array_layers.into());
+        self.within(|| what("array layers"), layers, "max_texture_array_layers", allowed)?;
+        let block = view.format.block_size();
+        if block > 1 {
+            if !self.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC) {
+                return Err(RuntimeError::MissingFeature {
+                    package: self.package.manifest().model.clone(),
+                    texture: name.into(),
+                    format: view.format.name(),
+                    feature: "TEXTURE_COMPRESSION_BC",
+                });
+            }
+            if !view.width.is_multiple_of(block) || !view.height.is_multiple_of(block) {
+                let reason = format!(
+                    "{} x {} texels of {}, expected multiples of {block}: WebGPU has no partial blocks",
+                    view.width,
+                    view.height,
+                    view.format.name()
+                );
+                return Err(self.content(format!("texture {name:?}"), reason));
+            }
+        }
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(name),
+            size: wgpu::Extent3d { width: view.width, height: view.height, depth_or_array_layers: view.layers },
+            mip_level_count: view.levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu_format(view.format),
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        for level in 0..view.levels {
+            let (width, height) = view.level_size(level);
+            let (columns, rows) = (width.div_ceil(block), height.div_ceil(block));
+            self.queue.write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &texture,
+                    mip_level: level,
+                    origin: wgpu::Origin3d::ZERO,
+                    aspect: wgpu::TextureAspect::All,
+                },
+                view.level(level),
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(columns * view.format.block_bytes()),
+                    rows_per_image: Some(rows),
+                },
+                // Whole blocks: small levels of compressed textures are stored so.
+                wgpu::Extent3d { width: columns * block, height: rows * block, depth_or_array_layers: view.layers },
+            );
+        }
+        Ok(texture)
+    }
+}
+
+fn wgpu_format(format: TextureFormat) -> wgpu::TextureFormat {
+    match format {
+        TextureFormat::Rgba8Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
+        TextureFormat::Rgba8Unorm => wgpu::TextureFormat::Rgba8Unorm,
+        TextureFormat::Rg8Unorm => wgpu::TextureFormat::Rg8Unorm,
+        TextureFormat::Bc7Srgb => wgpu::TextureFormat::Bc7RgbaUnormSrgb,
+        TextureFormat::Bc7Unorm => wgpu::TextureFormat::Bc7RgbaUnorm,
+        TextureFormat::Bc5Unorm => wgpu::TextureFormat::Bc5RgUnorm,
+    }
+}

@@ -1,0 +1,145 @@
+//! What is set once and what is set per frame.
+
+use crate::{Camera, Light, RuntimeError};
+use glam::Vec3;
+use pelage_formats::Shading;
+
+/// Set once: what the application's render pass looks like. It must match the pass that [`crate::Frame::draw`] records into.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RendererOptions {
+    /// Format of the one colour target (default `Rgba8UnormSrgb`). The shaders write linear light with premultiplied opacity;
+    /// an sRGB format encodes it.
+    pub color_format: wgpu::TextureFormat,
+    /// Format of the depth buffer (default `Depth32Float`).
+    pub depth_format: wgpu::TextureFormat,
+    /// Samples per pixel of both (default 1).
+    pub sample_count: u32,
+    /// Near is 1 and far is 0 (default false): the pass clears depth to 0, nearer is greater.
+    pub reversed_depth: bool,
+    /// Anisotropy of the base-colour texture's sampler, 1..=16 (default 1). Hair textures are always read with 1.
+    pub anisotropy: u16,
+}
+
+impl Default for RendererOptions {
+    fn default() -> Self {
+        Self {
+            color_format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            depth_format: wgpu::TextureFormat::Depth32Float,
+            sample_count: 1,
+            reversed_depth: false,
+            anisotropy: 1,
+        }
+    }
+}
+
+impl RendererOptions {
+    pub(crate) fn check(&self, device: &wgpu::Device) -> Result<(), RuntimeError> {
+        let fail = |field, found: String, expected| Err(RuntimeError::Options { field, found, expected });
+        let color = self.color_format.guaranteed_format_features(device.features());
+        let drawable = color.allowed_usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT)
+            && color.flags.contains(wgpu::TextureFormatFeatureFlags::BLENDABLE);
+        if !drawable {
+            return fail(
+                "color_format",
+                format!("{:?}", self.color_format),
+                "a format that this device can draw to with blending",
+            );
+        }
+        if !self.depth_format.has_depth_aspect() {
+            return fail("depth_format", format!("{:?}", self.depth_format), "a depth format");
+        }
+        let specific = device.features().contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+        let supported =
+            color.flags.sample_count_supported(self.sample_count) || (specific && self.sample_count.is_power_of_two());
+        if !supported {
+            return fail(
+                "sample_count",
+                self.sample_count.to_string(),
+                "1, 4, or what the adapter offers for this format",
+            );
+        }
+        if !(1..=16).contains(&self.anisotropy) {
+            return fail("anisotropy", self.anisotropy.to_string(), "1..=16");
+        }
+        Ok(())
+    }
+}
+
+/// How a model is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Style {
+    /// With its fur.
+    #[default]
+    Fur,
+    /// The skin alone, in its base colour.
+    Bare,
+}
+
+/// Set per frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameParams {
+    /// From where the scene is seen.
+    pub camera: Camera,
+    /// The key light.
+    pub light: Light,
+    /// Light from everywhere, linear RGB, multiplies the package's ambient constant (default 1).
+    pub ambient: Vec3,
+    /// With fur or without.
+    pub style: Style,
+    /// Layers to draw, skin counted, 1..=1024; `None` (default) draws as many as were baked. The density of the fur stays the
+    /// same (see [`crate::shared::opacity`]); fewer layers cost less, and show their steps at the silhouette.
+    pub layers: Option<u32>,
+    /// Whether ambient light fades towards the skin, γ of Yang 2006, eq. (2) (default true).
+    pub ambient_attenuation: bool,
+    /// Whether the light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
+    pub back_attenuation: bool,
+    /// Constants of the lighting equation instead of the package's own (default `None`).
+    pub shading: Option<Shading>,
+    /// Draws the shells with one texture read and no lighting: what `pelage bench` measures their cost against.
+    #[doc(hidden)]
+    pub yardstick: bool,
+}
+
+impl FrameParams {
+    /// A furry picture from `camera` with everything else at its default.
+    pub fn new(camera: Camera) -> Self {
+        Self {
+            camera,
+            light: Light::default(),
+            ambient: Vec3::ONE,
+            style: Style::Fur,
+            layers: None,
+            ambient_attenuation: true,
+            back_attenuation: true,
+            shading: None,
+            yardstick: false,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), RuntimeError> {
+        let fail = |field, found: String, expected: &str| {
+            Err(RuntimeError::Params { field, found, expected: expected.into() })
+        };
+        if let Some(layers) = self.layers
+            && !(1..=MAX_LAYERS).contains(&layers)
+        {
+            return fail("FrameParams::layers", layers.to_string(), "1..=1024");
+        }
+        if !self.ambient.is_finite() {
+            return fail("FrameParams::ambient", self.ambient.to_string(), "finite numbers");
+        }
+        if let Some(s) = &self.shading {
+            let colors = [s.ambient, s.diffuse, s.specular];
+            let exponents = [s.diffuse_exponent, s.specular_exponent].iter().all(|e| (0.0..=10_000.0).contains(e));
+            let shares = [s.ambient_floor, s.back_light_range].iter().all(|e| (0.0..=1.0).contains(e));
+            if !colors.as_flattened().iter().all(|v| v.is_finite()) || !exponents || !shares {
+                let expected = "finite colours, exponents 0..=10000, ambient_floor and back_light_range 0..=1";
+                return fail("FrameParams::shading", format!("{s:?}"), expected);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// More layers than this are a mistake.
+pub(crate) const MAX_LAYERS: u32 = 1024;

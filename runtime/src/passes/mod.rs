@@ -1,0 +1,32 @@
+//! One pass is one folder: what it needs, its pipelines, and how it is recorded.
+
+pub(crate) mod pose;
+pub(crate) mod shells;
+pub(crate) mod skin;
+pub(crate) mod surface;
+
+/// A pass of the frame, in the order in which they run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum PassId {
+    /// Compute: poses the vertices. Recorded by [`crate::Renderer::prepare`].
+    Pose,
+    /// The opaque base mesh and bare parts.
+    Skin,
+    /// The layers of hair, inside to outside.
+    Shells,
+}
+
+impl PassId {
+    /// All of them, in order.
+    pub const ALL: [Self; 3] = [Self::Pose, Self::Skin, Self::Shells];
+
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pose => "pose",
+            Self::Skin => "skin",
+            Self::Shells => "shells",
+        }
+    }
+}

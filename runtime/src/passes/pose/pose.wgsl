@@ -1,0 +1,52 @@
+// Skins the base mesh once per frame; every later pass reads the posed vertices.
+
+struct GeometryVertex {
+    position: vec3<f32>,
+    fur_height: f32,
+    normal: vec3<f32>,
+    reserved: f32,
+    tangent: vec4<f32>,
+}
+
+// Four u16 joint indices in two words, low half first.
+struct SkinVertex {
+    joints_xy: u32,
+    joints_zw: u32,
+    weight_x: f32,
+    weight_y: f32,
+    weight_z: f32,
+    weight_w: f32,
+}
+
+@group(0) @binding(0) var<storage, read> joints: array<mat4x4<f32>>;
+@group(0) @binding(1) var<storage, read> rest: array<GeometryVertex>;
+@group(0) @binding(2) var<storage, read> skin: array<SkinVertex>;
+@group(0) @binding(3) var<storage, read_write> posed: array<GeometryVertex>;
+
+@compute @workgroup_size(64)
+fn pose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let index = id.y * groups.x * 64u + id.x;
+    if index >= arrayLength(&posed) {
+        return;
+    }
+    let v = rest[index];
+    let s = skin[index];
+    let weights = vec4(s.weight_x, s.weight_y, s.weight_z, s.weight_w);
+    let m = blend(
+        joints[s.joints_xy & 0xffffu],
+        joints[s.joints_xy >> 16u],
+        joints[s.joints_zw & 0xffffu],
+        joints[s.joints_zw >> 16u],
+        weights,
+    );
+    let linear = mat3x3(m[0].xyz, m[1].xyz, m[2].xyz);
+    let normal = transform_normal(linear, v.normal);
+    let tangent = orthonormal_tangent(linear * v.tangent.xyz, normal);
+    posed[index] = GeometryVertex(
+        (m * vec4(v.position, 1.0)).xyz,
+        v.fur_height,
+        normal,
+        0.0,
+        vec4(tangent, v.tangent.w * handedness_of(linear)),
+    );
+}

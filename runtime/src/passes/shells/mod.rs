@@ -1,0 +1,52 @@
+//! `shells`: layers 1.. of the hair, inside to outside, blended into the application's colour target with depth tested and
+//! written (Lengyel 2001; Yang 2006, §2).
+
+use crate::instance::Instance;
+use crate::passes::surface::{SurfaceKey, SurfaceShader, surface_wgsl};
+use crate::renderer::Pipelines;
+
+/// The shader.
+pub(crate) const WGSL: &str = surface_wgsl!("shells.wgsl");
+
+/// Pipelines of the furred parts, with the part's number.
+pub(crate) fn plan(
+    device: &wgpu::Device,
+    pipelines: &mut Pipelines,
+    instance: &Instance,
+    mirrored: bool,
+    yardstick: bool,
+) -> Vec<(usize, wgpu::RenderPipeline)> {
+    let model = instance.model();
+    let mut plan = Vec::new();
+    for (index, part) in model.parts().iter().enumerate().filter(|(_, part)| part.furred) {
+        let key = SurfaceKey {
+            shader: if yardstick { SurfaceShader::Yardstick } else { SurfaceShader::Shells },
+            base_color_texture: part.has_texture,
+            planar_directions: model.planar_directions(),
+            double_sided: part.double_sided,
+            mirrored,
+        };
+        plan.push((index, pipelines.surface(device, key)));
+    }
+    plan
+}
+
+/// Records the draws of one instance; group 0 and the vertex buffers are set.
+pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &crate::frame::Drawn) {
+    let parts = instance.model.parts();
+    if let [(part, pipeline)] = &instance.shells[..] {
+        // Instances of one draw are drawn in order: all layers at once.
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(1, &parts[*part].material, &[]);
+        pass.draw_indexed(parts[*part].indices.clone(), 0, 1..instance.layers);
+        return;
+    }
+    // Several parts may overlap where they meet: layer by layer, so that an outer layer of one never hides an inner of another.
+    for layer in 1..instance.layers {
+        for (part, pipeline) in &instance.shells {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(1, &parts[*part].material, &[]);
+            pass.draw_indexed(parts[*part].indices.clone(), 0, layer..layer + 1);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+// The shells: layers 1.. of the hair volume, inside to outside, one per instance index, each lit per pixel.
+//
+// What is linear over a triangle is computed per vertex: the directions to the light and H, turned into the tile's frame, where
+// the direction texture lives. A fragment then needs no matrix and no frame.
+
+struct ShellVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) tile_uv: vec2<f32>,
+    @location(1) light_ts: vec3<f32>,
+    @location(2) half_ts: vec3<f32>,
+    @location(3) tint: vec4<f32>,
+    @location(4) base_uv: vec2<f32>,
+    @location(5) @interpolate(flat, either) layer: u32,
+    @location(6) @interpolate(flat, either) ambient_share: f32,
+}
+
+// Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
+const LEAST_ALPHA: f32 = 0.5 / 255.0;
+
+// Place of a vertex in drawn layer `layer`, on the hair that grows from it along the normal.
+fn shell_position(v: Vertex, normal: vec3<f32>, layer: u32) -> vec3<f32> {
+    let height = f32(layer) / f32(instance.drawn_layers - 1u);
+    return position_ws(v) + normal * (v.fur_height * instance.scale * height);
+}
+
+@vertex
+fn vs_shells(v: Vertex, @builtin(instance_index) layer: u32) -> ShellVarying {
+    let normal = normal_ws(v);
+    let position = shell_position(v, normal, layer);
+    let tile = tile_frame_of(v, normal);
+    let light = direction_to(frame.light_ws, position);
+    let half = half_vector(light, direction_to(frame.eye_ws, position));
+    var out: ShellVarying;
+    out.position = frame.clip_from_world * vec4(position, 1.0);
+    out.tile_uv = v.tile_uv;
+    out.light_ts = to_tile(tile, light);
+    out.half_ts = to_tile(tile, half);
+    out.tint = v.color * material.base_color;
+    out.base_uv = v.base_uv;
+    out.layer = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
+    out.ambient_share = ambient_attenuation(f32(layer) / f32(instance.drawn_layers - 1u), instance.ambient_floor);
+    return out;
+}
+
+// Premultiplied colour and opacity.
+@fragment
+fn fs_shells(in: ShellVarying) -> @location(0) vec4<f32> {
+    var texel = textureSample(shell_colors, shell_sampler, in.tile_uv, in.layer);
+    let direction = decode_direction(textureSample(shell_directions, shell_sampler, in.tile_uv, in.layer), PLANAR_DIRECTIONS);
+    let base = base_color(in.tint, in.base_uv);
+    if texel.a < LEAST_ALPHA || base.a < material.alpha_cutoff {
+        discard;
+    }
+    if instance.opacity_exponent != 1.0 {
+        // Colour is premultiplied: it follows its opacity.
+        texel *= resampled_opacity(texel.a, instance.opacity_exponent) / texel.a;
+    }
+    let color = shade_hair(texel.rgb * base.rgb, texel.a, direction, in.light_ts, in.half_ts, in.ambient_share);
+    return vec4(color, texel.a);
+}
+
+// The yardstick that shells are measured by: the same layers and fragments with one texture read and no lighting.
+struct YardstickVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) tile_uv: vec2<f32>,
+    @location(1) @interpolate(flat, either) layer: u32,
+}
+
+@vertex
+fn vs_yardstick(v: Vertex, @builtin(instance_index) layer: u32) -> YardstickVarying {
+    let position = shell_position(v, normal_ws(v), layer);
+    let baked = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
+    return YardstickVarying(frame.clip_from_world * vec4(position, 1.0), v.tile_uv, baked);
+}
+
+@fragment
+fn fs_yardstick(in: YardstickVarying) -> @location(0) vec4<f32> {
+    return textureSample(shell_colors, shell_sampler, in.tile_uv, in.layer);
+}

@@ -1,0 +1,63 @@
+// The skin: the opaque base mesh. Furred parts carry the innermost layer of hair, bare parts (eyes, hooves) plain diffuse light.
+
+struct SkinVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) tint: vec4<f32>,
+    @location(1) base_uv: vec2<f32>,
+    @location(2) tile_uv: vec2<f32>,
+    // Towards the light, in the tile frame.
+    @location(3) light_ts: vec3<f32>,
+    // H, in the tile frame.
+    @location(4) half_ts: vec3<f32>,
+    // 1 where fur grows, 0 where its height is 0.
+    @location(5) coat: f32,
+}
+
+@vertex
+fn vs_skin(v: Vertex) -> SkinVarying {
+    let position = position_ws(v);
+    let tile = tile_frame_of(v, normal_ws(v));
+    let light = direction_to(frame.light_ws, position);
+    let half = half_vector(light, direction_to(frame.eye_ws, position));
+    var out: SkinVarying;
+    out.position = frame.clip_from_world * vec4(position, 1.0);
+    out.tint = v.color * material.base_color;
+    out.base_uv = v.base_uv;
+    out.tile_uv = v.tile_uv;
+    out.light_ts = to_tile(tile, light);
+    out.half_ts = to_tile(tile, half);
+    out.coat = select(0.0, 1.0, v.fur_height > 0.0);
+    return out;
+}
+
+// Lambert's law with the package's constants, so that bare parts are as bright as the fur beside them.
+fn shade_bare(color: vec3<f32>, n_dot_l: f32) -> vec3<f32> {
+    return color * (instance.ambient + instance.diffuse * max(n_dot_l, 0.0));
+}
+
+@fragment
+fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let base = base_color(in.tint, in.base_uv);
+    if base.a < material.alpha_cutoff {
+        discard;
+    }
+    // The back of a double-sided part is lit by what shines on the back.
+    return vec4(shade_bare(base.rgb, select(-in.light_ts.z, in.light_ts.z, front)), 1.0);
+}
+
+@fragment
+fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let base = base_color(in.tint, in.base_uv);
+    let texel = textureSample(shell_colors, shell_sampler, in.tile_uv, 0);
+    let direction = decode_direction(textureSample(shell_directions, shell_sampler, in.tile_uv, 0), PLANAR_DIRECTIONS);
+    if base.a < material.alpha_cutoff {
+        discard;
+    }
+    let n_dot_l = select(-in.light_ts.z, in.light_ts.z, front);
+    let share = ambient_attenuation(0.0, instance.ambient_floor);
+    let light = vec3(in.light_ts.xy, n_dot_l);
+    let hair = shade_hair(texel.rgb * base.rgb, texel.a, direction, light, in.half_ts, share);
+    // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
+    let undercoat = hair + (1.0 - texel.a) * share * shade_bare(base.rgb, n_dot_l);
+    return vec4(mix(shade_bare(base.rgb, n_dot_l), undercoat, in.coat), 1.0);
+}

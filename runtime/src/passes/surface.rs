@@ -1,0 +1,297 @@
+//! What the skin and shells passes share: bindings, vertex streams and the making of pipelines.
+
+use crate::RendererOptions;
+use crate::shared::frame;
+use bytemuck::{Pod, Zeroable};
+use pelage_formats::{AttributeVertex, GeometryVertex};
+use std::mem::offset_of;
+use std::num::NonZeroU64;
+use wgpu::util::DeviceExt;
+
+/// Source of the shared part, joined before each surface shader.
+macro_rules! surface_wgsl {
+    ($pass:literal) => {
+        concat!(
+            include_str!("../../shared/frame.wgsl"),
+            include_str!("../../shared/kajiya_kay.wgsl"),
+            include_str!("../../shared/opacity.wgsl"),
+            include_str!("../../shared/skinning.wgsl"),
+            include_str!("../../shared/tile_frame.wgsl"),
+            include_str!("../surface.wgsl"),
+            include_str!($pass),
+        )
+    };
+}
+pub(crate) use surface_wgsl;
+
+/// A material's constants.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct MaterialUniform {
+    pub(crate) base_color: [f32; 4],
+    pub(crate) alpha_cutoff: f32,
+    pub(crate) reserved: [f32; 3],
+}
+
+const fn attribute(shader_location: u32, format: wgpu::VertexFormat, offset: usize) -> wgpu::VertexAttribute {
+    wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
+}
+
+/// The first stream, [`GeometryVertex`].
+pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
+    attribute(0, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
+    attribute(1, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, fur_height)),
+    attribute(2, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, normal)),
+    attribute(3, wgpu::VertexFormat::Float32x4, offset_of!(GeometryVertex, tangent)),
+];
+/// The second stream, [`AttributeVertex`].
+pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 3] = [
+    attribute(4, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, tile_uv)),
+    attribute(5, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, base_uv)),
+    attribute(6, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, color)),
+];
+
+/// What distinguishes the pipelines of surfaces. A shader of which no package needs a variant is never compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct SurfaceKey {
+    pub(crate) shader: SurfaceShader,
+    /// The material has a base-colour texture.
+    pub(crate) base_color_texture: bool,
+    /// The direction texture has two components.
+    pub(crate) planar_directions: bool,
+    /// Back faces are drawn.
+    pub(crate) double_sided: bool,
+    /// The instance mirrors: its front faces wind clockwise.
+    pub(crate) mirrored: bool,
+}
+
+/// Shader of a surface pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum SurfaceShader {
+    SkinBare,
+    SkinFurred,
+    Shells,
+    Yardstick,
+}
+
+impl SurfaceShader {
+    /// Vertex and fragment entry point.
+    pub(crate) fn entry_points(self) -> (&'static str, &'static str) {
+        match self {
+            Self::SkinBare => ("vs_skin", "fs_bare"),
+            Self::SkinFurred => ("vs_skin", "fs_furred"),
+            Self::Shells => ("vs_shells", "fs_shells"),
+            Self::Yardstick => ("vs_yardstick", "fs_yardstick"),
+        }
+    }
+
+    fn is_shells(self) -> bool {
+        matches!(self, Self::Shells | Self::Yardstick)
+    }
+}
+
+/// Layouts of the three bind groups, and what stands in for a texture that a material does not have.
+#[derive(Debug)]
+pub(crate) struct SurfaceLayouts {
+    /// Group 0: frame, and the instance at a dynamic offset.
+    pub(crate) frame: wgpu::BindGroupLayout,
+    /// Group 1.
+    material: wgpu::BindGroupLayout,
+    /// Group 2.
+    fur: wgpu::BindGroupLayout,
+    pub(crate) white: wgpu::TextureView,
+}
+
+fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: NonZeroU64::new(size_of::<T>() as u64),
+        },
+        count: None,
+    }
+}
+
+fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension,
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        count: None,
+    }
+}
+
+fn layout(device: &wgpu::Device, label: &str, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+}
+
+impl SurfaceLayouts {
+    pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        use wgpu::TextureViewDimension::{D2, D2Array};
+        let white = device.create_texture_with_data(
+            queue,
+            &wgpu::TextureDescriptor {
+                label: Some("pelage white"),
+                size: wgpu::Extent3d::default(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            },
+            wgpu::util::TextureDataOrder::LayerMajor,
+            &[255; 4],
+        );
+        Self {
+            frame: layout(
+                device,
+                "pelage frame",
+                &[uniform::<frame::Frame>(0, false), uniform::<frame::Instance>(1, true)],
+            ),
+            material: layout(
+                device,
+                "pelage material",
+                &[uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2)],
+            ),
+            fur: layout(device, "pelage fur", &[texture(0, D2Array), texture(1, D2Array), sampler(2)]),
+            white: white.create_view(&wgpu::TextureViewDescriptor::default()),
+        }
+    }
+
+    pub(crate) fn material_bind_group(
+        &self,
+        device: &wgpu::Device,
+        constants: &MaterialUniform,
+        base_color: &wgpu::TextureView,
+        base_color_sampler: &wgpu::Sampler,
+    ) -> wgpu::BindGroup {
+        let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("pelage material"),
+            contents: bytemuck::bytes_of(constants),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("pelage material"),
+            layout: &self.material,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(base_color) },
+                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(base_color_sampler) },
+            ],
+        })
+    }
+
+    pub(crate) fn fur_bind_group(
+        &self,
+        device: &wgpu::Device,
+        colors: &wgpu::TextureView,
+        directions: &wgpu::TextureView,
+        shell_sampler: &wgpu::Sampler,
+    ) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("pelage fur"),
+            layout: &self.fur,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(colors) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(directions) },
+                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(shell_sampler) },
+            ],
+        })
+    }
+
+    /// Makes a pipeline that fits into the application's pass.
+    pub(crate) fn pipeline(
+        &self,
+        device: &wgpu::Device,
+        module: &wgpu::ShaderModule,
+        key: SurfaceKey,
+        options: &RendererOptions,
+    ) -> wgpu::RenderPipeline {
+        let (vertex, fragment) = key.shader.entry_points();
+        let groups = [Some(&self.frame), Some(&self.material), Some(&self.fur)];
+        // A bare skin has no hair textures to bind.
+        let groups = if key.shader == SurfaceShader::SkinBare { &groups[..2] } else { &groups[..] };
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(fragment),
+            bind_group_layouts: groups,
+            immediate_size: 0,
+        });
+        let constants = [
+            ("BASE_COLOR_TEXTURE", f64::from(u8::from(key.base_color_texture))),
+            ("PLANAR_DIRECTIONS", f64::from(u8::from(key.planar_directions))),
+        ];
+        let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        // Layers that coincide with the skin (fur of height 0) stay hidden: strictly nearer only.
+        let depth_compare = match (key.shader.is_shells(), options.reversed_depth) {
+            (true, false) => wgpu::CompareFunction::Less,
+            (true, true) => wgpu::CompareFunction::Greater,
+            (false, false) => wgpu::CompareFunction::LessEqual,
+            (false, true) => wgpu::CompareFunction::GreaterEqual,
+        };
+        // The layers hold premultiplied colour.
+        let blend = key.shader.is_shells().then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(fragment),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some(vertex),
+                compilation_options: compilation_options.clone(),
+                buffers: &[
+                    Some(wgpu::VertexBufferLayout {
+                        array_stride: size_of::<GeometryVertex>() as u64,
+                        step_mode: wgpu::VertexStepMode::Vertex,
+                        attributes: &GEOMETRY_ATTRIBUTES,
+                    }),
+                    Some(wgpu::VertexBufferLayout {
+                        array_stride: size_of::<AttributeVertex>() as u64,
+                        step_mode: wgpu::VertexStepMode::Vertex,
+                        attributes: &ATTRIBUTE_ATTRIBUTES,
+                    }),
+                ],
+            },
+            primitive: wgpu::PrimitiveState {
+                front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+                cull_mode: (!key.double_sided).then_some(wgpu::Face::Back),
+                ..Default::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: options.depth_format,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(depth_compare),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState { count: options.sample_count, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(fragment),
+                compilation_options,
+                targets: &[Some(wgpu::ColorTargetState {
+                    format: options.color_format,
+                    blend,
+                    write_mask: wgpu::ColorWrites::ALL,
+                })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}

@@ -1,0 +1,72 @@
+// What the skin and shells passes share: vertex streams, bindings, placing a vertex, lighting a hair.
+
+struct Vertex {
+    @location(0) position: vec3<f32>,
+    @location(1) fur_height: f32,
+    @location(2) normal: vec3<f32>,
+    @location(3) tangent: vec4<f32>,
+    @location(4) tile_uv: vec2<f32>,
+    @location(5) base_uv: vec2<f32>,
+    @location(6) color: vec4<f32>,
+}
+
+struct Material {
+    base_color: vec4<f32>,
+    // 0 cuts nothing.
+    alpha_cutoff: f32,
+    reserved0: f32,
+    reserved1: f32,
+    reserved2: f32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> instance: Instance;
+@group(1) @binding(0) var<uniform> material: Material;
+@group(1) @binding(1) var base_color_texture: texture_2d<f32>;
+@group(1) @binding(2) var base_color_sampler: sampler;
+@group(2) @binding(0) var shell_colors: texture_2d_array<f32>;
+@group(2) @binding(1) var shell_directions: texture_2d_array<f32>;
+@group(2) @binding(2) var shell_sampler: sampler;
+
+// Whether the material has a base-colour texture: without one its read costs nothing.
+override BASE_COLOR_TEXTURE: bool = true;
+// Whether the direction texture has two components.
+override PLANAR_DIRECTIONS: bool = true;
+
+fn normal_ws(v: Vertex) -> vec3<f32> {
+    let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * v.normal;
+    return normalize_or(n, vec3(0.0, 1.0, 0.0));
+}
+
+fn position_ws(v: Vertex) -> vec3<f32> {
+    return (instance.world_from_model * vec4(v.position, 1.0)).xyz;
+}
+
+fn tile_frame_of(v: Vertex, normal: vec3<f32>) -> TileFrame {
+    let tangent = (instance.world_from_model * vec4(v.tangent.xyz, 0.0)).xyz;
+    return tile_frame(normal, tangent, v.tangent.w * instance.handedness);
+}
+
+// Base colour of the material at a point: factor and vertex colour come interpolated as `tint`.
+fn base_color(tint: vec4<f32>, uv: vec2<f32>) -> vec4<f32> {
+    if BASE_COLOR_TEXTURE {
+        return tint * textureSample(base_color_texture, base_color_sampler, uv);
+    }
+    return tint;
+}
+
+// Yang 2006, eq. (3) without the shadows that need maps. Linear in the hair's colour, so `color` may be premultiplied with
+// `alpha`, and the result then is. light and half: towards the light and H in the tile frame, lengths near 1.
+fn shade_hair(
+    color: vec3<f32>,
+    alpha: f32,
+    direction: vec3<f32>,
+    light: vec3<f32>,
+    half: vec3<f32>,
+    ambient_share: f32,
+) -> vec3<f32> {
+    let back = back_attenuation(light.z, instance.back_light_range);
+    let diffuse = sin_power(sin_squared(direction, light), instance.diffuse_half_exponent) * back;
+    let specular = sin_power(sin_squared(direction, half), instance.specular_half_exponent) * back * alpha;
+    return color * (instance.ambient * ambient_share + instance.diffuse * diffuse) + instance.specular * specular;
+}

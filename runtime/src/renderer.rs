@@ -1,0 +1,131 @@
+//! What is made once per device and set of options: layouts and pipelines.
+
+use crate::passes::surface::{SurfaceKey, SurfaceLayouts, SurfaceShader};
+use crate::passes::{pose, shells, skin};
+use crate::{Frame, FrameParams, Instance, Model, RendererOptions, RuntimeError, Style, frame, model};
+use pelage_formats::{Limits, Package};
+use std::collections::HashMap;
+
+/// Draws models into the application's own render pass. One per device and kind of pass.
+#[derive(Debug)]
+pub struct Renderer {
+    pipelines: Pipelines,
+}
+
+impl Renderer {
+    /// Checks the options. No pipeline is compiled: that happens when a frame first needs one, or in
+    /// [`Renderer::prepare_pipelines`].
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &RendererOptions) -> Result<Self, RuntimeError> {
+        options.check(device)?;
+        let pipelines = Pipelines {
+            options: options.clone(),
+            layouts: SurfaceLayouts::new(device, queue),
+            pose: None,
+            skin_module: None,
+            shells_module: None,
+            surfaces: HashMap::new(),
+        };
+        Ok(Self { pipelines })
+    }
+
+    /// The options it was made with.
+    pub fn options(&self) -> &RendererOptions {
+        &self.pipelines.options
+    }
+
+    /// Uploads a package, straight from the slices it borrows; the package's bytes may be dropped afterwards.
+    ///
+    /// Fails where a section is damaged, a texture needs a feature the device was made without, or something exceeds the
+    /// device's limits.
+    pub fn load(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        package: &Package<'_>,
+    ) -> Result<Model, RuntimeError> {
+        model::load(device, queue, &self.pipelines.options, &self.pipelines.layouts, package)
+    }
+
+    /// Opens a package with default [`Limits`] and uploads it.
+    pub fn load_bytes(&self, device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> Result<Model, RuntimeError> {
+        self.load(device, queue, &Package::open(bytes, &Limits::default())?)
+    }
+
+    /// Compiles what drawing `model` in `style` needs, so that the first frame does not wait for it. Mirrored instances, and
+    /// styles not named here, compile when first drawn.
+    pub fn prepare_pipelines(&mut self, device: &wgpu::Device, model: &Model, style: Style) {
+        let instance = Instance::new(model);
+        skin::plan(device, &mut self.pipelines, &instance, false, style);
+        if style == Style::Fur {
+            shells::plan(device, &mut self.pipelines, &instance, false, false);
+        }
+        if model.skeleton().is_some() {
+            self.pipelines.pose(device);
+        }
+    }
+
+    /// Prepares a frame: compiles missing pipelines, uploads what changed, and records the passes that run before the
+    /// application's render pass into `encoder`.
+    ///
+    /// The encoder must be submitted before, or together with, the pass that the frame is drawn into. Two cameras in one
+    /// submission take two frames. Instances are drawn in the order given; where furs overlap in the picture, give the farther
+    /// first.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        params: &FrameParams,
+        instances: &mut [&mut Instance],
+    ) -> Result<Frame, RuntimeError> {
+        frame::prepare(device, encoder, &mut self.pipelines, params, instances)
+    }
+}
+
+/// Layouts, and the pipelines and shader modules, made when first asked for.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    options: RendererOptions,
+    pub(crate) layouts: SurfaceLayouts,
+    pose: Option<wgpu::ComputePipeline>,
+    skin_module: Option<wgpu::ShaderModule>,
+    shells_module: Option<wgpu::ShaderModule>,
+    surfaces: HashMap<SurfaceKey, wgpu::RenderPipeline>,
+}
+
+fn module(device: &wgpu::Device, label: &str, wgsl: &'static str) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+    })
+}
+
+impl Pipelines {
+    pub(crate) fn reversed_depth(&self) -> bool {
+        self.options.reversed_depth
+    }
+
+    pub(crate) fn pose(&mut self, device: &wgpu::Device) -> &wgpu::ComputePipeline {
+        self.pose.get_or_insert_with(|| {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("pelage pose"),
+                layout: None,
+                module: &module(device, "pelage pose", pose::WGSL),
+                entry_point: Some("pose"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        })
+    }
+
+    pub(crate) fn surface(&mut self, device: &wgpu::Device, key: SurfaceKey) -> wgpu::RenderPipeline {
+        let module = match key.shader {
+            SurfaceShader::SkinBare | SurfaceShader::SkinFurred => {
+                self.skin_module.get_or_insert_with(|| module(device, "pelage skin", skin::WGSL))
+            }
+            SurfaceShader::Shells | SurfaceShader::Yardstick => {
+                self.shells_module.get_or_insert_with(|| module(device, "pelage shells", shells::WGSL))
+            }
+        };
+        self.surfaces.entry(key).or_insert_with(|| self.layouts.pipeline(device, module, key, &self.options)).clone()
+    }
+}

@@ -1,0 +1,50 @@
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+
+/// The shader source.
+pub const WGSL: &str = include_str!("frame.wgsl");
+
+/// Once per frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Frame {
+    pub clip_from_world: [[f32; 4]; 4],
+    pub eye_ws: [f32; 4],
+    pub light_ws: [f32; 4],
+}
+
+/// Once per drawn copy and frame. What the fields mean stands in the WGSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Instance {
+    pub world_from_model: [[f32; 4]; 4],
+    pub normal_x: [f32; 4],
+    pub normal_y: [f32; 4],
+    pub normal_z: [f32; 4],
+    pub ambient: [f32; 3],
+    pub diffuse_half_exponent: f32,
+    pub diffuse: [f32; 3],
+    pub specular_half_exponent: f32,
+    pub specular: [f32; 3],
+    pub back_light_range: f32,
+    pub ambient_floor: f32,
+    pub scale: f32,
+    pub handedness: f32,
+    pub opacity_exponent: f32,
+    pub baked_layers: u32,
+    pub drawn_layers: u32,
+    pub reserved0: u32,
+    pub reserved1: u32,
+}
+
+/// Unit vector from `position_ws` towards a light or eye in homogeneous coordinates: w 1 for a place, 0 for a direction.
+pub fn direction_to(target_ws: Vec4, position_ws: Vec3) -> Vec3 {
+    let d = target_ws.truncate() - position_ws * target_ws.w;
+    d * d.dot(d).max(1e-30).sqrt().recip()
+}
+
+/// H of Yang 2006, eq. (1): unit half vector between two unit vectors; zero where they are opposed.
+pub fn half_vector(l: Vec3, v: Vec3) -> Vec3 {
+    let h = l + v;
+    h * h.dot(h).max(1e-12).sqrt().recip()
+}

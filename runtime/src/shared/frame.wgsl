@@ -1,0 +1,53 @@
+// The uniform blocks of every pass.
+
+// Once per frame. 96 bytes.
+struct Frame {
+    clip_from_world: mat4x4<f32>,
+    // Eye position and 1, or for an orthographic camera the direction towards it and 0.
+    eye_ws: vec4<f32>,
+    // Light position and 1, or for a directional light the unit direction towards it and 0.
+    light_ws: vec4<f32>,
+}
+
+// Once per drawn copy and frame: where it stands and how its fur is lit. 192 bytes.
+struct Instance {
+    world_from_model: mat4x4<f32>,
+    // Columns of the matrix for normals: the signed cofactors of world_from_model; w is zero.
+    normal_x: vec4<f32>,
+    normal_y: vec4<f32>,
+    normal_z: vec4<f32>,
+    // ka, kd and ks times the light's colours.
+    ambient: vec3<f32>,
+    // pd / 2
+    diffuse_half_exponent: f32,
+    diffuse: vec3<f32>,
+    // ps / 2
+    specular_half_exponent: f32,
+    specular: vec3<f32>,
+    // r of Attenu_Back
+    back_light_range: f32,
+    // epsilon of gamma
+    ambient_floor: f32,
+    // Scale of lengths, for the fur's height.
+    scale: f32,
+    // -1 for a mirrored copy, else 1.
+    handedness: f32,
+    // baked layers / drawn layers, skin not counted
+    opacity_exponent: f32,
+    baked_layers: u32,
+    drawn_layers: u32,
+    reserved0: u32,
+    reserved1: u32,
+}
+
+// Unit vector from a point towards a light or eye given as homogeneous coordinates.
+fn direction_to(target_ws: vec4<f32>, position_ws: vec3<f32>) -> vec3<f32> {
+    let d = target_ws.xyz - position_ws * target_ws.w;
+    return d * inverseSqrt(max(dot(d, d), 1e-30));
+}
+
+// Unit half vector between two unit vectors; zero where they are opposed.
+fn half_vector(l: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
+    let h = l + v;
+    return h * inverseSqrt(max(dot(h, h), 1e-12));
+}

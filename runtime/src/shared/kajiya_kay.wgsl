@@ -1,0 +1,26 @@
+// Kajiya-Kay shading of a fibre, as in Yang 2006, eq. (1), with the attenuations of eqs. (2) and (3) that need no map.
+// Directions need not have unit length: interpolated and filtered ones do not.
+
+// sin^2 of the angle between a and b, 0..=1, as |a x b|^2 / (|a| |b|)^2. Unlike 1 - (a.b)^2 it cannot round below zero and
+// keeps its precision where the two are nearly parallel. 0 where a or b has no length.
+fn sin_squared(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let c = cross(a, b);
+    return min(dot(c, c) / max(dot(a, a) * dot(b, b), 1e-20), 1.0);
+}
+
+// s^half_exponent for s in 0..=1 and half_exponent in 0..=5000: sin^p from sin^2 and p / 2. 0^0 is 1.
+fn sin_power(s: f32, half_exponent: f32) -> f32 {
+    return exp2(half_exponent * log2(max(s, 1e-30)));
+}
+
+// gamma of eq. (2): share of the ambient light at a height above the skin (0 skin, 1 outermost layer); floor is the share at
+// the skin.
+fn ambient_attenuation(height: f32, floor: f32) -> f32 {
+    return (1.0 - floor) * height + floor;
+}
+
+// Attenu_Back of eq. (3): 1 where the skin faces the light, falling to 0 at n_dot_l = -range. A range of 0 cuts at the
+// terminator; a range of 1e30 switches it off.
+fn back_attenuation(n_dot_l: f32, range: f32) -> f32 {
+    return clamp(n_dot_l / max(range, 1e-4) + 1.0, 0.0, 1.0);
+}

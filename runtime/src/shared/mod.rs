@@ -1,0 +1,15 @@
+//! Shader functions that several passes use, each as `<topic>.wgsl` with a Rust twin `<topic>.rs` beside it: same function
+//! names, same argument order. The twins serve tests, tools and applications that want the same numbers on the CPU.
+//!
+//! Each topic's `WGSL` is plain source without entry points or bindings; join it before your own shader.
+
+/// Where camera, light and the drawn copy stand: the uniform blocks of every pass.
+pub mod frame;
+/// Yang 2006, eq. (1), and the attenuations of eqs. (2) and (3) that need no map.
+pub mod kajiya_kay;
+/// Opacity of a layer when more or fewer layers are drawn than were baked.
+pub mod opacity;
+/// Linear blend skinning: blended matrix, normals, tangents.
+pub mod skinning;
+/// The hair tile's frame on the skin, and directions in it.
+pub mod tile_frame;

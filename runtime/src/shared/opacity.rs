@@ -1,0 +1,25 @@
+/// The shader source.
+pub const WGSL: &str = include_str!("opacity.wgsl");
+
+/// Opacity of one of `n` drawn layers where `n0` were baked: 1 − (1 − `alpha`)^`exponent`, `exponent` = n0 / n > 0.
+///
+/// It keeps the transmittance of the whole stack. Precise for small opacities, where the plain form loses its digits (4.6 % off
+/// at 1e-6 in f32, 0 at 1e-7); an opacity above 1 − 2⁻¹¹ counts as that.
+pub fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
+    let a = alpha.clamp(0.0, 1.0 - 1.0 / 2048.0);
+    -(exponent * (-a).ln_1p()).exp_m1()
+}
+
+/// Which baked layer, 1..`baked`, serves as drawn layer `layer`, 1..`drawn` (layer 0 is the skin in both).
+///
+/// Each baked layer gets an equal share of the drawn ones, so that together with [`resampled_opacity`] at the exponent
+/// ([`baked` − 1) / (`drawn` − 1) the transmittance of the stack is kept, exactly so where `drawn` − 1 is a multiple of
+/// `baked` − 1.
+pub fn baked_layer(layer: u32, baked: u32, drawn: u32) -> u32 {
+    if layer == 0 || baked < 2 || drawn < 2 {
+        return 0;
+    }
+    // The middle of the drawn layer's slab, (layer − 1/2) / (drawn − 1) of the height, in baked slabs. In halves, to stay exact.
+    let slab = (2 * u64::from(layer) - 1) * u64::from(baked - 1) / (2 * u64::from(drawn - 1));
+    1 + (slab as u32).min(baked - 2)
+}

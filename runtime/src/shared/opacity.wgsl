@@ -1,0 +1,19 @@
+// Opacity when the number of layers changes: 1 - (1 - alpha)^exponent keeps the product of (1 - alpha) over all layers, with
+// exponent = baked layers / drawn layers.
+fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
+    // An opacity of 1 has no logarithm; 2^-11 is far below what an 8-bit texel can say.
+    let a = clamp(alpha, 0.0, 1.0 - 1.0 / 2048.0);
+    // -expm1(exponent * log1p(-a)) by series where 1 - exp2() would cancel: z <= 0 is the logarithm of the transmittance.
+    let z = exponent * select(0.6931472 * log2(1.0 - a), -a * (1.0 + a * (0.5 + a * (1.0 / 3.0 + 0.25 * a))), a < 0.05);
+    let series = -z * (1.0 + z * (0.5 + z * (1.0 / 6.0 + z / 24.0)));
+    return select(1.0 - exp2(1.442695 * z), series, z > -0.1);
+}
+
+// Which baked layer, 1..baked, serves as drawn layer `layer`, 1..drawn; 0, the skin, stays 0.
+fn baked_layer(layer: u32, baked: u32, drawn: u32) -> u32 {
+    if layer == 0u || baked < 2u || drawn < 2u {
+        return 0u;
+    }
+    let slab = (2u * layer - 1u) * (baked - 1u) / (2u * (drawn - 1u));
+    return 1u + min(slab, baked - 2u);
+}

@@ -1,0 +1,47 @@
+// The hair tile's frame on the skin (tangent along +u, bitangent along +v, normal) and hair directions in it. `_ts` vectors
+// are in this frame, `_ws` vectors in world space.
+
+struct TileFrame {
+    tangent_ws: vec3<f32>,
+    bitangent_ws: vec3<f32>,
+    normal_ws: vec3<f32>,
+}
+
+// Any unit vector perpendicular to the unit vector n.
+fn any_perpendicular(n: vec3<f32>) -> vec3<f32> {
+    let axis = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), abs(n.x) > 0.5);
+    return normalize(axis - n * dot(n, axis));
+}
+
+// The tangent made perpendicular to the unit normal (Gram-Schmidt), unit length; any perpendicular where nothing is left.
+fn orthonormal_tangent(tangent: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    let t = tangent - normal * dot(normal, tangent);
+    let length_squared = dot(t, t);
+    // Relative to what came in: rounding noise of a tangent along the normal is not a direction.
+    if length_squared <= 1e-10 * dot(tangent, tangent) || length_squared < 1e-30 {
+        return any_perpendicular(normal);
+    }
+    return t * inverseSqrt(length_squared);
+}
+
+// normal_ws has unit length; handedness is +1 or -1.
+fn tile_frame(normal_ws: vec3<f32>, tangent_ws: vec3<f32>, handedness: f32) -> TileFrame {
+    let t = orthonormal_tangent(tangent_ws, normal_ws);
+    return TileFrame(t, handedness * cross(normal_ws, t), normal_ws);
+}
+
+fn to_tile(frame: TileFrame, v_ws: vec3<f32>) -> vec3<f32> {
+    return vec3(dot(frame.tangent_ws, v_ws), dot(frame.bitangent_ws, v_ws), dot(frame.normal_ws, v_ws));
+}
+
+// A texel of the direction texture to a direction in the tile frame, as FORMAT.md, "Directions". planar: the format has two
+// components.
+fn decode_direction(texel: vec4<f32>, planar: bool) -> vec3<f32> {
+    let c = clamp(texel.xyz * (255.0 / 127.0) - 128.0 / 127.0, vec3(-1.0), vec3(1.0));
+    if planar {
+        let s = dot(c.xy, c.xy);
+        return vec3(c.xy * inverseSqrt(max(s, 1.0)), sqrt(max(1.0 - s, 0.0)));
+    }
+    // Where the filtered directions cancel nothing is known: take the normal.
+    return select(c, vec3(0.0, 0.0, 1.0), dot(c, c) < 1e-4);
+}
