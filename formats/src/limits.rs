@@ -5,7 +5,7 @@
 /// [`pelage bake`]: https://docs.rs/pelage-bake
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Sections in the table, 1..=65 535 (default 4 096).
+    /// Sections in the table (default 4 096).
     pub sections: u32,
     /// Bytes of the manifest section (default 16 MiB, at most 256 MiB); also bounds every string and list inside it.
     pub manifest_bytes: u64,

@@ -3,6 +3,7 @@
 use crate::container::Tag;
 use crate::{FormatError, Limits};
 use bytemuck::{Pod, Zeroable};
+use std::fmt;
 
 /// First vertex stream: what posing changes. 48 bytes.
 ///
@@ -62,7 +63,7 @@ pub struct MeshData {
 }
 
 /// A mesh in an opened package: slices of the package's bytes, ready to upload.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct MeshView<'a> {
     /// Number of vertices.
     pub vertex_count: u32,
@@ -76,6 +77,15 @@ pub struct MeshView<'a> {
     pub skin: &'a [u8],
     /// `index_count` little-endian u32.
     pub indices: &'a [u8],
+}
+
+impl fmt::Debug for MeshView<'_> {
+    /// Says what the mesh is, not its megabytes.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { vertex_count, index_count, .. } = self;
+        let skin = if self.skin.is_empty() { "no skin" } else { "skin" };
+        write!(f, "MeshView({vertex_count} vertices, {index_count} indices, {skin})")
+    }
 }
 
 const HEADER_BYTES: u64 = 64;

@@ -2,6 +2,7 @@
 
 use crate::container::Tag;
 use crate::{FormatError, Limits};
+use std::fmt;
 
 /// Texel formats that packages hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -91,7 +92,7 @@ impl TextureFormat {
 }
 
 /// A texture of an opened package. Its levels are slices of the package's bytes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct TextureView<'a> {
     /// Texel format.
     pub format: TextureFormat,
@@ -105,6 +106,15 @@ pub struct TextureView<'a> {
     pub levels: u32,
     /// The whole .ktx2 file.
     pub ktx2: &'a [u8],
+}
+
+impl fmt::Debug for TextureView<'_> {
+    /// Says what the texture is, not its megabytes.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { format, width, height, layers, levels, ktx2 } = self;
+        let bytes = ktx2.len();
+        write!(f, "TextureView({} {width}x{height}, {layers} layers, {levels} levels, {bytes} bytes)", format.name())
+    }
 }
 
 /// Bytes of an entry of the level index, which follows the header.

@@ -258,3 +258,14 @@ fn nothing_is_copied() {
     }
     inside(package.section_bytes(5).unwrap());
 }
+
+/// A failed `unwrap_err` or a `dbg!` must not print a texture byte for byte.
+#[test]
+fn debug_output_is_short() {
+    let bytes = common::sample_package();
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let texture = format!("{:?}", package.texture(0).unwrap());
+    assert!(texture.starts_with("TextureView(rgba8unorm-srgb 4x4, 2 layers, 3 levels, "), "{texture}");
+    assert_eq!(format!("{:?}", package.mesh().unwrap().unwrap()), "MeshView(5 vertices, 12 indices, skin)");
+    assert!(!format!("{package:?}").contains("137, 80"), "the magic's bytes");
+}
