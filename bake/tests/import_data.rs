@@ -88,7 +88,7 @@ const REFUSED: &[(&str, &str, &str)] = &[
     (
         "hard-gltf/assimp_MissingBin/BoxTextured.gltf",
         "/buffers/0/uri",
-        "names the buffer file \"BoxTextured0.bin\": cannot read it",
+        "names the buffer file \"BoxTextured0.bin\": it is not there",
     ),
     ("hard-gltf/assimp_TestNoRootNode/NoScene.gltf", "/scene", "is 0, expected less than 0, the number of scenes"),
     ("hard-gltf/assimp_wrongTypes/badArray.gltf", "/meshes/0/primitives", "is an object, expected an array"),

@@ -56,7 +56,7 @@ fn uris_that_leave_the_model_are_refused() {
         ("a%00b", "zero byte"),
         ("%ff", "no UTF-8"),
         ("", "empty"),
-        ("missing.bin", "cannot read it"),
+        ("missing.bin", "it is not there; put it where the model looks for it"),
         (".", "it is a folder"),
     ] {
         std::fs::write(&model, external(uri).0).unwrap();

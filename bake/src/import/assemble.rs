@@ -2,8 +2,7 @@
 
 use super::clips;
 use super::json::At;
-use super::material::Materials;
-use super::primitive::{MeshUse, Primitive, read_mesh};
+use super::primitive::{Gathered, MeshUse, Primitive, read_mesh, within_limits};
 use super::scene::{Tree, mirrors};
 use super::skin::Joints;
 use super::source::Source;
@@ -11,8 +10,9 @@ use super::{ImportOptions, orient};
 use crate::BakeError;
 use crate::mesh::{Mesh, MeshPart, Model, RestPose, transform_normal};
 use glam::{Mat4, Vec3};
-use pelage_formats::{Animation, Joint, Limits, Node, SkinVertex};
+use pelage_formats::{Animation, Joint, Node, SkinVertex};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::rc::Rc;
 
 /// A mesh as one node shows it.
@@ -28,12 +28,17 @@ struct Instance<'a> {
 pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) -> Result<Model, BakeError> {
     let tree = Tree::read(source)?;
     let root = Mat4::from_scale(Vec3::splat(options.unit_m));
-    let mut materials = Materials::default();
+    let mut gathered = Gathered::default();
     let mut joints = Joints::default();
-    let mut skipped = 0;
-    let instances = instances(source, &tree, &mut materials, &mut joints, &mut skipped)?;
+    let instances = instances(source, &tree, &mut gathered, &mut joints)?;
     if instances.iter().all(|i| i.primitives.is_empty()) {
-        return Err(nothing_to_show(source, skipped));
+        return Err(nothing_to_show(source, gathered.skipped));
+    }
+    let (mut vertices, mut indices) = (0, 0);
+    for primitive in instances.iter().flat_map(|i| i.primitives.iter()) {
+        vertices += primitive.positions.len() as u64;
+        indices += 3 * primitive.triangles.len() as u64;
+        within_limits(&primitive.at, vertices, indices)?;
     }
 
     // Every node that a vertex may follow, if the model turns out to move.
@@ -70,12 +75,12 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         Animation { nodes, joints, clips }
     });
     let rest = RestPose::of(&mesh, animation.as_ref());
-    check_finite(&mesh, &rest, &places)?;
+    check_finite(&rest, &places)?;
     orient::face_outward(source, &mut mesh, animation.as_ref(), &rest, &authored);
     Ok(Model {
         mesh,
-        materials: materials.materials,
-        images: materials.images,
+        materials: gathered.materials.materials,
+        images: gathered.materials.images,
         animation,
         inputs: Vec::new(),
         warnings: Vec::new(),
@@ -86,14 +91,13 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
 fn instances<'a>(
     source: &mut Source<'a, '_>,
     tree: &Tree<'a>,
-    materials: &mut Materials,
+    gathered: &mut Gathered,
     joints: &mut Joints,
-    skipped: &mut usize,
 ) -> Result<Vec<Instance<'a>>, BakeError> {
     let mut known: BTreeMap<(usize, bool), Rc<Vec<Primitive<'a>>>> = BTreeMap::new();
     let mut instances = Vec::new();
     if tree.nodes.is_empty() {
-        return library(source, materials, skipped);
+        return library(source, gathered);
     }
     for node in &tree.scene {
         let at = &tree.nodes[*node].at;
@@ -107,7 +111,7 @@ fn instances<'a>(
         let primitives = match known.get(&key).filter(|_| !own) {
             Some(primitives) => primitives.clone(),
             None => {
-                let primitives = Rc::new(read_mesh(source, materials, &mesh, skipped)?);
+                let primitives = Rc::new(read_mesh(source, gathered, &mesh)?);
                 if !own {
                     known.insert(key, primitives.clone());
                 }
@@ -124,17 +128,13 @@ fn instances<'a>(
 
 /// A document without nodes is a library of meshes, of which a viewer shows nothing. A file with one animal in it and no scene is
 /// more likely to come from a careless exporter, so all meshes are shown where they are.
-fn library<'a>(
-    source: &mut Source<'a, '_>,
-    materials: &mut Materials,
-    skipped: &mut usize,
-) -> Result<Vec<Instance<'a>>, BakeError> {
+fn library<'a>(source: &mut Source<'a, '_>, gathered: &mut Gathered) -> Result<Vec<Instance<'a>>, BakeError> {
     let Some(meshes) = source.root.get("meshes") else { return Ok(Vec::new()) };
     source.warn("the file has no nodes; all its meshes are shown as they are");
     let mut instances = Vec::new();
     for (index, at) in meshes.entries()?.enumerate() {
         let mesh = MeshUse { index, at, weights: None, skinned: false };
-        let primitives = Rc::new(read_mesh(source, materials, &mesh, skipped)?);
+        let primitives = Rc::new(read_mesh(source, gathered, &mesh)?);
         instances.push(Instance { node: None, skin: None, primitives });
     }
     Ok(instances)
@@ -200,8 +200,8 @@ enum Placed {
 
 struct Builder<'a> {
     mesh: Mesh,
-    /// The primitive of each part.
-    places: Vec<At<'a>>,
+    /// The primitive and the vertices of each part.
+    places: Vec<(At<'a>, Range<usize>)>,
     /// Whether the normals of each part come from the file.
     authored: Vec<bool>,
 }
@@ -210,16 +210,6 @@ impl<'a> Builder<'a> {
     fn add(&mut self, primitive: &Primitive<'a>, placed: Placed) -> Result<(), BakeError> {
         let mesh = &mut self.mesh;
         let (base, first_triangle) = (mesh.positions.len(), mesh.triangles.len());
-        let limits = Limits::default();
-        let (vertices, corners) = (base + primitive.positions.len(), 3 * (first_triangle + primitive.triangles.len()));
-        if vertices > limits.vertices as usize || corners > limits.indices as usize {
-            let (v, t) = (limits.vertices, limits.indices / 3);
-            let reason = format!(
-                "takes the model to {vertices} vertices and {} triangles, expected at most {v} and {t}",
-                corners / 3
-            );
-            return Err(primitive.at.fault(reason));
-        }
         let mut flip = false;
         match placed {
             Placed::At(world) => {
@@ -235,10 +225,10 @@ impl<'a> Builder<'a> {
         }
         mesh.uvs.extend(&primitive.uvs);
         mesh.colors.extend(&primitive.colors);
-        let base = base as u32;
+        let first = base as u32;
         mesh.triangles.extend(primitive.triangles.iter().map(|[a, b, c]| {
             let (b, c) = if flip { (c, b) } else { (b, c) };
-            [base + a, base + b, base + c]
+            [first + a, first + b, first + c]
         }));
         mesh.parts.push(MeshPart {
             source: primitive.label.clone(),
@@ -247,7 +237,7 @@ impl<'a> Builder<'a> {
             triangle_count: primitive.triangles.len(),
             has_uvs: primitive.has_uvs,
         });
-        self.places.push(primitive.at.clone());
+        self.places.push((primitive.at.clone(), base..mesh.positions.len()));
         self.authored.push(primitive.has_normals);
         Ok(())
     }
@@ -280,14 +270,13 @@ fn bind(primitive: &Primitive<'_>, first: usize, count: usize, skin: &mut Vec<Sk
 }
 
 /// Transforms of finite numbers may leave the range of floats.
-fn check_finite(mesh: &Mesh, rest: &RestPose, places: &[At<'_>]) -> Result<(), BakeError> {
-    let finite = |v: u32| rest.positions.get(v as usize).is_some_and(|p| p.is_finite());
-    for (part, at) in mesh.parts.iter().zip(places) {
-        let triangles = &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
-        if let Some(v) = triangles.iter().flatten().find(|v| !finite(**v)) {
-            let found = rest.positions.get(*v as usize).copied().unwrap_or_default();
+fn check_finite(rest: &RestPose, places: &[(At<'_>, Range<usize>)]) -> Result<(), BakeError> {
+    for (at, vertices) in places {
+        let positions = &rest.positions[vertices.clone()];
+        if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
+            let found = positions[i];
             return Err(
-                at.fault(format!("a vertex lands at {found} once its nodes are applied, expected finite numbers"))
+                at.fault(format!("vertex {i} lands at {found} once its nodes are applied, expected finite numbers"))
             );
         }
     }

@@ -5,6 +5,7 @@ use super::json::{At, shorten};
 use super::source::Source;
 use crate::BakeError;
 use pelage_formats::{Channel, Clip, Interpolation, Limits, Property};
+use std::collections::BTreeMap;
 
 /// Reads all clips. Only channels that move a node with a number in `numbers` (from the document's nodes to the package's) are
 /// kept, and only clips with such a channel.
@@ -19,6 +20,7 @@ pub(super) fn read<'a>(source: &mut Source<'a, '_>, numbers: &[Option<u32>]) -> 
             name => name.to_owned(),
         };
         let mut channels: Vec<Channel> = Vec::new();
+        let mut driven: BTreeMap<(u32, usize), usize> = BTreeMap::new();
         let samplers = at.require("samplers")?;
         for channel_at in at.require("channels")?.entries()? {
             let Some((node, property)) = target(source, &channel_at, &name)? else { continue };
@@ -29,13 +31,15 @@ pub(super) fn read<'a>(source: &mut Source<'a, '_>, numbers: &[Option<u32>]) -> 
                 let limit = Limits::default().animation_bytes >> 20;
                 channel_at.fault(format!("takes the animation past {limit} MiB"))
             })?;
-            if let Some(same) = channels.iter_mut().find(|c| c.node == node && c.property == property) {
+            let key = (node, property as usize);
+            if let Some(same) = driven.get(&key).and_then(|i| channels.get_mut(*i)) {
                 source.warn(format!(
                     "{} moves the same property as a channel before; it replaces that",
                     channel_at.place
                 ));
                 *same = channel;
             } else {
+                driven.insert(key, channels.len());
                 channels.push(channel);
             }
         }
@@ -101,8 +105,11 @@ fn read_channel<'a>(
     if times.is_empty() {
         return Err(input.fault("has no keys, expected at least one"));
     }
-    if let Some(i) = times.iter().position(|t| !t.is_finite() || *t < 0.0) {
-        return Err(input.fault(format!("element {i} is {}, expected a time >= 0 in seconds", times[i])));
+    if let Some(i) = times.iter().position(|t| !t.is_finite()) {
+        return Err(input.fault(format!("element {i} is {}, expected a time in seconds", times[i])));
+    }
+    if times.iter().any(|t| *t < 0.0) {
+        source.warn(format!("{} begins before 0 s; what lies before is not played", input.place));
     }
     let output = sampler.require("output")?;
     let width = property.components();

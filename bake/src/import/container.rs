@@ -99,5 +99,7 @@ fn split_glb<'a>(bytes: &'a [u8], warnings: &mut Vec<String>) -> Result<Containe
         }
         at += 8 + body.len();
     }
-    Ok(Container { json, json_offset: 20, bin })
+    // The standard pads with spaces; some exporters use zeros.
+    let padding = json.iter().rev().take_while(|b| **b == 0).count();
+    Ok(Container { json: &json[..json.len() - padding], json_offset: 20, bin })
 }

@@ -40,12 +40,43 @@ pub(super) struct MeshUse<'a> {
     pub skinned: bool,
 }
 
-/// Reads all primitives of a mesh that hold triangles; what is left out is warned of and counted in `skipped`.
+/// What reading meshes adds up to.
+#[derive(Debug, Default)]
+pub(super) struct Gathered {
+    pub materials: Materials,
+    /// Primitives that were left out.
+    pub skipped: usize,
+    vertices: u64,
+    indices: u64,
+}
+
+impl Gathered {
+    /// Counts a primitive before anything of it is read: primitives may share accessors, so a small file can unfold into any
+    /// amount of memory.
+    fn charge<'a>(&mut self, source: &Source<'a, '_>, at: &At<'a>) -> Result<(), BakeError> {
+        let position = at.get("attributes").and_then(|a| a.get("POSITION"));
+        let count = |reference: Option<At<'a>>| reference.map_or(Ok(0), |r| source.accessor_count(&r));
+        self.vertices = self.vertices.saturating_add(count(position)?);
+        self.indices = self.indices.saturating_add(count(at.get("indices"))?);
+        within_limits(at, self.vertices, self.indices)
+    }
+}
+
+/// Fails where a model grows past the limits of a package.
+pub(super) fn within_limits(at: &At<'_>, vertices: u64, indices: u64) -> Result<(), BakeError> {
+    let limits = Limits::default();
+    if vertices <= limits.vertices.into() && indices <= limits.indices.into() {
+        return Ok(());
+    }
+    let (v, i) = (limits.vertices, limits.indices);
+    Err(at.fault(format!("takes the model to {vertices} vertices and {indices} indices, expected at most {v} and {i}")))
+}
+
+/// Reads all primitives of a mesh that hold triangles; what is left out is warned of and counted.
 pub(super) fn read_mesh<'a>(
     source: &mut Source<'a, '_>,
-    materials: &mut Materials,
+    gathered: &mut Gathered,
     mesh: &MeshUse<'a>,
-    skipped: &mut usize,
 ) -> Result<Vec<Primitive<'a>>, BakeError> {
     let morph = mesh.weights.clone().or_else(|| mesh.at.get("weights"));
     let morph_weights = match &morph {
@@ -54,12 +85,15 @@ pub(super) fn read_mesh<'a>(
     };
     let name = mesh.at.name();
     let name = if name.is_empty() { String::new() } else { format!(" \"{}\"", shorten(name)) };
+    for at in mesh.at.require("primitives")?.entries()? {
+        gathered.charge(source, &at)?;
+    }
     let mut primitives = Vec::new();
     for (i, at) in mesh.at.require("primitives")?.entries()?.enumerate() {
         let label = format!("mesh {}{name}, primitive {i}", mesh.index);
-        match read_primitive(source, materials, &at, label, &morph_weights, mesh.skinned)? {
+        match read_primitive(source, &mut gathered.materials, &at, label, &morph_weights, mesh.skinned)? {
             Some(primitive) => primitives.push(primitive),
-            None => *skipped += 1,
+            None => gathered.skipped += 1,
         }
     }
     normals::complete(source, &mut primitives);
@@ -92,11 +126,6 @@ fn read_primitive<'a>(
         source.warn(format!("{label} has no POSITION; left out"));
         return Ok(None);
     };
-    let limit = u64::from(Limits::default().vertices);
-    let count = source.accessor_count(&position_at)?;
-    if count > limit {
-        return Err(position_at.fault(format!("has {count} elements, expected at most {limit}")));
-    }
     let mut positions = vectors(&source.accessor(&position_at, &[3], REAL)?.reals(false));
     let indices = match at.get("indices") {
         Some(reference) => {
@@ -170,13 +199,14 @@ pub(super) fn same_count<'a>(
     vertices: usize,
     normalized: bool,
 ) -> Result<Vec<f32>, BakeError> {
-    let elements = source.accessor(reference, widths, REAL)?;
-    check_count(reference, elements.count, vertices)?;
-    Ok(elements.reals(normalized))
+    check_count(source, reference, vertices)?;
+    Ok(source.accessor(reference, widths, REAL)?.reals(normalized))
 }
 
-pub(super) fn check_count(reference: &At<'_>, found: usize, vertices: usize) -> Result<(), BakeError> {
-    if found == vertices {
+/// Checks the number of elements of an attribute, before they are read.
+pub(super) fn check_count<'a>(source: &Source<'a, '_>, reference: &At<'a>, vertices: usize) -> Result<(), BakeError> {
+    let found = source.accessor_count(reference)?;
+    if found == vertices as u64 {
         return Ok(());
     }
     Err(reference.fault(format!("has {found} elements, expected {vertices}, one per POSITION")))
@@ -277,8 +307,8 @@ fn read_colors<'a>(
     vertices: usize,
 ) -> Result<Vec<[u8; 4]>, BakeError> {
     let Some(reference) = attributes.get("COLOR_0") else { return Ok(vec![[255; 4]; vertices]) };
+    check_count(source, &reference, vertices)?;
     let elements = source.accessor(&reference, &[3, 4], REAL)?;
-    check_count(&reference, elements.count, vertices)?;
     // Integer colours are fractions of 1 whether the file says `normalized` or, against the rules, does not.
     let flat = elements.reals(elements.component != Component::F32);
     let byte = |x: f32| (x * 255.0).round().clamp(0.0, 255.0) as u8;

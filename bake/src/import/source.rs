@@ -1,5 +1,6 @@
 //! The bytes behind a model: buffers, buffer views, URIs, and the record of what was read.
 
+use super::extensions::conversion;
 use super::json::{At, shorten};
 use crate::BakeError;
 use base64::Engine as _;
@@ -85,6 +86,9 @@ impl<'a, 'r> Source<'a, 'r> {
             // A reader may complain about the URI itself or about the file behind it: either way the model names it.
             let cause = match error {
                 BakeError::Input { reason, .. } => reason,
+                BakeError::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
+                    "it is not there; put it where the model looks for it, relative to its own folder".to_owned()
+                }
                 BakeError::Io { source, action, .. } => format!("cannot {action} it: {source}"),
                 other => other.to_string(),
             };
@@ -107,7 +111,10 @@ impl<'a, 'r> Source<'a, 'r> {
             (None, Some(bin)) if index == 0 => (Cow::Borrowed(bin), at.clone()),
             (None, _) => {
                 let only = if index == 0 { "the file has no BIN chunk" } else { "only buffer 0 can be the BIN chunk" };
-                let hint = "re-export the model, and decode it first if it is compressed (meshopt)";
+                // Meshopt puts a buffer without data where the unpacked data would go.
+                let meshopt =
+                    at.get("extensions").is_some_and(|e| e.keys().any(|k| k.ends_with("meshopt_compression")));
+                let hint = if meshopt { conversion("EXT_meshopt_compression") } else { "export the model again" };
                 return Err(at.fault(format!("has no `uri`, and {only}; {hint}")));
             }
         };
@@ -124,10 +131,6 @@ impl<'a, 'r> Source<'a, 'r> {
     /// The bytes of the buffer view that `reference` names.
     pub fn view(&mut self, reference: &At<'a>) -> Result<View<'_>, BakeError> {
         let (view_index, at) = self.root.referred("bufferViews", reference)?;
-        if let Some(name) = at.get("extensions").and_then(|e| e.keys().find(|k| k.ends_with("meshopt_compression"))) {
-            let reason = format!("is compressed with {name}; decode it first: `gltf-transform cp in.glb out.glb`");
-            return Err(at.fault(reason));
-        }
         let index = self.buffer(&at.require("buffer")?)?;
         let (offset, length) = (at.unsigned_or("byteOffset", 0)?, at.require("byteLength")?.unsigned()?);
         let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);

@@ -12,6 +12,9 @@ pub(super) type Influence = ([u32; 4], [f32; 4]);
 /// Weights of a vertex that sum to less than this far from 1 are rounding (u8 weights: four halves of 1/255), not worth a warning.
 const ROUNDING: f64 = 0.01;
 
+/// Sets of four that are looked at: 32 joints per vertex.
+const MAX_SETS: u32 = 8;
+
 /// Reads `JOINTS_n` and `WEIGHTS_n`, keeps the four largest weights of each vertex and scales them to sum to 1.
 ///
 /// A vertex whose weights are all zero follows the first joint that it names.
@@ -22,7 +25,7 @@ pub(super) fn read<'a>(
     vertices: usize,
 ) -> Result<Option<Vec<Influence>>, BakeError> {
     let mut sets = Vec::new();
-    for n in 0_u32.. {
+    for n in 0..MAX_SETS {
         let pair = (attributes.get(&format!("JOINTS_{n}")), attributes.get(&format!("WEIGHTS_{n}")));
         let (joints_at, weights_at) = match pair {
             (Some(joints), Some(weights)) => (joints, weights),
@@ -34,10 +37,13 @@ pub(super) fn read<'a>(
                 break;
             }
         };
+        check_count(source, &joints_at, vertices)?;
         let joints = source.accessor(&joints_at, &[4], WHOLE)?;
-        check_count(&joints_at, joints.count, vertices)?;
         let weights = same_count(source, &weights_at, &[4], vertices, true)?;
         sets.push((joints.wholes(), weights));
+    }
+    if attributes.get(&format!("JOINTS_{MAX_SETS}")).is_some() {
+        source.warn(format!("{label} has more than {MAX_SETS} sets of joints; the rest is ignored"));
     }
     if sets.is_empty() {
         return Ok(None);
