@@ -158,8 +158,8 @@ impl<'a> Grower<'a> {
             Style::Messy => {
                 let wide = field(hash(self.seed, u64::MAX - 1), position, 4) * 1.5;
                 let narrow = field(hash(self.seed, u64::MAX - 2), position, 9) * 1.0;
-                // Long hair droops.
-                (wide + narrow) * (0.35 + 0.65 * t) - Vec3::Z * (0.5 * t * t)
+                // Sideways more than up and down: hair that points into the skin looks broken. Long hair droops.
+                (wide + narrow) * Vec3::new(1.0, 1.0, 0.4) * (0.35 + 0.65 * t) - Vec3::Z * (0.3 * t * t)
             }
         }
     }

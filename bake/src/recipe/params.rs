@@ -173,13 +173,13 @@ params! {
         length_m: Option<f32> = None, in 1e-6..=1e3;
         /// How much shorter than the longest a strand may be: 0 all alike, 1 down to nothing. Longer is rarer, so that the
         /// fur thins towards its surface.
-        length_variation: f32 = 0.5, in 0.0..=1.0;
+        length_variation: f32 = 0.6, in 0.0..=1.0;
         /// Radius at the root, fractions of the tile's width. Below a texel hair fades instead of breaking up.
         root_radius: f32 = 0.009, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
         tip_radius: f32 = 0.003, in 0.0..=0.25;
         /// How far strands bend over from root to tip: 0 upright, 1 lying on the skin.
-        lean: f32 = 0.35, in 0.0..=1.0;
+        lean: f32 = 0.4, in 0.0..=1.0;
         /// Where they lean to, degrees in the tile: 0 towards +v, 90 towards +u.
         lean_direction_deg: f32 = 0.0, in -360.0..=360.0;
         /// Radius of the helix of `curly` strands, fractions of the tile's width.
@@ -195,11 +195,11 @@ params! {
     /// `[color]`: the strands' colour.
     ColorParams in color {
         /// sRGB colour at the root.
-        root: SrgbColor = SrgbColor::hex(0x6b_56_40);
+        root: SrgbColor = SrgbColor::hex(0x4a_36_24);
         /// sRGB colour at the tip.
-        tip: SrgbColor = SrgbColor::hex(0xe6_d3_b3);
+        tip: SrgbColor = SrgbColor::hex(0xe8_d2_ac);
         /// How much strands differ in brightness: 0 all alike, 1 from black to double.
-        variation: f32 = 0.25, in 0.0..=1.0;
+        variation: f32 = 0.35, in 0.0..=1.0;
         /// Whether the model's base colour (factor, texture and vertex colours) multiplies the hair's.
         base_color: bool = true;
     }

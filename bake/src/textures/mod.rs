@@ -1,6 +1,6 @@
 //! `slice`: strands → shell and direction texture arrays with mips; and the encoding of all textures as .ktx2 files.
 //!
-//! [`slice`] hands out layer after layer, outermost first, so that a volume larger than memory can be written;
+//! [`slice()`] hands out layer after layer, outermost first, so that a volume larger than memory can be written;
 //! [`shell_textures`] joins it to the encoder and is what a bake calls.
 
 pub mod direction;

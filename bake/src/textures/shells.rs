@@ -38,7 +38,7 @@ impl From<DirectionFormat> for TextureFormat {
 /// Slices `strands` and encodes the layers one by one.
 ///
 /// # Errors
-/// As [`slice`], and [`BakeError::Internal`] if the encoder fails.
+/// As [`slice()`], and [`BakeError::Internal`] if the encoder fails.
 pub fn shell_textures(
     strands: &Strands,
     slice_params: &SliceParams,

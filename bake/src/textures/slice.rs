@@ -65,10 +65,10 @@ pub fn slice(
     Ok(())
 }
 
-/// As [`slice`], with all layers in memory.
+/// As [`slice()`], with all layers in memory.
 ///
 /// # Errors
-/// As [`slice`].
+/// As [`slice()`].
 pub fn collect_layers(
     strands: &Strands,
     params: &SliceParams,
