@@ -28,7 +28,7 @@ pub struct ChartParams {
 
 impl Default for ChartParams {
     fn default() -> Self {
-        Self { metres_per_uv: 0.1, least_stretch: 0.68, greatest_stretch: 1.45, least_comb_cosine: 0.9 }
+        Self { metres_per_uv: 0.1, least_stretch: 0.55, greatest_stretch: 1.8, least_comb_cosine: 0.8 }
     }
 }
 

@@ -3,6 +3,7 @@
 //! The body is a smooth union of round cones and ellipsoids. Every solid also carries the way its hair is combed, so that
 //! the comb field, the coat's colours and the skeleton all come from the same list.
 
+use anyhow::Context as _;
 use glam::{DMat3, DVec3};
 
 use super::{
@@ -59,8 +60,8 @@ fn pitch(sin: f64, cos: f64) -> DMat3 {
 /// Root, tip and unit facing direction of an ear; `side` is +1 for the hare's left ear (towards +X).
 pub fn ear(side: f64) -> [DVec3; 3] {
     // The left ear stands a little higher and more forward than the right one: a listening hare.
-    let (tip_height, lean) = if side > 0.0 { (0.474, 0.030) } else { (0.468, 0.012) };
-    [v(side * 0.0165, 0.341, 0.05), v(side * 0.047, tip_height, lean), v(side * 0.5, 0.12, 0.86).normalize()]
+    let (tip_height, lean) = if side > 0.0 { (0.482, 0.033) } else { (0.475, 0.010) };
+    [v(side * 0.0165, 0.341, 0.05), v(side * 0.05, tip_height, lean), v(side * 0.5, 0.12, 0.86).normalize()]
 }
 
 impl Body {
@@ -91,7 +92,7 @@ impl Body {
         for side in [1.0, -1.0] {
             let m = |p: DVec3| if side > 0.0 { p } else { mirror(p) };
             let haunch = Comb::Along(m(v(0.0, -0.75, -0.66)));
-            body.add(ellipsoid(m(v(0.066, 0.09, -0.047)), v(0.036, 0.078, 0.072), pitch(0.35, 0.9)), 0.014, haunch);
+            body.add(ellipsoid(m(v(0.066, 0.088, -0.046)), v(0.04, 0.08, 0.068), pitch(0.4, 0.9)), 0.009, haunch);
             body.add(cone(m(v(0.074, 0.075, -0.005)), 0.028, m(v(0.075, 0.045, 0.014)), 0.021), 0.02, haunch);
             let foot = Comb::Along(m(v(0.0, -0.25, 0.97)));
             body.add(cone(m(v(0.072, 0.021, -0.075)), 0.02, m(v(0.077, 0.0145, 0.05)), 0.0135), 0.012, foot);
@@ -110,19 +111,21 @@ impl Body {
             body.add(ellipsoid(m(v(0.028, 0.0128, 0.085)), v(0.015, 0.0125, 0.022), DMat3::IDENTITY), 0.01, paw);
         }
 
-        // Ears: a flattened leaf of two cones, hollowed on its face.
+        // Ears: a leaf of three tapered plates with a rounded back, hollowed on its face.
         for side in [1.0, -1.0] {
             let [root, tip, facing] = ear(side);
             let along = tip - root;
             let normal = (facing - along * (facing.dot(along) / along.length_squared())).normalize();
-            let comb = Comb::Along(along.normalize());
-            let widest = root + along * 0.47;
-            let leaf = |a, ra, b, rb| Solid::FlatCone { a, b, ra, rb, normal, flatness: 0.45 };
-            body.add(leaf(root, 0.0115, widest, 0.0225), 0.012, comb);
-            body.add(leaf(widest, 0.0225, tip - along * 0.07, 0.0095), 0.004, comb);
             let axes = DMat3::from_cols(normal.cross(along).normalize(), along.normalize(), normal);
-            let hollow = ellipsoid(widest + normal * 0.015, v(0.0155, 0.052, 0.0125), axes);
-            body.pieces.push(Piece { solid: hollow, blend: 0.006, carved: true, comb });
+            let comb = Comb::Along(along.normalize());
+            let at = |t: f64| root + along * t;
+            let leaf = |a, ra, b, rb| Solid::Leaf { a, b, ra, rb, normal, rim: 0.0042 };
+            body.add(leaf(root, 0.0125, at(0.32), 0.0215), 0.012, comb);
+            body.add(leaf(at(0.32), 0.0215, at(0.58), 0.0215), 0.001, comb);
+            body.add(leaf(at(0.58), 0.0215, at(0.94), 0.0085), 0.001, comb);
+            body.add(ellipsoid(at(0.4) - normal * 0.002, v(0.016, 0.06, 0.0095), axes), 0.006, comb);
+            let hollow = ellipsoid(at(0.46) + normal * 0.0125, v(0.015, 0.055, 0.0125), axes);
+            body.pieces.push(Piece { solid: hollow, blend: 0.005, carved: true, comb });
         }
         body
     }
@@ -185,14 +188,14 @@ fn eye(side: f64) -> (DVec3, DVec3) {
 
 /// The coat's colour at a point of the skin, linear RGB.
 fn coat(p: DVec3, n: DVec3) -> DVec3 {
-    let back = v(0.23, 0.135, 0.068);
-    let flank = v(0.36, 0.215, 0.105);
+    let back = v(0.17, 0.105, 0.058);
+    let flank = v(0.42, 0.26, 0.13);
     let cream = v(0.74, 0.62, 0.46);
     let dark = v(0.03, 0.022, 0.016);
     let rust = v(0.38, 0.19, 0.08);
 
     // Darker along the spine, lighter down the flanks.
-    let mut c = flank.lerp(back, ramp(-0.1, 0.75, n.y - 0.35 * n.z));
+    let mut c = flank.lerp(back, ramp(-0.15, 0.7, n.y - 0.35 * n.z));
     // Belly, the inside of the legs, throat: pale where the skin looks down or forward low on the body.
     let below = ramp(0.1, 0.75, -n.y) * ramp(0.3, 0.24, p.y);
     c = c.lerp(cream, below);
@@ -227,19 +230,24 @@ fn coat(p: DVec3, n: DVec3) -> DVec3 {
 }
 
 /// Makes the body's mesh: closed, about 5 000 triangles, vertices on the surface.
-pub fn body_mesh(body: &Body) -> TriMesh {
+pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     let field = |p: DVec3| body.distance(p);
-    let mut mesh = TriMesh::from_field(&field, v(-0.1413, -0.0312, -0.2117), v(0.14, 0.50, 0.17), 0.0041);
+    let (low, high) = (v(-0.1413, -0.0312, -0.2117), v(0.14, 0.5, 0.17));
+    // Surface nets pinch where the signs alternate round a cell's face; a shifted grid meets no such cell.
+    let mut mesh = (0..8)
+        .map(|k| TriMesh::from_field(&field, low + DVec3::splat(0.0007 * f64::from(k)), high, 0.004))
+        .find(|mesh| mesh.neighbours().is_ok())
+        .context("no grid gives a manifold")?;
     mesh.keep_largest_component();
-    remesh(&mut mesh, &field, Sizing { sagitta: 0.00052, shortest: 0.004, longest: 0.0145 }, 12);
-    mesh
+    remesh(&mut mesh, &field, Sizing { sagitta: 0.00057, shortest: 0.0034, longest: 0.0145 }, 12);
+    Ok(mesh)
 }
 
 /// The whole model.
 pub fn model() -> anyhow::Result<Model> {
     let body = Body::new();
     let field = |p: DVec3| body.distance(p);
-    let mesh = body_mesh(&body);
+    let mesh = body_mesh(&body)?;
     let comb = |p: DVec3| body.comb(p);
     let atlas = charts::make(&mesh, &comb, &ChartParams { metres_per_uv: METRES_PER_UV, ..ChartParams::default() })?;
 

@@ -25,7 +25,7 @@ pub struct Sizing {
 
 /// Remeshes in place. `field` is negative inside; the mesh must be a closed manifold and stays one.
 pub fn remesh(mesh: &mut TriMesh, field: &dyn Fn(DVec3) -> f64, sizing: Sizing, rounds: usize) {
-    let mut work = Work::new(mesh, field);
+    let mut work = Work::new(mesh, field, 2.0 * sizing.sagitta);
     for _ in 0..rounds {
         let wanted = work.edge_lengths(sizing);
         let wanted = work.split(wanted);
@@ -43,6 +43,8 @@ struct Work<'a> {
     /// Triangles round each vertex, unordered.
     fans: Vec<Vec<u32>>,
     field: &'a dyn Fn(DVec3) -> f64,
+    /// Greatest distance between surface and triangles that a change may leave, metres.
+    tolerance: f64,
 }
 
 fn alive(t: &[u32; 3]) -> bool {
@@ -50,7 +52,7 @@ fn alive(t: &[u32; 3]) -> bool {
 }
 
 impl<'a> Work<'a> {
-    fn new(mesh: &TriMesh, field: &'a dyn Fn(DVec3) -> f64) -> Self {
+    fn new(mesh: &TriMesh, field: &'a dyn Fn(DVec3) -> f64, tolerance: f64) -> Self {
         let mut fans = vec![Vec::new(); mesh.positions.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
             for &v in corners {
@@ -58,7 +60,7 @@ impl<'a> Work<'a> {
             }
         }
         let positions = mesh.positions.iter().map(|&p| project(field, p, 8)).collect();
-        Self { positions, triangles: mesh.triangles.clone(), fans, field }
+        Self { positions, triangles: mesh.triangles.clone(), fans, field, tolerance }
     }
 
     fn finish(self) -> TriMesh {
@@ -177,6 +179,10 @@ impl<'a> Work<'a> {
             if ring_a.union(&ring_b).any(too_long) || self.turns(a, b, middle) || self.turns(b, a, middle) {
                 continue;
             }
+            // Without this, thin parts such as ears wear away at their rims.
+            if self.fan_error(a, b, middle).max(self.fan_error(b, a, middle)) > self.tolerance {
+                continue;
+            }
             self.positions[a as usize] = middle;
             for t in [left, right] {
                 for v in self.triangles[t as usize] {
@@ -205,6 +211,19 @@ impl<'a> Work<'a> {
         })
     }
 
+    /// Greatest distance from the surface to the middles of a triangle and of its edges.
+    fn error(&self, p: [DVec3; 3]) -> f64 {
+        let middles = [(p[0] + p[1]) * 0.5, (p[1] + p[2]) * 0.5, (p[2] + p[0]) * 0.5, (p[0] + p[1] + p[2]) / 3.0];
+        middles.into_iter().fold(0.0, |worst, m| (self.field)(m).abs().max(worst))
+    }
+
+    /// The same over the triangles round `v`, apart from those at `other`, if `v` were at `to`.
+    fn fan_error(&self, v: u32, other: u32, to: DVec3) -> f64 {
+        let fan = self.fans[v as usize].iter().map(|&t| self.triangles[t as usize]).filter(|c| !c.contains(&other));
+        let moved = |c: [u32; 3]| c.map(|w| if w == v { to } else { self.position(w) });
+        fan.fold(0.0, |worst, c| self.error(moved(c)).max(worst))
+    }
+
     fn flip(&mut self) {
         for (a, b) in self.edges() {
             let Some((left, right)) = self.wings(a, b) else { continue };
@@ -225,7 +244,10 @@ impl<'a> Work<'a> {
             let old = (area(self.triangles[left as usize]) + area(self.triangles[right as usize])).normalize_or_zero();
             // Both new triangles must look the way the old pair did, and the edge must not cut a corner of the surface.
             let smooth = |t: [u32; 3]| area(t).normalize_or_zero().dot(old) > 0.8;
-            if !smooth(new_left) || !smooth(new_right) {
+            let off = |t: [u32; 3]| self.error(t.map(|v| self.position(v)));
+            let before = off(self.triangles[left as usize]).max(off(self.triangles[right as usize]));
+            if !smooth(new_left) || !smooth(new_right) || off(new_left).max(off(new_right)) > before.max(self.tolerance)
+            {
                 continue;
             }
             self.triangles[left as usize] = new_left;
@@ -259,7 +281,8 @@ impl<'a> Work<'a> {
             .collect();
         for (v, to) in moved.into_iter().enumerate() {
             let v = v as u32;
-            if !self.turns(v, u32::MAX, to) {
+            let before = self.fan_error(v, u32::MAX, self.position(v));
+            if !self.turns(v, u32::MAX, to) && self.fan_error(v, u32::MAX, to) <= before.max(self.tolerance) {
                 self.positions[v as usize] = to;
             }
         }

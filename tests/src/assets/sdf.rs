@@ -1,8 +1,8 @@
 //! Implicit shapes: signed distances (negative inside) of a few solids, and their smooth union and difference.
 //!
 //! Everything here uses only `+ - * /` and square roots, so that the same source gives the same bits on every machine.
-//! The ellipsoid and the flattened cone are not exact distances, only functions with the right zero set and a gradient of
-//! order one; [`project`] therefore walks with Newton steps divided by the squared gradient.
+//! The ellipsoid is not an exact distance, only a function with the right zero set and a gradient of order one; [`project`]
+//! therefore walks with Newton steps divided by the squared gradient.
 
 use glam::{DMat3, DVec3};
 
@@ -29,20 +29,20 @@ pub enum Solid {
         /// Radius at `b`.
         rb: f64,
     },
-    /// A round cone squeezed towards the plane through `a` with unit normal `normal`, by the factor `flatness` (0..1].
-    FlatCone {
-        /// Centre of the first sphere before the squeeze.
+    /// A plate with the outline of a round cone, in the plane through `a` with unit normal `normal`, with a half-round rim.
+    Leaf {
+        /// Centre of the outline's first circle.
         a: DVec3,
-        /// Centre of the second sphere before the squeeze.
+        /// Centre of its second circle, in the plane.
         b: DVec3,
         /// Radius at `a`.
         ra: f64,
         /// Radius at `b`.
         rb: f64,
-        /// Unit vector along which the cone is squeezed.
+        /// Unit normal of the plane.
         normal: DVec3,
-        /// Thickness divided by width.
-        flatness: f64,
+        /// Half the thickness: the radius of the rim.
+        rim: f64,
     },
 }
 
@@ -58,9 +58,10 @@ impl Solid {
                 if k1 < 1e-9 { -radii.min_element() } else { k0 * (k0 - 1.0) / k1 }
             }
             Self::RoundCone { a, b, ra, rb } => round_cone(p, a, b, ra, rb),
-            Self::FlatCone { a, b, ra, rb, normal, flatness } => {
-                let stretch = |q: DVec3| q + normal * ((q - a).dot(normal) * (1.0 / flatness - 1.0));
-                round_cone(stretch(p), a, stretch(b), ra, rb) * (0.5 + 0.5 * flatness)
+            Self::Leaf { a, b, ra, rb, normal, rim } => {
+                let height = (p - a).dot(normal);
+                let outside = (round_cone(p - normal * height, a, b, ra, rb) + rim).max(0.0);
+                (outside * outside + height * height).sqrt() - rim
             }
         }
     }

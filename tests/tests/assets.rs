@@ -1,0 +1,223 @@
+//! The committed models are what the code makes, and keep what the recipes and the other tests rely on.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+    sync::OnceLock,
+};
+
+use glam::DVec3;
+use pelage_bake::recipe::Recipe;
+use pelage_tests::assets::{
+    charts::{self, ChartReport},
+    glb::{Model, Primitive},
+    hare, shapes,
+};
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets").join(name)
+}
+
+/// The hare takes seconds to make; the tests share it.
+fn hare() -> &'static Model {
+    static HARE: OnceLock<Model> = OnceLock::new();
+    HARE.get_or_init(|| hare::model().unwrap())
+}
+
+fn report(p: &Primitive) -> ChartReport {
+    charts::report(&p.positions, &p.uvs, &p.triangles)
+}
+
+/// Bits of a position: equal for the copies of a vertex along a seam.
+type PositionKey = [u64; 3];
+
+fn key(p: DVec3) -> PositionKey {
+    p.to_array().map(|x| (x + 0.0).to_bits())
+}
+
+/// Counts, for every undirected edge after joining equal positions, how often it runs each way.
+fn edges(p: &Primitive) -> BTreeMap<[PositionKey; 2], [u32; 2]> {
+    let mut edges: BTreeMap<_, [u32; 2]> = BTreeMap::new();
+    for t in &p.triangles {
+        for k in 0..3 {
+            let (a, b) = (key(p.positions[t[k] as usize]), key(p.positions[t[(k + 1) % 3] as usize]));
+            let (edge, way) = if a < b { ([a, b], 0) } else { ([b, a], 1) };
+            edges.entry(edge).or_default()[way] += 1;
+        }
+    }
+    edges
+}
+
+fn is_closed_manifold(p: &Primitive) -> bool {
+    edges(p).values().all(|ways| *ways == [1, 1])
+}
+
+/// Vertices - edges + triangles after joining equal positions: 2 for a ball, 0 for a torus.
+fn euler_characteristic(p: &Primitive) -> i64 {
+    let edges = edges(p);
+    let vertices: BTreeSet<_> = edges.keys().flatten().collect();
+    vertices.len() as i64 - edges.len() as i64 + p.triangles.len() as i64
+}
+
+fn volume(p: &Primitive) -> f64 {
+    let corner = |v: u32| p.positions[v as usize];
+    p.triangles.iter().map(|t| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))) / 6.0).sum()
+}
+
+#[test]
+fn committed_models_are_what_the_code_makes() {
+    for (name, model) in [("hare", hare()), ("torus", &shapes::torus()), ("knot", &shapes::knot())] {
+        let path = folder("models").join(format!("{name}.glb"));
+        let committed = fs::read(&path).unwrap();
+        let made = model.to_glb().unwrap();
+        assert!(
+            committed == made,
+            "{} differs from what the code makes ({} and {} bytes); run `cargo run -p pelage-tests --bin make_assets`",
+            path.display(),
+            committed.len(),
+            made.len()
+        );
+    }
+}
+
+#[test]
+fn sizes_are_as_promised() {
+    let [coat, eyes, nose] = hare().primitives.as_slice() else { panic!("the hare has three primitives") };
+    assert!((4_700..=5_300).contains(&coat.triangles.len()), "{}", coat.triangles.len());
+    assert!(eyes.triangles.len() + nose.triangles.len() < 1_200);
+    assert!(hare().to_glb().unwrap().len() <= 400 << 10);
+    assert_eq!(shapes::torus().primitives[0].triangles.len(), 570);
+    assert_eq!(shapes::knot().primitives[0].triangles.len(), 2_880);
+
+    let low = coat.positions.iter().fold(DVec3::MAX, |m, &p| m.min(p));
+    let high = coat.positions.iter().fold(DVec3::MIN, |m, &p| m.max(p));
+    assert!(low.y.abs() < 0.003, "the hare stands on the ground: {}", low.y);
+    assert!((0.42..0.50).contains(&(high.y - low.y)), "{}", high.y - low.y);
+    assert!(high.z > 0.1, "it faces +Z");
+}
+
+#[test]
+fn surfaces_are_closed_and_face_outwards() {
+    let (torus, knot) = (shapes::torus(), shapes::knot());
+    let coat = &hare().primitives[0];
+    for (p, euler) in [(coat, 2), (&torus.primitives[0], 0), (&knot.primitives[0], 0)] {
+        assert!(is_closed_manifold(p), "{}", p.name);
+        assert_eq!(euler_characteristic(p), euler, "{}", p.name);
+        assert!(volume(p) > 0.0, "{}", p.name);
+    }
+
+    let mut torn = coat.clone();
+    torn.triangles.pop();
+    assert!(!is_closed_manifold(&torn), "the check must see a missing triangle");
+    let mut turned = coat.clone();
+    turned.triangles[0].swap(0, 1);
+    assert!(!is_closed_manifold(&turned), "the check must see a turned triangle");
+}
+
+#[test]
+fn normals_are_unit_and_on_the_triangles_side() {
+    for model in [hare(), &shapes::torus(), &shapes::knot()] {
+        for p in &model.primitives {
+            assert!(p.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-6), "{}", p.name);
+            for t in &p.triangles {
+                let [a, b, c] = t.map(|v| p.positions[v as usize]);
+                let face = (b - a).cross(c - a).normalize();
+                let least = t.iter().map(|&v| p.normals[v as usize].dot(face)).fold(1.0, f64::min);
+                assert!(least > 0.1, "{}: cosine {least} between a normal and its triangle at {a}", p.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn hare_triangles_are_well_shaped() {
+    // 1 for an equilateral triangle, 0 for a sliver.
+    let quality = |[a, b, c]: [DVec3; 3]| {
+        let squares = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
+        2.0 * 3.0_f64.sqrt() * (b - a).cross(c - a).length() / squares
+    };
+    let coat = &hare().primitives[0];
+    let mut all: Vec<f64> = coat.triangles.iter().map(|t| quality(t.map(|v| coat.positions[v as usize]))).collect();
+    all.sort_by(f64::total_cmp);
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    assert!(mean > 0.88 && all[0] > 0.15, "mean {mean}, least {}", all[0]);
+}
+
+#[test]
+fn charts_are_right_handed_even_and_in_scale() {
+    for model in [hare(), &shapes::torus(), &shapes::knot()] {
+        let r = report(&model.primitives[0]);
+        assert_eq!(r.flipped_triangles, 0, "{}", model.name);
+        assert!((0.095..0.105).contains(&r.metres_per_uv), "{}: {r:?}", model.name);
+        assert!(r.angle_distortion < 0.06 && r.area_distortion < 0.06, "{}: {r:?}", model.name);
+    }
+    let r = report(&hare().primitives[0]);
+    assert!(r.angle_distortion < 0.03 && r.area_distortion < 0.012 && r.seam_length_ratio < 18.0, "{r:?}");
+
+    let mut mirrored = hare().primitives[0].clone();
+    for uv in &mut mirrored.uvs {
+        uv[0] = -uv[0];
+    }
+    assert_eq!(report(&mirrored).flipped_triangles, mirrored.triangles.len(), "the check must see mirrored charts");
+}
+
+#[test]
+fn tubes_close_after_whole_tiles() {
+    for model in [shapes::torus(), shapes::knot()] {
+        let p = &model.primitives[0];
+        let mut seen: BTreeMap<PositionKey, [f64; 2]> = BTreeMap::new();
+        let mut copies = 0;
+        for (&position, uv) in p.positions.iter().zip(&p.uvs) {
+            if let Some(other) = seen.insert(key(position), *uv) {
+                copies += 1;
+                for k in 0..2 {
+                    let jump = uv[k] - other[k];
+                    assert!((jump - jump.round()).abs() < 1e-9, "{}: jump {jump}", model.name);
+                }
+            }
+        }
+        assert!(copies > 0, "{} has seams", model.name);
+    }
+}
+
+#[test]
+fn skin_weights_sum_to_one_and_the_clip_loops() {
+    let joints = hare().skeleton.as_ref().unwrap();
+    assert!((10..=16).contains(&joints.len()));
+    for p in &hare().primitives {
+        for weights in &p.weights {
+            let sum: f64 = weights.iter().map(|w| w.1).sum();
+            assert!((sum - 1.0).abs() < 1e-9 && weights.iter().all(|w| w.1 >= 0.0 && (w.0 as usize) < joints.len()));
+        }
+    }
+    let [clip] = hare().clips.as_slice() else { panic!("one clip") };
+    assert_eq!(clip.name, "EarBreath");
+    for channel in &clip.channels {
+        assert!(channel.times.windows(2).all(|t| t[0] < t[1]));
+        assert_eq!((channel.times[0], *channel.times.last().unwrap()), (0.0, 2.0));
+        let n = channel.values.len();
+        let width = n / channel.times.len();
+        assert_eq!(channel.values[..width], channel.values[n - width..], "first and last key agree");
+    }
+}
+
+#[test]
+fn every_recipe_parses_and_names_materials_that_exist() {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder("recipes")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        let recipe = Recipe::parse(&name, &fs::read_to_string(&path).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+        recipe.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
+        if name == "hare.toml" {
+            let materials: Vec<&str> = hare().materials.iter().map(|m| m.name.as_str()).collect();
+            assert!(recipe.model.bare.iter().all(|b| materials.contains(&b.as_str())), "{materials:?}");
+        }
+        names.push(name);
+    }
+    names.sort();
+    assert_eq!(names, ["fox.toml", "hare.toml", "knot.toml", "torus.toml"]);
+}
