@@ -282,3 +282,41 @@ fn one_mesh_on_two_nodes_appears_twice() {
     clip(&mut doc, 2, "rotation", "LINEAR", &[0.], &[0., 0., 0., 1.]);
     assert_eq!(doc.model().animation.unwrap().joints.len(), 2);
 }
+
+#[test]
+fn shear_is_left_out_of_what_moves_with_a_word() {
+    let mut doc = rigid();
+    doc.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    clip(&mut doc, 1, "translation", "LINEAR", &[-1., 1.], &[0., 0., 1., 0., 0., 3.]);
+    let model = doc.model();
+    assert_warns(&model, "shears");
+    assert_warns(&model, "begins before 0 s");
+    // x' = x + y/2 loses its second term.
+    assert_near(rest(&model)[2], [0., 1., 2.]);
+}
+
+#[test]
+fn a_clip_may_move_what_a_matrix_places() {
+    let mut doc = rigid();
+    doc.json["nodes"][1] = json!({"name": "turntable", "children": [0],
+        "matrix": [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 5, 0, 0, 1]});
+    clip(&mut doc, 1, "translation", "LINEAR", &[0.], &[0., 0., 0.]);
+    let model = doc.model();
+    let turntable = &model.animation.as_ref().unwrap().nodes[0];
+    assert_eq!((turntable.translation, turntable.scale), ([5., 0., 0.], [2.; 3]));
+    assert_near(rest(&model)[1], [5., 2., 0.]);
+    let mut pose = Pose::default();
+    pose.sample(model.animation.as_ref().unwrap(), Some(0), 0.0);
+    assert_near(RestPose::posed(&model.mesh, &pose).positions[1], [0., 2., 0.]);
+}
+
+#[test]
+fn parts_without_joints_under_a_skin_follow_their_node() {
+    let mut doc = skinned(&ALTERNATE, &[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]);
+    let eye = json!({"attributes": {"POSITION": 0}});
+    doc.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(eye);
+    let model = doc.model();
+    assert_warns(&model, "has no joints; it follows its node");
+    assert_near(rest(&model)[3], [500., 0., 0.]);
+    assert_eq!(model.animation.unwrap().joints.len(), 3);
+}
