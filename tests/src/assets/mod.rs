@@ -13,12 +13,3 @@ pub mod remesh;
 pub mod sdf;
 pub mod shapes;
 pub mod trimesh;
-
-/// The models by file name, with their bytes.
-pub fn all() -> anyhow::Result<Vec<(&'static str, Vec<u8>)>> {
-    Ok(vec![
-        ("hare.glb", hare::model()?.to_glb()?),
-        ("torus.glb", shapes::torus().to_glb()?),
-        ("knot.glb", shapes::knot().to_glb()?),
-    ])
-}
