@@ -1,0 +1,147 @@
+//! `pelage inspect`: what is inside a package.
+
+use super::exit::{Exit, Failure};
+use super::output::{Output, human_bytes};
+use super::package_file::PackageFile;
+use pelage_formats::Package;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Show what is inside a package: sections, textures, counts, memory, recipe, quality figures
+#[derive(Debug, clap::Args)]
+pub struct InspectArgs {
+    /// The package
+    #[arg(value_name = "PKG")]
+    package: PathBuf,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &InspectArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let file = PackageFile::read(&args.package)?;
+    let package = file.open()?;
+    let object = describe(&package).map_err(|e| file.fault(e))?;
+    output.result(&table(&file.name, &object), &object)?;
+    Ok(Exit::Done)
+}
+
+fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError> {
+    let manifest = package.manifest();
+    let sections: Vec<_> =
+        package.sections().iter().map(|s| json!({ "tag": s.tag.to_string(), "bytes": s.length })).collect();
+    let mut gpu_bytes = 0;
+    let mut textures = Vec::new();
+    for (index, entry) in manifest.textures.iter().enumerate() {
+        let view = package.texture(index as u32)?;
+        gpu_bytes += view.gpu_bytes();
+        textures.push(json!({
+            "name": entry.name,
+            "format": view.format.name(),
+            "width": view.width,
+            "height": view.height,
+            "layers": view.layers,
+            "levels": view.levels,
+            "bytes": view.gpu_bytes(),
+        }));
+    }
+    let mesh = package.mesh()?;
+    gpu_bytes += mesh.map_or(0, |m| (m.geometry.len() + m.attributes.len() + m.skin.len() + m.indices.len()) as u64);
+    let animation = package.animation()?.unwrap_or_default();
+    let clips: Vec<_> = animation.clips.iter().map(|c| json!({ "name": c.name, "seconds": c.duration_s })).collect();
+    let materials: Vec<_> = manifest
+        .materials
+        .iter()
+        .map(|m| json!({ "name": m.name, "furred": m.furred, "textured": m.base_color_texture.is_some() }))
+        .collect();
+    let quality: Vec<_> =
+        manifest.quality.iter().map(|q| json!({ "name": q.name, "value": q.value, "unit": q.unit })).collect();
+    let inputs: Vec<_> = manifest
+        .inputs
+        .iter()
+        .map(|i| json!({ "role": i.role, "name": i.name, "bytes": i.bytes, "sha256": super::unpacked::hex(&i.sha256) }))
+        .collect();
+    Ok(json!({
+        "version": package.version(),
+        "bytes": package.bytes().len(),
+        "generator": manifest.generator,
+        "model": manifest.model,
+        "sections": sections,
+        "textures": textures,
+        "triangles": mesh.map_or(0, |m| m.index_count / 3),
+        "vertices": mesh.map_or(0, |m| m.vertex_count),
+        "patches": manifest.fur.patches,
+        "layers": manifest.fur.layers,
+        // Version 1 of the format holds no fins.
+        "fins": 0,
+        "strands": manifest.fur.strands,
+        "tile_texels": manifest.fur.tile_texels,
+        "tile_size_m": manifest.fur.tile_size_m,
+        "height_m": manifest.fur.height_m,
+        "joints": animation.joints.len(),
+        "clips": clips,
+        "materials": materials,
+        "gpu_bytes": gpu_bytes,
+        "quality": quality,
+        "warnings": manifest.warnings,
+        "inputs": inputs,
+        "recipe": manifest.recipe,
+    }))
+}
+
+/// The same for people. Everything comes from the JSON, so that the two cannot disagree.
+fn table(name: &str, object: &Value) -> String {
+    let mut out = String::new();
+    let number = |v: &Value| v.as_u64().unwrap_or(0);
+    let list = |key: &str| object[key].as_array().cloned().unwrap_or_default();
+    let text = |v: &Value| v.as_str().unwrap_or_default().to_owned();
+    let mut row = |key: &str, value: String| {
+        let _ = writeln!(out, "{key:<14} {value}");
+    };
+    row("package", format!("{name}, version {}, {}", object["version"], human_bytes(number(&object["bytes"]))));
+    row("model", format!("{}, baked by {}", text(&object["model"]), text(&object["generator"])));
+    row("mesh", format!("{} triangles, {} vertices", object["triangles"], object["vertices"]));
+    row("fur", {
+        let (layers, texels) = (number(&object["layers"]), number(&object["tile_texels"]));
+        let mm = |key: &str| object[key].as_f64().unwrap_or(0.0) * 1000.0;
+        format!(
+            "{layers} layers of {texels}x{texels} texels, {} strands, tile {:.1} mm, height {:.1} mm, {} patches, {} fins",
+            object["strands"],
+            mm("tile_size_m"),
+            mm("height_m"),
+            object["patches"],
+            object["fins"]
+        )
+    });
+    row("skeleton", format!("{} joints", object["joints"]));
+    for clip in list("clips") {
+        row("clip", format!("{:?}, {:.3} s", text(&clip["name"]), clip["seconds"].as_f64().unwrap_or(0.0)));
+    }
+    for material in list("materials") {
+        let furred = if material["furred"] == true { "furred" } else { "bare" };
+        row("material", format!("{:?}, {furred}", text(&material["name"])));
+    }
+    for t in list("textures") {
+        let (name, format, bytes) = (text(&t["name"]), text(&t["format"]), human_bytes(number(&t["bytes"])));
+        let size = format!("{}x{}x{}, {} levels", t["width"], t["height"], t["layers"], t["levels"]);
+        row("texture", format!("{name}: {format}, {size}, {bytes}"));
+    }
+    for s in list("sections") {
+        row("section", format!("{}, {}", text(&s["tag"]), human_bytes(number(&s["bytes"]))));
+    }
+    row("GPU memory", human_bytes(number(&object["gpu_bytes"])));
+    for q in list("quality") {
+        let unit = text(&q["unit"]);
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        row("quality", format!("{} {:.4}{unit}", text(&q["name"]), q["value"].as_f64().unwrap_or(0.0)));
+    }
+    for warning in list("warnings") {
+        row("warning", text(&warning));
+    }
+    for input in list("inputs") {
+        row("input", format!("{} {:?}, sha256 {}", text(&input["role"]), text(&input["name"]), text(&input["sha256"])));
+    }
+    for line in text(&object["recipe"]).lines() {
+        row("recipe", line.to_owned());
+    }
+    out
+}

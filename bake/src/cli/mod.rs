@@ -1,0 +1,143 @@
+//! Subcommands, one file each, and what they share: exit codes ([`exit`]) and output ([`output`]).
+
+mod exit;
+mod inspect;
+mod mesh_glb;
+mod output;
+mod pack;
+mod package_file;
+mod unpack;
+mod unpacked;
+mod validate;
+#[cfg(test)]
+mod view_args;
+
+use clap::{Args, Parser, Subcommand};
+use exit::{Exit, Failure};
+use output::Output;
+use std::panic::{self, AssertUnwindSafe};
+
+/// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
+#[derive(Debug, Parser)]
+#[command(name = "pelage", version, after_help = AFTER_HELP)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Exit codes: 0 done; 1 usage; 2 file system; 3 bad input; 4 no usable graphics adapter; 5 internal error; \
+7 differences or faults found.";
+
+/// Options of every subcommand.
+#[derive(Clone, Copy, Debug, Default, Args)]
+struct Global {
+    /// No progress and no notes on stderr, only errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Print exactly one JSON object on stdout instead of text (schemas: bake/src/cli/schema/)
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Inspect(inspect::InspectArgs),
+    Validate(validate::ValidateArgs),
+    Unpack(unpack::UnpackArgs),
+    Pack(pack::PackArgs),
+}
+
+impl Command {
+    fn run(self, output: &mut Output) -> Result<Exit, Failure> {
+        match self {
+            Self::Inspect(args) => inspect::run(&args, output),
+            Self::Validate(args) => validate::run(&args, output),
+            Self::Unpack(args) => unpack::run(&args, output),
+            Self::Pack(args) => pack::run(&args, output),
+        }
+    }
+}
+
+/// Runs the command line of this process.
+pub fn main() -> std::process::ExitCode {
+    install_panic_hook();
+    let exit = match Cli::try_parse() {
+        Ok(cli) => {
+            let mut output = Output::new(cli.global.quiet, cli.global.json);
+            let result = catch(|| cli.command.run(&mut output));
+            finish(result, &mut output)
+        }
+        Err(error) => usage(&error),
+    };
+    exit.into()
+}
+
+/// Runs `body`; a panic in it is an internal error that the hook has reported already.
+fn catch(body: impl FnOnce() -> Result<Exit, Failure>) -> Result<Exit, Failure> {
+    panic::catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Failure::Panicked))
+}
+
+/// Reports a failure and says how the process ends.
+fn finish(result: Result<Exit, Failure>, output: &mut Output) -> Exit {
+    match result {
+        Ok(exit) => exit,
+        Err(failure) => {
+            let exit = failure.exit();
+            output.failure(exit, &failure);
+            exit
+        }
+    }
+}
+
+/// Help, version, or a command line that clap refuses. Its own exit code for the last is 2, ours is 1.
+fn usage(error: &clap::Error) -> Exit {
+    if !error.use_stderr() {
+        return match error.print() {
+            Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Exit::FileSystem,
+            _ => Exit::Done,
+        };
+    }
+    // With stderr closed there is nobody to tell.
+    let _ = error.print();
+    if std::env::args_os().any(|arg| arg == "--json") {
+        let message = error.to_string();
+        let first = message.lines().next().unwrap_or_default();
+        let first = first.strip_prefix("error: ").unwrap_or(first).to_owned();
+        Output::new(true, true).error_object(Exit::Usage, &first);
+    }
+    Exit::Usage
+}
+
+/// One line instead of a backtrace: where it happened and what to do about it.
+fn install_panic_hook() {
+    panic::set_hook(Box::new(|info| {
+        let payload = info.payload();
+        let text = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+        let what = text.unwrap_or("no message");
+        let place = info.location().map(ToString::to_string).unwrap_or_default();
+        let version = env!("CARGO_PKG_VERSION");
+        output::to_stderr(&format!(
+            "error: internal error in pelage {version} at {place}: {what}; please report it with the command and its input\n"
+        ));
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory as _;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_panic_ends_with_exit_code_5() {
+        let result = catch(|| panic!("on purpose"));
+        assert_eq!(finish(result, &mut Output::new(true, false)), Exit::Internal);
+    }
+}

@@ -1,0 +1,145 @@
+//! Results on stdout, progress and notes on stderr.
+
+use super::exit::{Exit, Failure};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use pelage_bake::BakeError;
+use std::io::{self, IsTerminal as _, Write as _};
+use std::path::Path;
+use std::time::Duration;
+
+/// Where a subcommand's words go.
+#[derive(Debug)]
+pub struct Output {
+    quiet: bool,
+    json: bool,
+    /// A whole result was written: then a later failure must not add a second JSON object.
+    done: bool,
+    bar: Option<ProgressBar>,
+}
+
+impl Output {
+    /// `quiet` silences notes and progress, `json` makes stdout one JSON object.
+    pub fn new(quiet: bool, json: bool) -> Self {
+        Self { quiet, json, done: false, bar: None }
+    }
+
+    /// Prints the result: `json` with `--json`, else the lines of `text`.
+    pub fn result(&mut self, text: &str, json: &serde_json::Value) -> Result<(), Failure> {
+        self.end_progress();
+        let mut bytes = if self.json { format!("{json:#}") } else { text.to_owned() };
+        if !bytes.ends_with('\n') {
+            bytes.push('\n');
+        }
+        self.done = true;
+        let mut stdout = io::stdout().lock();
+        stdout.write_all(bytes.as_bytes()).and_then(|()| stdout.flush()).map_err(Failure::Stdout)
+    }
+
+    /// Says something on stderr, unless quiet.
+    pub fn note(&self, text: &str) {
+        if !self.quiet {
+            let line = || to_stderr(&format!("{text}\n"));
+            match &self.bar {
+                Some(bar) => bar.suspend(line),
+                None => line(),
+            }
+        }
+    }
+
+    /// Shows what is being done, on a terminal only.
+    pub fn progress(&mut self, doing: &str) {
+        if self.quiet || !io::stderr().is_terminal() {
+            return;
+        }
+        let bar = self.bar.get_or_insert_with(|| {
+            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+            // The template is a constant; should indicatif refuse it, its default will do.
+            bar.set_style(
+                ProgressStyle::with_template("{spinner} {msg} {elapsed}")
+                    .unwrap_or_else(|_| ProgressStyle::default_spinner()),
+            );
+            bar.enable_steady_tick(Duration::from_millis(100));
+            bar
+        });
+        bar.set_message(doing.to_owned());
+    }
+
+    fn end_progress(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Reports a failure: on stderr, and with `--json` as the one object on stdout.
+    pub fn failure(&mut self, exit: Exit, failure: &Failure) {
+        self.end_progress();
+        if exit == Exit::Done {
+            return;
+        }
+        if !matches!(failure, Failure::Panicked) {
+            to_stderr(&format!("error: {failure}\n"));
+        }
+        if self.json && !self.done {
+            self.error_object(exit, &failure.to_string());
+        }
+    }
+
+    /// `{"error": …}` on stdout (`schema/error.json`).
+    pub fn error_object(&mut self, exit: Exit, message: &str) {
+        let object = serde_json::json!({ "error": { "exit_code": exit as u8, "message": message } });
+        // The failure is being reported already; a stdout that fails as well changes nothing.
+        let _ = self.result("", &object);
+    }
+}
+
+/// Writes to stderr; nobody is left to tell when that fails.
+pub fn to_stderr(text: &str) {
+    let _ = io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Fails early where the folder that `file` shall be written into does not exist.
+pub fn require_parent(file: &Path) -> Result<(), Failure> {
+    let parent = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if parent.is_dir() {
+        return Ok(());
+    }
+    let (kind, text) = if parent.exists() {
+        (io::ErrorKind::NotADirectory, "it is no folder")
+    } else {
+        (io::ErrorKind::NotFound, "there is no such folder; create it first")
+    };
+    let source = io::Error::new(kind, text);
+    Err(BakeError::Io { path: parent.to_owned(), action: "write into", source }.into())
+}
+
+/// Bytes for people: `1.5 MiB`.
+pub fn human_bytes(bytes: u64) -> String {
+    let mut value = bytes as f64;
+    for unit in ["B", "KiB", "MiB"] {
+        if value < 1024.0 {
+            return if unit == "B" { format!("{bytes} B") } else { format!("{value:.1} {unit}") };
+        }
+        value /= 1024.0;
+    }
+    format!("{value:.1} GiB")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_readable() {
+        assert_eq!(human_bytes(0), "0 B");
+        assert_eq!(human_bytes(1023), "1023 B");
+        assert_eq!(human_bytes(1536), "1.5 KiB");
+        assert_eq!(human_bytes(5 << 30), "5.0 GiB");
+    }
+
+    #[test]
+    fn a_missing_folder_is_named() {
+        let error = require_parent(Path::new("no-such-folder/a.pelage")).map_err(|e| e.to_string());
+        assert!(error.as_ref().is_err_and(|e| e.starts_with("no-such-folder: cannot write into")), "{error:?}");
+        assert!(require_parent(Path::new("a.pelage")).is_ok());
+    }
+}

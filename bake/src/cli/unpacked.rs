@@ -1,0 +1,356 @@
+//! A package as a folder of files: what `unpack` writes and `pack` reads. Plain data in, plain data out.
+//!
+//! `manifest.json` holds the manifest and the list of sections with the file of each; `recipe.toml` the recipe, which the
+//! manifest leaves out so that it stands in one place; `<name>.ktx2` the textures; `mesh.glb` the mesh; `animation.json`
+//! skeleton and clips; `section_<k>_<TAG>.bin` sections that this version does not know, or cannot write in another form
+//! without loss.
+
+use super::mesh_glb;
+use pelage_bake::BakeError;
+use pelage_formats::{Animation, FormatError, Limits, Manifest, Package, PackageWriter, Tag, TextureEntry};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+
+/// The file that every unpacked folder has.
+pub const MANIFEST: &str = "manifest.json";
+const RECIPE: &str = "recipe.toml";
+const MESH: &str = "mesh.glb";
+const ANIMATION: &str = "animation.json";
+/// Key and value that mark the folder's form.
+const FORM: (&str, u64) = ("pelage_unpacked", 1);
+
+/// A file's name and contents.
+pub type File = (String, Vec<u8>);
+
+/// Gives a file's contents by its name, `None` where there is no such file.
+pub type Read<'a> = dyn FnMut(&str) -> Result<Option<Vec<u8>>, BakeError> + 'a;
+
+/// Lower-case hexadecimal digits.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut out, b| {
+        let _ = write!(out, "{b:02x}");
+        out
+    })
+}
+
+fn from_hex(text: &str) -> Option<Vec<u8>> {
+    let digits = text.as_bytes().chunks(2);
+    let byte = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok().filter(|p| p.len() == 2)?, 16).ok();
+    digits.map(byte).collect()
+}
+
+/// Takes a package apart. `name` is the package's file, for messages.
+pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError> {
+    let damaged = |source| BakeError::Package { file: name.to_owned(), source };
+    let internal = |e: serde_json::Error| BakeError::Internal(format!("writing JSON: {e}"));
+    let manifest = package.manifest();
+    let mut files = vec![(RECIPE.to_owned(), manifest.recipe.clone().into_bytes())];
+    let mut list = Vec::new();
+    let mut textures = manifest.textures.iter();
+    for (index, section) in package.sections().iter().enumerate() {
+        let bytes = package.section_bytes(index).map_err(damaged)?;
+        let file = match section.tag {
+            Tag::MANIFEST => None,
+            Tag::MESH => package.mesh().map_err(damaged)?.and_then(|mesh| {
+                let mesh = mesh.to_data();
+                let glb = mesh_glb::write(&mesh, manifest)?;
+                let same = mesh_glb::read(MESH, &glb).is_ok_and(|back| back == mesh);
+                same.then(|| (MESH.to_owned(), glb))
+            }),
+            Tag::ANIMATION => match package.animation().map_err(damaged)? {
+                Some(animation) => {
+                    let mut value = serde_json::to_value(&animation).map_err(internal)?;
+                    shorten_floats(&mut value);
+                    let text = to_text(&value);
+                    let same = parse::<Animation>(ANIMATION, text.as_bytes()).is_ok_and(|back| back == animation);
+                    same.then(|| (ANIMATION.to_owned(), text.into_bytes()))
+                }
+                None => None,
+            },
+            Tag::TEXTURE => textures.next().map(|t| (format!("{}.ktx2", t.name), bytes.to_vec())),
+            _ => None,
+        };
+        let tag = tag_to_json(section.tag);
+        if section.tag == Tag::MANIFEST {
+            list.push(json!({ "tag": tag }));
+            continue;
+        }
+        let (file, bytes) = file.unwrap_or_else(|| (raw_name(index, section.tag), bytes.to_vec()));
+        list.push(json!({ "tag": tag, "file": file }));
+        files.push((file, bytes));
+    }
+    let document =
+        json!({ FORM.0: FORM.1, "sections": list, "manifest": manifest_to_json(manifest).map_err(internal)? });
+    files.insert(0, (MANIFEST.to_owned(), to_text(&document).into_bytes()));
+    // The promise of `unpack` is that `pack` undoes it: kept here, where the package is still at hand.
+    let back = pack(name, &mut |file| {
+        let found = files.iter().find(|(name, _)| name == file);
+        Ok(found.map(|(_, bytes)| bytes.clone()))
+    })?;
+    if back != package.bytes() {
+        return Err(BakeError::Internal(format!("{name}: packing the unpacked files gives other bytes")));
+    }
+    Ok(files)
+}
+
+/// Puts a package together. `folder` is its name for messages, `read` gives its files.
+pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
+    let path = |file: &str| std::path::Path::new(folder).join(file).display().to_string();
+    let fail = |file: &str, place: &str, reason: String| BakeError::Input {
+        file: path(file),
+        place: if place.is_empty() { "whole file".into() } else { place.to_owned() },
+        reason,
+    };
+    let text = read(MANIFEST)?
+        .ok_or_else(|| fail(MANIFEST, "", "missing: expected a folder that `pelage unpack` wrote".into()))?;
+    let mut document: Value = json_value(&path(MANIFEST), &text)?;
+    let at = format!("/{}", FORM.0);
+    if document[FORM.0] != FORM.1 {
+        return Err(fail(MANIFEST, &at, format!("found {}, expected {}", document[FORM.0], FORM.1)));
+    }
+    let recipe =
+        read(RECIPE)?.ok_or_else(|| fail(RECIPE, "", "missing: it holds the recipe, also when empty".into()))?;
+    let recipe = String::from_utf8(recipe)
+        .map_err(|e| fail(RECIPE, &format!("byte {}", e.utf8_error().valid_up_to()), "expected UTF-8".into()))?;
+    let manifest = manifest_from_json(&path(MANIFEST), document["manifest"].take(), recipe)?;
+    let list = document["sections"].take();
+    known_keys(&path(MANIFEST), "", &document, &json!({ FORM.0: FORM.1, "sections": null, "manifest": null }))?;
+    let list = list.as_array().ok_or_else(|| fail(MANIFEST, "/sections", format!("found {list}, expected a list")))?;
+    let mut writer = PackageWriter::new(manifest.clone());
+    // Textures by their files' names, in order: what the manifest's list is checked against below.
+    let mut textures = 0;
+    for (index, entry) in list.iter().enumerate() {
+        let at = format!("/sections/{index}");
+        let tag = tag_from_json(&entry["tag"]).ok_or_else(|| {
+            fail(MANIFEST, &format!("{at}/tag"), format!("found {}, expected four characters", entry["tag"]))
+        })?;
+        if (tag == Tag::MANIFEST) != (index == 0) {
+            return Err(fail(MANIFEST, &format!("{at}/tag"), "expected MANI first, and only there".into()));
+        }
+        if index == 0 {
+            known_keys(&path(MANIFEST), &at, entry, &json!({ "tag": null }))?;
+            continue;
+        }
+        known_keys(&path(MANIFEST), &at, entry, &json!({ "tag": null, "file": null }))?;
+        let plain = |name: &&str| !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':', '\0']);
+        let file = entry["file"].as_str().filter(plain).ok_or_else(|| {
+            fail(
+                MANIFEST,
+                &format!("{at}/file"),
+                format!("found {}, expected a file name without folders", entry["file"]),
+            )
+        })?;
+        let bytes =
+            read(file)?.ok_or_else(|| fail(file, "", format!("missing, but {MANIFEST} names it at {at}/file")))?;
+        let raw = file.ends_with(".bin");
+        writer = match tag {
+            Tag::MESH if !raw => writer.mesh(&mesh_glb::read(&path(file), &bytes)?),
+            Tag::ANIMATION if !raw => writer.animation(&parse(&path(file), &bytes)?),
+            Tag::TEXTURE => {
+                let expected = manifest.textures.get(textures).map(|t| format!("{}.ktx2", t.name));
+                if expected.as_deref() != Some(file) {
+                    let expected = expected.unwrap_or_else(|| "no further texture in /manifest/textures".into());
+                    return Err(fail(MANIFEST, &format!("{at}/file"), format!("found {file:?}, expected {expected}")));
+                }
+                textures += 1;
+                check_texture(&path(file), &bytes)?;
+                writer.texture(bytes)
+            }
+            _ => writer.section(tag, bytes),
+        };
+    }
+    if textures != manifest.textures.len() {
+        let reason = format!("{} textures, but /sections lists {textures}", manifest.textures.len());
+        return Err(fail(MANIFEST, "/manifest/textures", reason));
+    }
+    writer.finish().map_err(|error| {
+        let file = match error.section() {
+            Some(Tag::MESH) => MESH,
+            Some(Tag::ANIMATION) => ANIMATION,
+            _ => MANIFEST,
+        };
+        // Byte offsets would be those of a package that does not exist.
+        let reason = match error {
+            FormatError::Content { reason, .. } => reason,
+            other => other.to_string(),
+        };
+        fail(file, "contents", reason)
+    })
+}
+
+/// Checks one texture by itself, so that a fault is placed in its file and not in the package to be.
+fn check_texture(file: &str, bytes: &[u8]) -> Result<(), BakeError> {
+    const NAME: &str = "texture";
+    let named = Manifest { textures: vec![TextureEntry { name: NAME.into() }], ..Manifest::default() };
+    let Err(error) = PackageWriter::new(named).texture(bytes).finish() else { return Ok(()) };
+    // Where the texture began: an unknown section behind a manifest of the same length stands at the same byte. A name in a
+    // list takes eight bytes of length and its letters.
+    let same_length = Manifest { generator: " ".repeat(8 + NAME.len()), ..Manifest::default() };
+    let same = PackageWriter::new(same_length).section(Tag(*b"same"), bytes).finish().unwrap_or_default();
+    let base = Package::open(&same, &Limits::default()).ok().and_then(|p| p.sections().get(1).map(|s| s.offset));
+    let place = match (error.offset(), base) {
+        (Some(offset), Some(base)) if offset >= base => format!("byte {}", offset - base),
+        _ => "whole file".into(),
+    };
+    let reason = match error {
+        FormatError::Content { reason, .. } => reason,
+        other => other.to_string(),
+    };
+    Err(BakeError::Input { file: file.to_owned(), place, reason })
+}
+
+/// The name of a section's file when its bytes are kept as they are.
+fn raw_name(index: usize, tag: Tag) -> String {
+    let safe: String = tag.0.iter().map(|b| if b.is_ascii_alphanumeric() { char::from(*b) } else { '_' }).collect();
+    format!("section_{index}_{safe}.bin")
+}
+
+/// A tag as text where it is text, else as four numbers.
+fn tag_to_json(tag: Tag) -> Value {
+    match std::str::from_utf8(&tag.0) {
+        Ok(text) if tag.0.iter().all(u8::is_ascii_graphic) => text.into(),
+        _ => tag.0.to_vec().into(),
+    }
+}
+
+fn tag_from_json(value: &Value) -> Option<Tag> {
+    let bytes: Vec<u8> = match value {
+        Value::String(text) => text.clone().into_bytes(),
+        _ => serde_json::from_value(value.clone()).ok()?,
+    };
+    bytes.try_into().ok().map(Tag)
+}
+
+fn to_text(value: &Value) -> String {
+    format!("{value:#}\n")
+}
+
+/// The manifest without its recipe, hashes as hexadecimal digits.
+fn manifest_to_json(manifest: &Manifest) -> serde_json::Result<Value> {
+    let mut value = serde_json::to_value(manifest)?;
+    if let Some(object) = value.as_object_mut() {
+        object.remove("recipe");
+        for (key, field) in object.iter_mut() {
+            // The quality figures are 64-bit numbers; everything else is 32-bit.
+            if key != "quality" {
+                shorten_floats(field);
+            }
+        }
+    }
+    for (input, record) in value["inputs"].as_array_mut().into_iter().flatten().zip(&manifest.inputs) {
+        input["sha256"] = hex(&record.sha256).into();
+    }
+    Ok(value)
+}
+
+fn manifest_from_json(file: &str, value: Value, recipe: String) -> Result<Manifest, BakeError> {
+    let fail = |place: String, reason: String| BakeError::Input { file: file.to_owned(), place, reason };
+    let mut full = value.clone();
+    let object = full.as_object_mut().ok_or_else(|| fail("/manifest".into(), "missing, expected an object".into()))?;
+    if object.contains_key("recipe") {
+        return Err(fail("/manifest/recipe".into(), format!("unexpected: the recipe stands in {RECIPE}")));
+    }
+    object.insert("recipe".into(), recipe.into());
+    for (i, input) in full["inputs"].as_array_mut().into_iter().flatten().enumerate() {
+        let Some(field) = input.as_object_mut().and_then(|o| o.get_mut("sha256")) else { continue };
+        let digits = field.as_str().filter(|s| s.len() == 64).and_then(from_hex);
+        let digits = digits.ok_or_else(|| {
+            fail(format!("/manifest/inputs/{i}/sha256"), format!("found {field}, expected 64 hexadecimal digits"))
+        })?;
+        *field = digits.into();
+    }
+    let manifest: Manifest = deserialize(file, "/manifest", full)?;
+    let back = manifest_to_json(&manifest).map_err(|e| BakeError::Internal(e.to_string()))?;
+    known_keys(file, "/manifest", &value, &back)?;
+    Ok(manifest)
+}
+
+/// Parses a whole JSON file and refuses keys that mean nothing.
+fn parse<T: DeserializeOwned + Serialize>(file: &str, bytes: &[u8]) -> Result<T, BakeError> {
+    let value = json_value(file, bytes)?;
+    let parsed: T = deserialize(file, "", value.clone())?;
+    let back = serde_json::to_value(&parsed).map_err(|e| BakeError::Internal(e.to_string()))?;
+    known_keys(file, "", &value, &back)?;
+    Ok(parsed)
+}
+
+fn json_value(file: &str, bytes: &[u8]) -> Result<Value, BakeError> {
+    serde_json::from_slice(bytes).map_err(|e| BakeError::Input {
+        file: file.to_owned(),
+        place: format!("line {}, column {}", e.line(), e.column()),
+        reason: format!("broken JSON: {e}"),
+    })
+}
+
+fn deserialize<T: DeserializeOwned>(file: &str, at: &str, value: Value) -> Result<T, BakeError> {
+    serde_path_to_error::deserialize(value).map_err(|e| {
+        let path = e.path().to_string();
+        let pointer = path.replace("].", "/").replace(['[', '.'], "/").replace(']', "");
+        let place = if path == "." { at.to_owned() } else { format!("{at}/{}", pointer.trim_start_matches('/')) };
+        let place = if place.is_empty() { "whole file".into() } else { place };
+        BakeError::Input { file: file.to_owned(), place, reason: e.into_inner().to_string() }
+    })
+}
+
+/// Compares the keys of `found` with those of `known`, the same value written anew: a key that is not there was misspelt, and
+/// one that is missing would be taken for "none".
+fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<(), BakeError> {
+    let fail =
+        |key: &str, reason: String| BakeError::Input { file: file.to_owned(), place: format!("{at}/{key}"), reason };
+    match (found, known) {
+        (Value::Object(found), Value::Object(known)) => {
+            if let Some(key) = found.keys().find(|k| !known.contains_key(*k)) {
+                return Err(fail(key, format!("unknown key{}", nearest(key, known))));
+            }
+            for (key, known) in known {
+                let value = found.get(key).ok_or_else(|| fail(key, "missing".into()))?;
+                known_keys(file, &format!("{at}/{key}"), value, known)?;
+            }
+            Ok(())
+        }
+        (Value::Array(found), Value::Array(known)) => found
+            .iter()
+            .zip(known)
+            .enumerate()
+            .try_for_each(|(i, (found, known))| known_keys(file, &format!("{at}/{i}"), found, known)),
+        (Value::Object(_) | Value::Null, _) | (_, Value::Null) => Ok(()),
+        (_, Value::Object(_)) => Err(fail("", format!("found {found}, expected an object"))),
+        _ => Ok(()),
+    }
+}
+
+fn nearest(key: &str, known: &Map<String, Value>) -> String {
+    let best = known.keys().max_by(|a, b| strsim::jaro(key, a).total_cmp(&strsim::jaro(key, b)));
+    best.map(|k| format!(", did you mean {k:?}?")).unwrap_or_default()
+}
+
+/// Writes 32-bit numbers with as few digits as bring them back: 0.1, not 0.10000000149011612.
+fn shorten_floats(value: &mut Value) {
+    match value {
+        Value::Array(list) => list.iter_mut().for_each(shorten_floats),
+        Value::Object(object) => object.values_mut().for_each(shorten_floats),
+        Value::Number(number) if number.is_f64() => {
+            let Some(wide) = number.as_f64() else { return };
+            let narrow = wide as f32;
+            let short = narrow.to_string().parse::<f64>().ok();
+            // Through f64 and back to f32, as the reader goes: only where that is the same number.
+            let same =
+                |s: &f64| (*s as f32).to_bits() == narrow.to_bits() && f64::from(narrow).to_bits() == wide.to_bits();
+            if let Some(short) = short.filter(same).and_then(serde_json::Number::from_f64) {
+                *number = short;
+            }
+        }
+        _ => {}
+    }
+}
+
+/// All files that an unpacked folder with this `manifest.json` has; empty where it is no such document.
+pub fn files_of(document: &Value) -> Vec<String> {
+    let (true, Some(sections)) = (document[FORM.0] == FORM.1, document["sections"].as_array()) else {
+        return Vec::new();
+    };
+    let named = sections.iter().filter_map(|s| s["file"].as_str());
+    [MANIFEST, RECIPE].into_iter().chain(named).map(str::to_owned).collect()
+}

@@ -1,0 +1,83 @@
+//! `pelage validate`: every fault of a package, with its place.
+
+use super::exit::{Exit, Failure};
+use super::output::Output;
+use super::package_file::PackageFile;
+use pelage_bake::recipe::Recipe;
+use pelage_formats::{FormatError, Limits, MAGIC, Package, Tag};
+use serde_json::json;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Check everything in a package and list each fault with its section and byte offset
+///
+/// Exits with 0 for a sound package, 7 where faults were found, and 3 where the file is no package or of a newer version.
+#[derive(Debug, clap::Args)]
+pub struct ValidateArgs {
+    /// The package
+    #[arg(value_name = "PKG")]
+    package: PathBuf,
+}
+
+/// One thing that is wrong.
+struct Fault {
+    section: String,
+    offset: Option<u64>,
+    message: String,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &ValidateArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let file = PackageFile::read(&args.package)?;
+    output.progress("checking");
+    let faults = find(&file)?;
+    let mut text = String::new();
+    for fault in &faults {
+        let place = fault.offset.map_or("no byte".to_owned(), |o| format!("byte {o}"));
+        let _ = writeln!(text, "{}: section {}, {place}: {}", file.name, fault.section, fault.message);
+    }
+    let _ = match faults.len() {
+        0 => writeln!(text, "{}: valid, {} bytes", file.name, file.bytes.len()),
+        1 => writeln!(text, "{}: 1 fault", file.name),
+        n => writeln!(text, "{}: {n} faults", file.name),
+    };
+    let list: Vec<_> =
+        faults.iter().map(|f| json!({ "section": f.section, "offset": f.offset, "message": f.message })).collect();
+    let object = json!({
+        "package": file.name,
+        "bytes": file.bytes.len(),
+        "valid": faults.is_empty(),
+        "faults": list,
+    });
+    output.result(&text, &object)?;
+    Ok(if faults.is_empty() { Exit::Done } else { Exit::Differences })
+}
+
+fn find(file: &PackageFile) -> Result<Vec<Fault>, Failure> {
+    let limits = Limits::default();
+    let package = match Package::open(&file.bytes, &limits) {
+        Ok(package) => package,
+        // Not a package, or nothing that this version could judge.
+        Err(e @ (FormatError::Magic { .. } | FormatError::Version { .. })) => return Err(file.fault(e)),
+        Err(e) if file.bytes.len() < MAGIC.len() => return Err(file.fault(e)),
+        Err(e) => return Ok(vec![fault(&e, None)]),
+    };
+    let mut faults: Vec<_> = Package::validate(&file.bytes, &limits).iter().map(|e| fault(e, Some(&package))).collect();
+    let recipe = &package.manifest().recipe;
+    if let Err(e) = Recipe::parse("recipe", recipe) {
+        let offset = package.sections().first().map(|s| s.offset);
+        faults.push(Fault { section: Tag::MANIFEST.to_string(), offset, message: e.to_string() });
+    }
+    Ok(faults)
+}
+
+fn fault(error: &FormatError, package: Option<&Package<'_>>) -> Fault {
+    let offset = error.offset();
+    let holds = |at: u64| {
+        let sections = package.map(Package::sections).unwrap_or_default();
+        sections.iter().find(|s| (s.offset..s.offset + s.length).contains(&at)).map(|s| s.tag)
+    };
+    // Errors of the container carry no tag: where the byte lies in a section it is named, else it is header or table.
+    let tag = error.section().or_else(|| offset.and_then(holds)).unwrap_or(Tag::HEAD);
+    Fault { section: tag.to_string(), offset, message: error.to_string() }
+}

@@ -1,0 +1,315 @@
+//! What `render` and `bench` share: the picture, the camera, the light and what is drawn.
+
+use super::exit::Failure;
+use clap::ValueEnum;
+use glam::Vec3;
+use std::str::FromStr;
+
+/// Options of `render` and `bench`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ViewArgs {
+    /// Size of the picture, pixels; the default is the size in Fang 2006
+    #[arg(long, value_name = "WxH", default_value = "834x424")]
+    pub size: Size,
+    /// How the model is drawn
+    #[arg(long, value_enum, default_value_t = StyleArg::Fur)]
+    pub style: StyleArg,
+    /// Eye and target in metres, height of the view in degrees: ex,ey,ez/tx,ty,tz/fov
+    ///
+    /// Without it the camera frames the model from the front left.
+    #[arg(long, value_name = "EYE/TARGET/FOV", allow_hyphen_values = true)]
+    pub camera: Option<CameraArg>,
+    /// Direction towards a distant light: x,y,z of any length
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with = "point_light")]
+    pub light: Option<Direction>,
+    /// Place of a point light, metres: x,y,z
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub point_light: Option<Position>,
+    /// Time in the clip, seconds
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = parse_seconds, allow_hyphen_values = true)]
+    pub time: f32,
+    /// Clip of the animation, by name; without it the model stands at rest
+    #[arg(long, value_name = "NAME")]
+    pub clip: Option<String>,
+    /// Shell layers to draw, 1 to the package's own count, which is the default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub layers: Option<u32>,
+    /// Hair shadows hair
+    #[arg(long, value_enum, value_name = "on|off")]
+    pub self_shadow: Option<Switch>,
+    /// Soft shadows of an extended light
+    #[arg(long, value_enum, value_name = "on|off")]
+    pub soft_shadow: Option<Switch>,
+    /// Fins along the silhouette
+    #[arg(long, value_enum, value_name = "on|off")]
+    pub fins: Option<Switch>,
+    /// Where hair is lit
+    #[arg(long, value_enum, default_value_t = Lighting::Pixel)]
+    pub lighting: Lighting,
+    /// Frames: numbered pictures of `render`, timed frames of `bench`
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: Option<u32>,
+    /// What is behind the model: transparent, or sRGB red,green,blue of 0..=255
+    #[arg(long, value_name = "transparent|R,G,B", default_value = "transparent")]
+    pub background: Background,
+}
+
+impl ViewArgs {
+    /// Refuses what this version cannot draw, rather than drawing something else.
+    pub fn check(&self) -> Result<(), Failure> {
+        let not_yet = |option: &str| Err(Failure::Usage(format!("{option} is not in this version of pelage")));
+        if self.style == StyleArg::Ink {
+            return not_yet("--style ink");
+        }
+        if self.lighting == Lighting::Vertex {
+            return not_yet("--lighting vertex");
+        }
+        for (option, switch) in
+            [("--self-shadow on", self.self_shadow), ("--soft-shadow on", self.soft_shadow), ("--fins on", self.fins)]
+        {
+            if switch == Some(Switch::On) {
+                return not_yet(option);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Largest width and height; every adapter of WebGPU's default limits can draw it.
+const MAX_SIZE: u32 = 8192;
+
+/// Size of a picture, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+        let (width, height): (u32, u32) = parts.ok_or("expected WIDTHxHEIGHT in pixels, such as 834x424".to_owned())?;
+        if !(1..=MAX_SIZE).contains(&width) || !(1..=MAX_SIZE).contains(&height) {
+            return Err(format!("expected a width and a height of 1 to {MAX_SIZE} pixels"));
+        }
+        Ok(Self { width, height })
+    }
+}
+
+/// `--style`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StyleArg {
+    /// With its fur
+    Fur,
+    /// As a drawing in ink
+    Ink,
+    /// The skin alone
+    Bare,
+}
+
+/// `on` or `off`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    /// Drawn
+    On,
+    /// Left out
+    Off,
+}
+
+/// `--lighting`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Lighting {
+    /// At every pixel, with the direction texture
+    Pixel,
+    /// At the vertices
+    Vertex,
+}
+
+/// Three finite numbers.
+fn parse_vec3(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f32>> =
+        text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect();
+    match numbers.as_deref() {
+        Some([x, y, z]) => Ok(Vec3::new(*x, *y, *z)),
+        _ => Err("expected three numbers x,y,z".into()),
+    }
+}
+
+fn parse_seconds(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|s: &f32| s.is_finite()).ok_or("expected a number of seconds".into())
+}
+
+/// `--camera`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraArg {
+    /// Metres.
+    pub eye: Vec3,
+    /// Metres; apart from `eye`.
+    pub target: Vec3,
+    /// Height of the view, degrees, 1..=170.
+    pub fov_deg: f32,
+}
+
+impl FromStr for CameraArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts: Vec<_> = text.split('/').collect();
+        let [eye, target, fov] = parts[..] else {
+            return Err("expected ex,ey,ez/tx,ty,tz/fov_deg, such as 0,1,3/0,0.5,0/40".into());
+        };
+        let (eye, target) = (
+            parse_vec3(eye).map_err(|e| format!("eye: {e}"))?,
+            parse_vec3(target).map_err(|e| format!("target: {e}"))?,
+        );
+        let fov_deg: f32 = fov.trim().parse().map_err(|_| "field of view: expected degrees".to_owned())?;
+        if !(1.0..=170.0).contains(&fov_deg) {
+            return Err("field of view: expected 1 to 170 degrees".into());
+        }
+        if eye == target {
+            return Err("eye and target are the same point, expected them apart".into());
+        }
+        Ok(Self { eye, target, fov_deg })
+    }
+}
+
+/// `--light`: a direction of length 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction(pub Vec3);
+
+impl FromStr for Direction {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let direction = parse_vec3(text)?.try_normalize();
+        direction.map(Self).ok_or("it has no length, expected a direction such as 1,2,1".into())
+    }
+}
+
+/// `--point-light`: a point, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Position(pub Vec3);
+
+impl FromStr for Position {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        parse_vec3(text).map(Self)
+    }
+}
+
+/// `--background`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Background {
+    /// Opacity 0.
+    Transparent,
+    /// sRGB-encoded.
+    Color([u8; 3]),
+}
+
+impl FromStr for Background {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "transparent" {
+            return Ok(Self::Transparent);
+        }
+        let numbers: Option<Vec<u8>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some([r, g, b]) => Ok(Self::Color([*r, *g, *b])),
+            _ => Err("expected transparent, or red,green,blue of 0 to 255 each".into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        view: ViewArgs,
+    }
+
+    fn parse(line: &str) -> Result<ViewArgs, String> {
+        let words = ["pelage"].into_iter().chain(line.split_whitespace());
+        Line::try_parse_from(words).map(|l| l.view).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn defaults_are_those_of_the_manual() {
+        let view = parse("").unwrap();
+        assert_eq!(view.size, Size { width: 834, height: 424 });
+        assert_eq!((view.style, view.lighting), (StyleArg::Fur, Lighting::Pixel));
+        assert_eq!(view.background, Background::Transparent);
+        assert!(view.camera.is_none() && view.light.is_none() && view.point_light.is_none() && view.clip.is_none());
+        assert_eq!((view.time, view.layers, view.frames), (0.0, None, None));
+        assert!(view.check().is_ok());
+    }
+
+    #[test]
+    fn every_option_is_read() {
+        let view = parse(
+            "--size 64X32 --style bare --camera -1,2,3.5/0,0,-1/45 --light 0,3,4 --time 0.25 --clip Walk --layers 8 \
+             --self-shadow off --soft-shadow off --fins off --frames 3 --background 10,20,255",
+        )
+        .unwrap();
+        assert_eq!(view.size, Size { width: 64, height: 32 });
+        let camera = view.camera.unwrap();
+        assert_eq!(
+            (camera.eye, camera.target, camera.fov_deg),
+            (Vec3::new(-1.0, 2.0, 3.5), Vec3::new(0.0, 0.0, -1.0), 45.0)
+        );
+        assert_eq!(view.light.unwrap().0, Vec3::new(0.0, 0.6, 0.8));
+        assert_eq!((view.time, view.clip.as_deref(), view.layers, view.frames), (0.25, Some("Walk"), Some(8), Some(3)));
+        assert_eq!(
+            (view.self_shadow, view.soft_shadow, view.fins),
+            (Some(Switch::Off), Some(Switch::Off), Some(Switch::Off))
+        );
+        assert_eq!(view.background, Background::Color([10, 20, 255]));
+        assert!(view.check().is_ok());
+        assert_eq!(parse("--point-light -1,0,2").unwrap().point_light.unwrap().0, Vec3::new(-1.0, 0.0, 2.0));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        for (line, message) in [
+            ("--size 0x0", "1 to 8192 pixels"),
+            ("--size 834", "WIDTHxHEIGHT"),
+            ("--size 9000x10", "1 to 8192 pixels"),
+            ("--size -1x10", "unexpected argument"),
+            ("--camera 0,0,0/0,0,0/40", "same point"),
+            ("--camera 0,0,1/0,0,0", "ex,ey,ez/tx,ty,tz/fov_deg"),
+            ("--camera 0,0/0,0,0/40", "eye: expected three numbers"),
+            ("--camera 0,0,1/0,0,0/180", "1 to 170 degrees"),
+            ("--light 0,0,0", "no length"),
+            ("--light NaN,0,1", "three numbers"),
+            ("--light 0,1,0 --point-light 0,1,0", "cannot be used with"),
+            ("--layers 0", "0 is not in 1.."),
+            ("--frames 0", "0 is not in 1.."),
+            ("--time inf", "number of seconds"),
+            ("--background 1,2,300", "0 to 255"),
+            ("--background red", "transparent"),
+            ("--style fluffy", "fur, ink, bare"),
+            ("--fins maybe", "on, off"),
+        ] {
+            let error = parse(line).unwrap_err();
+            assert!(error.contains(message), "{line}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_there_yet_is_refused() {
+        for line in ["--style ink", "--lighting vertex", "--self-shadow on", "--soft-shadow on", "--fins on"] {
+            let error = parse(line).unwrap().check().unwrap_err();
+            assert!(error.to_string().contains("not in this version") && error.exit() as u8 == 1, "{line}: {error}");
+        }
+    }
+}
