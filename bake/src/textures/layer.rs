@@ -72,13 +72,16 @@ fn weigh(sums: &mut [Sums], outside: &[f32]) {
     sums.par_iter_mut().zip(outside).with_min_len(1024).for_each(|(s, outside)| {
         let w = outside + HIDDEN;
         let depth = s[0];
+        s[7] = w;
+        if depth <= 0.0 {
+            return;
+        }
         let opacity = -libm::expm1f(-depth);
-        let scale = if depth > 0.0 { w * opacity / depth } else { 0.0 };
+        let scale = w * opacity / depth;
         for v in &mut s[1..7] {
             *v *= scale;
         }
         s[0] = w * opacity;
-        s[7] = w;
     });
 }
 
@@ -109,6 +112,9 @@ fn store(
     let outputs = (color.par_chunks_mut(4), directions.par_chunks_mut(4), has_direction.par_iter_mut());
     (inputs, outputs).into_par_iter().with_min_len(1024).for_each(
         |((s, exact, stored), (color, direction, has_direction))| {
+            if s[0] <= 0.0 {
+                return;
+            }
             let opacity = (s[0] / s[7]).clamp(0.0, 1.0);
             *exact *= 1.0 - opacity;
             let alpha = round_opacity(opacity, *exact, *stored);
