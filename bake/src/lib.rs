@@ -9,6 +9,7 @@ pub mod hair;
 pub mod import;
 pub mod io;
 pub mod mesh;
+pub mod pack;
 pub mod pipeline;
 pub mod recipe;
 pub mod surface;

@@ -1,15 +1,30 @@
 //! Subcommands, one file each, and what they share: exit codes ([`exit`]) and output ([`output`]).
 
+mod bake;
+#[cfg(feature = "preview")]
+mod bench;
+#[cfg(feature = "preview")]
+mod demo;
 mod exit;
+#[cfg(feature = "preview")]
+mod framing;
+#[cfg(feature = "preview")]
+mod gpu;
 mod inspect;
+#[cfg(feature = "preview")]
+mod measure;
 mod mesh_glb;
 mod output;
 mod pack;
 mod package_file;
+#[cfg(feature = "preview")]
+mod render;
+#[cfg(feature = "preview")]
+mod scene;
 mod unpack;
 mod unpacked;
 mod validate;
-#[cfg(test)]
+#[cfg(feature = "preview")]
 mod view_args;
 
 use clap::{Args, Parser, Subcommand};
@@ -44,19 +59,33 @@ struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    #[cfg(feature = "preview")]
+    Demo(demo::DemoArgs),
+    Bake(bake::BakeArgs),
     Inspect(inspect::InspectArgs),
     Validate(validate::ValidateArgs),
     Unpack(unpack::UnpackArgs),
     Pack(pack::PackArgs),
+    #[cfg(feature = "preview")]
+    Render(render::RenderArgs),
+    #[cfg(feature = "preview")]
+    Bench(bench::BenchArgs),
 }
 
 impl Command {
     fn run(self, output: &mut Output) -> Result<Exit, Failure> {
         match self {
+            #[cfg(feature = "preview")]
+            Self::Demo(args) => demo::run(&args, output),
+            Self::Bake(args) => bake::run(&args, output),
             Self::Inspect(args) => inspect::run(&args, output),
             Self::Validate(args) => validate::run(&args, output),
             Self::Unpack(args) => unpack::run(&args, output),
             Self::Pack(args) => pack::run(&args, output),
+            #[cfg(feature = "preview")]
+            Self::Render(args) => render::run(&args, output),
+            #[cfg(feature = "preview")]
+            Self::Bench(args) => bench::run(&args, output),
         }
     }
 }

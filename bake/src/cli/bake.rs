@@ -1,0 +1,149 @@
+//! `pelage bake`: a glTF model into a package.
+
+use super::exit::{Exit, Failure};
+use super::output::{Output, human_bytes, require_parent};
+use pelage_bake::import::ImportOptions;
+use pelage_bake::pipeline::{self, Baked};
+use pelage_bake::recipe::Recipe;
+use pelage_bake::{BakeError, io};
+use pelage_formats::InputRecord;
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Bake a glTF model into a package
+#[derive(Clone, Debug, clap::Args)]
+pub struct BakeArgs {
+    /// The model, .glb or .gltf
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
+    /// The package to write
+    #[arg(long, short, value_name = "PKG")]
+    output: PathBuf,
+    /// The recipe; what it leaves out has its default
+    #[arg(long, value_name = "R.toml")]
+    recipe: Option<PathBuf>,
+    /// Change one key of the recipe, such as hair.length_m=0.02; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Threads to use, by default one per core; the package is the same with any number
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// A stage and the seconds it took.
+pub type Stage = (&'static str, f64);
+
+/// Runs the subcommand.
+pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let start = Instant::now();
+    require_parent(&args.output)?;
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = args.threads {
+        pool = pool.num_threads(threads.into());
+    }
+    let pool = pool.build().map_err(|error| BakeError::Internal(format!("starting threads: {error}")))?;
+    let (baked, stages) = pool.install(|| bake_file(args, output))?;
+    io::write_atomic(&args.output, &baked.package)?;
+    report(output, &args.output, &baked, &stages, start.elapsed().as_secs_f64())?;
+    Ok(Exit::Done)
+}
+
+fn bake_file(args: &BakeArgs, output: &mut Output) -> Result<(Baked, Vec<Stage>), BakeError> {
+    let mut recipe_input = None;
+    let mut recipe = match &args.recipe {
+        Some(path) => {
+            let file = path.display().to_string();
+            let bytes = io::read_file(path)?;
+            recipe_input = Some(record(path, &bytes));
+            Recipe::parse(&file, &text(&file, bytes)?)?
+        }
+        None => Recipe::default(),
+    };
+    args.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
+    let mut watch = StageWatch::new(output);
+    watch.begin("import");
+    let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m })?;
+    model.inputs.extend(recipe_input);
+    let file = args.model.display().to_string();
+    let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let baked = pipeline::bake(&file, &name, &model, &recipe, &mut |stage| watch.begin(stage))?;
+    Ok((baked, watch.finish()))
+}
+
+fn record(path: &Path, bytes: &[u8]) -> InputRecord {
+    InputRecord {
+        role: "recipe".into(),
+        name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        bytes: bytes.len() as u64,
+        sha256: Sha256::digest(bytes).into(),
+    }
+}
+
+fn text(file: &str, bytes: Vec<u8>) -> Result<String, BakeError> {
+    String::from_utf8(bytes).map_err(|error| BakeError::Input {
+        file: file.into(),
+        place: format!("byte {}", error.utf8_error().valid_up_to()),
+        reason: "not UTF-8, expected a TOML text".into(),
+    })
+}
+
+/// Times the stages and shows which one runs.
+#[derive(Debug)]
+pub struct StageWatch<'a> {
+    output: &'a mut Output,
+    stages: Vec<Stage>,
+    begun: Instant,
+}
+
+impl<'a> StageWatch<'a> {
+    /// Before the first stage.
+    pub fn new(output: &'a mut Output) -> Self {
+        Self { output, stages: Vec::new(), begun: Instant::now() }
+    }
+
+    /// Ends the stage before, if any, and begins another.
+    pub fn begin(&mut self, stage: &'static str) {
+        self.end();
+        self.output.progress(stage);
+        self.stages.push((stage, 0.0));
+        self.begun = Instant::now();
+    }
+
+    fn end(&mut self) {
+        if let Some((_, seconds)) = self.stages.last_mut() {
+            *seconds = self.begun.elapsed().as_secs_f64();
+        }
+    }
+
+    /// Ends the last stage.
+    pub fn finish(mut self) -> Vec<Stage> {
+        self.end();
+        self.stages
+    }
+}
+
+fn report(output: &mut Output, path: &Path, baked: &Baked, stages: &[Stage], seconds: f64) -> Result<(), Failure> {
+    for warning in &baked.warnings {
+        output.note(&format!("warning: {warning}"));
+    }
+    let m = &baked.measures;
+    let value = json!({
+        "output": path.display().to_string(),
+        "bytes": baked.package.len(),
+        "seconds": seconds,
+        "stages": stages.iter().map(|(name, seconds)| json!({ "name": name, "seconds": seconds })).collect::<Vec<_>>(),
+        "warnings": baked.warnings,
+        "patches": m.patches,
+        "flipped_triangles": m.flipped_triangles,
+        "angle_distortion": m.angle_distortion,
+        "area_distortion": m.area_distortion,
+        "stretch_l2": m.stretch_l2,
+        "seam_length_ratio": m.seam_length_ratio,
+        // The model's own coordinates follow no comb field, so there is nothing to be misaligned with.
+        "comb_misalignment_deg": null,
+    });
+    let size = human_bytes(baked.package.len() as u64);
+    output.result(&format!("{}: {size} in {seconds:.2} s", path.display()), &value)
+}

@@ -1,0 +1,103 @@
+//! `pelage bench`: how long every pass of a package takes on this machine's adapter.
+
+use super::exit::{Exit, Failure};
+use super::measure::{self, Clock, FrameTimes, Meter, PASSES, Spread};
+use super::output::{Output, human_bytes};
+use super::package_file::PackageFile;
+use super::scene::{Scene, View};
+use super::view_args::ViewArgs;
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Time every pass of a package on this machine's adapter
+#[derive(Clone, Debug, clap::Args)]
+pub struct BenchArgs {
+    /// The package
+    #[arg(value_name = "PKG")]
+    package: PathBuf,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Frames before the timed ones: pipelines, caches and clocks settle.
+const WARM_UP: u32 = 3;
+/// Timed frames where `--frames` says nothing.
+const FRAMES: u32 = 30;
+
+/// Runs the subcommand.
+pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let view = View::try_from(&args.view)?;
+    let frames = args.view.frames.unwrap_or(FRAMES);
+    let file = PackageFile::read(&args.package)?;
+    output.progress("loading");
+    let mut scene = Scene::new(&file, &view)?;
+    let meter = Meter::new(&scene.gpu);
+    let fragments = measure::count_fragments(&mut scene)?;
+    let mut times = Vec::new();
+    for index in 0..WARM_UP + frames {
+        output.progress(&format!("frame {index} of {}", WARM_UP + frames));
+        // A clip plays at 60 frames a second, so that every frame poses anew, as it would in an application.
+        scene.set_time(view.time_s + index as f32 / 60.0);
+        let frame = meter.measure(&mut scene)?;
+        if index >= WARM_UP {
+            times.push(frame);
+        }
+    }
+    report(output, &scene, meter.clock(), fragments, &times)?;
+    Ok(Exit::Done)
+}
+
+fn report(
+    output: &mut Output,
+    scene: &Scene,
+    clock: Clock,
+    fragments: Option<[u64; 2]>,
+    times: &[FrameTimes],
+) -> Result<(), Failure> {
+    let model = scene.instance.model();
+    let manifest = model.manifest();
+    let triangles: u32 = manifest.parts.iter().map(|p| p.index_count / 3).sum();
+    let layers = scene.params.layers.unwrap_or(manifest.fur.layers);
+    let frame = Spread::of(times.iter().map(|t| t.frame));
+    let yardstick = Spread::of(times.iter().map(|t| t.yardstick));
+    let medians = [0, 1, 2].map(|i| Spread::of(times.iter().map(|t| t.passes[i])).median);
+    let counts = [None, fragments.map(|f| f[0]), fragments.map(|f| f[1])];
+    let ratio = (yardstick.median > 0.0).then(|| medians[2] / yardstick.median);
+    let gpu_bytes = model.gpu_bytes() + scene.instance.gpu_bytes();
+    let passes: Vec<_> = (0..PASSES.len())
+        .map(|i| json!({ "name": PASSES[i].name(), "median_ms": medians[i], "fragments": counts[i] }))
+        .collect();
+    let value = json!({
+        "adapter": scene.gpu.info.name,
+        "driver": format!("{} {}", scene.gpu.info.driver, scene.gpu.info.driver_info),
+        "frames": times.len(),
+        "timing": clock,
+        "frame_ms": frame,
+        "passes": passes,
+        "yardstick_ms": yardstick,
+        "shells_over_yardstick": ratio,
+        "upload_ms": scene.upload.as_secs_f64() * 1e3,
+        "pipelines_ms": scene.compile.as_secs_f64() * 1e3,
+        "gpu_bytes": gpu_bytes,
+        "layers": layers,
+        "triangles": triangles,
+    });
+    let mut text = String::new();
+    let mut line = |args: std::fmt::Arguments<'_>| {
+        let _ = writeln!(text, "{args}");
+    };
+    line(format_args!("{} ({clock:?}, {} frames)", scene.gpu.info.name, times.len()));
+    line(format_args!("{triangles} triangles, {layers} layers, {} on the device", human_bytes(gpu_bytes)));
+    line(format_args!("frame      {:9.2} ms  ({:.2} .. {:.2})", frame.median, frame.min, frame.max));
+    for i in 0..PASSES.len() {
+        let count = counts[i].map_or(String::new(), |n| format!("  {n} fragments"));
+        line(format_args!("  {:8} {:9.2} ms{count}", PASSES[i].name(), medians[i]));
+    }
+    if let Some(ratio) = ratio {
+        line(format_args!("shells take {ratio:.2} times the same layers with one texture read and no lighting"));
+    }
+    let (upload, compile) = (scene.upload.as_secs_f64() * 1e3, scene.compile.as_secs_f64() * 1e3);
+    line(format_args!("upload {upload:.1} ms, pipelines {compile:.1} ms"));
+    output.result(&text, &value)
+}

@@ -1,0 +1,98 @@
+//! `pelage demo`: bakes and draws the built-in models; needs no input.
+
+use super::bake::StageWatch;
+use super::exit::{Exit, Failure};
+use super::output::Output;
+use super::package_file::PackageFile;
+use super::render;
+use super::scene::{Scene, View};
+use pelage_bake::import::{ImportOptions, import};
+use pelage_bake::pipeline::{self, Baked};
+use pelage_bake::recipe::Recipe;
+use pelage_bake::{BakeError, io};
+use pelage_runtime::Style;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Bake and draw the built-in hare and torus; needs no input
+#[derive(Clone, Debug, clap::Args)]
+pub struct DemoArgs {
+    /// Folder for packages and pictures; made where it is missing
+    #[arg(long, short, value_name = "DIR", default_value = "pelage-demo")]
+    output: PathBuf,
+}
+
+struct BuiltIn {
+    name: &'static str,
+    glb: &'static [u8],
+    recipe: &'static str,
+    /// A clip and a moment of it to draw besides the rest pose.
+    moment: Option<(&'static str, f32)>,
+}
+
+const MODELS: [BuiltIn; 2] = [
+    BuiltIn {
+        name: "hare",
+        glb: include_bytes!("../../../assets/models/hare.glb"),
+        recipe: include_str!("../../../assets/recipes/hare.toml"),
+        moment: Some(("EarBreath", 0.5)),
+    },
+    BuiltIn {
+        name: "torus",
+        glb: include_bytes!("../../../assets/models/torus.glb"),
+        recipe: include_str!("../../../assets/recipes/torus.toml"),
+        moment: None,
+    },
+];
+
+/// A quiet studio grey, sRGB.
+const BACKGROUND: [u8; 3] = [204, 209, 217];
+
+/// Runs the subcommand.
+pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
+    std::fs::create_dir_all(&args.output).map_err(|source| BakeError::Io {
+        path: args.output.clone(),
+        action: "create",
+        source,
+    })?;
+    let (mut packages, mut pictures) = (Vec::new(), Vec::new());
+    for model in &MODELS {
+        let baked = bake(model, output)?;
+        let path = args.output.join(format!("{}.pelage", model.name));
+        io::write_atomic(&path, &baked.package)?;
+        packages.push(path.display().to_string());
+        let file = PackageFile { name: path.display().to_string(), bytes: baked.package };
+        for (suffix, view) in views(model) {
+            let path = args.output.join(format!("{}{suffix}.png", model.name));
+            output.progress("drawing");
+            render::draw(&mut Scene::new(&file, &view)?, &path)?;
+            pictures.push(path.display().to_string());
+        }
+    }
+    let value = json!({ "packages": packages, "pictures": pictures });
+    output.result(&[packages, pictures].concat().join("\n"), &value)?;
+    Ok(Exit::Done)
+}
+
+fn bake(model: &BuiltIn, output: &mut Output) -> Result<Baked, Failure> {
+    let file = format!("{}.glb", model.name);
+    let recipe = Recipe::parse(&format!("{}.toml", model.name), model.recipe)?;
+    let mut watch = StageWatch::new(output);
+    watch.begin("import");
+    let mut no_files = |uri: &str| Err(BakeError::Internal(format!("a built-in model names the file {uri}")));
+    let options = ImportOptions { unit_m: recipe.model.unit_m };
+    let imported = import(&file, model.glb, &mut no_files, &options)?;
+    let baked = pipeline::bake(&file, model.name, &imported, &recipe, &mut |stage| watch.begin(stage))?;
+    watch.finish();
+    Ok(baked)
+}
+
+/// The pictures of a model: with fur, without, and in motion.
+fn views(model: &BuiltIn) -> Vec<(&'static str, View)> {
+    let furry = View { size: (834, 834), samples: 4, background: Some(BACKGROUND), ..View::default() };
+    let mut views = vec![("", furry.clone()), ("_bare", View { style: Style::Bare, ..furry.clone() })];
+    if let Some((clip, time_s)) = model.moment {
+        views.push(("_moving", View { clip: Some(clip.into()), time_s, ..furry }));
+    }
+    views
+}

@@ -1,0 +1,80 @@
+//! The camera and light a picture gets when the command line names none.
+
+use glam::{Mat4, Vec3};
+use pelage_runtime::{Camera, Projection};
+
+/// Vertical field of view of the default camera, degrees: a portrait lens.
+pub const FOV_DEG: f32 = 30.0;
+/// From the model to the default camera: its front left, a little above. glTF models face +z, so their left is +x.
+const TOWARDS_CAMERA: Vec3 = Vec3::new(0.62, 0.28, 0.73);
+/// From the model to the default light: high, on the camera's right, so that the fur's relief shows.
+pub const TOWARDS_LIGHT: Vec3 = Vec3::new(-0.25, 0.75, 0.6);
+/// Share of the picture that the model fills at most.
+const FILL: f32 = 0.9;
+
+/// Eye and target that show all `points`, with `margin_m` of fur about them, in a picture of the given width over height.
+///
+/// The model stands as large in the picture as it can; where there is no point, the origin is looked at from a metre away.
+pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32) -> (Vec3, Vec3) {
+    let towards = TOWARDS_CAMERA.normalize();
+    let view = Camera::look_at(Vec3::ZERO, -towards, Projection::Custom(Mat4::IDENTITY)).view_from_world;
+    let tan_y = (FOV_DEG.to_radians() / 2.0).tan() * FILL;
+    let tan_x = tan_y * aspect;
+    // A point is inside the right edge of a camera at (x0, y0, z0) where x − x0 <= tan_x (z0 − z). So each edge of the picture
+    // asks for tan_x z0 ± x0 to be at least some value, which only the outermost point along that edge's plane decides.
+    let mut need = [f32::NEG_INFINITY; 4];
+    for point in points {
+        let p = view.transform_point3(*point);
+        // A ball of fur about the point touches a slanted plane 1/cos of its angle early.
+        let (mx, my) = (margin_m * (1.0 + tan_x * tan_x).sqrt(), margin_m * (1.0 + tan_y * tan_y).sqrt());
+        let edges = [p.z * tan_x + p.x + mx, p.z * tan_x - p.x + mx, p.z * tan_y + p.y + my, p.z * tan_y - p.y + my];
+        need = std::array::from_fn(|i| need[i].max(edges[i]));
+    }
+    let [right, left, top, bottom] = need;
+    if !(right + left > 0.0 || top + bottom > 0.0) || !(right + left + top + bottom).is_finite() {
+        return (towards, Vec3::ZERO);
+    }
+    let z0 = ((right + left) / (2.0 * tan_x)).max((top + bottom) / (2.0 * tan_y));
+    let eye = Vec3::new((right - left) / 2.0, (top - bottom) / 2.0, z0);
+    let center = points.iter().map(|p| view.transform_point3(*p).z).sum::<f32>() / points.len() as f32;
+    let target = Vec3::new(eye.x, eye.y, center.min(z0 - margin_m));
+    let world = view.inverse();
+    (world.transform_point3(eye), world.transform_point3(target))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_point_is_in_the_picture_and_fills_it() {
+        let points: Vec<Vec3> = (0..500)
+            .map(|i| {
+                let t = i as f32;
+                Vec3::new(2.0 * (t * 0.7).sin(), 1.0 + (t * 1.3).cos(), 5.0 * (t * 0.31).sin())
+            })
+            .collect();
+        for aspect in [0.5, 1.0, 2.0] {
+            for margin in [0.0, 0.2] {
+                let (eye, target) = frame(&points, margin, aspect);
+                let projection =
+                    Projection::Perspective { fov_y_rad: FOV_DEG.to_radians(), aspect, near_m: 0.01, far_m: 100.0 };
+                let clip = projection.clip_from_view(false) * Camera::look_at(eye, target, projection).view_from_world;
+                // The surface of the fur's ball about each point, sampled.
+                let directions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+                let ball = points.iter().flat_map(|p| directions.map(|d| *p + d * margin));
+                let widest = ball.map(|p| clip.project_point3(p).truncate().abs().max_element()).fold(0.0, f32::max);
+                assert!(widest <= FILL + 1e-3, "aspect {aspect}, margin {margin}: a point lies at {widest}");
+                assert!(widest > FILL - 0.05, "aspect {aspect}, margin {margin}: the widest lies at {widest} only");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_and_a_point_are_framed_too() {
+        for points in [&[][..], &[Vec3::ONE]] {
+            let (eye, target) = frame(points, 0.0, 1.0);
+            assert!(eye.is_finite() && target.is_finite() && eye != target);
+        }
+    }
+}

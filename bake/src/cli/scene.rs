@@ -1,0 +1,252 @@
+//! A package on a canvas: what `render`, `bench` and `demo` draw.
+
+use super::exit::Failure;
+use super::framing;
+use super::gpu::{COLOR_FORMAT, Canvas, DEPTH_FORMAT, Gpu};
+use super::package_file::PackageFile;
+use super::view_args::{Background, StyleArg, ViewArgs};
+use glam::Vec3;
+use pelage_bake::BakeError;
+use pelage_bake::mesh::blend;
+use pelage_bake::textures::srgb_to_linear;
+use pelage_formats::{GeometryVertex, Package, Pose};
+use pelage_runtime::{
+    Camera, Frame, FrameParams, Instance, Light, Motion, Projection, Renderer, RendererOptions, RuntimeError, Style,
+    wgpu,
+};
+use std::time::{Duration, Instant};
+
+/// How a package is looked at; what the arguments that `render` and `bench` share come to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Width and height of the picture, pixels.
+    pub size: (u32, u32),
+    /// Samples per pixel, 1 or 4.
+    pub samples: u32,
+    /// With fur or without.
+    pub style: Style,
+    /// Eye, target and vertical field of view in degrees; `None` frames the model from its front left.
+    pub camera: Option<(Vec3, Vec3, f32)>,
+    /// The key light.
+    pub light: Light,
+    /// Name of the clip; `None` shows the rest pose.
+    pub clip: Option<String>,
+    /// Moment of the clip, seconds; clips loop.
+    pub time_s: f32,
+    /// Layers to draw; `None` for as many as were baked.
+    pub layers: Option<u32>,
+    /// sRGB-encoded, or `None` for transparent.
+    pub background: Option<[u8; 3]>,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            size: (834, 424),
+            samples: 1,
+            style: Style::Fur,
+            camera: None,
+            light: Light::Directional { towards_light: framing::TOWARDS_LIGHT, color: Vec3::ONE },
+            clip: None,
+            time_s: 0.0,
+            layers: None,
+            background: None,
+        }
+    }
+}
+
+impl TryFrom<&ViewArgs> for View {
+    type Error = Failure;
+
+    fn try_from(args: &ViewArgs) -> Result<Self, Failure> {
+        args.check()?;
+        let defaults = Self::default();
+        let light = match (args.light, args.point_light) {
+            (Some(direction), _) => Light::Directional { towards_light: direction.0, color: Vec3::ONE },
+            (None, Some(position)) => Light::Point { position: position.0, color: Vec3::ONE },
+            (None, None) => defaults.light,
+        };
+        Ok(Self {
+            size: (args.size.width, args.size.height),
+            style: if args.style == StyleArg::Bare { Style::Bare } else { Style::Fur },
+            camera: args.camera.map(|c| (c.eye, c.target, c.fov_deg)),
+            light,
+            clip: args.clip.clone(),
+            time_s: args.time,
+            layers: args.layers,
+            background: match args.background {
+                Background::Transparent => None,
+                Background::Color(rgb) => Some(rgb),
+            },
+            ..defaults
+        })
+    }
+}
+
+/// Everything that is made once for a view of a package.
+#[derive(Debug)]
+pub struct Scene {
+    /// The device.
+    pub gpu: Gpu,
+    /// What is drawn on.
+    pub canvas: Canvas,
+    /// Camera, light and style.
+    pub params: FrameParams,
+    /// The one copy of the model.
+    pub instance: Instance,
+    /// Time from the opened package to its textures and buffers on the device.
+    pub upload: Duration,
+    /// Time to compile the pipelines of the style.
+    pub compile: Duration,
+    renderer: Renderer,
+    clear: [f64; 4],
+    clip: Option<(usize, f32)>,
+}
+
+impl Scene {
+    /// Opens and loads the package in `file` and sets up `view`.
+    pub fn new(file: &PackageFile, view: &View) -> Result<Self, Failure> {
+        let package = &file.open()?;
+        let clip = find_clip(file, package, view.clip.as_deref())?;
+        let gpu = Gpu::open()?;
+        let limit = gpu.device.limits().max_texture_dimension_2d;
+        let (width, height) = view.size;
+        if width > limit || height > limit {
+            let name = &gpu.info.name;
+            return Err(Failure::Usage(format!("--size {width}x{height}: {name} draws at most {limit} pixels a side")));
+        }
+        let options = RendererOptions {
+            color_format: COLOR_FORMAT,
+            depth_format: DEPTH_FORMAT,
+            sample_count: view.samples,
+            // Precision is spread evenly over distance, so near shells of a far camera do not fight.
+            reversed_depth: true,
+            ..RendererOptions::default()
+        };
+        let fault = |error| runtime_failure(file, error);
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).map_err(fault)?;
+        let start = Instant::now();
+        let model = renderer.load(&gpu.device, &gpu.queue, package).map_err(fault)?;
+        gpu.queue.submit([]);
+        gpu.wait()?;
+        let upload = start.elapsed();
+        let start = Instant::now();
+        renderer.prepare_pipelines(&gpu.device, &model, view.style);
+        let compile = start.elapsed();
+
+        let canvas = Canvas::new(&gpu, width, height, view.samples);
+        let mut params = FrameParams::new(match view.camera {
+            Some(camera) => look(camera, view),
+            None => look(framed(file, package, view)?, view),
+        });
+        params.light = view.light;
+        params.style = view.style;
+        params.layers = view.layers;
+        let clear = match view.background {
+            Some(rgb) => {
+                let [r, g, b] = rgb.map(|byte| f64::from(srgb_to_linear(byte)));
+                [r, g, b, 1.0]
+            }
+            None => [0.0; 4],
+        };
+        let mut scene =
+            Self { instance: Instance::new(&model), gpu, canvas, params, upload, compile, renderer, clear, clip };
+        scene.set_time(view.time_s);
+        Ok(scene)
+    }
+
+    /// Poses the model at a moment of the clip; times beyond its end go round.
+    pub fn set_time(&mut self, time_s: f32) {
+        if let Some((clip, duration)) = self.clip {
+            let inside = (0.0..=duration).contains(&time_s) || duration <= 0.0;
+            let time_s = if inside { time_s } else { time_s.rem_euclid(duration) };
+            self.instance.motion = Motion::Clip { clip, time_s };
+        }
+    }
+
+    /// Prepares a frame into `encoder`.
+    pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<Frame, Failure> {
+        let instances = &mut [&mut self.instance];
+        // The package was loaded in full before, so what fails now is an argument.
+        self.renderer
+            .prepare(&self.gpu.device, encoder, &self.params, instances)
+            .map_err(|error| Failure::Usage(error.to_string()))
+    }
+
+    /// Begins a pass on the canvas, cleared to the background or going on from the pass before.
+    pub fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, label: &str, clear: bool) -> wgpu::RenderPass<'e> {
+        self.canvas.pass(encoder, label, clear.then_some(self.clear), true)
+    }
+
+    /// Draws one frame and waits for it; returns what was drawn.
+    pub fn draw(&mut self) -> Result<Frame, Failure> {
+        let mut encoder = self.encoder();
+        let frame = self.prepare(&mut encoder)?;
+        frame.draw(&mut self.pass(&mut encoder, "frame", true));
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()?;
+        Ok(frame)
+    }
+
+    /// An empty encoder.
+    pub fn encoder(&self) -> wgpu::CommandEncoder {
+        self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pelage") })
+    }
+}
+
+/// Who is at fault when the runtime refuses a package.
+fn runtime_failure(file: &PackageFile, error: RuntimeError) -> Failure {
+    match error {
+        RuntimeError::Package(source) => file.fault(source),
+        // Another adapter, or other texture formats, would do.
+        RuntimeError::MissingFeature { .. } | RuntimeError::DeviceLimit { .. } => {
+            Failure::NoAdapter(format!("{}: {error}", file.name))
+        }
+        RuntimeError::Content { what, reason, .. } => {
+            BakeError::Input { file: file.name.clone(), place: what, reason }.into()
+        }
+        other => BakeError::Internal(other.to_string()).into(),
+    }
+}
+
+/// Index and length of the named clip.
+fn find_clip(file: &PackageFile, package: &Package<'_>, name: Option<&str>) -> Result<Option<(usize, f32)>, Failure> {
+    let Some(name) = name else { return Ok(None) };
+    let clips = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default().clips;
+    if let Some(index) = clips.iter().position(|clip| clip.name == name) {
+        return Ok(Some((index, clips[index].duration_s)));
+    }
+    let names: Vec<_> = clips.iter().map(|c| c.name.as_str()).collect();
+    let has = if names.is_empty() { "no animation".into() } else { format!("the clips {}", names.join(", ")) };
+    Err(Failure::Usage(format!("--clip {name}: no such clip; {} has {has}", file.name)))
+}
+
+/// The default camera for the model at rest.
+fn framed(file: &PackageFile, package: &Package<'_>, view: &View) -> Result<(Vec3, Vec3, f32), Failure> {
+    let fault = |error| file.fault(error);
+    let mesh = package.mesh().map_err(fault)?;
+    let mut pose = Pose::default();
+    if let Some(animation) = package.animation().map_err(fault)? {
+        pose.sample(&animation, None, 0.0);
+    }
+    let points: Vec<Vec3> = mesh.map_or_else(Vec::new, |mesh| {
+        let skin: Vec<_> = mesh.skin().collect();
+        let place = |(i, v): (usize, GeometryVertex)| {
+            let position = Vec3::from(v.position);
+            skin.get(i).map_or(position, |s| blend(&pose, s).transform_point3(position))
+        };
+        mesh.geometry().enumerate().map(place).collect()
+    });
+    let aspect = view.size.0 as f32 / view.size.1 as f32;
+    let margin_m = if view.style == Style::Fur { package.manifest().fur.height_m } else { 0.0 };
+    let (eye, target) = framing::frame(&points, margin_m, aspect);
+    Ok((eye, target, framing::FOV_DEG))
+}
+
+fn look((eye, target, fov_deg): (Vec3, Vec3, f32), view: &View) -> Camera {
+    let aspect = view.size.0 as f32 / view.size.1 as f32;
+    // With reversed depth only the near plane costs precision; a thousandth of the distance keeps close-ups whole.
+    let near_m = (eye.distance(target) * 1e-3).max(1e-6);
+    let projection = Projection::Perspective { fov_y_rad: fov_deg.to_radians(), aspect, near_m, far_m: f32::INFINITY };
+    Camera::look_at(eye, target, projection)
+}
