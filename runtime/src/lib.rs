@@ -35,6 +35,10 @@ mod passes;
 mod renderer;
 pub mod shared;
 
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod layout_tests;
+
 pub use camera::{Camera, Light, Projection};
 pub use error::RuntimeError;
 pub use frame::{Frame, FrameReport, PassReport};

@@ -130,29 +130,22 @@ pub(crate) fn load(
     };
 
     let mut planar_directions = false;
-    let fur = if manifest.fur.layers > 0 {
-        let (_, colors) = uploader.shell_texture(
-            manifest.fur.color_texture,
-            &[TextureFormat::Rgba8Srgb, TextureFormat::Rgba8Unorm, TextureFormat::Bc7Srgb, TextureFormat::Bc7Unorm],
-        )?;
-        let (format, directions) = uploader.shell_texture(
-            manifest.fur.direction_texture,
-            &[TextureFormat::Rgba8Unorm, TextureFormat::Rg8Unorm, TextureFormat::Bc7Unorm, TextureFormat::Bc5Unorm],
-        )?;
-        planar_directions = format.components() == 2;
-        for index in [manifest.fur.color_texture, manifest.fur.direction_texture] {
-            gpu_bytes += package.texture(index)?.gpu_bytes();
+    let fur = match package.fur_textures()? {
+        None => None,
+        Some(textures) => {
+            planar_directions = textures.direction.format.components() == 2;
+            gpu_bytes += textures.color.gpu_bytes() + textures.direction.gpu_bytes();
+            let array = wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..Default::default()
+            };
+            Some(layouts.fur_bind_group(
+                device,
+                &uploader.texture(manifest.fur.color_texture, &textures.color)?.create_view(&array),
+                &uploader.texture(manifest.fur.direction_texture, &textures.direction)?.create_view(&array),
+                &sampler("pelage shells", 1),
+            ))
         }
-        let array =
-            wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::D2Array), ..Default::default() };
-        Some(layouts.fur_bind_group(
-            device,
-            &colors.create_view(&array),
-            &directions.create_view(&array),
-            &sampler("pelage shells", 1),
-        ))
-    } else {
-        None
     };
 
     let base_sampler = sampler("pelage base colour", options.anisotropy);
@@ -160,28 +153,17 @@ pub(crate) fn load(
     let mut base_colors = vec![None; manifest.textures.len()];
     let mut materials = Vec::new();
     for (i, material) in manifest.materials.iter().enumerate() {
-        let view = match material.base_color_texture {
-            Some(index) => {
-                let view = package.texture(index)?;
-                if view.layers != 1 || view.format.components() != 4 {
-                    let reason = format!(
-                        "the base colour of material {i} has {} layers of {}, expected one of a colour format",
-                        view.layers,
-                        view.format.name()
-                    );
-                    return Err(uploader.content(format!("texture {:?}", uploader.texture_name(index)), reason));
+        let view = match (material.base_color_texture, package.base_color_texture(i)?) {
+            (Some(index), Some(view)) => match &base_colors[index as usize] {
+                Some(shared) => wgpu::TextureView::clone(shared),
+                None => {
+                    gpu_bytes += view.gpu_bytes();
+                    let made = uploader.texture(index, &view)?.create_view(&wgpu::TextureViewDescriptor::default());
+                    base_colors[index as usize] = Some(made.clone());
+                    made
                 }
-                match &base_colors[index as usize] {
-                    Some(shared) => wgpu::TextureView::clone(shared),
-                    None => {
-                        gpu_bytes += view.gpu_bytes();
-                        let made = uploader.texture(index, &view)?.create_view(&wgpu::TextureViewDescriptor::default());
-                        base_colors[index as usize] = Some(made.clone());
-                        made
-                    }
-                }
-            }
-            None => layouts.white.clone(),
+            },
+            _ => layouts.white.clone(),
         };
         let uniform = MaterialUniform {
             base_color: material.base_color,
@@ -267,27 +249,6 @@ impl Uploader<'_> {
         }
         let label = format!("pelage {name}");
         Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(&label), contents, usage }))
-    }
-
-    /// A texture array of the shell volume.
-    fn shell_texture(
-        &self,
-        index: u32,
-        formats: &[TextureFormat],
-    ) -> Result<(TextureFormat, wgpu::Texture), RuntimeError> {
-        let view = self.package.texture(index)?;
-        let what = || format!("texture {:?}", self.texture_name(index));
-        if !formats.contains(&view.format) {
-            let names: Vec<_> = formats.iter().map(|f| f.name()).collect();
-            return Err(
-                self.content(what(), format!("format {}, expected one of {}", view.format.name(), names.join(", ")))
-            );
-        }
-        let layers = self.package.manifest().fur.layers;
-        if view.layers != layers {
-            return Err(self.content(what(), format!("{} array layers, expected the fur's {layers}", view.layers)));
-        }
-        Ok((view.format, self.texture(index, &view)?))
     }
 
     fn texture(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::Texture, RuntimeError> {

@@ -1,3 +1,11 @@
 //! What the tests and the developers' chores share.
 
 pub mod assets;
+pub mod compute;
+pub mod gpu;
+pub mod pictures;
+pub mod plane;
+
+/// The furry sphere and the windowless device of the runtime's examples.
+#[path = "../../runtime/examples/support/mod.rs"]
+pub mod support;

@@ -57,7 +57,7 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// Targets that match `options`; the colour format must have four bytes a texel.
+    /// Targets that match `options`.
     pub fn new(gpu: &Gpu, size: (u32, u32), options: &RendererOptions) -> Self {
         let texture = |format, sample_count, usage| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -105,9 +105,9 @@ impl Targets {
         })
     }
 
-    /// Reads the picture back: `width * height` texels of four bytes, row-major from the top.
+    /// Reads the picture back: `width * height` texels of the colour format, row-major from the top.
     pub fn read(&self, gpu: &Gpu) -> Vec<u8> {
-        let row = self.size.0 * 4;
+        let row = self.size.0 * self.picture.format().block_copy_size(None).unwrap();
         let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,

@@ -72,8 +72,24 @@ impl Random {
 /// The sphere's package, as bytes.
 pub fn package(params: &SphereParams) -> Vec<u8> {
     let mesh = mesh(params);
+    let bare = if params.bare_band { bare_indices(params) } else { 0 };
+    let manifest = manifest(params, mesh.indices.len() as u32, bare);
+    let (colors, directions) = hair(params);
+    let mut writer = PackageWriter::new(manifest).mesh(&mesh).texture(colors).texture(directions);
+    if params.stripes {
+        let row = |x: u32| if (x / 4).is_multiple_of(2) { [255, 255, 255, 255] } else { [60, 40, 30, 255] };
+        let texels = (0..64u32 * 64).flat_map(|i| row(i % 64)).collect();
+        writer = writer.texture(super::ktx2::write(TextureFormat::Rgba8Srgb, 64, 64, 1, &[texels]));
+    }
+    if params.skeleton {
+        writer = writer.animation(&skeleton());
+    }
+    writer.finish().unwrap()
+}
+
+/// The manifest for a mesh of that many indices, of which the last `bare` are the band's.
+pub fn manifest(params: &SphereParams, index_count: u32, bare: u32) -> Manifest {
     let outer = params.radius_m;
-    let index_count = mesh.indices.len() as u32;
     let material = |name: &str, base_color, furred| Material {
         name: name.into(),
         base_color,
@@ -86,13 +102,11 @@ pub fn package(params: &SphereParams) -> Vec<u8> {
     if params.stripes {
         texture_names.push("stripes");
     }
-    // The band's triangles were put last.
-    let bare = if params.bare_band { bare_indices(params) } else { 0 };
     let mut parts = vec![Part { material: 0, first_index: 0, index_count: index_count - bare }];
     if bare > 0 {
         parts.push(Part { material: 1, first_index: index_count - bare, index_count: bare });
     }
-    let manifest = Manifest {
+    Manifest {
         generator: "furry sphere".into(),
         model: "sphere".into(),
         bounds: Bounds { min: [-outer; 3], max: [outer; 3], center: [0.0; 3], radius: outer },
@@ -111,18 +125,7 @@ pub fn package(params: &SphereParams) -> Vec<u8> {
         parts,
         textures: texture_names.into_iter().map(|name| TextureEntry { name: name.into() }).collect(),
         ..Manifest::default()
-    };
-    let (colors, directions) = hair(params);
-    let mut writer = PackageWriter::new(manifest).mesh(&mesh).texture(colors).texture(directions);
-    if params.stripes {
-        let row = |x: u32| if (x / 4).is_multiple_of(2) { [255, 255, 255, 255] } else { [60, 40, 30, 255] };
-        let texels = (0..64u32 * 64).flat_map(|i| row(i % 64)).collect();
-        writer = writer.texture(super::ktx2::write(TextureFormat::Rgba8Srgb, 64, 64, 1, &[texels]));
     }
-    if params.skeleton {
-        writer = writer.animation(&skeleton());
-    }
-    writer.finish().unwrap()
 }
 
 /// Triangles of the band: two rows of quads on each of the four upright sides.

@@ -1,0 +1,89 @@
+//! What each pass costs on this machine, beside the yardstick: the same layers with one texture read and no lighting.
+//!
+//! ```text
+//! cargo run --release --example cost_of_passes -- [PACKAGE.pelage] [FRAMES]
+//! ```
+//!
+//! Without a package (or with `-`) it takes a furry sphere of about 5 000 triangles and 16 layers. Times are medians of
+//! submit-and-wait, the variants in turn so that a slow moment of the machine hits all alike.
+
+#![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
+
+#[path = "support/mod.rs"]
+mod support;
+
+use pelage_runtime::glam::Vec3;
+use pelage_runtime::{Camera, FrameParams, Instance, PassId, Renderer, RendererOptions, wgpu};
+use std::time::Instant;
+use support::headless::{Gpu, Targets};
+use support::sphere::{SphereParams, package};
+
+const SIZE: (u32, u32) = (834, 424);
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let bytes = match arguments.next().filter(|path| path != "-") {
+        Some(path) => std::fs::read(&path).unwrap_or_else(|e| panic!("{path}: {e}")),
+        None => package(&SphereParams::default()),
+    };
+    let frames = arguments.next().map_or(15, |n| n.parse().expect("FRAMES is a whole number"));
+
+    let gpu = Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC).unwrap();
+    let options = RendererOptions::default();
+    let targets = Targets::new(&gpu, SIZE, &options);
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+    let started = Instant::now();
+    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &bytes).unwrap();
+    gpu.queue.submit([]);
+    gpu.wait();
+    println!("{}: load {:.1} ms, {} bytes", gpu.info.name, started.elapsed().as_secs_f64() * 1e3, model.gpu_bytes());
+
+    let manifest = model.manifest();
+    let (center, radius) = (manifest.bounds.center.into(), manifest.bounds.radius + manifest.fur.height_m);
+    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
+    // Close enough that the outer layer fills about two thirds of the frame.
+    let camera = Camera::framing(center, radius * 0.72, Vec3::new(-0.4, 0.3, 1.0), 0.6, aspect);
+    let mut instance = Instance::new(&model);
+    let mut params = FrameParams::new(camera);
+
+    let variants = [("skin", false, false), ("shells", true, false), ("yardstick", true, true)];
+    let mut times = [const { Vec::new() }; 3];
+    for frame_number in 0..=frames {
+        for ((_, with_shells, yardstick), times) in variants.iter().zip(&mut times) {
+            params.yardstick = *yardstick;
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let frame = renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut instance]).unwrap();
+            let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+            frame.draw_pass(PassId::Skin, &mut pass);
+            if *with_shells {
+                frame.draw_pass(PassId::Shells, &mut pass);
+            }
+            drop(pass);
+            let commands = encoder.finish();
+            let started = Instant::now();
+            gpu.queue.submit([commands]);
+            gpu.wait();
+            // The first round compiles and warms up.
+            if frame_number > 0 {
+                times.push(started.elapsed().as_secs_f64() * 1e3);
+            }
+        }
+    }
+    let covered = targets.read(&gpu).chunks_exact(4).filter(|p| p[3] > 0).count();
+    let share = 100.0 * covered as f64 / f64::from(SIZE.0 * SIZE.1);
+    let medians = times.map(|mut t| {
+        t.sort_by(f64::total_cmp);
+        t[t.len() / 2]
+    });
+    println!("{} triangles, {} layers, {share:.0} % of the frame", triangles(manifest), manifest.fur.layers);
+    for ((name, ..), median) in variants.iter().zip(medians) {
+        let what = if *name == "skin" { "skin".into() } else { format!("skin and {name}") };
+        println!("{what}: {median:.2} ms");
+    }
+    let [skin, shells, yardstick] = medians;
+    println!("shells / yardstick: {:.2}", (shells - skin) / (yardstick - skin));
+}
+
+fn triangles(manifest: &pelage_runtime::formats::Manifest) -> u32 {
+    manifest.parts.iter().map(|p| p.index_count / 3).sum()
+}

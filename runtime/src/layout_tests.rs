@@ -1,0 +1,169 @@
+//! The shaders hold what the Rust side believes about them: all are valid, and the structs agree byte for byte.
+
+use crate::passes::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
+use crate::passes::{pose, shells, skin};
+use crate::shared::{frame, kajiya_kay, opacity, skinning, tile_frame};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{ScalarKind, TypeInner, VectorSize};
+use pelage_formats::{GeometryVertex, SkinVertex};
+use std::collections::BTreeMap;
+use std::mem::offset_of;
+use std::path::{Path, PathBuf};
+
+fn parse(name: &str, source: &str) -> naga::Module {
+    let module =
+        naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string_with_path(source, name)));
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    if let Err(error) = validator.validate(&module) {
+        panic!("{}", error.emit_to_string_with_path(source, name));
+    }
+    module
+}
+
+fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            wgsl_files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "wgsl") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_wgsl_file_is_valid_and_used() {
+    let passes = [("pose", pose::WGSL), ("skin", skin::WGSL), ("shells", shells::WGSL)];
+    passes.iter().for_each(|(name, source)| drop(parse(name, source)));
+    let mut files = Vec::new();
+    wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    for file in &files {
+        let source = std::fs::read_to_string(file).unwrap();
+        let users: Vec<_> = passes.iter().filter(|(_, pass)| pass.contains(&source)).map(|(name, _)| name).collect();
+        assert!(!users.is_empty(), "{}: no pass contains it", file.display());
+        // Shared topics stand on their own.
+        if file.parent().is_some_and(|p| p.ends_with("shared")) {
+            parse(&file.display().to_string(), &source);
+        }
+    }
+    assert_eq!(files.len(), 9, "{files:?}");
+}
+
+/// Offset and size of each member of a struct, and the struct's size.
+fn members(source: &str, name: &str) -> (Vec<(String, u32, u32)>, u32) {
+    let module = parse(name, source);
+    let mut layouter = naga::proc::Layouter::default();
+    layouter.update(module.to_ctx()).unwrap();
+    let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap();
+    let TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is not a struct") };
+    let members = members.iter().map(|m| (m.name.clone().unwrap(), m.offset, layouter[m.ty].size)).collect();
+    (members, *span)
+}
+
+/// Name, offset and size of the fields of a Rust struct, as `members` gives them.
+macro_rules! fields {
+    ($ty:ty, $($field:ident),+ $(,)?) => {{
+        fn size<T, F>(_: fn(&T) -> &F) -> u32 { size_of::<F>() as u32 }
+        let fields = vec![$((stringify!($field).to_string(), offset_of!($ty, $field) as u32, size(|v: &$ty| &v.$field))),+];
+        (fields, size_of::<$ty>() as u32)
+    }};
+}
+
+#[test]
+fn uniform_structs_agree() {
+    assert_eq!(members(frame::WGSL, "Frame"), fields!(frame::Frame, clip_from_world, eye_ws, light_ws));
+    assert_eq!(
+        members(frame::WGSL, "Instance"),
+        fields!(
+            frame::Instance,
+            world_from_model,
+            normal_x,
+            normal_y,
+            normal_z,
+            ambient,
+            diffuse_half_exponent,
+            diffuse,
+            specular_half_exponent,
+            specular,
+            back_light_range,
+            ambient_floor,
+            scale,
+            handedness,
+            opacity_exponent,
+            baked_layers,
+            drawn_layers,
+            reserved0,
+            reserved1,
+        )
+    );
+    let (members, size) = members(skin::WGSL, "Material");
+    let (fields, rust_size) = fields!(MaterialUniform, base_color, alpha_cutoff, reserved);
+    assert_eq!((&members[..2], size), (&fields[..2], rust_size));
+    assert_eq!(members[2].1, fields[2].1);
+}
+
+#[test]
+fn storage_structs_agree() {
+    assert_eq!(
+        members(pose::WGSL, "GeometryVertex"),
+        fields!(GeometryVertex, position, fur_height, normal, reserved, tangent)
+    );
+    let (members, size) = members(pose::WGSL, "SkinVertex");
+    assert_eq!(size as usize, size_of::<SkinVertex>());
+    let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);
+    assert_eq!(offset("joints_xy"), Some(offset_of!(SkinVertex, joints)));
+    assert_eq!(offset("joints_zw"), Some(offset_of!(SkinVertex, joints) + 4));
+    for (k, name) in ["weight_x", "weight_y", "weight_z", "weight_w"].into_iter().enumerate() {
+        assert_eq!(offset(name), Some(offset_of!(SkinVertex, weights) + 4 * k));
+    }
+}
+
+#[test]
+fn vertex_inputs_agree() {
+    let module = parse("shells", shells::WGSL);
+    let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Vertex")).unwrap();
+    let TypeInner::Struct { members, .. } = &ty.inner else { panic!("Vertex is not a struct") };
+    let shader: BTreeMap<u32, u32> = members
+        .iter()
+        .map(|m| {
+            let Some(naga::Binding::Location { location, .. }) = m.binding else { panic!("{m:?} has no location") };
+            let components = match module.types[m.ty].inner {
+                TypeInner::Scalar(s) if s.kind == ScalarKind::Float => 1,
+                TypeInner::Vector { size: VectorSize::Bi, .. } => 2,
+                TypeInner::Vector { size: VectorSize::Tri, .. } => 3,
+                TypeInner::Vector { size: VectorSize::Quad, .. } => 4,
+                ref other => panic!("{other:?}"),
+            };
+            (location, components)
+        })
+        .collect();
+    let components = |format| match format {
+        wgpu::VertexFormat::Float32 => 1,
+        wgpu::VertexFormat::Float32x2 => 2,
+        wgpu::VertexFormat::Float32x3 => 3,
+        wgpu::VertexFormat::Float32x4 | wgpu::VertexFormat::Unorm8x4 => 4,
+        other => panic!("{other:?}"),
+    };
+    let buffers = GEOMETRY_ATTRIBUTES.iter().chain(&ATTRIBUTE_ATTRIBUTES);
+    let rust: BTreeMap<u32, u32> = buffers.map(|a| (a.shader_location, components(a.format))).collect();
+    assert_eq!(shader, rust);
+}
+
+#[test]
+fn workgroups_agree() {
+    let module = parse("pose", pose::WGSL);
+    assert_eq!(module.entry_points[0].workgroup_size, [pose::WORKGROUP, 1, 1]);
+}
+
+#[test]
+fn shared_sources_stand_alone() {
+    for (name, source) in [
+        ("frame", frame::WGSL),
+        ("kajiya_kay", kajiya_kay::WGSL),
+        ("opacity", opacity::WGSL),
+        ("skinning", skinning::WGSL),
+        ("tile_frame", tile_frame::WGSL),
+    ] {
+        parse(name, source);
+    }
+}

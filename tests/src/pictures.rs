@@ -1,0 +1,130 @@
+//! Drawing test pictures, and comparing them with stored ones.
+
+use crate::support::headless::{Gpu, Targets};
+use pelage_runtime::{FrameParams, Instance, PassId, Renderer, wgpu};
+use std::path::{Path, PathBuf};
+
+/// A picture: RGBA8 texels, row-major from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width and height, pixels.
+    pub size: (u32, u32),
+    /// `width * height` texels.
+    pub rgba: Vec<[u8; 4]>,
+}
+
+impl Picture {
+    /// Texels whose alpha is above 0.
+    pub fn covered(&self) -> usize {
+        self.rgba.iter().filter(|p| p[3] > 0).count()
+    }
+
+    /// Mean of one channel, 0..=255.
+    pub fn mean(&self, channel: usize) -> f64 {
+        self.rgba.iter().map(|p| f64::from(p[channel])).sum::<f64>() / self.rgba.len() as f64
+    }
+
+    /// Writes a PNG, making its folder.
+    pub fn save(&self, path: &Path) {
+        std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("the folder can be made");
+        let (width, height) = self.size;
+        image::save_buffer(path, self.rgba.as_flattened(), width, height, image::ColorType::Rgba8)
+            .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    }
+}
+
+/// Draws instances over transparent black, all passes.
+pub fn draw(
+    gpu: &Gpu,
+    renderer: &mut Renderer,
+    size: (u32, u32),
+    params: &FrameParams,
+    instances: &mut [&mut Instance],
+) -> Picture {
+    let bytes = draw_passes(gpu, renderer, size, params, instances, &[PassId::Skin, PassId::Shells]);
+    Picture { size, rgba: bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect() }
+}
+
+/// Draws some passes over transparent black; texels as the renderer's colour format has them.
+pub fn draw_passes(
+    gpu: &Gpu,
+    renderer: &mut Renderer,
+    size: (u32, u32),
+    params: &FrameParams,
+    instances: &mut [&mut Instance],
+    passes: &[PassId],
+) -> Vec<u8> {
+    let targets = Targets::new(gpu, size, renderer.options());
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let frame =
+        renderer.prepare(&gpu.device, &mut encoder, params, instances).unwrap_or_else(|e| panic!("prepare: {e}"));
+    let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+    passes.iter().for_each(|id| frame.draw_pass(*id, &mut pass));
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    targets.read(gpu)
+}
+
+/// How much two pictures differ.
+#[derive(Clone, Copy, Debug)]
+pub struct Difference {
+    /// Mean absolute difference over all channels, 0..=255.
+    pub mean: f64,
+    /// Share of texels where a channel differs by more than 16.
+    pub share: f64,
+}
+
+/// Compares two pictures of the same size.
+pub fn difference(a: &Picture, b: &Picture) -> Difference {
+    assert_eq!(a.size, b.size, "pictures of different sizes");
+    let mut sum = 0.0;
+    let mut off = 0;
+    for (p, q) in a.rgba.iter().zip(&b.rgba) {
+        let d: Vec<u8> = p.iter().zip(q).map(|(x, y)| x.abs_diff(*y)).collect();
+        sum += d.iter().map(|v| f64::from(*v)).sum::<f64>();
+        off += usize::from(d.iter().any(|v| *v > 16));
+    }
+    Difference { mean: sum / (4 * a.rgba.len()) as f64, share: off as f64 / a.rgba.len() as f64 }
+}
+
+/// Where the stored picture of that name lies.
+pub fn golden_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(format!("{name}.png"))
+}
+
+/// Compares with the stored picture `golden/NAME.png`, of at most 64 KiB. `Err` says how they differ; actual picture, expected
+/// picture and difference then lie in `target/golden/`.
+///
+/// Only `PELAGE_WRITE_GOLDEN=1` writes a stored picture; a missing, unreadable or wrong-sized one is an error.
+///
+/// The tolerance, mean 0.5 of 255 and 0.5 % of texels off by more than 16, leaves room for another version of the rasteriser's
+/// rounding, but not for fur that moved by a pixel.
+pub fn compare_golden(name: &str, actual: &Picture) -> Result<(), String> {
+    let path = golden_path(name);
+    if std::env::var("PELAGE_WRITE_GOLDEN").is_ok_and(|v| v == "1") {
+        actual.save(&path);
+    }
+    let file = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    if file.len() > 64 << 10 {
+        return Err(format!("{}: {} bytes, expected at most 65536", path.display(), file.len()));
+    }
+    let decoded = image::load_from_memory(&file).map_err(|e| format!("{}: {e}", path.display()))?.into_rgba8();
+    let expected = Picture { size: decoded.dimensions(), rgba: decoded.pixels().map(|p| p.0).collect() };
+    if expected.size != actual.size {
+        return Err(format!("{}: {:?} pixels, expected {:?}", path.display(), expected.size, actual.size));
+    }
+    let found = difference(actual, &expected);
+    if found.mean <= 0.5 && found.share <= 0.005 {
+        return Ok(());
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/golden");
+    let apart = |(p, q): (&[u8; 4], &[u8; 4])| {
+        let d: Vec<u8> = p.iter().zip(q).map(|(x, y)| x.abs_diff(*y).saturating_mul(4)).collect();
+        [d[0].max(d[3]), d[1].max(d[3]), d[2].max(d[3]), 255]
+    };
+    let map = Picture { size: actual.size, rgba: actual.rgba.iter().zip(&expected.rgba).map(apart).collect() };
+    for (suffix, picture) in [("actual", actual), ("expected", &expected), ("difference", &map)] {
+        picture.save(&folder.join(format!("{name}.{suffix}.png")));
+    }
+    Err(format!("{name} differs from its golden: {found:?}; see {}", folder.display()))
+}

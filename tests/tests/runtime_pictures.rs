@@ -1,0 +1,328 @@
+//! What the runtime draws: a stored picture, and pictures that must agree with each other.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_runtime::formats::Shading;
+use pelage_runtime::glam::{Mat4, Quat, Vec3};
+use pelage_runtime::{
+    Camera, FrameParams, Instance, Light, Motion, Projection, Renderer, RendererOptions, RuntimeError, Style, wgpu,
+};
+use pelage_tests::gpu::gpu;
+use pelage_tests::pictures::{Picture, compare_golden, difference, draw};
+use pelage_tests::support::headless::Gpu;
+use pelage_tests::support::sphere::{SphereParams, package};
+
+const SIZE: (u32, u32) = (128, 128);
+
+fn small() -> SphereParams {
+    SphereParams { quads: 12, texels: 32, strands: 90, tiles: 4, ..SphereParams::default() }
+}
+
+fn renderer(gpu: &Gpu, options: &RendererOptions) -> Renderer {
+    Renderer::new(&gpu.device, &gpu.queue, options).unwrap()
+}
+
+fn instance(gpu: &Gpu, renderer: &Renderer, params: &SphereParams) -> Instance {
+    Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(params)).unwrap())
+}
+
+fn front() -> FrameParams {
+    FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0))
+}
+
+/// One small sphere with given options and parameters.
+fn sphere_picture(gpu: &Gpu, options: &RendererOptions, params: &FrameParams, sphere: &SphereParams) -> Picture {
+    let mut renderer = renderer(gpu, options);
+    let mut instance = instance(gpu, &renderer, sphere);
+    draw(gpu, &mut renderer, SIZE, params, &mut [&mut instance])
+}
+
+fn default_picture(gpu: &Gpu) -> Picture {
+    sphere_picture(gpu, &RendererOptions::default(), &front(), &small())
+}
+
+#[test]
+fn furry_sphere_looks_as_stored() {
+    let Some(gpu) = gpu("furry_sphere_looks_as_stored") else { return };
+    compare_golden("furry_sphere", &default_picture(gpu)).unwrap();
+}
+
+#[test]
+fn stored_picture_rejects_what_is_wrong() {
+    let Some(gpu) = gpu("stored_picture_rejects_what_is_wrong") else { return };
+    if std::env::var("PELAGE_WRITE_GOLDEN").is_ok_and(|v| v == "1") {
+        // The controls would be written as the golden.
+        return;
+    }
+    let right = default_picture(gpu);
+    let mut shifted = right.clone();
+    shifted.rgba.rotate_right(1);
+    compare_golden("furry_sphere", &shifted).expect_err("moved by one pixel");
+    let bare = FrameParams { style: Style::Bare, ..front() };
+    let bare = sphere_picture(gpu, &RendererOptions::default(), &bare, &small());
+    compare_golden("furry_sphere", &bare).expect_err("without fur");
+    let smaller = Picture { size: (SIZE.0, SIZE.1 - 1), rgba: right.rgba[SIZE.0 as usize..].to_vec() };
+    compare_golden("furry_sphere", &smaller).expect_err("another size");
+    compare_golden("there_is_no_such_picture", &right).expect_err("no golden");
+}
+
+#[test]
+fn fur_reaches_past_the_skin_and_hides_it() {
+    let Some(gpu) = gpu("fur_reaches_past_the_skin_and_hides_it") else { return };
+    let fur = default_picture(gpu);
+    let bare =
+        sphere_picture(gpu, &RendererOptions::default(), &FrameParams { style: Style::Bare, ..front() }, &small());
+    // Fur of a quarter of the radius makes the disc (1.25 / 1)^2 = 1.56 times as large; its edge is thin.
+    let ratio = fur.covered() as f64 / bare.covered() as f64;
+    assert!((1.3..1.6).contains(&ratio), "covered {ratio} times as much");
+    // Hairs have contrast from pixel to pixel, skin has none: mean difference of neighbours inside the disc.
+    let contrast = |p: &Picture| {
+        let row = &p.rgba[64 * 128 + 40..64 * 128 + 88];
+        row.windows(2).map(|w| f64::from(w[0][1].abs_diff(w[1][1]))).sum::<f64>() / 47.0
+    };
+    assert!(contrast(&fur) > 4.0 * contrast(&bare), "contrast {} and {}", contrast(&fur), contrast(&bare));
+    // Half-transparent edges are premultiplied: no channel is brighter than the brightest light on that opacity.
+    let edge = fur.rgba.iter().filter(|p| (1..255).contains(&p[3])).count();
+    assert!(edge > 100, "only {edge} texels are between transparent and opaque");
+}
+
+#[test]
+fn reversed_depth_draws_the_same_picture() {
+    let Some(gpu) = gpu("reversed_depth_draws_the_same_picture") else { return };
+    let forward = default_picture(gpu);
+    let options = RendererOptions { reversed_depth: true, ..RendererOptions::default() };
+    let reversed = sphere_picture(gpu, &options, &front(), &small());
+    let found = difference(&forward, &reversed);
+    assert!(found.mean < 0.05 && found.share < 0.001, "{found:?}");
+    // With an infinite far plane too.
+    let mut params = front();
+    if let Projection::Perspective { far_m, .. } = &mut params.camera.projection {
+        *far_m = f32::INFINITY;
+    }
+    let found = difference(&forward, &sphere_picture(gpu, &options, &params, &small()));
+    assert!(found.mean < 0.05 && found.share < 0.001, "infinite far plane: {found:?}");
+    // Control: a forward matrix in a reversed renderer draws the far side.
+    params.camera.projection = Projection::Custom(front().camera.projection.clip_from_view(false));
+    let found = difference(&forward, &sphere_picture(gpu, &options, &params, &small()));
+    assert!(found.mean > 1.0, "a wrong projection went unnoticed: {found:?}");
+}
+
+#[test]
+fn four_samples_draw_the_same_picture_with_smoother_edges() {
+    let Some(gpu) = gpu("four_samples_draw_the_same_picture_with_smoother_edges") else { return };
+    let options = RendererOptions { sample_count: 4, ..RendererOptions::default() };
+    let found = difference(&default_picture(gpu), &sphere_picture(gpu, &options, &front(), &small()));
+    assert!(found.mean > 0.0 && found.mean < 2.0, "{found:?}");
+}
+
+#[test]
+fn both_direction_formats_draw_the_same_fur() {
+    let Some(gpu) = gpu("both_direction_formats_draw_the_same_fur") else { return };
+    let three = SphereParams { planar_directions: false, ..small() };
+    let three = sphere_picture(gpu, &RendererOptions::default(), &front(), &three);
+    let found = difference(&default_picture(gpu), &three);
+    assert!(found.mean > 0.0 && found.mean < 1.5, "{found:?}");
+}
+
+#[test]
+fn instances_have_their_own_place_and_pose() {
+    let Some(gpu) = gpu("instances_have_their_own_place_and_pose") else { return };
+    let sphere = SphereParams { skeleton: true, stripes: true, ..small() };
+    let mut renderer = renderer(gpu, &RendererOptions::default());
+    let mut left = instance(gpu, &renderer, &sphere);
+    let mut right = Instance::new(left.model());
+    left.transform = Mat4::from_translation(Vec3::new(-0.15, 0.0, 0.0));
+    right.transform = Mat4::from_translation(Vec3::new(0.15, 0.0, 0.0));
+    let projection = Projection::Orthographic { height_m: 0.3, aspect: 2.0, near_m: 0.0, far_m: 4.0 };
+    let params = FrameParams::new(Camera::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, projection));
+    let size = (256, 128);
+    let half = |p: &Picture, from: usize| Picture {
+        size: (128, 128),
+        rgba: p.rgba.chunks_exact(256).flat_map(|row| row[from..from + 128].to_vec()).collect(),
+    };
+    let same = draw(gpu, &mut renderer, size, &params, &mut [&mut left, &mut right]);
+    // Parallel camera and light: two copies at rest look alike.
+    let found = difference(&half(&same, 0), &half(&same, 128));
+    assert!(found.share < 0.01, "copies at rest differ: {found:?}");
+
+    let clip = right.model().clip_index("bend").unwrap();
+    right.motion = Motion::Clip { clip, time_s: 0.5 };
+    let bent = draw(gpu, &mut renderer, size, &params, &mut [&mut left, &mut right]);
+    assert_eq!(half(&bent, 0), half(&same, 0), "the left copy moved with the right");
+    let found = difference(&half(&bent, 128), &half(&same, 128));
+    assert!(found.share > 0.05, "the right copy did not move: {found:?}");
+
+    // The same pose from joints of the application's own.
+    let mut pose = pelage_runtime::formats::Pose::default();
+    pose.sample(right.model().skeleton().unwrap(), Some(clip), 0.5);
+    right.motion = Motion::Joints(pose.joints.clone());
+    assert_eq!(draw(gpu, &mut renderer, size, &params, &mut [&mut left, &mut right]), bent);
+    right.motion = Motion::Joints(vec![Mat4::IDENTITY]);
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let error = renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut right]).unwrap_err();
+    assert!(error.to_string().contains("1 joints, expected the 2 joints"), "{error}");
+}
+
+#[test]
+fn a_moved_copy_is_a_moved_picture_also_when_mirrored() {
+    let Some(gpu) = gpu("a_moved_copy_is_a_moved_picture_also_when_mirrored") else { return };
+    let mut renderer = renderer(gpu, &RendererOptions::default());
+    let mut copy = instance(gpu, &renderer, &SphereParams { stripes: true, ..small() });
+    let look = |x: f32| Camera::framing(Vec3::ZERO, 0.13, Vec3::new(x, 0.2, 1.0), 0.6, 1.0);
+    let light = |x: f32| Light::Directional { towards_light: Vec3::new(x, 0.8, 0.6), color: Vec3::ONE };
+    let params = FrameParams { light: light(-0.5), ..FrameParams::new(look(-0.4)) };
+    let plain = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut copy]);
+
+    // Turned and scaled together with camera and light: the same picture.
+    let turn = Quat::from_rotation_x(0.7) * Quat::from_rotation_y(1.1);
+    copy.transform = Mat4::from_scale_rotation_translation(Vec3::splat(3.0), turn, Vec3::new(5.0, -2.0, 1.0));
+    let view_from_world = params.camera.view_from_world;
+    let rigid = Mat4::from_rotation_translation(turn, Vec3::new(5.0, -2.0, 1.0));
+    let mut moved = params.clone();
+    // Camera space three times as large around the same picture.
+    let mut view = view_from_world;
+    view.w_axis *= pelage_runtime::glam::Vec4::new(3.0, 3.0, 3.0, 1.0);
+    moved.camera.view_from_world = view * rigid.inverse();
+    if let Projection::Perspective { near_m, far_m, .. } = &mut moved.camera.projection {
+        (*near_m, *far_m) = (*near_m * 3.0, *far_m * 3.0);
+    }
+    moved.light = Light::Directional { towards_light: turn * Vec3::new(-0.5, 0.8, 0.6), color: Vec3::ONE };
+    let found = difference(&plain, &draw(gpu, &mut renderer, SIZE, &moved, &mut [&mut copy]));
+    assert!(found.mean < 0.3 && found.share < 0.01, "turned and scaled: {found:?}");
+
+    // Mirrored together with camera and light: the mirrored picture.
+    copy.transform = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    let params = FrameParams { light: light(0.5), ..FrameParams::new(look(0.4)) };
+    let mut mirrored = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut copy]);
+    mirrored.rgba.chunks_exact_mut(SIZE.0 as usize).for_each(<[_]>::reverse);
+    let found = difference(&plain, &mirrored);
+    assert!(found.mean < 0.5 && found.share < 0.01, "mirrored: {found:?}");
+}
+
+#[test]
+fn bare_parts_have_no_fur() {
+    let Some(gpu) = gpu("bare_parts_have_no_fur") else { return };
+    let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.3, 1.0));
+    // Short fur: long fur hangs over the band.
+    let banded = SphereParams { bare_band: true, height_m: 0.004, ..small() };
+    let banded = sphere_picture(gpu, &RendererOptions::default(), &params, &banded);
+    let middle = banded.rgba[58 * 128 + 64];
+    assert!(middle[2] > middle[0] && middle[3] == 255, "the band's blue is {middle:?}");
+    let above = banded.rgba[30 * 128 + 64];
+    assert!(above[0] > above[2], "the fur above it is {above:?}");
+}
+
+#[test]
+fn light_and_its_switches() {
+    let Some(gpu) = gpu("light_and_its_switches") else { return };
+    let options = RendererOptions::default();
+    let picture = |change: &dyn Fn(&mut FrameParams)| {
+        let mut params = front();
+        change(&mut params);
+        sphere_picture(gpu, &options, &params, &small())
+    };
+    let plain = picture(&|_| ());
+    let behind = |p: &mut FrameParams| p.light = Light::Directional { towards_light: Vec3::NEG_Z, color: Vec3::ONE };
+    let dark = picture(&behind);
+    assert!(dark.mean(1) < 0.7 * plain.mean(1), "lit from behind {}, from the front {}", dark.mean(1), plain.mean(1));
+    let through = picture(&|p| {
+        behind(p);
+        p.back_attenuation = false;
+    });
+    assert!(through.mean(1) > 1.2 * dark.mean(1), "Attenu_Back off: {} and {}", through.mean(1), dark.mean(1));
+    let flat = picture(&|p| p.ambient_attenuation = false);
+    assert!(flat.mean(1) > plain.mean(1), "ambient attenuation off: {} and {}", flat.mean(1), plain.mean(1));
+    // A point light far away is a directional light.
+    let towards_light = Vec3::new(-0.5, 0.8, 0.6);
+    let far = picture(&|p| p.light = Light::Point { position: towards_light * 1e4, color: Vec3::ONE });
+    let found = difference(&plain, &far);
+    assert!(found.mean < 0.1, "{found:?}");
+    // Nothing shines: black, but still there.
+    let night = picture(&|p| {
+        p.ambient = Vec3::ZERO;
+        p.light = Light::Directional { towards_light, color: Vec3::ZERO };
+    });
+    assert!(night.mean(1) == 0.0 && night.covered() == plain.covered(), "{} {}", night.mean(1), night.covered());
+    let shiny = Shading { specular: [0.9; 3], ..Shading::default() };
+    assert!(picture(&|p| p.shading = Some(shiny)).mean(1) > plain.mean(1));
+}
+
+#[test]
+fn fewer_and_more_layers_keep_the_look() {
+    let Some(gpu) = gpu("fewer_and_more_layers_keep_the_look") else { return };
+    let options = RendererOptions::default();
+    let baked = sphere_picture(gpu, &options, &front(), &small());
+    for layers in [8, 31, 46] {
+        let params = FrameParams { layers: Some(layers), ..front() };
+        let other = sphere_picture(gpu, &options, &params, &small());
+        let found = [1, 3].map(|c| other.mean(c) / baked.mean(c));
+        assert!(found.iter().all(|r| (r - 1.0).abs() < 0.04), "{layers} layers: green and alpha {found:?} times");
+    }
+    let skin = sphere_picture(gpu, &options, &FrameParams { layers: Some(1), ..front() }, &small());
+    assert!(skin.covered() < baked.covered() * 4 / 5, "one layer is the skin alone");
+}
+
+#[test]
+fn errors_name_what_is_wrong() {
+    let Some(gpu) = gpu("errors_name_what_is_wrong") else { return };
+    let mut renderer = renderer(gpu, &RendererOptions::default());
+    let mut copy = instance(gpu, &renderer, &small());
+    let mut error = |change: &dyn Fn(&mut FrameParams), copy: &mut Instance| {
+        let mut params = front();
+        change(&mut params);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        renderer.prepare(&gpu.device, &mut encoder, &params, &mut [copy]).unwrap_err().to_string()
+    };
+    for (message, expected) in [
+        (error(&|p| p.layers = Some(0), &mut copy), "FrameParams::layers is 0, expected 1..=1024"),
+        (error(&|p| p.ambient = Vec3::NAN, &mut copy), "FrameParams::ambient"),
+        (error(&|p| p.camera.view_from_world = Mat4::ZERO, &mut copy), "FrameParams::camera"),
+        (error(&|p| p.light = Light::Directional { towards_light: Vec3::ZERO, color: Vec3::ONE }, &mut copy), "light"),
+        (error(&|p| p.shading = Some(Shading { specular_exponent: -1.0, ..Shading::default() }), &mut copy), "shading"),
+    ] {
+        assert!(message.contains(expected), "{message:?} does not name {expected:?}");
+    }
+    copy.transform = Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0));
+    assert!(error(&|_| (), &mut copy).contains("Instance::transform"));
+
+    for (options, field) in [
+        (RendererOptions { color_format: wgpu::TextureFormat::Depth32Float, ..Default::default() }, "color_format"),
+        (RendererOptions { depth_format: wgpu::TextureFormat::Rgba8Unorm, ..Default::default() }, "depth_format"),
+        (RendererOptions { sample_count: 3, ..Default::default() }, "sample_count"),
+        (RendererOptions { anisotropy: 0, ..Default::default() }, "anisotropy"),
+    ] {
+        let error = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap_err();
+        assert!(matches!(&error, RuntimeError::Options { field: f, .. } if *f == field), "{field}: {error}");
+    }
+
+    let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let bytes = package(&small());
+    let cut = renderer.load_bytes(&gpu.device, &gpu.queue, &bytes[..bytes.len() / 2]).unwrap_err();
+    assert!(matches!(cut, RuntimeError::Package(_)), "{cut}");
+}
+
+#[test]
+fn the_report_names_what_ran_and_why_not() {
+    let Some(gpu) = gpu("the_report_names_what_ran_and_why_not") else { return };
+    let mut renderer = renderer(gpu, &RendererOptions::default());
+    let mut plain = instance(gpu, &renderer, &small());
+    let mut skinned = instance(gpu, &renderer, &SphereParams { skeleton: true, ..small() });
+    let mut report = |params: &FrameParams, copy: &mut Instance| -> Vec<(&'static str, bool, String)> {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let frame = renderer.prepare(&gpu.device, &mut encoder, params, &mut [copy]).unwrap();
+        gpu.queue.submit([encoder.finish()]);
+        frame.report().passes.iter().map(|p| (p.name, p.ran, p.reason.clone())).collect()
+    };
+    let ran = |report: &[(&str, bool, String)]| report.iter().map(|(_, ran, _)| *ran).collect::<Vec<_>>();
+    let furry = report(&front(), &mut plain);
+    assert_eq!(furry.iter().map(|p| p.0).collect::<Vec<_>>(), ["pose", "skin", "shells"]);
+    assert_eq!(ran(&furry), [false, true, true]);
+    assert!(furry[0].2.contains("no instance has a skeleton"), "{furry:?}");
+    let bare = report(&FrameParams { style: Style::Bare, ..front() }, &mut plain);
+    assert!(!bare[2].1 && bare[2].2.contains("bare"), "{bare:?}");
+    assert_eq!(ran(&report(&front(), &mut skinned)), [true, true, true]);
+    let again = report(&front(), &mut skinned);
+    assert!(!again[0].1 && again[0].2.contains("no pose changed"), "{again:?}");
+    skinned.invalidate();
+    assert!(report(&front(), &mut skinned)[0].1, "invalidated, but not posed again");
+}

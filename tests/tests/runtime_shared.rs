@@ -1,0 +1,387 @@
+//! Shared shader functions three ways: f64 truth, Rust twin, GPU.
+//!
+//! Tolerances: the twin does the same f32 operations as the shader, so both are held to the same distance from the truth; WGSL
+//! grants exp2, log2 and inverseSqrt a few units in the last place more than Rust's, and powers multiply that by the exponent.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
+use pelage_runtime::shared::{frame, kajiya_kay, opacity, skinning, tile_frame};
+use pelage_tests::compute::evaluate;
+use pelage_tests::gpu::gpu;
+use pelage_tests::support::sphere::Random;
+
+type Case<const N: usize> = [[f32; 4]; N];
+
+/// Checks twin and GPU against the truth for every case. `tolerance` is absolute, per component, given the truth.
+fn three_ways<const N: usize>(
+    name: &str,
+    library: &str,
+    expression: &str,
+    cases: &[Case<N>],
+    truth: impl Fn(&Case<N>) -> [f64; 4],
+    twin: impl Fn(&Case<N>) -> [f32; 4],
+    tolerance: impl Fn(&Case<N>, f64) -> f64,
+) {
+    let on_gpu = gpu(name).map(|gpu| evaluate(gpu, library, expression, cases));
+    let mut worst = [0.0f64; 2];
+    for (index, case) in cases.iter().enumerate() {
+        let expected = truth(case);
+        let ways = [Some(twin(case)), on_gpu.as_ref().map(|results| results[index])];
+        for (way, found) in ways.into_iter().enumerate().filter_map(|(i, f)| Some((i, f?))) {
+            for (k, (found, expected)) in found.into_iter().zip(expected).enumerate() {
+                let (error, allowed) = ((f64::from(found) - expected).abs(), tolerance(case, expected));
+                assert!(
+                    error <= allowed,
+                    "{name}, {}: case {index} {case:?}, component {k}: {found}, expected {expected} within {allowed}",
+                    ["twin", "GPU"][way]
+                );
+                worst[way] = worst[way].max(error / allowed);
+            }
+        }
+    }
+    println!("{name}: {} cases, worst share of the tolerance: twin {:.3}, GPU {:.3}", cases.len(), worst[0], worst[1]);
+}
+
+fn unit(random: &mut Random) -> Vec3 {
+    loop {
+        let v = Vec3::new(random.next_f32(), random.next_f32(), random.next_f32()) * 2.0 - 1.0;
+        if (0.01..1.0).contains(&v.length_squared()) {
+            return v.normalize();
+        }
+    }
+}
+
+fn d(v: &[f32; 4]) -> DVec3 {
+    DVec3::new(v[0].into(), v[1].into(), v[2].into())
+}
+
+fn v(v: &[f32; 4]) -> Vec3 {
+    Vec3::new(v[0], v[1], v[2])
+}
+
+fn x(value: f64) -> [f64; 4] {
+    [value, 0.0, 0.0, 0.0]
+}
+
+fn xf(value: f32) -> [f32; 4] {
+    [value, 0.0, 0.0, 0.0]
+}
+
+#[test]
+fn sin_squared() {
+    let mut random = Random(1);
+    let mut cases: Vec<Case<2>> = Vec::new();
+    for i in 0..4000 {
+        let a = unit(&mut random);
+        // From perpendicular to parallel within 1e-6.
+        let b = (a + unit(&mut random) * 10f32.powf(-6.0 * (i % 100) as f32 / 99.0)).normalize();
+        let scale = 0.1 + 1.9 * random.next_f32();
+        cases.push([(a * scale).extend(0.0).to_array(), b.extend(0.0).to_array()]);
+    }
+    cases.push([[0.0; 4], [1.0, 0.0, 0.0, 0.0]]);
+    three_ways(
+        "sin_squared",
+        kajiya_kay::WGSL,
+        "vec4(sin_squared(in_0.xyz, in_1.xyz), 0.0, 0.0, 0.0)",
+        &cases,
+        |[a, b]| x(d(a).cross(d(b)).length_squared() / (d(a).length_squared() * d(b).length_squared()).max(1e-20)),
+        |[a, b]| xf(kajiya_kay::sin_squared(v(a), v(b))),
+        // The components of the cross product are off by an ulp of the vectors; squared, relative to a small sine.
+        |_, s| 1e-6 * s.sqrt().max(s) + 1e-13,
+    );
+}
+
+#[test]
+fn sin_power() {
+    let mut cases: Vec<Case<1>> = Vec::new();
+    for s in [0.0, 1e-30, 1e-12, 1e-4, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999, 0.99999, 1.0] {
+        for h in [0.0, 0.5, 1.0, 2.5, 15.0, 50.0, 400.0, 5000.0] {
+            cases.push([[s, h, 0.0, 0.0]]);
+        }
+    }
+    three_ways(
+        "sin_power",
+        kajiya_kay::WGSL,
+        "vec4(sin_power(in_0.x, in_0.y), 0.0, 0.0, 0.0)",
+        &cases,
+        |[c]| x(f64::from(c[0]).max(1e-30).powf(c[1].into())),
+        |[c]| xf(kajiya_kay::sin_power(c[0], c[1])),
+        // log2 is off by about 2^-21 near 1 (WGSL), times the exponent, times the result; and one more for exp2.
+        |[c], p| {
+            p * (1e-6 * f64::from(c[1]) + 1e-6 * (f64::from(c[1]) * f64::from(c[0].max(1e-30)).log2()).abs() + 1e-6)
+                + 1e-12
+        },
+    );
+}
+
+#[test]
+fn attenuations() {
+    let mut cases: Vec<Case<1>> = Vec::new();
+    for i in 0..=40 {
+        for range in [0.0, 0.1, 0.3, 1.0, kajiya_kay::BACK_ATTENUATION_OFF] {
+            cases.push([[i as f32 / 20.0 - 1.0, range, i as f32 / 40.0, range.min(1.0)]]);
+        }
+    }
+    three_ways(
+        "attenuations",
+        kajiya_kay::WGSL,
+        "vec4(back_attenuation(in_0.x, in_0.y), ambient_attenuation(in_0.z, in_0.w), 0.0, 0.0)",
+        &cases,
+        |[c]| {
+            let (n_dot_l, r) = (f64::from(c[0]), f64::from(c[1]).max(1e-4));
+            let back = if n_dot_l >= 0.0 { 1.0 } else { (n_dot_l + r).clamp(0.0, r) / r };
+            let (height, floor) = (f64::from(c[2]), f64::from(c[3]));
+            [back, floor + (1.0 - floor) * height, 0.0, 0.0]
+        },
+        |[c]| [kajiya_kay::back_attenuation(c[0], c[1]), kajiya_kay::ambient_attenuation(c[2], c[3]), 0.0, 0.0],
+        |_, _| 2e-6,
+    );
+}
+
+#[test]
+fn resampled_opacity() {
+    let mut cases: Vec<Case<1>> = Vec::new();
+    for i in 0..=600 {
+        for exponent in [1.0 / 64.0, 0.125, 0.3, 1.0, 2.0, 5.0, 63.0] {
+            // Opacities from 1e-8 to 1, evenly in their logarithm.
+            cases.push([[10f32.powf(-8.0 + i as f32 / 75.0), exponent, 0.0, 0.0]]);
+        }
+    }
+    three_ways(
+        "resampled_opacity",
+        opacity::WGSL,
+        "vec4(resampled_opacity(in_0.x, in_0.y), 0.0, 0.0, 0.0)",
+        &cases,
+        |[c]| x(-(f64::from(c[1]) * (-f64::from(c[0]).min(1.0 - 1.0 / 2048.0)).ln_1p()).exp_m1()),
+        |[c]| xf(opacity::resampled_opacity(c[0], c[1])),
+        // Relative: the point of the safe form is that small opacities keep their digits.
+        |_, a| 1e-5 * a,
+    );
+}
+
+#[test]
+fn baked_layer_shares_are_even() {
+    let mut cases: Vec<Case<1>> = Vec::new();
+    for baked in [2u32, 3, 8, 16, 64, 256] {
+        for drawn in [2u32, 5, 8, 9, 16, 31, 64, 127, 256] {
+            cases.extend((0..drawn).map(|layer| [[layer as f32, baked as f32, drawn as f32, 0.0]]));
+        }
+    }
+    three_ways(
+        "baked_layer",
+        opacity::WGSL,
+        "vec4(f32(baked_layer(u32(in_0.x), u32(in_0.y), u32(in_0.z))), 0.0, 0.0, 0.0)",
+        &cases,
+        |[c]| {
+            let [layer, baked, drawn] = [c[0], c[1], c[2]].map(f64::from);
+            // Exact in f64: halves of whole numbers below 2^17.
+            x(if layer == 0.0 {
+                0.0
+            } else {
+                1.0 + ((2.0 * layer - 1.0) * (baked - 1.0) / (2.0 * (drawn - 1.0))).floor()
+            })
+        },
+        |[c]| xf(opacity::baked_layer(c[0] as u32, c[1] as u32, c[2] as u32) as f32),
+        |_, _| 1e-9,
+    );
+    for (baked, drawn) in [(16, 31), (8, 64), (64, 8), (16, 16)] {
+        let mut uses = vec![0u32; baked as usize];
+        (1..drawn).for_each(|k| uses[opacity::baked_layer(k, baked, drawn) as usize] += 1);
+        let (least, most) = (uses[1..].iter().min().unwrap(), uses[1..].iter().max().unwrap());
+        assert!(uses[0] == 0 && most - least <= 1, "{baked} baked, {drawn} drawn: {uses:?}");
+    }
+}
+
+#[test]
+fn directions_to_eye_and_light() {
+    let mut random = Random(3);
+    let mut cases: Vec<Case<2>> = Vec::new();
+    for i in 0..1000 {
+        let target = (unit(&mut random) * 3.0).extend((i % 2) as f32);
+        cases.push([target.to_array(), unit(&mut random).extend(0.0).to_array()]);
+    }
+    three_ways(
+        "direction_to and half_vector",
+        frame::WGSL,
+        "vec4(half_vector(direction_to(in_0, in_1.xyz), in_1.xyz), direction_to(in_0, in_1.xyz).x)",
+        &cases,
+        |[t, p]| {
+            let to = (d(t) - d(p) * f64::from(t[3])).normalize();
+            (to + d(p)).normalize().extend(to.x).to_array()
+        },
+        |[t, p]| {
+            let to = frame::direction_to(Vec4::from_array(*t), v(p));
+            frame::half_vector(to, v(p)).extend(to.x).to_array()
+        },
+        // Adding two nearly opposed unit vectors amplifies an ulp by the inverse of what is left.
+        |[t, p], _| {
+            let to = (d(t) - d(p) * f64::from(t[3])).normalize();
+            1e-6 / (to + d(p)).length().max(1e-3)
+        },
+    );
+}
+
+#[test]
+fn tile_frames() {
+    let mut random = Random(4);
+    let mut cases: Vec<Case<3>> = Vec::new();
+    for i in 0..1000 {
+        let (n, t) = (unit(&mut random), unit(&mut random));
+        let handedness = if i % 3 == 0 { -1.0 } else { 1.0 };
+        cases.push([
+            n.extend(handedness).to_array(),
+            t.extend(0.0).to_array(),
+            unit(&mut random).extend(0.0).to_array(),
+        ]);
+    }
+    three_ways(
+        "tile_frame and to_tile",
+        tile_frame::WGSL,
+        "vec4(to_tile(tile_frame(in_0.xyz, in_1.xyz, in_0.w), in_2.xyz), 0.0)",
+        &cases,
+        |[n, t, w]| {
+            let (n64, h) = (d(n), f64::from(n[3]));
+            let t64 = (d(t) - n64 * n64.dot(d(t))).normalize();
+            DVec3::new(t64.dot(d(w)), (h * n64.cross(t64)).dot(d(w)), n64.dot(d(w))).extend(0.0).to_array()
+        },
+        |[n, t, w]| tile_frame::to_tile(tile_frame::tile_frame(v(n), v(t), n[3]), v(w)).extend(0.0).to_array(),
+        // Gram-Schmidt amplifies an ulp by the inverse of what is left of the tangent.
+        |[n, t, _], _| 2e-6 / d(n).cross(d(t)).length().max(1e-3),
+    );
+}
+
+#[test]
+fn directions_decode_as_the_format_says() {
+    let mut cases: Vec<Case<1>> = Vec::new();
+    for i in 0..=17 {
+        for j in 0..=17 {
+            for (z, planar) in [(0.0, 1.0), (0.6, 0.0), (128.0 / 255.0, 0.0)] {
+                cases.push([[(15 * i) as f32 / 255.0, (15 * j) as f32 / 255.0, z, planar]]);
+            }
+        }
+    }
+    cases.push([[128.0 / 255.0, 128.0 / 255.0, 128.0 / 255.0, 0.0]]);
+    three_ways(
+        "decode_direction",
+        tile_frame::WGSL,
+        "vec4(decode_direction(in_0, in_0.w > 0.5), 0.0)",
+        &cases,
+        |[c]| {
+            let value = d(c).map_each(|v| ((255.0 * v - 128.0) / 127.0).clamp(-1.0, 1.0));
+            let planar = value.x * value.x + value.y * value.y;
+            let decoded = match (c[3] > 0.5, planar > 1.0) {
+                (true, true) => DVec3::new(value.x, value.y, 0.0) / planar.sqrt(),
+                (true, false) => DVec3::new(value.x, value.y, (1.0 - planar).sqrt()),
+                (false, _) if value.length_squared() < 1e-4 => DVec3::Z,
+                (false, _) => value,
+            };
+            decoded.extend(0.0).to_array()
+        },
+        |[c]| tile_frame::decode_direction(Vec4::from_array(*c), c[3] > 0.5).extend(0.0).to_array(),
+        // z is the root of a difference: an ulp of 1 under the root.
+        |_, component| 1e-6 + 3e-7 / component.abs().max(5e-4),
+    );
+}
+
+trait MapEach {
+    fn map_each(self, f: impl Fn(f64) -> f64) -> Self;
+}
+
+impl MapEach for DVec3 {
+    fn map_each(self, f: impl Fn(f64) -> f64) -> Self {
+        Self::new(f(self.x), f(self.y), f(self.z))
+    }
+}
+
+#[test]
+fn normals_under_a_matrix() {
+    let mut random = Random(5);
+    let mut cases: Vec<Case<4>> = Vec::new();
+    while cases.len() < 1000 {
+        let m = Mat3::from_cols(unit(&mut random), unit(&mut random), unit(&mut random));
+        if m.determinant().abs() > 0.05 {
+            let columns = [m.x_axis, m.y_axis, m.z_axis, unit(&mut random)];
+            cases.push(columns.map(|c| c.extend(0.0).to_array()));
+        }
+    }
+    three_ways(
+        "transform_normal and handedness_of",
+        skinning::WGSL,
+        "vec4(transform_normal(mat3x3(in_0.xyz, in_1.xyz, in_2.xyz), in_3.xyz),
+              handedness_of(mat3x3(in_0.xyz, in_1.xyz, in_2.xyz)))",
+        &cases,
+        |[a, b, c, n]| {
+            // The inverse transpose, which the cofactor form stands for.
+            let m = DMat3::from_cols(d(a), d(b), d(c));
+            (m.inverse().transpose() * d(n)).normalize().extend(m.determinant().signum()).to_array()
+        },
+        |[a, b, c, n]| {
+            let m = Mat3::from_cols(v(a), v(b), v(c));
+            skinning::transform_normal(m, v(n)).extend(skinning::handedness_of(m)).to_array()
+        },
+        // Cofactors cancel as the determinant shrinks; it is above 0.05 here.
+        |_, _| 2e-5,
+    );
+}
+
+#[test]
+fn blended_positions() {
+    let mut random = Random(6);
+    let mut cases: Vec<Case<4>> = Vec::new();
+    for i in 0..1000 {
+        let w = random.next_f32();
+        let weights = if i % 7 == 0 { [0.0, 1.0, 0.0, 0.0] } else { [w, 1.0 - w, 0.0, 0.0] };
+        let row = |r: &mut Random| unit(r).extend(0.0).to_array();
+        cases.push([row(&mut random), row(&mut random), row(&mut random), weights]);
+    }
+    // Two matrices that share two columns, so that three inputs are enough.
+    let matrices = |[a, b, c, _]: &Case<4>| {
+        let m = |x: Vec3, y: Vec3, z: Vec3| Mat4::from_mat3(Mat3::from_cols(x, y, z));
+        (m(v(a), v(b), v(c)), m(v(b), v(c), v(a)))
+    };
+    three_ways(
+        "blend",
+        skinning::WGSL,
+        "blend(
+            mat4x4(in_0, in_1, in_2, vec4(0.0, 0.0, 0.0, 1.0)), mat4x4(in_1, in_2, in_0, vec4(0.0, 0.0, 0.0, 1.0)),
+            mat4x4<f32>(), mat4x4<f32>(), in_3) * vec4(1.0, 2.0, 3.0, 1.0)",
+        &cases,
+        |case| {
+            let (m0, m1) = matrices(case);
+            let p = DVec3::new(1.0, 2.0, 3.0);
+            let w = case[3].map(f64::from);
+            let sum = m0.as_dmat4().transform_point3(p) * w[0] + m1.as_dmat4().transform_point3(p) * w[1];
+            sum.extend(w[0] + w[1]).to_array()
+        },
+        |case| {
+            let (m0, m1) = matrices(case);
+            let m = skinning::blend(m0, m1, Mat4::ZERO, Mat4::ZERO, Vec4::from_array(case[3]));
+            (m * Vec4::new(1.0, 2.0, 3.0, 1.0)).to_array()
+        },
+        |_, _| 3e-6,
+    );
+}
+
+/// The comparer itself: a wrong expression must be caught, and so must a shader that computes nothing.
+#[test]
+fn a_wrong_shader_is_caught() {
+    let Some(gpu) = gpu("a_wrong_shader_is_caught") else { return };
+    let wrong = std::panic::catch_unwind(|| {
+        three_ways(
+            "wrong on purpose",
+            kajiya_kay::WGSL,
+            "vec4(sin_squared(in_0.xyz, in_1.xyz) + 1e-4, 0.0, 0.0, 0.0)",
+            &[[[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]]],
+            |_| x(1.0),
+            |_| xf(1.0),
+            |_, _| 1e-6,
+        );
+    });
+    assert!(wrong.is_err(), "an error of 1e-4 passed a tolerance of 1e-6");
+    let idle = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        // Writes the sentinel, as a shader that never ran would leave it.
+        evaluate(gpu, "", &format!("vec4({:?}) + 0.0 * in_0", pelage_tests::compute::SENTINEL), &[[[0.0; 4]]])
+    }));
+    assert!(idle.is_err(), "an untouched output passed");
+}
