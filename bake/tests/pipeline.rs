@@ -1,0 +1,108 @@
+#![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+//! The way through bake, from the built-in models to packages.
+
+use pelage_bake::BakeError;
+use pelage_bake::import::{ImportOptions, import};
+use pelage_bake::pipeline::{self, Baked, STAGES};
+use pelage_bake::recipe::Recipe;
+use pelage_formats::{Limits, Package};
+use std::path::PathBuf;
+
+fn asset(path: &str) -> Vec<u8> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../assets").join(path);
+    std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+fn recipe(name: &str) -> Recipe {
+    let file = format!("recipes/{name}.toml");
+    Recipe::parse(&file, std::str::from_utf8(&asset(&file)).unwrap()).unwrap()
+}
+
+fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
+    let mut no_files = |uri: &str| panic!("a built-in model names the file {uri}");
+    let bytes = asset(&format!("models/{name}.glb"));
+    let model = import(name, &bytes, &mut no_files, &ImportOptions { unit_m: recipe.model.unit_m })?;
+    let mut stages = Vec::new();
+    let baked = pipeline::bake(name, name, &model, recipe, &mut |stage| stages.push(stage));
+    assert!(STAGES.starts_with(&stages), "{stages:?}");
+    baked
+}
+
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+}
+
+#[test]
+fn the_bytes_depend_on_nothing_but_the_inputs() {
+    for name in ["hare", "torus"] {
+        let recipe = recipe(name);
+        let one = on_threads(1, || bake(name, &recipe).unwrap().package);
+        for threads in [1, 2, 5] {
+            let again = on_threads(threads, || bake(name, &recipe).unwrap().package);
+            assert!(one == again, "{name} differs on {threads} threads");
+        }
+        let mut other = recipe;
+        other.hair.seed += 1;
+        assert!(one != bake(name, &other).unwrap().package, "{name}: another seed must be another coat");
+    }
+}
+
+#[test]
+fn the_resolved_recipe_makes_the_same_package() {
+    let mut open = recipe("knot");
+    (open.hair.length_m, open.surface.tile_size_m) = (None, None);
+    let first = bake("knot", &open).unwrap().package;
+    let package = Package::open(&first, &Limits::default()).unwrap();
+    let resolved = Recipe::parse("resolved", &package.manifest().recipe).unwrap();
+    assert!(resolved.hair.length_m.is_some() && resolved.surface.tile_size_m.is_some());
+    assert!(first == bake("knot", &resolved).unwrap().package, "the recipe in the manifest is not what was baked");
+}
+
+#[test]
+fn every_texture_format_makes_a_valid_package_of_the_stated_shape() {
+    for (shell, direction) in [("bc7", "bc5"), ("rgba8", "rg8"), ("rgba8", "rgba8")] {
+        let mut recipe = recipe("torus");
+        for set in [format!("pack.shell_format={shell}"), format!("pack.direction_format={direction}")] {
+            recipe.set(&set).unwrap();
+        }
+        (recipe.slice.layers, recipe.slice.tile_texels) = (8, 32);
+        let bytes = bake("torus", &recipe).unwrap().package;
+        assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+        let package = Package::open(&bytes, &Limits::default()).unwrap();
+        for index in 0..2 {
+            let view = package.texture(index).unwrap();
+            assert_eq!((view.width, view.height, view.layers, view.levels), (32, 32, 8, 6), "{shell} {direction}");
+        }
+        let fur = package.manifest().fur;
+        assert_eq!((fur.layers, fur.tile_texels, fur.strands), (8, 32, recipe.hair.density));
+        assert!(fur.height_m > 0.0 && fur.height_m <= recipe.hair.length_m.unwrap() * 1.0001, "{fur:?}");
+    }
+}
+
+#[test]
+fn bare_materials_carry_no_hair() {
+    let bytes = bake("hare", &recipe("hare")).unwrap().package;
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let (manifest, mesh) = (package.manifest(), package.mesh().unwrap().unwrap());
+    let (vertices, indices): (Vec<_>, Vec<_>) = (mesh.geometry().collect(), mesh.indices().collect());
+    let mut seen = [0; 2];
+    for part in &manifest.parts {
+        let furred = manifest.materials[part.material as usize].furred;
+        seen[usize::from(furred)] += 1;
+        for index in &indices[part.first_index as usize..][..part.index_count as usize] {
+            let height = vertices[*index as usize].fur_height;
+            assert_eq!(height, if furred { manifest.fur.height_m } else { 0.0 });
+        }
+    }
+    assert!(seen.iter().all(|n| *n > 0), "the hare has furred and bare parts: {seen:?}");
+    assert!(package.animation().unwrap().unwrap().clips.iter().any(|c| c.name == "EarBreath"));
+}
+
+#[test]
+fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
+    let mut recipe = recipe("hare");
+    recipe.model.bare = vec!["Hoof*".into()];
+    let warnings = bake("hare", &recipe).unwrap().warnings;
+    let warning = warnings.iter().find(|w| w.contains("Hoof*")).unwrap_or_else(|| panic!("{warnings:?}"));
+    assert!(warning.contains("Eye") && warning.contains("Coat"), "{warning}");
+}
