@@ -1,7 +1,7 @@
 //! Strands → layers of texels.
 
 use super::layer::Transmittance;
-use super::splat::{LayerIndex, draw};
+use super::splat::LayerIndex;
 use crate::BakeError;
 use crate::hair::Strands;
 use crate::recipe::SliceParams;
@@ -33,7 +33,7 @@ pub struct ShellSet {
 /// * `direction_format`: a format of two or of four components, which decides whether the length of mean directions is kept
 ///
 /// The layers lie evenly from the skin (layer 0, opaque) to `strands.height`; texels wrap at the tile's borders. Memory beyond the
-/// strands: about 100 bytes a texel of one layer and 40 bytes a splat of one layer.
+/// strands: about 80 bytes a texel of one layer, and an index of 4 bytes for each segment and layer that it crosses.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for strands that are not whole, and
@@ -52,8 +52,7 @@ pub fn slice(
     let mut sums = vec![[0.0; 8]; n as usize * n as usize];
     for k in (0..params.layers).rev() {
         // The skin is opaque; its hair direction is that of the roots just above it.
-        let splats = index.splats(strands, k.max(1) as usize, n, params.filter_width);
-        draw(&splats, n, &mut sums);
+        index.draw(strands, k.max(1) as usize, n, params.filter_width, &mut sums);
         let skin = (k == 0).then_some(strands.root_color);
         let levels = transmittance.layer(&mut sums, n, skin);
         let (color, mut direction): (Vec<_>, Vec<_>) = levels.into_iter().unzip();

@@ -25,6 +25,8 @@ const CUTOFF: f32 = 3.0;
 const SPACING: f32 = 1.2;
 /// Segments that one task turns into splats. Fixed, because streaks are merged within a task only.
 const CHUNK: usize = 4096;
+/// Segments whose splats are in memory at once.
+const BATCH: usize = 64 * CHUNK;
 
 /// Sums over the strands at one texel: optical depth, then depth times linear RGB, then depth times direction, then padding
 /// to a power of two.
@@ -87,14 +89,22 @@ impl LayerIndex {
         (below, above)
     }
 
-    /// The splats of one layer, in the order of the strands whatever the number of threads.
-    pub(super) fn splats(&self, strands: &Strands, layer: usize, texels: u32, filter_width: f32) -> Vec<Splat> {
-        let slab = self.slab(layer);
+    /// Fills `sums`, `texels * texels` row-major, with one layer's hair. The result does not depend on the number of threads.
+    pub(super) fn draw(&self, strands: &Strands, layer: usize, texels: u32, filter_width: f32, sums: &mut [Sums]) {
+        sums.par_iter_mut().with_min_len(4096).for_each(|s| *s = [0.0; 8]);
         let entries = &self.segments[self.starts[layer]..self.starts[layer + 1]];
+        for batch in entries.chunks(BATCH) {
+            add(&self.splats(strands, batch, layer, texels, filter_width), texels, sums);
+        }
+    }
+
+    /// The splats of some of a layer's segments, in their order.
+    fn splats(&self, strands: &Strands, entries: &[u32], layer: usize, texels: u32, filter_width: f32) -> Vec<Splat> {
+        let slab = self.slab(layer);
         let parts: Vec<Vec<Splat>> = entries
             .par_chunks(CHUNK)
             .map(|chunk| {
-                let mut streak = Streak { splats: Vec::with_capacity(chunk.len()), open: None, filter_width };
+                let mut streak = Streak { splats: Vec::new(), open: None, filter_width };
                 for (n, &i) in chunk.iter().enumerate() {
                     if n == 0 || chunk[n - 1].wrapping_add(1) != i {
                         streak.close();
@@ -111,7 +121,7 @@ impl LayerIndex {
 
 /// A Gaussian blob of hair in one layer. Texel units; texel centres are at half integers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Splat {
+struct Splat {
     center: Vec2,
     /// Variance.
     variance: f32,
@@ -195,10 +205,10 @@ fn band_rows(texels: usize) -> usize {
     (texels / 16).clamp(4, 64)
 }
 
-/// Draws splats into `texels * texels` sums, row-major, wrapping at the tile's borders.
+/// Adds splats to `texels * texels` sums, row-major, wrapping at the tile's borders.
 ///
 /// Texel by texel the splats are added in their order, so the sums do not depend on the number of threads.
-pub(super) fn draw(splats: &[Splat], texels: u32, sums: &mut [Sums]) {
+fn add(splats: &[Splat], texels: u32, sums: &mut [Sums]) {
     let n = texels as usize;
     let rows = band_rows(n);
     let bands = n.div_ceil(rows);
@@ -223,7 +233,6 @@ pub(super) fn draw(splats: &[Splat], texels: u32, sums: &mut [Sums]) {
     }
     sums.par_chunks_mut(rows * n).enumerate().for_each(|(band, sums)| {
         let (mut wx, mut wy) = (Vec::new(), Vec::new());
-        sums.fill([0.0; 8]);
         for &i in &lists[band] {
             let splat = &splats[i as usize];
             let (x0, y0) =
