@@ -6,11 +6,12 @@
 //! | `skin` | [`Frame::draw`] | opaque base mesh, depth written | always |
 //! | `shells` | [`Frame::draw`] | layers of hair, inside to outside | fur visible |
 
+use crate::passes::surface::Look;
 use crate::passes::{PassId, pose, shells, skin};
 use crate::renderer::Pipelines;
 use crate::shared::{frame as blocks, kajiya_kay, skinning};
 use crate::{FrameParams, Instance, Model, RuntimeError, Style};
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Mat4, Vec3};
 use wgpu::util::DeviceExt;
 
 /// A prepared frame: everything that [`Frame::draw`] needs, held until it is dropped.
@@ -77,19 +78,14 @@ pub(crate) fn prepare(
 
     let mut drawn = Vec::new();
     for (index, instance) in instances.iter().enumerate() {
-        let mirrored = skinning::handedness_of(Mat3::from_mat4(instance.transform)) < 0.0;
-        let layers = drawn_layers(instance, params);
-        let furry = layers > 1;
+        let layers = drawn_layers(instance.model(), params);
+        let look = look(instance.model(), params, instance.transform);
         drawn.push(Drawn {
             model: instance.model().clone(),
             geometry: instance.geometry().clone(),
             uniform_offset: (index as u32 + 1) * stride,
-            skin: skin::plan(device, pipelines, instance, mirrored, params.style),
-            shells: if furry {
-                shells::plan(device, pipelines, instance, mirrored, params.yardstick)
-            } else {
-                Vec::new()
-            },
+            skin: skin::plan(device, pipelines, instance.model(), &look),
+            shells: if layers > 1 { shells::plan(device, pipelines, instance.model(), &look) } else { Vec::new() },
             layers,
         });
     }
@@ -155,9 +151,32 @@ impl Frame {
     }
 }
 
-/// Layers to draw of an instance, skin counted; 1 where no fur shows.
-fn drawn_layers(instance: &Instance, params: &FrameParams) -> u32 {
-    let baked = instance.model().manifest().fur.layers;
+/// Compiles what a frame with these parameters needs.
+pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &Model, params: &FrameParams) {
+    let look = look(model, params, Mat4::IDENTITY);
+    skin::plan(device, pipelines, model, &look);
+    if drawn_layers(model, params) > 1 {
+        shells::plan(device, pipelines, model, &look);
+    }
+    if model.skeleton().is_some() {
+        pipelines.pose(device);
+    }
+}
+
+fn look(model: &Model, params: &FrameParams, transform: Mat4) -> Look {
+    let manifest = model.manifest();
+    Look {
+        style: params.style,
+        yardstick: params.yardstick,
+        mirrored: skinning::handedness_of(Mat3::from_mat4(transform)) < 0.0,
+        resampled: drawn_layers(model, params) != manifest.fur.layers,
+        shading: params.shading.unwrap_or(manifest.shading),
+    }
+}
+
+/// Layers to draw of a model, skin counted; 1 where no fur shows.
+fn drawn_layers(model: &Model, params: &FrameParams) -> u32 {
+    let baked = model.manifest().fur.layers;
     if baked < 2 || params.style == Style::Bare {
         return 1;
     }
@@ -222,7 +241,7 @@ fn instance_block(instance: &Instance, params: &FrameParams) -> blocks::Instance
     let handedness = skinning::handedness_of(linear);
     let cofactor = |a: Vec3, b: Vec3| -> [f32; 4] { (a.cross(b) * handedness).extend(0.0).to_array() };
     let constant = |k: [f32; 3], light: Vec3| (Vec3::from(k) * light).to_array();
-    let (baked, drawn) = (manifest.fur.layers, drawn_layers(instance, params));
+    let (baked, drawn) = (manifest.fur.layers, drawn_layers(instance.model(), params));
     blocks::Instance {
         world_from_model: instance.transform.to_cols_array_2d(),
         normal_x: cofactor(linear.y_axis, linear.z_axis),

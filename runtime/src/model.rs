@@ -31,6 +31,7 @@ pub(crate) struct Part {
     pub(crate) indices: Range<u32>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
+    pub(crate) cutout: bool,
     pub(crate) furred: bool,
     pub(crate) double_sided: bool,
 }
@@ -187,6 +188,7 @@ pub(crate) fn load(
                     indices,
                     material: materials[part.material as usize].clone(),
                     has_texture: material.base_color_texture.is_some(),
+                    cutout: material.alpha_cutoff.is_some(),
                     furred: material.furred && fur.is_some(),
                     double_sided: material.double_sided,
                 });

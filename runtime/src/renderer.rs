@@ -2,7 +2,7 @@
 
 use crate::passes::surface::{SurfaceKey, SurfaceLayouts, SurfaceShader};
 use crate::passes::{pose, shells, skin};
-use crate::{Frame, FrameParams, Instance, Model, RendererOptions, RuntimeError, Style, frame, model};
+use crate::{Frame, FrameParams, Instance, Model, RendererOptions, RuntimeError, frame, model};
 use pelage_formats::{Limits, Package};
 use std::collections::HashMap;
 
@@ -51,17 +51,10 @@ impl Renderer {
         self.load(device, queue, &Package::open(bytes, &Limits::default())?)
     }
 
-    /// Compiles what drawing `model` in `style` needs, so that the first frame does not wait for it. Mirrored instances, and
-    /// styles not named here, compile when first drawn.
-    pub fn prepare_pipelines(&mut self, device: &wgpu::Device, model: &Model, style: Style) {
-        let instance = Instance::new(model);
-        skin::plan(device, &mut self.pipelines, &instance, false, style);
-        if style == Style::Fur {
-            shells::plan(device, &mut self.pipelines, &instance, false, false);
-        }
-        if model.skeleton().is_some() {
-            self.pipelines.pose(device);
-        }
+    /// Compiles what drawing `model` with `params` needs, so that the first frame does not wait for it. Mirrored instances, and
+    /// parameters of another style or with other constants of the lighting equation, may compile more when first drawn.
+    pub fn prepare_pipelines(&mut self, device: &wgpu::Device, model: &Model, params: &FrameParams) {
+        frame::compile(device, &mut self.pipelines, model, params);
     }
 
     /// Prepares a frame: compiles missing pipelines, uploads what changed, and records the passes that run before the

@@ -63,24 +63,6 @@ fn kajiya_kay_with_the_hair_along_the_light() {
     }
 }
 
-#[test]
-fn the_sine_keeps_its_digits_at_small_angles() {
-    // Formula sheet, section 3: at an angle of 1e-3 the printed form is 16 % off (rms), the cross product 3e-5.
-    let (mut naive, mut safe, mut n) = (0.0, 0.0, 0.0);
-    for t in unit_vectors().into_iter().take(20_000) {
-        let l = (t + tile_frame::any_perpendicular(t) * 1e-3).normalize();
-        let truth = t.as_dvec3().cross(l.as_dvec3()).length_squared()
-            / (t.as_dvec3().length_squared() * l.as_dvec3().length_squared());
-        let off = |s: f32| ((f64::from(s) - truth) / truth).powi(2);
-        naive += off(1.0 - t.dot(l).powi(2));
-        safe += off(kajiya_kay::sin_squared(t, l));
-        n += 1.0;
-    }
-    let (naive, safe) = ((naive / n).sqrt(), (safe / n).sqrt());
-    assert!(naive > 0.01, "naive form {naive}: this test no longer reaches the cliff");
-    assert!(safe < 2e-4, "safe form: relative rms {safe}");
-}
-
 /// Matrices that skeletons produce and textbooks forget: uneven, mirrored, flattened, collapsed.
 fn odd_matrices() -> Vec<(&'static str, Mat3)> {
     let turn = Mat3::from_quat(Quat::from_euler(pelage_runtime::glam::EulerRot::XYZ, 0.3, 0.7, -0.4));

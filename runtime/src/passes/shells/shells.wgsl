@@ -48,10 +48,10 @@ fn fs_shells(in: ShellVarying) -> @location(0) vec4<f32> {
     var texel = textureSample(shell_colors, shell_sampler, in.tile_uv, in.layer);
     let direction = decode_direction(textureSample(shell_directions, shell_sampler, in.tile_uv, in.layer), PLANAR_DIRECTIONS);
     let base = base_color(in.tint, in.base_uv);
-    if texel.a < LEAST_ALPHA || base.a < material.alpha_cutoff {
+    if texel.a < LEAST_ALPHA || is_cut(base.a) {
         discard;
     }
-    if instance.opacity_exponent != 1.0 {
+    if RESAMPLED {
         // Colour is premultiplied: it follows its opacity.
         texel *= resampled_opacity(texel.a, instance.opacity_exponent) / texel.a;
     }

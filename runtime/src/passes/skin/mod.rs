@@ -1,8 +1,8 @@
 //! `skin`: the opaque base mesh, bare parts included, into the application's colour target with depth written.
 
 use crate::Style;
-use crate::instance::Instance;
-use crate::passes::surface::{SurfaceKey, SurfaceShader, surface_wgsl};
+use crate::model::{Model, Part};
+use crate::passes::surface::{Look, SurfaceShader, surface_wgsl};
 use crate::renderer::Pipelines;
 
 /// The shader.
@@ -12,26 +12,12 @@ pub(crate) const WGSL: &str = surface_wgsl!("skin.wgsl");
 pub(crate) fn plan(
     device: &wgpu::Device,
     pipelines: &mut Pipelines,
-    instance: &Instance,
-    mirrored: bool,
-    style: Style,
+    model: &Model,
+    look: &Look,
 ) -> Vec<wgpu::RenderPipeline> {
-    let model = instance.model();
-    let mut plan = Vec::new();
-    for part in model.parts() {
-        let furred = part.furred && style == Style::Fur;
-        plan.push(pipelines.surface(
-            device,
-            SurfaceKey {
-                shader: if furred { SurfaceShader::SkinFurred } else { SurfaceShader::SkinBare },
-                base_color_texture: part.has_texture,
-                planar_directions: model.planar_directions(),
-                double_sided: part.double_sided,
-                mirrored,
-            },
-        ));
-    }
-    plan
+    let shader = |furred| if furred { SurfaceShader::SkinFurred } else { SurfaceShader::SkinBare };
+    let key = |part: &Part| look.key(shader(part.furred && look.style == Style::Fur), model, part);
+    model.parts().iter().map(|part| pipelines.surface(device, key(part))).collect()
 }
 
 /// Records the draws of one instance; group 0 and the vertex buffers are set.

@@ -38,7 +38,7 @@ fn shade_bare(color: vec3<f32>, n_dot_l: f32) -> vec3<f32> {
 @fragment
 fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let base = base_color(in.tint, in.base_uv);
-    if base.a < material.alpha_cutoff {
+    if is_cut(base.a) {
         discard;
     }
     // The back of a double-sided part is lit by what shines on the back.
@@ -50,7 +50,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     let base = base_color(in.tint, in.base_uv);
     let texel = textureSample(shell_colors, shell_sampler, in.tile_uv, 0);
     let direction = decode_direction(textureSample(shell_directions, shell_sampler, in.tile_uv, 0), PLANAR_DIRECTIONS);
-    if base.a < material.alpha_cutoff {
+    if is_cut(base.a) {
         discard;
     }
     let n_dot_l = select(-in.light_ts.z, in.light_ts.z, front);
