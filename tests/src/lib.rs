@@ -1,10 +1,12 @@
 //! What the tests and the developers' chores share.
 
 pub mod assets;
+pub mod binary;
 pub mod compute;
 pub mod gpu;
 pub mod pictures;
 pub mod plane;
+pub mod schema;
 
 /// The furry sphere and the windowless device of the runtime's examples.
 #[path = "../../runtime/examples/support/mod.rs"]

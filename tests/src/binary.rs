@@ -1,0 +1,156 @@
+//! The real `pelage` binary, run in fresh folders.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+
+/// The `pelage` binary of this build's profile, built by cargo once per test process.
+///
+/// Cargo hands a binary's path only to tests of its own package, and builds it only for them.
+///
+/// # Panics
+///
+/// Where cargo cannot build it: no test that needs the binary can say anything then.
+pub fn pelage() -> &'static Path {
+    static BINARY: OnceLock<PathBuf> = OnceLock::new();
+    BINARY.get_or_init(|| {
+        let test = std::env::current_exe().unwrap_or_else(|e| panic!("no path of the test: {e}"));
+        // <target>/<profile>/deps/<test>
+        let folder = test.ancestors().nth(2).unwrap_or_else(|| panic!("{} has no profile folder", test.display()));
+        let profile = match folder.file_name().and_then(OsStr::to_str) {
+            Some("debug") | None => "dev",
+            Some(name) => name,
+        };
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let output = Command::new(cargo)
+            // The whole workspace, and with it a test, so that the features are those of `cargo test --workspace`: then there
+            // is nothing left to compile but pelage.
+            .args(["build", "--workspace", "--bin", "pelage", "--test", "dependencies", "--profile", profile])
+            .current_dir(workspace())
+            .output()
+            .unwrap_or_else(|e| panic!("cargo cannot be run: {e}"));
+        assert!(output.status.success(), "building pelage: {}", String::from_utf8_lossy(&output.stderr));
+        let binary = folder.join(format!("pelage{}", std::env::consts::EXE_SUFFIX));
+        assert!(binary.is_file(), "cargo built pelage, but not as {}", binary.display());
+        binary
+    })
+}
+
+/// The folder with the workspace's `Cargo.toml`.
+pub fn workspace() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}
+
+/// The shared test data, or `None` with a loud word.
+pub fn data() -> Option<PathBuf> {
+    let path = std::env::var_os("PELAGE_DATA").map_or_else(|| workspace().join("../shared/data"), PathBuf::from);
+    if path.join("meshes").is_dir() {
+        return Some(path);
+    }
+    eprintln!("SKIPPED (no test data at {})", path.display());
+    None
+}
+
+/// What a run left behind.
+#[derive(Debug)]
+pub struct Run {
+    /// Exit code; `None` where a signal ended the process.
+    pub code: Option<i32>,
+    /// All of stdout.
+    pub stdout: String,
+    /// All of stderr.
+    pub stderr: String,
+}
+
+/// A fresh folder to run `pelage` in, removed with the value.
+#[derive(Debug)]
+pub struct Sandbox {
+    folder: tempfile::TempDir,
+}
+
+impl Default for Sandbox {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Sandbox {
+    /// Makes the folder.
+    ///
+    /// # Panics
+    ///
+    /// Where the system refuses.
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap_or_else(|e| panic!("no temporary folder: {e}")) }
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Writes a file, with the folders above it.
+    ///
+    /// # Panics
+    ///
+    /// Where the system refuses.
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path().join(name);
+        let written = path.parent().map_or(Ok(()), std::fs::create_dir_all).and_then(|()| std::fs::write(&path, bytes));
+        written.unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        path
+    }
+
+    /// Everything in the folder, relative paths, sorted; folders end in `/`.
+    pub fn files(&self) -> Vec<String> {
+        let mut out = Vec::new();
+        list(self.path(), "", &mut out);
+        out.sort();
+        out
+    }
+
+    /// A command that will run `pelage` here, with nothing on stdin.
+    pub fn command(&self, args: &[impl AsRef<OsStr>]) -> Command {
+        let mut command = Command::new(pelage());
+        command.args(args).current_dir(self.path()).stdin(Stdio::null());
+        command
+    }
+
+    /// Runs `pelage` here. No run may ever panic, whatever its input.
+    ///
+    /// # Panics
+    ///
+    /// Where the binary cannot be started, or speaks of a panic.
+    pub fn run(&self, args: &[impl AsRef<OsStr>]) -> Run {
+        finish(self.command(args))
+    }
+}
+
+/// Runs a command to its end.
+///
+/// # Panics
+///
+/// As [`Sandbox::run`].
+pub fn finish(mut command: Command) -> Run {
+    let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
+    let run = Run {
+        code: output.status.code(),
+        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+    };
+    assert!(!run.stderr.contains("panicked") && !run.stderr.contains("internal error"), "{command:?}: {run:?}");
+    run
+}
+
+fn list(folder: &Path, prefix: &str, out: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() {
+            out.push(format!("{name}/"));
+            list(&entry.path(), &format!("{name}/"), out);
+        } else {
+            out.push(name);
+        }
+    }
+}

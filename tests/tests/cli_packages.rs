@@ -1,0 +1,289 @@
+//! `inspect`, `validate`, `unpack` and `pack` through the real binary.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+#[path = "../../formats/tests/common/mod.rs"]
+mod common;
+
+use common::{Random, ktx2_file, sample_animation, sample_manifest, sample_mesh, sample_package};
+use pelage_formats::*;
+use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::schema;
+use serde_json::Value;
+use std::process::Stdio;
+
+/// The one JSON object of a run, held against the schema `name`.
+#[track_caller]
+fn json(run: &Run, name: &str) -> Value {
+    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
+    let path = workspace().join(format!("bake/src/cli/schema/{name}.json"));
+    let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap_or_else(|e| panic!("{name}: {e}"));
+    value
+}
+
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.pelage", sample_package());
+    sandbox
+}
+
+#[test]
+fn inspect_tells_what_is_inside() {
+    let sandbox = sandbox();
+    let run = sandbox.run(&["inspect", "a.pelage", "--json"]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let object = json(&run, "inspect");
+    for (pointer, expected) in [
+        ("/version", "1"),
+        ("/triangles", "4"),
+        ("/vertices", "5"),
+        ("/patches", "3"),
+        ("/layers", "2"),
+        ("/fins", "0"),
+        ("/joints", "2"),
+        ("/clips/0/name", "\"breathe\""),
+        ("/clips/0/seconds", "0.5"),
+        ("/textures/1/format", "\"bc5-rg-unorm\""),
+        ("/textures/0/levels", "3"),
+        ("/sections/0/tag", "\"MANI\""),
+        ("/sections/5/tag", "\"XTRA\""),
+        ("/inputs/1/bytes", "1099511627776"),
+    ] {
+        assert_eq!(object.pointer(pointer).unwrap().to_string(), expected, "{pointer}");
+    }
+    assert_eq!(object["bytes"], std::fs::metadata(sandbox.path().join("a.pelage")).unwrap().len());
+    let text = sandbox.run(&["inspect", "a.pelage"]);
+    assert_eq!(text.code, Some(0));
+    for word in ["4 triangles", "bc5-rg-unorm", "breathe", "XTRA", "angle_distortion", "3 triangles without area"] {
+        assert!(text.stdout.contains(word), "{word}: {}", text.stdout);
+    }
+}
+
+#[test]
+fn validate_lists_each_fault_with_its_place() {
+    let sandbox = sandbox();
+    let run = sandbox.run(&["validate", "a.pelage", "--json"]);
+    let object = json(&run, "validate");
+    // The sample's recipe holds a key that no recipe has: the one thing about it that only the tool can judge.
+    assert_eq!((run.code, object["valid"].as_bool()), (Some(7), Some(false)), "{run:?}");
+    let message = object["faults"][0]["message"].to_string();
+    assert!(object["faults"].as_array().unwrap().len() == 1 && message.contains("strands"), "{object}");
+
+    let sound = PackageWriter::new(Manifest { recipe: String::new(), ..sample_manifest() })
+        .mesh(&sample_mesh(true))
+        .animation(&sample_animation())
+        .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 1))
+        .texture(ktx2_file(TextureFormat::Bc5Unorm, 4, 4, 2, 1, 2))
+        .texture(ktx2_file(TextureFormat::Bc7Srgb, 8, 4, 0, 2, 3))
+        .finish()
+        .unwrap();
+    let sections = Package::open(&sound, &Limits::default()).unwrap().sections().to_vec();
+    sandbox.write("sound.pelage", &sound);
+    let run = sandbox.run(&["validate", "sound.pelage", "--json"]);
+    assert_eq!((run.code, json(&run, "validate")["valid"].as_bool()), (Some(0), Some(true)), "{run:?}");
+
+    // Two damaged sections are two faults.
+    let mut damaged = sound.clone();
+    for section in [&sections[2], &sections[4]] {
+        damaged[(section.offset + section.length) as usize - 1] ^= 1;
+    }
+    sandbox.write("damaged.pelage", &damaged);
+    let run = sandbox.run(&["validate", "damaged.pelage", "--json"]);
+    let object = json(&run, "validate");
+    assert_eq!(run.code, Some(7));
+    let faults = object["faults"].as_array().unwrap();
+    let damaged_offsets: Vec<_> =
+        faults.iter().filter(|f| f["message"].to_string().contains("damaged")).map(|f| f["offset"].as_u64()).collect();
+    assert!(damaged_offsets.contains(&Some(sections[2].offset)), "{object}");
+    assert!(damaged_offsets.contains(&Some(sections[4].offset)), "{object}");
+    let text = sandbox.run(&["validate", "damaged.pelage"]);
+    assert!(text.stdout.contains(&format!("section KTX2, byte {}", sections[4].offset)), "{}", text.stdout);
+}
+
+/// Unpacks, packs, compares; gives the folder's file names.
+#[track_caller]
+fn assert_round_trip(sandbox: &Sandbox, package: &[u8]) -> Vec<String> {
+    sandbox.write("in.pelage", package);
+    let run = sandbox.run(&["unpack", "in.pelage", "folder", "--json"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    json(&run, "unpack");
+    let run = sandbox.run(&["pack", "folder", "out.pelage", "--json"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    json(&run, "pack");
+    assert!(std::fs::read(sandbox.path().join("out.pelage")).unwrap() == package, "the bytes differ");
+    sandbox.files().into_iter().filter_map(|f| f.strip_prefix("folder/").map(str::to_owned)).collect()
+}
+
+#[test]
+fn pack_undoes_unpack() {
+    let sandbox = Sandbox::new();
+    let files = assert_round_trip(&sandbox, &sample_package());
+    let expected = [
+        "",
+        "animation.json",
+        "base-color.ktx2",
+        "manifest.json",
+        "mesh.glb",
+        "recipe.toml",
+        "section_5_XTRA.bin",
+        "shell_color.ktx2",
+        "shell_direction.ktx2",
+    ];
+    assert_eq!(files, expected);
+    assert_round_trip(&sandbox, &PackageWriter::new(Manifest::default()).finish().unwrap());
+    let golden = workspace().join("formats/tests/golden/v1.pelage");
+    assert_round_trip(&sandbox, &std::fs::read(golden).unwrap());
+}
+
+#[test]
+fn pack_undoes_unpack_for_generated_packages() {
+    let sandbox = Sandbox::new();
+    for seed in 0..24 {
+        assert_round_trip(&sandbox, &generated(&mut Random(seed)));
+    }
+}
+
+/// Any finite number, of any size and sign.
+fn float(random: &mut Random) -> f32 {
+    loop {
+        let value = f32::from_bits(random.next() as u32);
+        if value.is_finite() {
+            return value;
+        }
+    }
+}
+
+/// A package of any sizes and numbers, with or without each thing a package can have.
+fn generated(random: &mut Random) -> Vec<u8> {
+    let vertices = random.below(40);
+    let triangles = if vertices == 0 { 0 } else { random.below(60) };
+    let skinned = vertices > 0 && random.below(2) == 0;
+    let floats3 = |random: &mut Random| [float(random), float(random), float(random)];
+    let mut mesh = MeshData::default();
+    for _ in 0..vertices {
+        mesh.geometry.push(GeometryVertex {
+            position: floats3(random),
+            fur_height: float(random).abs(),
+            normal: floats3(random),
+            reserved: 0.0,
+            tangent: [float(random), float(random), float(random), 1.0],
+        });
+        mesh.attributes.push(AttributeVertex {
+            tile_uv: [float(random), float(random)],
+            base_uv: [float(random), float(random)],
+            color: (random.next() as u32).to_le_bytes(),
+            reserved: 0,
+        });
+        if skinned {
+            mesh.skin.push(SkinVertex { joints: [random.below(2) as u16, 1, 0, 0], weights: [0.75, 0.25, 0.0, 0.0] });
+        }
+    }
+    mesh.indices = (0..triangles * 3).map(|_| random.below(vertices) as u32).collect();
+    let split = random.below(triangles + 1) as u32 * 3;
+    let parts = vec![
+        Part { material: 0, first_index: 0, index_count: split },
+        Part { material: 1, first_index: split, index_count: triangles as u32 * 3 - split },
+    ];
+    let mut animation = sample_animation();
+    for node in &mut animation.nodes {
+        node.translation = floats3(random);
+        node.name = ["", "\u{0}\"\\/\n", "häre 🐇"][random.below(3)].to_owned();
+    }
+    for value in animation.clips.iter_mut().flat_map(|c| &mut c.channels).flat_map(|c| &mut c.values) {
+        *value = float(random);
+    }
+    let mut manifest = sample_manifest();
+    manifest.fur = FurInfo::default();
+    let (a, b) = (floats3(random), floats3(random));
+    let pick = |f: fn(f32, f32) -> f32| [f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2])];
+    manifest.bounds =
+        Bounds { min: pick(f32::min), max: pick(f32::max), center: floats3(random), radius: float(random).abs() };
+    manifest.shading.ambient = floats3(random);
+    manifest.recipe = ["", "\u{feff}[hair]\r\n", "\u{0}"][random.below(3)].to_owned();
+    manifest.quality[0].value = f64::from_bits(random.next() & !(1 << 62));
+    manifest.parts = parts;
+    manifest.textures.clear();
+    for material in &mut manifest.materials {
+        material.base_color_texture = None;
+    }
+    let mut textures = Vec::new();
+    for k in 0..random.below(3) {
+        manifest.textures.push(TextureEntry { name: format!("t-{k}") });
+        let format = TextureFormat::ALL[random.below(TextureFormat::ALL.len())];
+        textures.push(ktx2_file(format, 4 << random.below(3), 8, random.below(4) as u32, 1, random.next() as u8));
+    }
+    let mut writer = PackageWriter::new(manifest);
+    if random.below(2) == 0 {
+        writer = writer.section(Tag([0xff, b'/', 0, b'.']), (0..random.below(50) as u8).collect::<Vec<_>>());
+    }
+    writer = writer.mesh(&mesh);
+    for texture in textures {
+        writer = writer.texture(texture).section(Tag(*b"more"), Vec::new());
+    }
+    if skinned || random.below(2) == 0 {
+        if !skinned {
+            animation.joints.clear();
+        }
+        writer = writer.animation(&animation);
+    }
+    writer.finish().unwrap()
+}
+
+#[test]
+fn the_unpacked_mesh_opens_as_gltf() {
+    let sandbox = sandbox();
+    assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder"]).code, Some(0));
+    // Our own importer is the reader at hand that shares nothing with the writer; it warns about nothing it cannot use.
+    let options = pelage_bake::import::ImportOptions::default();
+    let model = pelage_bake::io::read_model(&sandbox.path().join("folder/mesh.glb"), &options).unwrap();
+    assert_eq!((model.mesh.triangles.len(), model.mesh.parts.len()), (4, 2));
+    assert_eq!(model.mesh.colors[0], [255, 128, 64, 255]);
+    assert_eq!(model.materials[1].name, "eyes");
+}
+
+#[test]
+fn unpack_replaces_only_its_own_folders() {
+    let sandbox = sandbox();
+    assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder"]).code, Some(0));
+    assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder"]).code, Some(0), "a folder of unpack is replaced");
+    sandbox.write("folder/notes.txt", "mine");
+    let run = sandbox.run(&["unpack", "a.pelage", "folder"]);
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("folder: cannot replace") && run.stderr.contains("--force"), "{run:?}");
+    assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder", "--force"]).code, Some(0));
+    assert_eq!(std::fs::read(sandbox.path().join("folder/notes.txt")).unwrap(), b"mine");
+    let run = sandbox.run(&["pack", "folder", "b.pelage"]);
+    assert!(run.code == Some(0) && run.stderr.contains("notes.txt: not named"), "{run:?}");
+    assert_eq!(sandbox.run(&["pack", "folder", "b.pelage", "--quiet"]).stderr, "");
+    assert!(!sandbox.files().iter().any(|f| f.contains(".tmp")), "{:?}", sandbox.files());
+}
+
+#[test]
+fn a_broken_pipe_is_success() {
+    let sandbox = sandbox();
+    let mut child =
+        sandbox.command(&["inspect", "a.pelage"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // Closed before the first byte can be written; a reader that is slow to close changes nothing but the path taken.
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{output:?}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_an_error() {
+    let sandbox = sandbox();
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = sandbox.command(&["inspect", "a.pelage"]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("standard output: cannot write"));
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let sandbox = Sandbox::new();
+    for args in [&["--help"][..], &["--version"], &["help"], &["inspect", "--help"]] {
+        let run = sandbox.run(args);
+        assert!(run.code == Some(0) && !run.stdout.is_empty() && run.stderr.is_empty(), "{args:?}: {run:?}");
+    }
+}

@@ -1,0 +1,58 @@
+//! The floors of the house: which crate may know which, as `cargo tree` shows them.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::workspace;
+use std::collections::BTreeSet;
+use std::process::Command;
+
+/// Names of all crates that a normal build of `package` links, itself included.
+fn tree(package: &str, options: &[&str]) -> BTreeSet<String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .args(["tree", "--offline", "--locked", "--package", package, "--edges", "normal", "--prefix", "none"])
+        .args(["--format", "{p}", "--target", "all"])
+        .args(options)
+        .current_dir(workspace())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "cargo tree: {}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let names: BTreeSet<_> = text.lines().filter_map(|l| l.split_whitespace().next()).map(str::to_owned).collect();
+    assert!(names.contains(package), "{package} is not in its own tree: {names:?}");
+    names
+}
+
+#[track_caller]
+fn assert_floor(package: &str, options: &[&str], knows: &[&str], never: &[&str]) {
+    let names = tree(package, options);
+    for name in knows {
+        assert!(names.contains(*name), "{package} {options:?} should know {name}: {names:?}");
+    }
+    for name in never {
+        assert!(!names.contains(*name), "{package} {options:?} must never know {name}");
+    }
+}
+
+#[test]
+fn formats_knows_no_gpu_no_thread_pool_and_no_tool() {
+    let never = ["wgpu", "naga", "rayon", "clap", "image", "gltf", "tempfile", "pelage-runtime", "pelage-bake"];
+    assert_floor("pelage-formats", &[], &["serde", "bincode", "ktx2", "glam"], &never);
+}
+
+#[test]
+fn runtime_knows_only_formats_and_the_gpu() {
+    let never = ["clap", "rayon", "image", "gltf", "tempfile", "indicatif", "pelage-bake"];
+    assert_floor("pelage-runtime", &[], &["wgpu", "pelage-formats", "glam", "bytemuck"], &never);
+}
+
+#[test]
+fn bake_without_preview_knows_no_gpu() {
+    let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit"];
+    assert_floor("pelage-bake", &["--no-default-features"], &["pelage-formats", "rayon", "clap"], &never);
+}
+
+#[test]
+fn bake_with_preview_draws_through_the_runtime() {
+    // The negative control: the same look at the same tree does find wgpu where it is.
+    assert_floor("pelage-bake", &[], &["pelage-runtime", "wgpu"], &["winit"]);
+}
