@@ -1,6 +1,6 @@
 //! Slicing joined to encoding: of a volume of any size only one layer stands in memory as texels.
 
-use super::encode::{RawLevel, TextureEncoder};
+use super::encode::{AlphaMode, RawLevel, TextureEncoder};
 use super::slice::slice;
 use crate::BakeError;
 use crate::hair::Strands;
@@ -46,8 +46,8 @@ pub fn shell_textures(
 ) -> Result<ShellTextures, BakeError> {
     pack.validate()?;
     let direction_format = TextureFormat::from(pack.direction_format);
-    let mut color = TextureEncoder::new(pack.shell_format.into(), true, pack.bc_quality);
-    let mut direction = TextureEncoder::new(direction_format, false, pack.bc_quality);
+    let mut color = TextureEncoder::new(pack.shell_format.into(), AlphaMode::Premultiplied, pack.bc_quality);
+    let mut direction = TextureEncoder::new(direction_format, AlphaMode::Straight, pack.bc_quality);
     slice(strands, slice_params, direction_format, |layer| {
         let size = |level: usize| slice_params.tile_texels >> level;
         let levels = |levels: &[Vec<u8>], encoder: &mut TextureEncoder| {
