@@ -2,6 +2,7 @@
 
 use super::bake::StageWatch;
 use super::exit::{Exit, Failure};
+use super::gpu::Gpu;
 use super::output::Output;
 use super::package_file::PackageFile;
 use super::render;
@@ -50,6 +51,8 @@ const BACKGROUND: [u8; 3] = [204, 209, 217];
 
 /// Runs the subcommand.
 pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
+    // Before anything is written: a machine that cannot draw the pictures keeps nothing of them.
+    drop(Gpu::open()?);
     std::fs::create_dir_all(&args.output).map_err(|source| BakeError::Io {
         path: args.output.clone(),
         action: "create",

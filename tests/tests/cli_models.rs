@@ -1,0 +1,282 @@
+//! `bake`, `render` and `bench` through the real binary: bad models and recipes, the whole corpus of hard glTF files, no adapter.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::{Run, Sandbox, data, finish, workspace};
+use pelage_tests::schema;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// The least that a bake can be asked for: what is tested here does not hang on texture sizes.
+const SMALL: [&str; 6] = ["--set", "slice.tile_texels=16", "--set", "slice.layers=4", "--set", "hair.density=20"];
+
+fn bake(sandbox: &Sandbox, model: &str, more: &[&str]) -> Run {
+    sandbox.run(&[&["bake", model, "-o", "out.pelage"][..], &SMALL, more].concat())
+}
+
+/// Runs, and asserts exit code and words of stderr; no file may come or go.
+#[track_caller]
+fn refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) {
+    let before = sandbox.files();
+    let run = sandbox.run(args);
+    println!("{code}  {}", run.stderr.trim());
+    assert_eq!(run.code, Some(code), "{args:?}: {run:?}");
+    for word in words {
+        assert!(run.stderr.contains(word), "{args:?}: no {word:?} in {}", run.stderr);
+    }
+    assert_eq!(sandbox.files(), before, "{args:?} left something behind");
+}
+
+#[track_caller]
+fn json_of(run: &Run, name: &str) -> Value {
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
+    let path = workspace().join(format!("bake/src/cli/schema/{name}.json"));
+    let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap_or_else(|e| panic!("{name}: {e}"));
+    value
+}
+
+/// One triangle with normals left out and texture coordinates, its data in `triangle.bin`.
+fn triangle() -> Value {
+    json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "indices": 2 }] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] },
+            { "bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2" },
+            { "bufferView": 2, "componentType": 5125, "count": 3, "type": "SCALAR" },
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": 36 },
+            { "buffer": 0, "byteOffset": 36, "byteLength": 24 },
+            { "buffer": 0, "byteOffset": 60, "byteLength": 12 },
+        ],
+        "buffers": [{ "uri": "triangle.bin", "byteLength": 72 }],
+    })
+}
+
+fn triangle_bin() -> Vec<u8> {
+    let floats: [f32; 15] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    let indices: [u32; 3] = [0, 1, 2];
+    floats.iter().flat_map(|f| f.to_le_bytes()).chain(indices.iter().flat_map(|i| i.to_le_bytes())).collect()
+}
+
+fn glb(version: u32, length: u32) -> Vec<u8> {
+    [&b"glTF"[..], &version.to_le_bytes(), &length.to_le_bytes(), &length.to_le_bytes(), b"JSON"].concat()
+}
+
+#[test]
+fn the_good_triangle_bakes() {
+    // What the bad ones below differ from in one thing each.
+    let sandbox = Sandbox::new();
+    sandbox.write("a.gltf", triangle().to_string());
+    sandbox.write("triangle.bin", triangle_bin());
+    let object = json_of(&bake(&sandbox, "a.gltf", &["--json"]), "bake");
+    assert_eq!(object["output"], "out.pelage");
+    assert_eq!(object["bytes"], std::fs::metadata(sandbox.path().join("out.pelage")).unwrap().len());
+    assert_eq!(sandbox.files(), ["a.gltf", "out.pelage", "triangle.bin"]);
+    assert_eq!(sandbox.run(&["validate", "out.pelage"]).code, Some(0));
+}
+
+#[test]
+fn bad_models() {
+    type Spoil = fn(&mut Value, &mut Vec<u8>);
+    let cases: &[(Spoil, &[&str])] = &[
+        (|_, b| b[0..4].copy_from_slice(&f32::NAN.to_le_bytes()), &["a.gltf", "NaN"]),
+        (|_, b| b[60..64].copy_from_slice(&3u32.to_le_bytes()), &["a.gltf", "/meshes/0/primitives/0", "3"]),
+        (|_, b| b.truncate(50), &["a.gltf", "/buffers/0", "50", "72"]),
+        (|g, _| g["buffers"][0]["uri"] = json!("gone.bin"), &["/buffers/0", "gone.bin"]),
+        (|g, _| g["buffers"][0]["uri"] = json!("../triangle.bin"), &["triangle.bin"]),
+        (
+            |g, _| g["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
+            &["KHR_draco_mesh_compression", "gltf-transform"],
+        ),
+        (|g, _| g["extensionsRequired"] = json!(["EXT_no_such_thing"]), &["EXT_no_such_thing"]),
+        (
+            |g, _| g["accessors"][0]["count"] = json!(4_294_967_295u32),
+            &["/meshes/0/primitives/0", "4294967295 vertices"],
+        ),
+        (|g, _| g["buffers"][0]["byteLength"] = json!(4_294_967_296u64), &["/buffers/0", "72", "4294967296"]),
+        (|g, _| g["accessors"][0]["bufferView"] = json!(9), &["/accessors/0/bufferView", "9"]),
+        (|g, _| g["nodes"][0]["children"] = json!([0]), &["/nodes/0"]),
+        (|g, _| g["asset"]["version"] = json!("1.0"), &["/asset", "1.0"]),
+        (
+            |g, _| _ = g["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0"),
+            &["a.gltf", "texture coordinates"],
+        ),
+        (|g, _| g["meshes"] = json!([]), &["a.gltf"]),
+    ];
+    for (spoil, words) in cases {
+        let sandbox = Sandbox::new();
+        let (mut document, mut bytes) = (triangle(), triangle_bin());
+        spoil(&mut document, &mut bytes);
+        sandbox.write("a.gltf", document.to_string());
+        sandbox.write("triangle.bin", bytes);
+        refused(&sandbox, &[&["bake", "a.gltf", "-o", "out.pelage"][..], &SMALL].concat(), 3, words);
+    }
+
+    let sandbox = Sandbox::new();
+    std::fs::create_dir(sandbox.path().join("folder.glb")).unwrap();
+    sandbox.write("empty.glb", "");
+    sandbox.write("text.gltf", "{ \"asset\": ");
+    sandbox.write("other.png", b"\x89PNG\r\n\x1a\n");
+    sandbox.write("long.glb", glb(2, u32::MAX));
+    sandbox.write("old.glb", glb(1, 20));
+    let torus = std::fs::read(workspace().join("assets/models/torus.glb")).unwrap();
+    sandbox.write("cut.glb", &torus[..torus.len() / 2]);
+    sandbox.write("good.glb", &torus);
+    for (model, code, words) in [
+        ("missing.glb", 2, &["missing.glb: cannot read"][..]),
+        ("folder.glb", 2, &["folder.glb: cannot read", "folder"]),
+        ("empty.glb", 3, &["empty.glb", "empty"]),
+        ("text.gltf", 3, &["text.gltf", "line 1"]),
+        ("other.png", 3, &["other.png"]),
+        ("long.glb", 3, &["long.glb: byte 8", "4294967295"]),
+        ("old.glb", 3, &["old.glb: byte 4", "1"]),
+        ("cut.glb", 3, &["cut.glb: byte 8"]),
+    ] {
+        refused(&sandbox, &["bake", model, "-o", "out.pelage"], code, words);
+    }
+    refused(&sandbox, &["bake", "good.glb", "-o", "no/out.pelage"], 2, &["no: cannot write into", "create it first"]);
+    refused(&sandbox, &["bake", "good.glb", "-o", "folder.glb"], 2, &["folder.glb: cannot write", "folder"]);
+    refused(&sandbox, &["bake", "good.glb"], 1, &["--output"]);
+    refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--threads", "0"], 1, &["--threads"]);
+}
+
+#[test]
+fn bad_recipes() {
+    let sandbox = Sandbox::new();
+    sandbox.write("good.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
+    std::fs::create_dir(sandbox.path().join("folder.toml")).unwrap();
+    for (text, words) in [
+        ("[hair]\ndensty = 5\n", &["r.toml: line 2, hair.densty", "hair.density"][..]),
+        ("[hiar]\n", &["r.toml: line 1", "hair"]),
+        ("[hair]\n\ndensity = 5 6\n", &["r.toml: line 3"]),
+        ("[hair]\ndensity = \"many\"\n", &["line 2, hair.density", "\"many\""]),
+        ("[slice]\nlayers = 0\n", &["line 2, slice.layers", "found 0", "4..=256"]),
+        ("[slice]\ntile_texels = 100\n", &["line 2, slice.tile_texels", "100"]),
+        ("[hair]\nlean = nan\n", &["line 2, hair.lean", "NaN"]),
+        ("[hair]\nlength_m = -1.0\n", &["line 2, hair.length_m", "-1"]),
+    ] {
+        sandbox.write("r.toml", text);
+        refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"], 3, words);
+    }
+    sandbox.write("r.toml", b"\xff");
+    refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--recipe", "r.toml"], 3, &["r.toml: byte 0", "UTF-8"]);
+    refused(&sandbox, &["bake", "good.glb", "-o", "o.pelage", "--recipe", "no.toml"], 2, &["no.toml: cannot read"]);
+    refused(&sandbox, &["bake", "good.glb", "-o", "o.pelage", "--recipe", "folder.toml"], 2, &["folder.toml"]);
+    for (set, words) in [
+        ("slice.layers=0", &["slice.layers", "found 0"][..]),
+        ("slice.layer=8", &["slice.layer", "did you mean slice.layers"]),
+        ("layers", &["key=value"]),
+    ] {
+        refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--set", set], 3, words);
+    }
+}
+
+#[test]
+fn pictures() {
+    let sandbox = Sandbox::new();
+    sandbox.write("good.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
+    assert_eq!(bake(&sandbox, "good.glb", &[]).code, Some(0));
+    sandbox.write("cut.pelage", &std::fs::read(sandbox.path().join("out.pelage")).unwrap()[..100]);
+    for (args, code, words) in [
+        (&["render", "out.pelage", "-o", "a.png", "--size", "0x0"][..], 1, &["--size", "0x0", "1 to 8192"][..]),
+        (&["bench", "out.pelage", "--size", "0x0"], 1, &["--size", "0x0"]),
+        (&["render", "out.pelage", "-o", "a.png", "--layers", "0"], 1, &["--layers"]),
+        (&["render", "out.pelage", "-o", "a.png", "--style", "ink"], 1, &["not in this version"]),
+        (&["render", "out.pelage", "-o", "no/a.png"], 2, &["no: cannot write into"]),
+        (&["render", "no.pelage", "-o", "a.png"], 2, &["no.pelage: cannot read"]),
+        (&["render", "cut.pelage", "-o", "a.png"], 3, &["cut.pelage", "cut short"]),
+        (&["bench", "cut.pelage"], 3, &["cut.pelage", "cut short"]),
+        (&["render", "out.pelage", "-o", "a.png", "--clip", "Walk"], 1, &["Walk"]),
+    ] {
+        refused(&sandbox, args, code, words);
+    }
+    // A driver list that names nothing is a machine without a driver.
+    for args in [&["render", "out.pelage", "-o", "a.png"][..], &["bench", "out.pelage"], &["demo", "-o", "pictures"]] {
+        let before = sandbox.files();
+        let mut command = sandbox.command(args);
+        for key in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+            command.env(key, "/nonexistent/icd.json");
+        }
+        command.env_remove("VK_ADD_DRIVER_FILES");
+        let run = finish(command);
+        assert_eq!(run.code, Some(4), "{args:?}: {run:?}");
+        for word in ["no usable graphics adapter", "mesa-vulkan-drivers"] {
+            assert!(run.stderr.contains(word), "{args:?}: {run:?}");
+        }
+        assert_eq!(sandbox.files(), before, "{args:?} left something behind");
+    }
+    let run = sandbox.run(&["render", "out.pelage", "-o", "a.png", "--size", "48x32", "--json"]);
+    let object = json_of(&run, "render");
+    assert!(object["covered_pixels"].as_u64().is_some_and(|n| n > 50), "{object}");
+    let picture = image::open(sandbox.path().join("a.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (48, 32));
+    json_of(&sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]), "bench");
+}
+
+fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
+    let mut entries: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            walk(&path, out);
+        } else {
+            out.push(path);
+        }
+    }
+}
+
+#[test]
+fn the_corpus_of_hard_files() {
+    let Some(data) = data() else { return };
+    let mut models = Vec::new();
+    for folder in ["hard-gltf", "gltf-validator", "gltf-asset-generator"] {
+        walk(&data.join("meshes").join(folder), &mut models);
+    }
+    // Whatever is no model (buffers, images, notes) is bad input too, and is baked like the rest.
+    assert!(models.len() > 150, "only {} files found", models.len());
+    let (next, results) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(2, std::num::NonZero::get) {
+            scope.spawn(|| {
+                let sandbox = Sandbox::new();
+                while let Some(model) = models.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let run = bake(&sandbox, model.to_str().unwrap(), &["--threads", "1", "--quiet"]);
+                    let written = sandbox.files();
+                    let expected = if run.code == Some(0) { vec!["out.pelage".to_owned()] } else { Vec::new() };
+                    assert_eq!(written, expected, "{}: {run:?}", model.display());
+                    for file in &written {
+                        std::fs::remove_file(sandbox.path().join(file)).unwrap();
+                    }
+                    results.lock().unwrap_or_else(PoisonError::into_inner).insert(model.clone(), run);
+                }
+            });
+        }
+    });
+    let results = results.into_inner().unwrap();
+    assert_eq!(results.len(), models.len());
+    let mut wrong = Vec::new();
+    let mut counts = BTreeMap::new();
+    for (model, run) in &results {
+        let name = model.strip_prefix(&data).unwrap().display().to_string();
+        let message = run.stderr.trim().replace(&*data.to_string_lossy(), "");
+        println!("{:?}  {name}  {message}", run.code);
+        *counts.entry(run.code).or_insert(0) += 1;
+        let says_where = run.code == Some(0) || run.stderr.starts_with("error: ");
+        if !matches!(run.code, Some(0 | 3)) || !says_where {
+            wrong.push(format!("{name}: {run:?}"));
+        }
+    }
+    println!("exit codes: {counts:?}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // Most of the corpus has no triangle or no texture coordinates, and must be refused.
+    assert!(counts.get(&Some(0)).is_some_and(|n| *n >= 8), "the good models must bake: {counts:?}");
+}
