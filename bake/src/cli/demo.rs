@@ -9,9 +9,9 @@ use super::render;
 use super::scene::{Scene, View};
 use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::pipeline::{self, Baked};
-use pelage_bake::recipe::Recipe;
+use pelage_bake::recipe::{DirectionFormat, Recipe, ShellFormat};
 use pelage_bake::{BakeError, io};
-use pelage_runtime::Style;
+use pelage_runtime::{Style, wgpu};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -52,7 +52,7 @@ const BACKGROUND: [u8; 3] = [204, 209, 217];
 /// Runs the subcommand.
 pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
     // Before anything is written: a machine that cannot draw the pictures keeps nothing of them.
-    drop(Gpu::open()?);
+    let software = Gpu::open()?.info.device_type == wgpu::DeviceType::Cpu;
     std::fs::create_dir_all(&args.output).map_err(|source| BakeError::Io {
         path: args.output.clone(),
         action: "create",
@@ -60,7 +60,7 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
     })?;
     let (mut packages, mut pictures) = (Vec::new(), Vec::new());
     for model in &MODELS {
-        let baked = bake(model, output)?;
+        let baked = bake(model, software, output)?;
         let path = args.output.join(format!("{}.pelage", model.name));
         io::write_atomic(&path, &baked.package)?;
         packages.push(path.display().to_string());
@@ -77,9 +77,14 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-fn bake(model: &BuiltIn, output: &mut Output) -> Result<Baked, Failure> {
+/// Bakes a built-in model; for a software adapter with plain texels, which it reads seven times faster than blocks.
+fn bake(model: &BuiltIn, software: bool, output: &mut Output) -> Result<Baked, Failure> {
     let file = format!("{}.glb", model.name);
-    let recipe = Recipe::parse(&format!("{}.toml", model.name), model.recipe)?;
+    let mut recipe = Recipe::parse(&format!("{}.toml", model.name), model.recipe)?;
+    if software {
+        recipe.pack.shell_format = ShellFormat::Rgba8;
+        recipe.pack.direction_format = DirectionFormat::Rg8;
+    }
     let mut watch = StageWatch::new(output);
     watch.begin("import");
     let mut no_files = |uri: &str| Err(BakeError::Internal(format!("a built-in model names the file {uri}")));
