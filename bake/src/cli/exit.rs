@@ -15,7 +15,6 @@ pub enum Exit {
     /// A model, recipe, package or folder is not what it should be.
     BadInput = 3,
     /// No usable graphics adapter.
-    #[cfg_attr(not(feature = "preview"), expect(dead_code, reason = "only the preview commands draw"))]
     NoAdapter = 4,
     /// A fault of pelage.
     Internal = 5,

@@ -134,7 +134,7 @@ fn container(document: &Value, bin: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Reads what [`write`] wrote, also after an edit: primitives of the first mesh one after the other, in vertex sets of their own
+/// Reads what [`fn@write`] wrote, also after an edit: primitives of the first mesh one after the other, in vertex sets of their own
 /// where they do not share accessors.
 pub fn read(file: &str, bytes: &[u8]) -> Result<MeshData, BakeError> {
     let (document, bin) = parse_container(file, bytes)?;
