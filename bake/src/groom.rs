@@ -4,7 +4,7 @@ use crate::mesh::{Material, Mesh, RestPose};
 use pelage_formats::Bounds;
 
 /// Length of the hair where the recipe gives none, as a share of the bounding sphere's radius: a short-haired animal's coat.
-const LENGTH_PER_RADIUS: f32 = 0.06;
+const LENGTH_PER_RADIUS: f32 = 0.045;
 /// Width of the tile where the recipe gives none, as a share of the radius.
 const TILE_PER_RADIUS: f32 = 0.3;
 
@@ -43,7 +43,7 @@ pub fn bounds(rest: &RestPose) -> Bounds {
 
 /// One per material: whether hair grows on it.
 ///
-/// `bare` holds names, in which `*` stands for any run of characters; case does not matter. A pattern that matches no material
+/// `bare` holds names, in which `*` stands for any run of characters and `?` for one; case does not matter. A pattern that matches no material
 /// is reported in `warnings`, with the names there are.
 pub fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
     for pattern in bare.iter().filter(|p| !materials.iter().any(|m| glob(p, &m.name))) {
@@ -54,19 +54,25 @@ pub fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut 
 }
 
 fn glob(pattern: &str, name: &str) -> bool {
-    let (pattern, name) = (pattern.to_lowercase(), name.to_lowercase());
-    let mut pieces = pattern.split('*');
-    let Some(rest) = pieces.next().and_then(|first| name.strip_prefix(first)) else { return false };
-    let pieces: Vec<_> = pieces.collect();
-    let Some((last, middle)) = pieces.split_last() else { return rest.is_empty() };
-    let mut rest = rest;
-    for piece in middle {
-        match rest.find(piece) {
-            Some(at) => rest = &rest[at + piece.len()..],
-            None => return false,
+    let [pattern, name] = [pattern, name].map(|text| text.to_lowercase().chars().collect::<Vec<_>>());
+    // Where the last `*` stands, and how much of the name it has swallowed so far: a mismatch goes back there and lets it
+    // swallow one more. Going back to earlier ones never helps.
+    let (mut p, mut n, mut star) = (0, 0, None);
+    while n < name.len() {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(c) if *c == '?' || *c == name[n] => (p, n) = (p + 1, n + 1),
+            _ => {
+                let Some((at, swallowed)) = star else { return false };
+                star = Some((at, swallowed + 1));
+                (p, n) = (at + 1, swallowed + 1);
+            }
         }
     }
-    rest.ends_with(last)
+    pattern[p..].iter().all(|c| *c == '*')
 }
 
 /// Height of the outermost layer at every vertex, metres: `height_m` on furred parts, 0 on bare ones.
@@ -97,6 +103,11 @@ mod tests {
             ("a*b*", "axxbyy", true),
             ("a*b", "abc", false),
             ("a*a", "a", false),
+            ("a*ab", "aaab", true),
+            ("Eye?", "eyeL", true),
+            ("Eye?", "eye", false),
+            ("?*", "", false),
+            ("*é?", "Öéx", true),
             ("", "", true),
             ("", "x", false),
         ] {
