@@ -60,7 +60,7 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
         quality: quality(surface),
         warnings: pieces.warnings.to_vec(),
     };
-    let mut writer = PackageWriter::new(manifest).mesh(&mesh_data(surface, pieces.fur_heights));
+    let mut writer = PackageWriter::new(manifest).mesh(&mesh_data(pieces));
     if let Some(animation) = &model.animation {
         writer = writer.animation(animation);
     }
@@ -105,8 +105,10 @@ fn parts(surface: &Surface) -> Vec<Part> {
     out
 }
 
-fn mesh_data(surface: &Surface, fur_heights: &[f32]) -> MeshData {
+fn mesh_data(pieces: &Pieces<'_>) -> MeshData {
+    let Pieces { surface, fur_heights, .. } = *pieces;
     let mesh = &surface.mesh;
+    let colored = |i: usize| pieces.base_color || fur_heights[i] == 0.0;
     let geometry = (0..mesh.positions.len()).map(|i| GeometryVertex {
         position: mesh.positions[i].into(),
         fur_height: fur_heights[i],
@@ -117,7 +119,7 @@ fn mesh_data(surface: &Surface, fur_heights: &[f32]) -> MeshData {
     let attributes = (0..mesh.positions.len()).map(|i| AttributeVertex {
         tile_uv: surface.tile_uvs[i].into(),
         base_uv: mesh.uvs[i].into(),
-        color: mesh.colors[i],
+        color: if colored(i) { mesh.colors[i] } else { [255; 4] },
         reserved: 0,
     });
     MeshData {

@@ -99,6 +99,26 @@ fn bare_materials_carry_no_hair() {
 }
 
 #[test]
+fn hair_can_keep_its_own_colour() {
+    let mut recipe = recipe("hare");
+    let colors = |recipe: &Recipe| {
+        let bytes = bake("hare", recipe).unwrap().package;
+        let package = Package::open(&bytes, &Limits::default()).unwrap();
+        let mesh = package.mesh().unwrap().unwrap();
+        let white = |furred: bool| {
+            let mut vertices = mesh.geometry().zip(mesh.attributes()).filter(|(g, _)| (g.fur_height > 0.0) == furred);
+            vertices.all(|(_, a)| a.color == [255; 4])
+        };
+        let materials = package.manifest().materials.clone();
+        (white(true), materials.iter().filter(|m| !m.furred).map(|m| m.base_color).collect::<Vec<_>>())
+    };
+    let (white, bare) = colors(&recipe);
+    assert!(!white, "the hare's coat is painted in vertex colours");
+    recipe.color.base_color = false;
+    assert_eq!(colors(&recipe), (true, bare), "fur white, eyes and nose as they were");
+}
+
+#[test]
 fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
     let mut recipe = recipe("hare");
     recipe.model.bare = vec!["Hoof*".into()];

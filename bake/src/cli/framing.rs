@@ -30,14 +30,17 @@ pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32) -> (Vec3, Vec3) {
         let edges = [p.z * tan_x + p.x + mx, p.z * tan_x - p.x + mx, p.z * tan_y + p.y + my, p.z * tan_y - p.y + my];
         need = std::array::from_fn(|i| need[i].max(edges[i]));
     }
+    let in_view = || points.iter().map(|p| view.transform_point3(*p).z);
+    let Some(nearest) = in_view().reduce(f32::max) else { return (towards, Vec3::ZERO) };
     let [right, left, top, bottom] = need;
-    if !(right + left > 0.0 || top + bottom > 0.0) || !(right + left + top + bottom).is_finite() {
-        return (towards, Vec3::ZERO);
+    let mut z0 = ((right + left) / (2.0 * tan_x)).max((top + bottom) / (2.0 * tan_y));
+    if z0 - nearest <= 1e-6 * (1.0 + z0.abs()) {
+        // All points are one, and no fur about it: any distance is as good.
+        z0 = nearest + 1.0;
     }
-    let z0 = ((right + left) / (2.0 * tan_x)).max((top + bottom) / (2.0 * tan_y));
     let eye = Vec3::new((right - left) / 2.0, (top - bottom) / 2.0, z0);
-    let center = points.iter().map(|p| view.transform_point3(*p).z).sum::<f32>() / points.len() as f32;
-    let target = Vec3::new(eye.x, eye.y, center.min(z0 - margin_m));
+    let middle = in_view().sum::<f32>() / points.len() as f32;
+    let target = Vec3::new(eye.x, eye.y, middle.min(nearest));
     let world = view.inverse();
     (world.transform_point3(eye), world.transform_point3(target))
 }
