@@ -1,6 +1,7 @@
 //! `pelage bench`: how long every pass of a package takes on this machine's adapter.
 
 use super::exit::{Exit, Failure};
+use super::gpu::Gpu;
 use super::measure::{self, Clock, FrameTimes, Meter, PASSES, Spread};
 use super::output::{Output, human_bytes};
 use super::package_file::PackageFile;
@@ -31,7 +32,7 @@ pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
     let frames = args.view.frames.unwrap_or(FRAMES);
     let file = PackageFile::read(&args.package)?;
     output.progress("loading");
-    let mut scene = Scene::new(&file, &view)?;
+    let mut scene = Scene::new(&file, &view, Gpu::open)?;
     let meter = Meter::new(&scene.gpu);
     let fragments = measure::count_fragments(&mut scene)?;
     let mut times = Vec::new();

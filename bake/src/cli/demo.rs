@@ -52,7 +52,8 @@ const BACKGROUND: [u8; 3] = [204, 209, 217];
 /// Runs the subcommand.
 pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
     // Before anything is written: a machine that cannot draw the pictures keeps nothing of them.
-    let software = Gpu::open()?.info.device_type == wgpu::DeviceType::Cpu;
+    let gpu = Gpu::open()?;
+    let software = gpu.info.device_type == wgpu::DeviceType::Cpu;
     std::fs::create_dir_all(&args.output).map_err(|source| BakeError::Io {
         path: args.output.clone(),
         action: "create",
@@ -68,7 +69,7 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
         for (suffix, view) in views(model) {
             let path = args.output.join(format!("{}{suffix}.png", model.name));
             output.progress("drawing");
-            render::draw(&mut Scene::new(&file, &view)?, &path)?;
+            render::draw(&mut Scene::new(&file, &view, || Ok(gpu.clone()))?, &path)?;
             pictures.push(path.display().to_string());
         }
     }

@@ -23,15 +23,14 @@ pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32) -> (Vec3, Vec3) {
     // A point is inside the right edge of a camera at (x0, y0, z0) where x − x0 <= tan_x (z0 − z). So each edge of the picture
     // asks for tan_x z0 ± x0 to be at least some value, which only the outermost point along that edge's plane decides.
     let mut need = [f32::NEG_INFINITY; 4];
-    for point in points {
-        let p = view.transform_point3(*point);
+    let in_view: Vec<Vec3> = points.iter().map(|p| view.transform_point3(*p)).collect();
+    for p in &in_view {
         // A ball of fur about the point touches a slanted plane 1/cos of its angle early.
         let (mx, my) = (margin_m * (1.0 + tan_x * tan_x).sqrt(), margin_m * (1.0 + tan_y * tan_y).sqrt());
         let edges = [p.z * tan_x + p.x + mx, p.z * tan_x - p.x + mx, p.z * tan_y + p.y + my, p.z * tan_y - p.y + my];
         need = std::array::from_fn(|i| need[i].max(edges[i]));
     }
-    let in_view = || points.iter().map(|p| view.transform_point3(*p).z);
-    let Some(nearest) = in_view().reduce(f32::max) else { return (towards, Vec3::ZERO) };
+    let Some(nearest) = in_view.iter().map(|p| p.z).reduce(f32::max) else { return (towards, Vec3::ZERO) };
     let [right, left, top, bottom] = need;
     let mut z0 = ((right + left) / (2.0 * tan_x)).max((top + bottom) / (2.0 * tan_y));
     if z0 - nearest <= 1e-6 * (1.0 + z0.abs()) {
@@ -39,7 +38,8 @@ pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32) -> (Vec3, Vec3) {
         z0 = nearest + 1.0;
     }
     let eye = Vec3::new((right - left) / 2.0, (top - bottom) / 2.0, z0);
-    let middle = in_view().sum::<f32>() / points.len() as f32;
+    let middle = in_view.iter().map(|p| p.z).sum::<f32>() / in_view.len() as f32;
+    // The mean of many equal numbers may round above them.
     let target = Vec3::new(eye.x, eye.y, middle.min(nearest));
     let world = view.inverse();
     (world.transform_point3(eye), world.transform_point3(target))

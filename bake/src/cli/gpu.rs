@@ -9,8 +9,8 @@ pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrg
 /// Depth of the canvas.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Device, queue, and what the adapter can measure.
-#[derive(Debug)]
+/// Device, queue, and what the adapter can measure. A clone is another handle of the same device.
+#[derive(Clone, Debug)]
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,

@@ -1,6 +1,7 @@
 //! `pelage render`: a package into a picture, or a clip into many.
 
 use super::exit::{Exit, Failure};
+use super::gpu::Gpu;
 use super::output::{Output, require_parent};
 use super::package_file::PackageFile;
 use super::scene::{Scene, View};
@@ -46,7 +47,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     names.iter().try_for_each(|name| require_parent(name))?;
     let file = PackageFile::read(&args.package)?;
     output.progress("loading");
-    let mut scene = Scene::new(&file, &view)?;
+    let mut scene = Scene::new(&file, &view, Gpu::open)?;
     let mut pictures = Vec::new();
     for (index, name) in names.iter().enumerate() {
         output.progress(&format!("picture {} of {}", index + 1, names.len()));

@@ -9,7 +9,7 @@ use glam::Vec3;
 use pelage_bake::BakeError;
 use pelage_bake::mesh::blend;
 use pelage_bake::textures::srgb_to_linear;
-use pelage_formats::{GeometryVertex, Package, Pose};
+use pelage_formats::{Animation, GeometryVertex, Package, Pose};
 use pelage_runtime::{
     Camera, Frame, FrameParams, Instance, Light, Motion, Projection, Renderer, RendererOptions, RuntimeError, Style,
     wgpu,
@@ -104,11 +104,17 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Opens and loads the package in `file` and sets up `view`.
-    pub fn new(file: &PackageFile, view: &View) -> Result<Self, Failure> {
+    /// Opens and loads the package in `file` and sets up `view` on the device that `open_gpu` gives.
+    ///
+    /// The device comes last, so that what is wrong with the package is said on machines without one, too.
+    pub fn new(
+        file: &PackageFile,
+        view: &View,
+        open_gpu: impl FnOnce() -> Result<Gpu, Failure>,
+    ) -> Result<Self, Failure> {
         let package = &file.open()?;
         let clip = find_clip(file, package, view.clip.as_deref())?;
-        let gpu = Gpu::open()?;
+        let gpu = open_gpu()?;
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let (width, height) = view.size;
         if width > limit || height > limit {
@@ -134,7 +140,7 @@ impl Scene {
         let canvas = Canvas::new(&gpu, width, height, view.samples);
         let mut params = FrameParams::new(match view.camera {
             Some(camera) => look(camera, view),
-            None => look(framed(file, package, view)?, view),
+            None => look(framed(file, package, model.skeleton(), view)?, view),
         });
         params.light = view.light;
         params.style = view.style;
@@ -222,12 +228,16 @@ fn find_clip(file: &PackageFile, package: &Package<'_>, name: Option<&str>) -> R
 }
 
 /// The default camera for the model at rest.
-fn framed(file: &PackageFile, package: &Package<'_>, view: &View) -> Result<(Vec3, Vec3, f32), Failure> {
-    let fault = |error| file.fault(error);
-    let mesh = package.mesh().map_err(fault)?;
+fn framed(
+    file: &PackageFile,
+    package: &Package<'_>,
+    skeleton: Option<&Animation>,
+    view: &View,
+) -> Result<(Vec3, Vec3, f32), Failure> {
+    let mesh = package.mesh().map_err(|error| file.fault(error))?;
     let mut pose = Pose::default();
-    if let Some(animation) = package.animation().map_err(fault)? {
-        pose.sample(&animation, None, 0.0);
+    if let Some(skeleton) = skeleton {
+        pose.sample(skeleton, None, 0.0);
     }
     let points: Vec<Vec3> = mesh.map_or_else(Vec::new, |mesh| {
         let skin: Vec<_> = mesh.skin().collect();
