@@ -5,10 +5,10 @@ use crate::groom::{self, Lengths};
 use crate::hair::{self, VolumeParams};
 use crate::mesh::{Model, RestPose};
 use crate::pack::{self, Pieces};
-use crate::recipe::Recipe;
+use crate::recipe::{Recipe, Style};
 use crate::surface::{self, Measures, SurfaceParams};
 use crate::textures;
-use pelage_formats::FurInfo;
+use pelage_formats::{FurInfo, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 6] = ["surface", "simulate", "slice", "groom", "textures", "pack"];
@@ -64,6 +64,7 @@ pub fn bake(
         model.images.iter().map(|i| textures::encode_base_color(i, &recipe.pack)).collect::<Result<Vec<_>, _>>()?;
 
     on_stage("pack");
+    let shading = Shading::from(&recipe.shading);
     let package = pack::pack(&Pieces {
         name,
         model,
@@ -80,7 +81,7 @@ pub fn bake(
             patches: surface.measures.patches,
             ..FurInfo::default()
         },
-        shading: (&recipe.shading).into(),
+        shading: if recipe.hair.style == Style::Wet { shading.wet() } else { shading },
         base_color: recipe.color.base_color,
         recipe: &resolved(recipe, lengths),
         shell_color: &shells.color,

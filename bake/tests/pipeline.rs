@@ -126,3 +126,16 @@ fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
     let warning = warnings.iter().find(|w| w.contains("Hoof*")).unwrap_or_else(|| panic!("{warnings:?}"));
     assert!(warning.contains("Eye") && warning.contains("Coat"), "{warning}");
 }
+
+#[test]
+fn wet_hair_shines_more_than_the_recipe_says() {
+    let mut wet = recipe("torus");
+    wet.set("hair.style=wet").unwrap();
+    let shading = |recipe: &Recipe| {
+        let package = bake("torus", recipe).unwrap().package;
+        Package::open(&package, &Limits::default()).unwrap().manifest().shading
+    };
+    let (dry, wet) = (shading(&recipe("torus")), shading(&wet));
+    assert_eq!(wet, dry.wet());
+    assert!(wet.specular[0] > dry.specular[0] && wet.specular_exponent > dry.specular_exponent);
+}

@@ -81,6 +81,9 @@ pub struct FurInfo {
     pub direction_texture: u32,
 }
 
+/// Largest pd and ps.
+const MAX_EXPONENT: f32 = 10_000.0;
+
 /// Constants of Yang 2006, eqs. (1)–(3). Colours are linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shading {
@@ -110,6 +113,18 @@ impl Default for Shading {
             specular_exponent: 30.0,
             ambient_floor: 0.3,
             back_light_range: 0.3,
+        }
+    }
+}
+
+impl Shading {
+    /// What the constants become where hair is wet: the film of water smooths its scales, which makes the highlight twice as
+    /// strong and much narrower.
+    pub fn wet(&self) -> Self {
+        Self {
+            specular: self.specular.map(|k| 2.0 * k),
+            specular_exponent: (4.0 * self.specular_exponent).min(MAX_EXPONENT),
+            ..*self
         }
     }
 }
@@ -190,8 +205,8 @@ impl Manifest {
         finite("shading.diffuse", &s.diffuse)?;
         finite("shading.specular", &s.specular)?;
         for (what, value, max) in [
-            ("shading.diffuse_exponent", s.diffuse_exponent, 10_000.0),
-            ("shading.specular_exponent", s.specular_exponent, 10_000.0),
+            ("shading.diffuse_exponent", s.diffuse_exponent, MAX_EXPONENT),
+            ("shading.specular_exponent", s.specular_exponent, MAX_EXPONENT),
             ("shading.ambient_floor", s.ambient_floor, 1.0),
         ] {
             if !(0.0..=max).contains(&value) {

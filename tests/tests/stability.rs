@@ -283,7 +283,7 @@ mod hair_simulation {
     #[test]
     fn length_is_kept_and_the_volume_not_left_under_extreme_forces() {
         let mut strands_seen = 0;
-        for style in [Style::Straight, Style::Curly, Style::Messy] {
+        for style in Style::ALL.iter().copied() {
             for lean in [0.0, 0.5, 1.0] {
                 for frizz in [0.0, 1.0] {
                     for (curl_radius, curl_pitch) in
@@ -317,7 +317,7 @@ mod hair_simulation {
                 }
             }
         }
-        assert_eq!(strands_seen, 9 * 3 * 3 * 2 * 5 * 4);
+        assert_eq!(strands_seen, 9 * Style::ALL.len() * 3 * 2 * 5 * 4);
     }
 
     #[test]

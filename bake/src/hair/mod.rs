@@ -13,10 +13,11 @@
 //! the `libm` crate, whose results do not depend on the platform as those of `std` may.
 
 mod forces;
+mod locks;
 mod noise;
 
 use crate::BakeError;
-use crate::recipe::{ColorParams, HairParams, SrgbColor};
+use crate::recipe::{ColorParams, HairParams, SrgbColor, Style};
 use forces::Grower;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -122,6 +123,10 @@ impl Strands {
 /// Points that all strands together may have: bounds memory to about 1 GiB at a million strands.
 const MAX_POINTS: u32 = 32 << 20;
 
+/// What water leaves of hair's linear colour. A film of water takes the diffuse surface reflection away and lets more light into
+/// the hair, where it is absorbed.
+const WET_COLOR: f32 = 0.45;
+
 /// Grows the strands of one tile.
 ///
 /// * `params`: number, lengths, radii and style of the strands
@@ -137,6 +142,8 @@ pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams)
     params.validate()?;
     color.validate()?;
     volume.validate()?;
+    let water = if params.style == Style::Wet { WET_COLOR } else { 1.0 };
+    let (root, tip) = (linear(color.root) * water, linear(color.tip) * water);
     let grower = Grower::new(params, volume.height, MAX_POINTS / params.density);
     let per_strand = grower.segments() + 1;
     let count = params.density as usize * per_strand;
@@ -146,9 +153,8 @@ pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams)
         colors: vec![Vec3::ZERO; count],
         offsets: (0..=params.density).map(|i| i * per_strand as u32).collect(),
         height: 0.0,
-        root_color: linear(color.root),
+        root_color: root,
     };
-    let (root, tip) = (linear(color.root), linear(color.tip));
     let lists = (
         strands.points.par_chunks_mut(per_strand),
         strands.radii.par_chunks_mut(per_strand),

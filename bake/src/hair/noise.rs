@@ -1,6 +1,6 @@
 //! Hashed random numbers and smooth noise: functions of seed and place, without state.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A well-mixed hash of two numbers: the finaliser of SplitMix64 (Steele, Lea, Flood 2014) over both in turn.
 pub(super) fn hash(seed: u64, n: u64) -> u64 {
@@ -22,6 +22,19 @@ pub(super) fn vector(seed: u64, n: u64) -> Vec3 {
     let h = hash(seed, n);
     let component = |shift: u32| ((h >> shift) & 0x1f_ffff) as f32 / (1 << 20) as f32 - 1.0;
     Vec3::new(component(0), component(21), component(42))
+}
+
+/// Number `index` of `count` random points of the tile. They are stratified: the tile is cut into rows of cells of equal area, and
+/// each cell has one point anywhere in it. Plain random points would leave bald spots.
+pub(super) fn stratified(seed: u64, index: u32, count: u32) -> Vec2 {
+    let (index, n) = (u64::from(index), u64::from(count));
+    let rows = ((n as f64).sqrt().round() as u64).max(1);
+    let row = index * rows / n;
+    let first = (row * n).div_ceil(rows);
+    let cells = ((row + 1) * n).div_ceil(rows) - first;
+    let u = ((index - first) as f32 + uniform(seed, index << 8)) / cells as f32;
+    let v = (row as f32 + uniform(seed, index << 8 | 1)) / rows as f32;
+    Vec2::new(u, v)
 }
 
 fn smooth(t: f32) -> f32 {

@@ -23,7 +23,9 @@ fn same_on_one_and_four_threads() {
 fn seeds_differ_and_styles_differ() {
     let base = grow(|_| {});
     assert_ne!(base.points, grow(|p| p.seed = 2).points);
-    assert_ne!(base.points, grow(|p| p.style = Style::Messy).points);
+    for style in &Style::ALL[1..] {
+        assert_ne!(base.points, grow(|p| p.style = *style).points, "{style:?}");
+    }
 }
 
 #[test]
@@ -87,6 +89,49 @@ fn curls_have_the_radius_and_pitch_asked_for() {
     let along = (points[per_turn] - points[0]).length();
     assert!((across / (2.0 * radius) - 1.0).abs() < 0.12, "diameter {across}");
     assert!((along / pitch - 1.0).abs() < 0.05, "pitch {along}");
+}
+
+/// Mean distance of the strands' last points from the mean of their lock's, locks taken as `wet` hair forms them.
+fn spread_of_locks(params: &HairParams, height: f32) -> f32 {
+    let strands = simulate(params, &ColorParams::default(), &VolumeParams { height }).unwrap();
+    let locks = locks::Locks::new(params.seed, params.clump_count, params.density, height);
+    let mut tips: std::collections::BTreeMap<u32, Vec<Vec3>> = std::collections::BTreeMap::new();
+    for range in (0..strands.len()).map(|i| strands.range(i)) {
+        let lock = locks.of(strands.points[range.start].truncate());
+        // As seen from the lock's centre, so that locks over the tile's border are whole.
+        tips.entry(lock.index).or_default().push(strands.points[range.end - 1] - lock.center.extend(0.0));
+    }
+    let spread = |tips: &Vec<Vec3>| {
+        let mean = tips.iter().sum::<Vec3>() / tips.len() as f32;
+        tips.iter().map(|t| t.distance(mean)).sum::<f32>()
+    };
+    tips.values().map(spread).sum::<f32>() / strands.len() as f32
+}
+
+#[test]
+fn wet_hair_gathers_into_locks() {
+    for (height, clump_count) in [(0.4, None), (0.4, Some(60)), (0.13, Some(80)), (1.5, Some(9))] {
+        let spread = |style, clump| {
+            let hair =
+                HairParams { style, clump, clump_count, density: 900, length_variation: 0.0, ..HairParams::default() };
+            spread_of_locks(&hair, height)
+        };
+        let (straight, loose, wet) = (spread(Style::Straight, 1.0), spread(Style::Wet, 0.0), spread(Style::Wet, 1.0));
+        assert!(wet < 0.35 * straight, "{height} {clump_count:?}: straight {straight}, wet {wet}");
+        assert!(loose > 0.8 * straight, "{height} {clump_count:?}: without clumping {loose}, straight {straight}");
+    }
+}
+
+#[test]
+fn wet_hair_is_darker_and_lower_and_lying_hair_is_flat() {
+    let heights = |style| {
+        let strands = grow(|p| p.style = style);
+        strands.points.iter().map(|p| p.z).sum::<f32>() / strands.points.len() as f32
+    };
+    let straight = heights(Style::Straight);
+    assert!(heights(Style::Wet) < 0.85 * straight && heights(Style::Lying) < 0.45 * straight);
+    let (dry, wet) = (grow(|_| {}).root_color, grow(|p| p.style = Style::Wet).root_color);
+    assert!((wet - dry * WET_COLOR).length() < 1e-6);
 }
 
 #[test]

@@ -156,6 +156,10 @@ words! {
         Curly = "curly",
         /// Pushed about by a smooth random field.
         Messy = "messy",
+        /// Gathered into pointed locks, low, dark and shiny.
+        Wet = "wet",
+        /// Combed down flat.
+        Lying = "lying",
     }
 }
 
@@ -163,7 +167,8 @@ params! {
     /// `[hair]`: the strands of one tile. Lengths on the tile are fractions of its width, so that the look does not depend on
     /// the model's units.
     HairParams in hair {
-        /// The forces that shape a strand: `straight`, `curly` or `messy`.
+        /// The forces that shape a strand: `straight`, `curly`, `messy`, `wet` or `lying`. `wet` gathers strands into locks,
+        /// darkens their colour and makes the highlight stronger and narrower than `[shading]` says; `lying` is combed flat.
         style: Style = Style::Straight;
         /// Seed of everything random. Another seed is another coat of the same kind.
         seed: u64 = 1, in 0..=i64::MAX as u64;
@@ -186,8 +191,12 @@ params! {
         curl_radius: f32 = 0.03, in 0.0..=1.0;
         /// Height of one turn of that helix along its axis, fractions of the tile's width. Small is tight.
         curl_pitch: f32 = 0.18, in 1e-3..=100.0;
-        /// Small random bends along a strand: 0 smooth, 1 woolly.
+        /// Small random bends along a strand: 0 smooth, 1 woolly. `wet` and `lying` keep a third of it.
         frizz: f32 = 0.1, in 0.0..=1.0;
+        /// How closely the strands of `wet` hair gather: 0 not at all, 1 every lock ends in a point.
+        clump: f32 = 0.9, in 0.0..=1.0;
+        /// Locks of `wet` hair in the tile, at most one a strand. Left out, it is chosen from the hair's length.
+        clump_count: Option<u32> = None, in 1..=1_000_000;
     }
 }
 

@@ -21,7 +21,7 @@ fn every_key_is_a_field_and_every_field_a_key() {
         fields.extend(table.as_table().unwrap().keys().map(|k| format!("{section}.{k}")));
     }
     // Optional fields are absent from the serialised default.
-    fields.extend(["surface.tile_size_m".to_owned(), "hair.length_m".to_owned()]);
+    fields.extend(["surface.tile_size_m", "hair.length_m", "hair.clump_count"].map(str::to_owned));
     let mut names: Vec<_> = keys().map(|k| k.name.to_owned()).collect();
     fields.sort();
     names.sort();
@@ -122,8 +122,9 @@ fn recipes() -> impl Strategy<Value = Recipe> {
     let hair = (
         (prop::sample::select(Style::ALL), 0..=i64::MAX as u64, 1u32..=1_000_000, prop::option::of(1e-6f32..=1e3)),
         (unit(), 1e-5f32..=0.25, 0f32..=0.25, unit(), -360f32..=360.0, unit(), 1e-3f32..=100.0, unit()),
+        (unit(), prop::option::of(1u32..=1_000_000)),
     )
-        .prop_map(|(a, b)| HairParams {
+        .prop_map(|(a, b, c)| HairParams {
             style: a.0,
             seed: a.1,
             density: a.2,
@@ -136,6 +137,8 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             curl_radius: b.5,
             curl_pitch: b.6,
             frizz: b.7,
+            clump: c.0,
+            clump_count: c.1,
         });
     let pack = (
         prop::sample::select(ShellFormat::ALL),
