@@ -84,6 +84,7 @@ fn materials(pieces: &Pieces<'_>) -> Vec<Material> {
             name: m.name.clone(),
             base_color: if colored { m.base_color } else { [1.0; 4] },
             base_color_texture: m.base_color_image.filter(|_| colored).map(|image| 2 + image as u32),
+            groom_texture: None,
             alpha_cutoff: m.alpha_cutoff,
             furred: furred(i),
             double_sided: m.double_sided,
@@ -113,14 +114,14 @@ fn mesh_data(pieces: &Pieces<'_>) -> MeshData {
         position: mesh.positions[i].into(),
         fur_height: fur_heights[i],
         normal: mesh.normals[i].into(),
-        reserved: 0.0,
+        lean: 0.0,
         tangent: surface.tangents[i].into(),
     });
     let attributes = (0..mesh.positions.len()).map(|i| AttributeVertex {
         tile_uv: surface.tile_uvs[i].into(),
         base_uv: mesh.uvs[i].into(),
         color: if colored(i) { mesh.colors[i] } else { [255; 4] },
-        reserved: 0,
+        groom: [0; 4],
     });
     MeshData {
         geometry: geometry.collect(),

@@ -14,8 +14,8 @@ const PROMISED: Duration = Duration::from_millis(2);
 fn main() {
     // A real layout: shell colour and direction of 1024 x 1024 in 6 layers, base colour of 512 x 512, all with mips.
     let manifest = Manifest {
-        fur: FurInfo { layers: 6, tile_texels: 1024, ..common::sample_manifest().fur },
-        ..common::sample_manifest()
+        fur: FurInfo { layers: 6, tile_texels: 1024, ..common::sample_manifest_v1().fur },
+        ..common::sample_manifest_v1()
     };
     let bytes = PackageWriter::new(manifest)
         .mesh(&common::sample_mesh(true))

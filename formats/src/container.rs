@@ -5,8 +5,8 @@ use std::fmt;
 
 /// The first eight bytes of every package. The high bit, and the line feed at the end, make damage by text-mode transfer visible.
 pub const MAGIC: [u8; 8] = *b"\x89PELAGE\n";
-/// The version of the format that this crate writes, and the newest it reads.
-pub const FORMAT_VERSION: u32 = 1;
+/// The version of the format that this crate writes, and the newest it reads. It reads, and on request writes, all older ones.
+pub const FORMAT_VERSION: u32 = 2;
 
 /// Bytes of the fixed header.
 pub(crate) const HEADER_BYTES: usize = 32;
@@ -28,6 +28,8 @@ impl Tag {
     pub const MESH: Self = Self(*b"MESH");
     /// Skeleton and clips: bincode of [`crate::Animation`]. At most one.
     pub const ANIMATION: Self = Self(*b"ANIM");
+    /// Fins, from version 2 on. At most one.
+    pub const FINS: Self = Self(*b"FINS");
     /// A complete .ktx2 file; the k-th one belongs to the k-th texture of the manifest.
     pub const TEXTURE: Self = Self(*b"KTX2");
     /// Stands for header, table and padding in errors; never in a file's table.
@@ -92,12 +94,12 @@ fn expect_field(what: &'static str, offset: usize, found: u64, expected: u64) ->
     Ok(())
 }
 
-/// Reads and checks header and table: magic, version, length, checksum, reserved fields, and that the sections lie one
+/// Reads and checks header and table, and returns version and sections: magic, version, length, checksum, reserved fields, and that the sections lie one
 /// after the other, aligned, with zero padding between them and nothing behind the last.
 ///
 /// The layout is canonical, one byte string for one list of sections: that is what makes unpack–pack the identity and leaves no
 /// byte of the file unchecked.
-pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<Vec<Section>, FormatError> {
+pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<(u32, Vec<Section>), FormatError> {
     if !bytes.starts_with(&MAGIC) {
         // A prefix of the magic is a truncated package; anything else is some other file.
         if !bytes.is_empty() && MAGIC.starts_with(bytes) {
@@ -113,7 +115,10 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<Vec<Section>, 
     }
     require(bytes, Tag::HEAD, "header", 0, HEADER_BYTES as u64)?;
     let version = u32_at(bytes, 8);
-    expect_field("version", 8, version.into(), FORMAT_VERSION.into())?;
+    if version == 0 {
+        let expected = format!("1..={FORMAT_VERSION}");
+        return Err(FormatError::Field { what: "version", offset: 8, found: 0, expected });
+    }
     let count = u32_at(bytes, 12);
     if count > limits.sections {
         let (found, limit) = (count.into(), limits.sections.into());
@@ -160,7 +165,7 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<Vec<Section>, 
     expect_field("package length", 16, u64_at(bytes, 16), end)?;
     expect_zero_padding(bytes, last, end)?;
     match bytes.len() as u64 - end {
-        0 => Ok(sections),
+        0 => Ok((version, sections)),
         count => Err(FormatError::TrailingBytes { offset: end, count }),
     }
 }
@@ -184,11 +189,11 @@ fn head_checksum(head: &[u8]) -> u32 {
 }
 
 /// Lays out header, table and sections. The inverse of [`read_table`].
-pub(crate) fn write(sections: &[(Tag, impl AsRef<[u8]>)]) -> Vec<u8> {
+pub(crate) fn write(version: u32, sections: &[(Tag, impl AsRef<[u8]>)]) -> Vec<u8> {
     let head_bytes = (HEADER_BYTES + sections.len() * ENTRY_BYTES) as u64;
     let mut out = Vec::new();
     out.extend_from_slice(&MAGIC);
-    out.extend_from_slice(&FORMAT_VERSION.to_le_bytes());
+    out.extend_from_slice(&version.to_le_bytes());
     out.extend_from_slice(&(sections.len() as u32).to_le_bytes());
     out.extend_from_slice(&[0; 16]); // length, checksum and reserved: filled in below
     let mut offset = head_bytes;

@@ -35,8 +35,10 @@ mod container;
 mod direction;
 mod encoding;
 mod error;
+mod fins;
 mod limits;
 mod manifest;
+mod manifest_v1;
 mod mesh;
 mod package;
 mod sampling;
@@ -46,8 +48,12 @@ pub use animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Proper
 pub use container::{FORMAT_VERSION, MAGIC, Section, Tag};
 pub use direction::{decode_direction, encode_direction};
 pub use error::FormatError;
+pub use fins::{Fin, FinData, FinsView};
 pub use limits::Limits;
-pub use manifest::{Bounds, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, TextureEntry};
+pub use manifest::{
+    Bounds, FinInfo, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, ShellTextures,
+    TextureEntry,
+};
 pub use mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
 pub use package::{FurTextures, Package, PackageWriter};
 pub use sampling::Pose;

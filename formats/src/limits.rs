@@ -15,6 +15,8 @@ pub struct Limits {
     pub vertices: u32,
     /// Indices of the mesh (default 100 663 296).
     pub indices: u32,
+    /// Fins (default 50 331 648).
+    pub fins: u32,
     /// Width and height of a texture, texels (default 16 384).
     pub texture_size: u32,
     /// Array layers of a texture (default 2 048).
@@ -29,6 +31,7 @@ impl Default for Limits {
             animation_bytes: 256 << 20,
             vertices: 1 << 24,
             indices: 96 << 20,
+            fins: 48 << 20,
             texture_size: 16_384,
             texture_layers: 2048,
         }

@@ -79,6 +79,35 @@ pub struct FurInfo {
     pub color_texture: u32,
     /// Index into `textures`: hair direction in the tile frame, `layers` array layers (`FORMAT.md`, "Directions").
     pub direction_texture: u32,
+    /// The same hair when wet: a second set of textures of the same size, which a renderer mixes in by wetness.
+    pub wet: Option<ShellTextures>,
+    /// Textures of the fins; a package that has them has a `FINS` section, and the other way round.
+    pub fins: Option<FinInfo>,
+}
+
+/// A set of shell textures, as large as [`FurInfo`] says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ShellTextures {
+    /// Index into `textures`, as [`FurInfo::color_texture`].
+    pub color_texture: u32,
+    /// Index into `textures`, as [`FurInfo::direction_texture`].
+    pub direction_texture: u32,
+}
+
+/// The fin textures: hair of the tile seen from the side, one array layer per slab. u runs along a slab and repeats; v runs from
+/// the skin, the first row, to [`FurInfo::height_m`], the last.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FinInfo {
+    /// Width of a slab, texels, at least 1.
+    pub width: u32,
+    /// Height of a slab, texels, at least 1.
+    pub height: u32,
+    /// Slabs, each cut through the tile in another direction, at least 1: array layers of both textures.
+    pub slabs: u32,
+    /// Index into `textures`: RGBA, premultiplied linear colour and opacity.
+    pub color_texture: u32,
+    /// Index into `textures`: hair direction in the tile frame (`FORMAT.md`, "Directions").
+    pub direction_texture: u32,
 }
 
 /// Largest pd and ps.
@@ -138,6 +167,9 @@ pub struct Material {
     pub base_color: [f32; 4],
     /// Index into `textures`: base colour in the model's own texture coordinates.
     pub base_color_texture: Option<u32>,
+    /// Index into `textures`: the groom in the model's own texture coordinates, linear. Red is the share of the hair that grows,
+    /// 0 bare to 1 full; green is wetness, 0..=1.
+    pub groom_texture: Option<u32>,
     /// Opacity below which a texel of the skin is cut away; `None` for opaque materials.
     pub alpha_cutoff: Option<f32>,
     /// Whether hair grows on it; bare materials (eyes, hooves) are drawn by the skin pass only.
@@ -237,12 +269,29 @@ impl Manifest {
                     f.tile_size_m, f.height_m
                 ));
             }
+        } else if f.wet.is_some() || f.fins.is_some() {
+            return Err("fur.layers is 0 beside fur.wet or fur.fins, expected neither without fur".into());
+        }
+        if let Some(wet) = &f.wet {
+            texture("fur.wet.color_texture".into(), wet.color_texture)?;
+            texture("fur.wet.direction_texture".into(), wet.direction_texture)?;
+        }
+        if let Some(fins) = &f.fins {
+            texture("fur.fins.color_texture".into(), fins.color_texture)?;
+            texture("fur.fins.direction_texture".into(), fins.direction_texture)?;
+            if fins.width == 0 || fins.height == 0 || fins.slabs == 0 {
+                let (w, h, n) = (fins.width, fins.height, fins.slabs);
+                return Err(format!("fur.fins is {w}x{h} texels in {n} slabs, expected at least 1 of each"));
+            }
         }
         for (i, m) in self.materials.iter().enumerate() {
             finite(&format!("materials[{i}].base_color"), &m.base_color)?;
             finite(&format!("materials[{i}].alpha_cutoff"), m.alpha_cutoff.as_slice())?;
             if let Some(index) = m.base_color_texture {
                 texture(format!("materials[{i}].base_color_texture"), index)?;
+            }
+            if let Some(index) = m.groom_texture {
+                texture(format!("materials[{i}].groom_texture"), index)?;
             }
         }
         let mut next = 0u32;

@@ -1,6 +1,6 @@
 //! The `MESH` section: vertex streams and indices as the GPU wants them. Layout in `FORMAT.md`, "MESH".
 
-use crate::container::Tag;
+use crate::container::{FORMAT_VERSION, Tag};
 use crate::{FormatError, Limits};
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
@@ -17,8 +17,9 @@ pub struct GeometryVertex {
     pub fur_height: f32,
     /// Unit normal, outward.
     pub normal: [f32; 3],
-    /// Always zero.
-    pub reserved: f32,
+    /// How far the hair leans over beyond what the tile's strands do, 0..=1: the outermost layer is shifted along the bitangent
+    /// by `lean * fur_height`, a layer at the share h of that height by h² of it. 0 in packages of version 1.
+    pub lean: f32,
     /// Unit tangent along +u of the tile in the first three, and in the fourth the handedness ±1:
     /// bitangent (along +v) = handedness · normal × tangent. Readers check that the numbers are finite, not that the vectors
     /// are unit or the handedness is ±1.
@@ -35,8 +36,9 @@ pub struct AttributeVertex {
     pub base_uv: [f32; 2],
     /// Vertex colour, linear RGBA, 0..=255 for 0..=1.
     pub color: [u8; 4],
-    /// Always zero.
-    pub reserved: u32,
+    /// Bareness, wetness, 0, 0; 0..=255 for 0..=1. Bareness 1 is a vertex without hair, wetness 1 is hair of the wet textures
+    /// alone. All 0 in packages of version 1.
+    pub groom: [u8; 4],
 }
 
 /// Third vertex stream, present in packages with a skeleton. 24 bytes.
@@ -134,14 +136,15 @@ impl MeshData {
         put(attributes, bytemuck::cast_slice(&self.attributes));
         put(skin, bytemuck::cast_slice(&self.skin));
         put(index, bytemuck::cast_slice(&self.indices));
-        MeshView::parse(&out, 0, &Limits { vertices: u32::MAX, indices: u32::MAX, ..Limits::default() })?;
+        let limits = Limits { vertices: u32::MAX, indices: u32::MAX, ..Limits::default() };
+        MeshView::parse(&out, 0, FORMAT_VERSION, &limits)?;
         Ok(out)
     }
 }
 
 impl<'a> MeshView<'a> {
-    /// Reads the section that begins at `offset` of the package and checks every index and number in it.
-    pub(crate) fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
+    /// Reads the section that begins at `offset` of a package of that version and checks every index and number in it.
+    pub(crate) fn parse(bytes: &'a [u8], offset: u64, version: u32, limits: &Limits) -> Result<Self, FormatError> {
         let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::MESH, offset: offset + at, reason };
         if (bytes.len() as u64) < HEADER_BYTES {
             let reason = format!("the section has {} bytes, expected a header of {HEADER_BYTES}", bytes.len());
@@ -203,12 +206,13 @@ impl<'a> MeshView<'a> {
                 return Err(fail(at, format!("padding byte is {}, expected 0", bytes[at as usize])));
             }
         }
-        view.check(|reason, at| fail(at, reason), [geometry, attributes, skin, index])?;
+        view.check(version, |reason, at| fail(at, reason), [geometry, attributes, skin, index])?;
         Ok(view)
     }
 
     fn check(
         &self,
+        version: u32,
         fail: impl Fn(String, u64) -> FormatError,
         [geometry, attributes, skin, index]: [u64; 4],
     ) -> Result<(), FormatError> {
@@ -216,15 +220,21 @@ impl<'a> MeshView<'a> {
         for (i, v) in self.geometry().enumerate() {
             let at = geometry + i as u64 * size_of::<GeometryVertex>() as u64;
             let numbers = finite(&v.position) && finite(&v.normal) && finite(&v.tangent);
-            if !numbers || !v.fur_height.is_finite() || v.fur_height < 0.0 || v.reserved.to_bits() != 0 {
-                let reason = format!("vertex {i} is {v:?}, expected finite numbers, fur_height >= 0 and reserved 0");
+            // What was reserved in version 1 is 0 there, to the bit.
+            let lean = if version == 1 { v.lean.to_bits() == 0 } else { (0.0..=1.0).contains(&v.lean) };
+            if !numbers || !v.fur_height.is_finite() || v.fur_height < 0.0 || !lean {
+                let lean = if version == 1 { "0 in version 1" } else { "0..=1" };
+                let reason = format!("vertex {i} is {v:?}, expected finite numbers, fur_height >= 0 and lean {lean}");
                 return Err(fail(reason, at));
             }
         }
         for (i, v) in self.attributes().enumerate() {
-            if !finite(&v.tile_uv) || !finite(&v.base_uv) || v.reserved != 0 {
+            let (used, spare) = v.groom.split_at(if version == 1 { 0 } else { 2 });
+            if !finite(&v.tile_uv) || !finite(&v.base_uv) || spare.iter().any(|b| *b != 0) {
                 let at = attributes + i as u64 * size_of::<AttributeVertex>() as u64;
-                return Err(fail(format!("vertex {i} is {v:?}, expected finite numbers and reserved 0"), at));
+                let n = used.len();
+                let reason = format!("vertex {i} is {v:?}, expected finite numbers and groom 0 after the first {n}");
+                return Err(fail(reason, at));
             }
         }
         for (i, v) in self.skin().enumerate() {

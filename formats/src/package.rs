@@ -1,8 +1,10 @@
 //! Opening and writing whole packages.
 
 use crate::animation::Animation;
-use crate::container::{self, Section, Tag};
+use crate::container::{self, FORMAT_VERSION, Section, Tag};
 use crate::encoding::{decode_section, encode_section};
+use crate::fins::{Fin, FinData, FinsView};
+use crate::manifest_v1::ManifestV1;
 use crate::mesh::{MeshData, MeshView};
 use crate::texture::TextureView;
 use crate::{FormatError, Limits, Manifest};
@@ -15,6 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Package<'a> {
     bytes: &'a [u8],
     limits: Limits,
+    version: u32,
     sections: Vec<Section>,
     /// Sections whose checksum was found right. Relaxed is enough: verifying twice is harmless.
     verified: Vec<AtomicBool>,
@@ -25,7 +28,8 @@ impl fmt::Debug for Package<'_> {
     /// Says what is in the package, not its megabytes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut out = f.debug_struct("Package");
-        out.field("bytes", &self.bytes.len()).field("sections", &self.sections).field("manifest", &self.manifest);
+        out.field("version", &self.version).field("bytes", &self.bytes.len());
+        out.field("sections", &self.sections).field("manifest", &self.manifest);
         out.finish_non_exhaustive()
     }
 }
@@ -34,14 +38,17 @@ impl<'a> Package<'a> {
     /// Reads header, section table and manifest. No other byte of the sections is touched: their checksums are verified, and
     /// their contents checked, when they are first used.
     pub fn open(bytes: &'a [u8], limits: &Limits) -> Result<Self, FormatError> {
-        let sections = container::read_table(bytes, limits)?;
+        let (version, sections) = container::read_table(bytes, limits)?;
         let missing = || FormatError::MissingSection {
             tag: Tag::MANIFEST,
             index: 0,
             reason: "every package begins with its manifest".into(),
         };
         let first = *sections.first().filter(|s| s.tag == Tag::MANIFEST).ok_or_else(missing)?;
-        for tag in [Tag::MANIFEST, Tag::MESH, Tag::ANIMATION] {
+        for tag in [Tag::MANIFEST, Tag::MESH, Tag::ANIMATION, Tag::FINS] {
+            if tag == Tag::FINS && version == 1 {
+                continue;
+            }
             if let Some(second) = sections.iter().filter(|s| s.tag == tag).nth(1) {
                 let reason = "a second section of this tag, expected at most one".into();
                 return Err(FormatError::Content { tag, offset: second.offset, reason });
@@ -49,9 +56,14 @@ impl<'a> Package<'a> {
         }
         check_limit("manifest length", &first, limits.manifest_bytes)?;
         let verified = sections.iter().map(|_| AtomicBool::new(false)).collect();
-        let mut package = Self { bytes, limits: limits.clone(), sections, verified, manifest: Manifest::default() };
+        let mut package =
+            Self { bytes, limits: limits.clone(), version, sections, verified, manifest: Manifest::default() };
         let textures = package.sections.iter().filter(|s| s.tag == Tag::TEXTURE).count();
-        package.manifest = decode_section(Tag::MANIFEST, first.offset, package.section_bytes(0)?)?;
+        let manifest = package.section_bytes(0)?;
+        package.manifest = match version {
+            1 => decode_section::<ManifestV1>(Tag::MANIFEST, first.offset, manifest)?.into(),
+            _ => decode_section(Tag::MANIFEST, first.offset, manifest)?,
+        };
         package.manifest.check().map_err(|reason| FormatError::Content {
             tag: Tag::MANIFEST,
             offset: first.offset,
@@ -86,6 +98,7 @@ impl<'a> Package<'a> {
             add(match section.tag {
                 Tag::MESH => package.mesh().map(drop),
                 Tag::ANIMATION => package.animation().map(drop),
+                Tag::FINS if package.version > 1 => package.fins().map(drop),
                 Tag::TEXTURE => {
                     texture += 1;
                     package.texture(texture - 1).map(drop)
@@ -97,12 +110,20 @@ impl<'a> Package<'a> {
         if package.find(Tag::MESH, 0).is_none() {
             add(package.mesh().err());
         }
+        if package.find(Tag::FINS, 0).is_none() {
+            add(package.fins().err());
+        }
         add(package.fur_textures().err());
+        add(package.wet_textures().err());
+        add(package.fin_textures().err());
         // Each texture once, however many materials share it.
-        let mut seen = BTreeSet::new();
+        let (mut colors, mut grooms) = (BTreeSet::new(), BTreeSet::new());
         for (index, material) in package.manifest.materials.iter().enumerate() {
-            if material.base_color_texture.is_some_and(|texture| seen.insert(texture)) {
+            if material.base_color_texture.is_some_and(|texture| colors.insert(texture)) {
                 add(package.base_color_texture(index).err());
+            }
+            if material.groom_texture.is_some_and(|texture| grooms.insert(texture)) {
+                add(package.groom_texture(index).err());
             }
         }
         faults
@@ -110,7 +131,7 @@ impl<'a> Package<'a> {
 
     /// Version of the format the package was written in.
     pub fn version(&self) -> u32 {
-        container::FORMAT_VERSION
+        self.version
     }
 
     /// The bytes the package was opened from.
@@ -164,7 +185,7 @@ impl<'a> Package<'a> {
             let reason = format!("the manifest has {parts} parts of its indices");
             return Err(FormatError::MissingSection { tag: Tag::MESH, index: 0, reason });
         };
-        let view = MeshView::parse(self.section_bytes(index)?, section.offset, &self.limits)?;
+        let view = MeshView::parse(self.section_bytes(index)?, section.offset, self.version, &self.limits)?;
         let fail = |reason| FormatError::Content { tag: Tag::MESH, offset: section.offset, reason };
         let covered: u64 = self.manifest.parts.iter().map(|p| u64::from(p.index_count)).sum();
         if covered != u64::from(view.index_count) {
@@ -226,27 +247,91 @@ impl<'a> Package<'a> {
         if fur.layers == 0 {
             return Ok(None);
         }
-        let (color, direction) = (self.texture(fur.color_texture)?, self.texture(fur.direction_texture)?);
-        for (index, view) in [(fur.color_texture, &color), (fur.direction_texture, &direction)] {
-            let (found, expected) =
-                ((view.width, view.height, view.layers), (fur.tile_texels, fur.tile_texels, fur.layers));
-            if found != expected {
+        let size = (fur.tile_texels, fur.tile_texels, fur.layers);
+        self.hair_textures("fur", size, fur.color_texture, fur.direction_texture).map(Some)
+    }
+
+    /// The two textures of wet hair; `None` for a package without. They are as [`Package::fur_textures`], which see for errors.
+    pub fn wet_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
+        let fur = &self.manifest.fur;
+        let Some(wet) = &fur.wet else { return Ok(None) };
+        let size = (fur.tile_texels, fur.tile_texels, fur.layers);
+        self.hair_textures("fur.wet", size, wet.color_texture, wet.direction_texture).map(Some)
+    }
+
+    /// The two fin textures; `None` for a package without fins.
+    ///
+    /// Fails where one of them is damaged or not as [`crate::FinInfo`] says: `slabs` array layers of `width` by `height` texels,
+    /// colour with four components, directions in a format that is not sRGB.
+    pub fn fin_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
+        let Some(fins) = &self.manifest.fur.fins else { return Ok(None) };
+        let size = (fins.width, fins.height, fins.slabs);
+        self.hair_textures("fur.fins", size, fins.color_texture, fins.direction_texture).map(Some)
+    }
+
+    /// A pair of textures of hair, colour and direction, of `size` texels across, down and array layers.
+    fn hair_textures(
+        &self,
+        whose: &str,
+        size: (u32, u32, u32),
+        color_texture: u32,
+        direction_texture: u32,
+    ) -> Result<FurTextures<'a>, FormatError> {
+        let (color, direction) = (self.texture(color_texture)?, self.texture(direction_texture)?);
+        for (index, view) in [(color_texture, &color), (direction_texture, &direction)] {
+            let found = (view.width, view.height, view.layers);
+            if found != size {
                 let reason = format!(
-                    "is {}x{} texels in {} layers, expected {}x{} in {} as the manifest's fur says",
-                    found.0, found.1, found.2, expected.0, expected.1, expected.2
+                    "is {}x{} texels in {} layers, expected {}x{} in {} as the manifest's {whose} says",
+                    found.0, found.1, found.2, size.0, size.1, size.2
                 );
                 return Err(self.texture_fault(index, &reason));
             }
         }
         if color.format.components() != 4 {
             let reason = format!("is {}, expected four components for colour and opacity", color.format.name());
-            return Err(self.texture_fault(fur.color_texture, &reason));
+            return Err(self.texture_fault(color_texture, &reason));
         }
         if direction.format.is_srgb() {
             let reason = format!("is {}, expected a format that is not sRGB for directions", direction.format.name());
-            return Err(self.texture_fault(fur.direction_texture, &reason));
+            return Err(self.texture_fault(direction_texture, &reason));
         }
-        Ok(Some(FurTextures { color, direction }))
+        Ok(FurTextures { color, direction })
+    }
+
+    /// The fins; `None` for a package without. Checks every fin anew at every call.
+    ///
+    /// Fails where the manifest has no fin textures for them (or textures and no fins), the parts are not the manifest's, or a fin
+    /// stands on a vertex or shows a slab that is not there.
+    pub fn fins(&self) -> Result<Option<FinsView<'a>>, FormatError> {
+        // To version 1 the tag meant nothing.
+        let section = self.find(Tag::FINS, 0).filter(|_| self.version > 1);
+        let (info, (index, section)) = match (&self.manifest.fur.fins, section) {
+            (None, None) => return Ok(None),
+            (Some(info), Some(found)) => (info, found),
+            (Some(_), None) => {
+                let reason = "the manifest's fur.fins has textures for them".into();
+                return Err(FormatError::MissingSection { tag: Tag::FINS, index: 0, reason });
+            }
+            (None, Some((_, section))) => {
+                let reason = "fins, expected none where the manifest's fur.fins is none".into();
+                return Err(FormatError::Content { tag: Tag::FINS, offset: section.offset, reason });
+            }
+        };
+        let view = FinsView::parse(self.section_bytes(index)?, section.offset, &self.limits)?;
+        let fail = |at: u64, reason| FormatError::Content { tag: Tag::FINS, offset: section.offset + at, reason };
+        let (found, parts) = (view.part_counts().len(), self.manifest.parts.len());
+        if found != parts {
+            return Err(fail(4, format!("fins of {found} parts, expected the {parts} of the manifest")));
+        }
+        let vertices = self.mesh()?.map_or(0, |mesh| mesh.vertex_count);
+        let stands = |f: &Fin| f.a < vertices && f.b < vertices && f.slab < info.slabs;
+        if let Some((i, fin)) = view.fins().enumerate().find(|(_, f)| !stands(f)) {
+            let reason =
+                format!("fin {i} is {fin:?}, expected less than the {vertices} vertices and {} slabs", info.slabs);
+            return Err(fail(view.offset_of(i), reason));
+        }
+        Ok(Some(view))
     }
 
     /// The base-colour texture of a material; `None` for a material without one, or a material that does not exist.
@@ -266,12 +351,30 @@ impl<'a> Package<'a> {
         }
         Ok(Some(view))
     }
+
+    /// The groom texture of a material; `None` for a material without one, or a material that does not exist.
+    ///
+    /// Fails where the texture is damaged, has more than one array layer, or an sRGB format.
+    pub fn groom_texture(&self, material: usize) -> Result<Option<TextureView<'a>>, FormatError> {
+        let Some(index) = self.manifest.materials.get(material).and_then(|m| m.groom_texture) else {
+            return Ok(None);
+        };
+        let view = self.texture(index)?;
+        if view.layers != 1 || view.format.is_srgb() {
+            let (layers, format) = (view.layers, view.format.name());
+            let reason = format!(
+                "is {format} in {layers} layers, expected one layer that is not sRGB as groom of materials[{material}]"
+            );
+            return Err(self.texture_fault(index, &reason));
+        }
+        Ok(Some(view))
+    }
 }
 
-/// The shell textures of a package, see [`Package::fur_textures`].
+/// A pair of hair textures, see [`Package::fur_textures`], [`Package::wet_textures`] and [`Package::fin_textures`].
 #[derive(Clone, Copy, Debug)]
 pub struct FurTextures<'a> {
-    /// Premultiplied colour and opacity, one array layer per shell, skin first.
+    /// Premultiplied colour and opacity, one array layer per shell, skin first, or per slab.
     pub color: TextureView<'a>,
     /// Hair direction in the tile frame, of the same size (`FORMAT.md`, "Directions").
     pub direction: TextureView<'a>,
@@ -290,6 +393,7 @@ fn check_limit(what: &'static str, section: &Section, limit: u64) -> Result<(), 
 /// The manifest comes first; the other sections follow in the order in which they were added.
 #[derive(Debug)]
 pub struct PackageWriter<'a> {
+    version: u32,
     manifest: Manifest,
     sections: Vec<(Tag, Cow<'a, [u8]>)>,
     error: Option<FormatError>,
@@ -298,7 +402,7 @@ pub struct PackageWriter<'a> {
 impl<'a> PackageWriter<'a> {
     /// Begins a package.
     pub fn new(manifest: Manifest) -> Self {
-        Self { manifest, sections: Vec::new(), error: None }
+        Self { version: FORMAT_VERSION, manifest, sections: Vec::new(), error: None }
     }
 
     fn push(mut self, tag: Tag, bytes: Result<Vec<u8>, FormatError>) -> Self {
@@ -306,6 +410,13 @@ impl<'a> PackageWriter<'a> {
             Ok(bytes) => self.sections.push((tag, bytes.into())),
             Err(error) => self.error = self.error.or(Some(error)),
         }
+        self
+    }
+
+    /// Writes an older version of the format (default [`FORMAT_VERSION`]): how a tool that rewrites a package leaves its version
+    /// alone. `finish` fails for a version that does not exist, and for contents that the version has no place for.
+    pub fn version(mut self, version: u32) -> Self {
+        self.version = version;
         self
     }
 
@@ -317,6 +428,11 @@ impl<'a> PackageWriter<'a> {
     /// Adds skeleton and clips.
     pub fn animation(self, animation: &Animation) -> Self {
         self.push(Tag::ANIMATION, encode_section(Tag::ANIMATION, animation))
+    }
+
+    /// Adds the fins.
+    pub fn fins(self, fins: &FinData) -> Self {
+        self.push(Tag::FINS, fins.encode())
     }
 
     /// Adds a complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
@@ -336,16 +452,27 @@ impl<'a> PackageWriter<'a> {
         if let Some(error) = self.error {
             return Err(error);
         }
-        let manifest = encode_section(Tag::MANIFEST, &self.manifest)?;
+        let manifest = match self.version {
+            1 => {
+                let old = ManifestV1::try_from(&self.manifest).map_err(|reason| FormatError::Content {
+                    tag: Tag::MANIFEST,
+                    offset: 0,
+                    reason,
+                })?;
+                encode_section(Tag::MANIFEST, &old)?
+            }
+            _ => encode_section(Tag::MANIFEST, &self.manifest)?,
+        };
         let mut sections = vec![(Tag::MANIFEST, Cow::Owned(manifest))];
         sections.extend(self.sections);
-        let bytes = container::write(&sections);
+        let bytes = container::write(self.version, &sections);
         let unlimited = Limits {
             sections: u32::MAX,
             manifest_bytes: u64::MAX,
             animation_bytes: u64::MAX,
             vertices: u32::MAX,
             indices: u32::MAX,
+            fins: u32::MAX,
             texture_size: u32::MAX,
             texture_layers: u32::MAX,
         };

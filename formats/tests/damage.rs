@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{ktx2_file, sample_manifest, sample_mesh, sample_package};
+use common::{ktx2_file, sample_fins, sample_manifest, sample_mesh, sample_package, sample_package_v1};
 use pelage_formats::*;
 
 const LIMITS: fn() -> Limits = Limits::default;
@@ -78,8 +78,7 @@ fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
         (12, "reserved byte"),
         (48, "reserved byte"),
         (63, "reserved byte"),
-        (64 + 28, "reserved 0"),
-        (304 + 20, "reserved 0"),
+        (304 + 22, "groom 0 after the first 2"),
         (304 + 120, "padding byte"),
         (432 + 120, "padding byte"),
         (11, "flags are"),
@@ -95,13 +94,30 @@ fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
     }
 }
 
+/// Puts bytes at places of a section of the sample package, checksums right: each must be one fault, with those words, at that place or
+/// at the beginning of the section.
+fn each_is_one_fault(tag: Tag, cases: &[(u64, &[u8], &str)]) {
+    let good = sample_package();
+    let start = section(&good, tag).offset;
+    for (at, value, expected) in cases {
+        let mut bytes = good.clone();
+        put(&mut bytes, start + at, value);
+        reseal(&mut bytes);
+        let faults = Package::validate(&bytes, &LIMITS());
+        assert_eq!(faults.len(), 1, "{expected}: {faults:?}");
+        assert!(faults[0].to_string().contains(expected), "{expected}: {}", faults[0]);
+        assert_eq!(faults[0].section(), Some(tag));
+        assert!(faults[0].offset().is_some_and(|o| o == start || o.abs_diff(start + at) < 48), "{:?}", faults[0]);
+    }
+}
+
 #[test]
 fn mesh_contents_are_checked() {
-    let good = sample_package();
-    let mesh = section(&good, Tag::MESH).offset;
     let nan = f32::NAN.to_le_bytes();
-    let cases: [(u64, &[u8], &str); 7] = [
+    let cases: [(u64, &[u8], &str); 9] = [
         (64, &nan, "vertex 0"),
+        (64 + 28, &1.5f32.to_le_bytes(), "lean 0..=1"),
+        (64 + 28, &nan, "lean 0..=1"),
         (64 + 48 + 12, &(-1.0f32).to_le_bytes(), "fur_height >= 0"),
         (304 + 24, &f32::INFINITY.to_le_bytes(), "vertex 1"),
         (432 + 8, &0.5f32.to_le_bytes(), "summing to 1"),
@@ -109,16 +125,85 @@ fn mesh_contents_are_checked() {
         (432, &9u16.to_le_bytes(), "joint 9, expected less than the 2"),
         (560 + 4, &5u32.to_le_bytes(), "index 1 is 5, expected less than the 5"),
     ];
-    for (at, value, expected) in cases {
+    each_is_one_fault(Tag::MESH, &cases);
+}
+
+/// What has a meaning from version 2 on is a fault in a package of version 1.
+#[test]
+fn version_1_keeps_its_reserved_bytes() {
+    let good = sample_package_v1();
+    assert_eq!(Package::validate(&good, &LIMITS()), []);
+    let mesh = section(&good, Tag::MESH).offset;
+    for (at, expected) in [(64 + 28, "lean 0 in version 1"), (64 + 31, "lean 0 in"), (304 + 20, "after the first 0")] {
         let mut bytes = good.clone();
-        put(&mut bytes, mesh + at, value);
+        bytes[(mesh + at) as usize] ^= 0x80;
         reseal(&mut bytes);
         let faults = Package::validate(&bytes, &LIMITS());
-        assert_eq!(faults.len(), 1, "{expected}: {faults:?}");
-        assert!(faults[0].to_string().contains(expected), "{expected}: {}", faults[0]);
-        assert_eq!(faults[0].section(), Some(Tag::MESH));
-        assert!(faults[0].offset().is_some_and(|o| o == mesh || o.abs_diff(mesh + at) < 48), "{:?}", faults[0]);
+        assert_eq!(faults.len(), 1, "byte {at}: {faults:?}");
+        assert!(faults[0].to_string().contains(expected), "byte {at}: {}", faults[0]);
     }
+    // Its manifest has no room for what came later, and a writer says so instead of dropping it.
+    let old = |change: fn(&mut Manifest)| {
+        let mut manifest = common::sample_manifest_v1();
+        change(&mut manifest);
+        PackageWriter::new(manifest).version(1).finish().unwrap_err().to_string()
+    };
+    let fins = old(|m| m.fur.fins = Some(FinInfo::default()));
+    assert!(fins.contains("fur.fins is given, expected none in version 1"), "{fins}");
+    assert!(old(|m| m.fur.wet = Some(ShellTextures::default())).contains("fur.wet is given"));
+    assert!(old(|m| m.materials[1].groom_texture = Some(0)).contains("materials[1].groom_texture is given"));
+    // To it the tag of the fins is any tag.
+    let any =
+        PackageWriter::new(Manifest::default()).version(1).section(Tag::FINS, &b"x"[..]).section(Tag::FINS, &b""[..]);
+    let bytes = any.finish().unwrap();
+    assert!(Package::open(&bytes, &LIMITS()).unwrap().fins().unwrap().is_none());
+    for version in [0, 3] {
+        let error = PackageWriter::new(Manifest::default()).version(version).finish().unwrap_err().to_string();
+        assert!(error.contains(&format!("version {version}")) || error.contains("is 0, expected 1..=2"), "{error}");
+    }
+}
+
+#[test]
+fn fins_are_checked() {
+    let good = sample_package();
+    let first = 32;
+    let nan = f32::NAN.to_le_bytes();
+    let cases: [(u64, &[u8], &str); 12] = [
+        (0, &2u32.to_le_bytes(), "expected 72 for these counts"),
+        (0, &u32::MAX.to_le_bytes(), "fin count"),
+        (4, &1u32.to_le_bytes(), "padding byte is 1"),
+        (4, &u32::MAX.to_le_bytes(), "fin offset is 32, expected 17179869200"),
+        (8, &16u64.to_le_bytes(), "fin offset is 16, expected 32"),
+        (16, &9u32.to_le_bytes(), "the parts have 10 fins, expected the 3"),
+        (31, &[1], "padding byte is 1"),
+        (first, &5u32.to_le_bytes(), "fin 0 is"),
+        (first + 4, &0u32.to_le_bytes(), "expected two vertices"),
+        (first + 20 + 8, &1.5f32.to_le_bytes(), "fin 1 is"),
+        (first + 20 + 12, &nan, "a finite length"),
+        (first + 40 + 16, &2u32.to_le_bytes(), "less than the 5 vertices and 2 slabs"),
+    ];
+    each_is_one_fault(Tag::FINS, &cases);
+    let finish = |manifest: Manifest, fins: &[FinData]| {
+        let writer = PackageWriter::new(manifest).mesh(&sample_mesh(false));
+        fins.iter().fold(writer, PackageWriter::fins).finish().unwrap_err().to_string()
+    };
+    let bare =
+        || Manifest { parts: vec![Part { material: 0, first_index: 0, index_count: 12 }], ..Manifest::default() };
+    let bare = || Manifest { materials: vec![sample_manifest().materials.remove(1)], ..bare() };
+    assert!(finish(bare(), &[sample_fins()]).contains("expected none where the manifest's fur.fins is none"));
+    assert!(finish(bare(), &[sample_fins(), sample_fins()]).contains("a second section of this tag"));
+    let uneven = FinData { part_counts: vec![1], ..sample_fins() };
+    assert!(finish(bare(), &[uneven]).contains("the parts have 1 fins, expected the 3"));
+    // Textures without fins, and fins of other parts.
+    let textures = |writer: PackageWriter<'_>| {
+        let package = Package::open(&good, &LIMITS()).unwrap();
+        let files = (0..8).map(|k| package.texture(k).unwrap().ktx2.to_vec());
+        files.fold(writer, PackageWriter::texture).finish().unwrap_err().to_string()
+    };
+    let writer = || PackageWriter::new(sample_manifest()).mesh(&sample_mesh(false));
+    assert!(textures(writer()).contains("section FINS number 0 is missing"));
+    let one = FinData { part_counts: vec![3], ..sample_fins() };
+    assert!(textures(writer().fins(&one)).contains("fins of 1 parts, expected the 2"));
 }
 
 #[test]
@@ -135,18 +220,18 @@ fn trailing_bytes_are_an_error() {
 #[test]
 fn a_newer_version_is_named_whatever_follows() {
     let mut bytes = sample_package();
-    put(&mut bytes, 8, &2u32.to_le_bytes());
-    let newer = |found| FormatError::Version { found, supported: 1 };
-    assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err(), newer(2));
+    put(&mut bytes, 8, &3u32.to_le_bytes());
+    let newer = |found| FormatError::Version { found, supported: 2 };
+    assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err(), newer(3));
     // The rest of a later version may look like anything, or be hardly there.
     let mut garbage = b"\x89PELAGE\n\xff\xff\xff\xff".to_vec();
     assert_eq!(Package::open(&garbage, &LIMITS()).unwrap_err(), newer(u32::MAX));
     garbage.extend_from_slice(&[0xee; 999]);
     assert_eq!(Package::open(&garbage, &LIMITS()).unwrap_err(), newer(u32::MAX));
-    assert!(newer(2).to_string().contains("newer than this reader"));
+    assert!(newer(3).to_string().contains("newer than this reader"));
     // There never was a version 0.
     put(&mut bytes, 8, &0u32.to_le_bytes());
-    assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err().to_string(), "version at byte 8 is 0, expected 1");
+    assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err().to_string(), "version at byte 8 is 0, expected 1..=2");
 }
 
 #[test]
@@ -236,7 +321,8 @@ fn damage_is_found_at_first_use() {
     damaged(package.animation().unwrap_err(), Tag::ANIMATION, 2);
     damaged(package.texture(1).unwrap_err(), Tag::TEXTURE, 4);
     damaged(package.section_bytes(5).unwrap_err(), Tag(*b"XTRA"), 5);
-    assert_eq!(Package::validate(&bytes, &LIMITS()).len(), 6);
+    // Mesh, animation, fins, the section of a later version and eight textures.
+    assert_eq!(Package::validate(&bytes, &LIMITS()).len(), 12);
     bytes[sections[4].offset as usize] ^= 1;
     let package = Package::open(&bytes, &LIMITS()).unwrap();
     package.texture(1).unwrap();
@@ -248,11 +334,12 @@ fn limits_are_kept() {
     let bytes = sample_package();
     let lengths = |tag| section(&bytes, tag).length;
     let cases = [
-        ("section count", Tag::HEAD, Limits { sections: 6, ..LIMITS() }),
+        ("section count", Tag::HEAD, Limits { sections: 12, ..LIMITS() }),
         ("manifest length", Tag::MANIFEST, Limits { manifest_bytes: lengths(Tag::MANIFEST) - 1, ..LIMITS() }),
         ("animation length", Tag::ANIMATION, Limits { animation_bytes: lengths(Tag::ANIMATION) - 1, ..LIMITS() }),
         ("vertex count", Tag::MESH, Limits { vertices: 4, ..LIMITS() }),
         ("index count", Tag::MESH, Limits { indices: 11, ..LIMITS() }),
+        ("fin count", Tag::FINS, Limits { fins: 2, ..LIMITS() }),
         ("texture width", Tag::TEXTURE, Limits { texture_size: 7, ..LIMITS() }),
         ("texture layers", Tag::TEXTURE, Limits { texture_layers: 1, ..LIMITS() }),
     ];
@@ -263,11 +350,12 @@ fn limits_are_kept() {
         assert!(!faults.is_empty() && faults.iter().all(of_this_limit), "{name}: {faults:?}");
     }
     let tight = Limits {
-        sections: 7,
+        sections: 13,
         manifest_bytes: lengths(Tag::MANIFEST),
         animation_bytes: lengths(Tag::ANIMATION),
         vertices: 5,
         indices: 12,
+        fins: 3,
         texture_size: 8,
         texture_layers: 2,
     };
@@ -292,10 +380,15 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.shading.specular_exponent = 10_001.0), "shading.specular_exponent is 10001");
     refused(with(|m| m.shading.back_light_range = 0.0), "shading.back_light_range is 0");
     refused(with(|m| m.shading.diffuse[2] = f32::INFINITY), "shading.diffuse is inf");
-    refused(with(|m| m.fur.color_texture = 3), "fur.color_texture is 3, expected less than the 3");
+    refused(with(|m| m.fur.color_texture = 8), "fur.color_texture is 8, expected less than the 8");
     refused(with(|m| m.fur.tile_size_m = 0.0), "fur.tile_size_m is 0");
     refused(with(|m| m.fur.tile_texels = 0), "fur.tile_texels is 0");
     refused(with(|m| m.materials[0].base_color_texture = Some(9)), "materials[0].base_color_texture is 9");
+    refused(with(|m| m.materials[1].groom_texture = Some(8)), "materials[1].groom_texture is 8");
+    refused(with(|m| m.fur.wet.as_mut().unwrap().direction_texture = 8), "fur.wet.direction_texture is 8");
+    refused(with(|m| m.fur.fins.as_mut().unwrap().color_texture = 8), "fur.fins.color_texture is 8");
+    refused(with(|m| m.fur.fins.as_mut().unwrap().slabs = 0), "fur.fins is 8x4 texels in 0 slabs");
+    refused(with(|m| m.fur.layers = 0), "fur.layers is 0 beside fur.wet or fur.fins");
     refused(with(|m| m.materials[1].alpha_cutoff = Some(f32::NAN)), "materials[1].alpha_cutoff is NaN");
     refused(with(|m| m.parts[0].material = 2), "parts[0].material is 2");
     refused(with(|m| m.parts[1].first_index = 6), "parts[1] is 3 indices from 6");
@@ -303,7 +396,7 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.textures[0].name = "../x".into()), "textures[0].name is \"../x\"");
     refused(with(|m| m.textures[2].name = "Shell_Color".into()), "is taken");
     refused(with(|m| m.quality[0].value = f64::NAN), "\"angle_distortion\" is NaN");
-    refused(with(|_| ()), "names 3 textures, the package holds 0");
+    refused(with(|_| ()), "names 8 textures, the package holds 0");
     refused(Manifest { textures: Vec::new(), fur: FurInfo::default(), ..with(|m| m.materials.clear()) }, "parts[0]");
 }
 
@@ -335,14 +428,18 @@ fn parts_need_a_mesh_and_skin_needs_a_skeleton() {
 fn textures_must_fit_their_use() {
     use TextureFormat::*;
     let good = |k: usize| match k {
-        0 => ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0),
-        1 => ktx2_file(Rg8Unorm, 4, 4, 2, 1, 0),
+        0 | 3 => ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0),
+        1 | 4 => ktx2_file(Rg8Unorm, 4, 4, 2, 1, 0),
+        5 => ktx2_file(Bc7Srgb, 8, 4, 2, 1, 0),
+        6 => ktx2_file(Bc5Unorm, 8, 4, 2, 1, 0),
+        7 => ktx2_file(Rg8Unorm, 5, 3, 0, 3, 0),
         _ => ktx2_file(Rgba8Srgb, 5, 3, 0, 3, 0),
     };
     let finish = |k: usize, texture: Vec<u8>| {
-        let textures = (0..3).map(|i| if i == k { texture.clone() } else { good(i) });
+        let textures = (0..8).map(|i| if i == k { texture.clone() } else { good(i) });
         let manifest = Manifest { parts: Vec::new(), ..sample_manifest() };
-        textures.fold(PackageWriter::new(manifest), PackageWriter::texture).finish()
+        let writer = PackageWriter::new(manifest).fins(&FinData::default());
+        textures.fold(writer, PackageWriter::texture).finish()
     };
     finish(0, good(0)).unwrap();
     for format in [Rgba8Unorm, Bc7Unorm, Rg8Unorm, Bc5Unorm] {
@@ -358,6 +455,13 @@ fn textures_must_fit_their_use() {
             ktx2_file(Rgba8Srgb, 4, 4, 2, 1, 0),
             "\"shell_direction\" is rgba8unorm-srgb, expected a format that is not",
         ),
+        (3, ktx2_file(Bc7Srgb, 4, 4, 3, 1, 0), "\"wet_color\" is 4x4 texels in 3 layers, expected 4x4 in 2"),
+        (4, ktx2_file(Rgba8Srgb, 4, 4, 2, 1, 0), "\"wet_direction\" is rgba8unorm-srgb"),
+        (5, ktx2_file(Bc7Srgb, 8, 4, 1, 1, 0), "\"fin_color\" is 8x4 texels in 1 layers, expected 8x4 in 2"),
+        (5, ktx2_file(Bc5Unorm, 8, 4, 2, 1, 0), "\"fin_color\" is bc5-rg-unorm, expected four components"),
+        (6, ktx2_file(Rgba8Srgb, 8, 4, 2, 1, 0), "\"fin_direction\" is rgba8unorm-srgb"),
+        (7, ktx2_file(Rgba8Srgb, 4, 4, 0, 1, 0), "\"groom\" is rgba8unorm-srgb in 1 layers"),
+        (7, ktx2_file(Rg8Unorm, 4, 4, 2, 1, 0), "\"groom\" is rg8unorm in 2 layers"),
         (2, ktx2_file(Rg8Unorm, 4, 4, 0, 1, 0), "\"base-color\" is rg8unorm in 1 layers"),
         (2, ktx2_file(Rgba8Srgb, 4, 4, 2, 1, 0), "\"base-color\" is rgba8unorm-srgb in 2 layers"),
     ] {

@@ -19,15 +19,15 @@ fn text() -> impl Strategy<Value = String> {
 
 prop_compose! {
     fn geometry()(position in [finite(), finite(), finite()], normal in [finite(), finite(), finite()],
-        tangent in [finite(), finite(), finite(), finite()], fur_height in 0.0f32..1e6) -> GeometryVertex {
-        GeometryVertex { position, fur_height, normal, reserved: 0.0, tangent }
+        tangent in [finite(), finite(), finite(), finite()], fur_height in 0.0f32..1e6, lean in 0.0f32..=1.0) -> GeometryVertex {
+        GeometryVertex { position, fur_height, normal, lean, tangent }
     }
 }
 
 prop_compose! {
-    fn attribute()(tile_uv in [finite(), finite()], base_uv in [finite(), finite()], color in any::<[u8; 4]>())
-        -> AttributeVertex {
-        AttributeVertex { tile_uv, base_uv, color, reserved: 0 }
+    fn attribute()(tile_uv in [finite(), finite()], base_uv in [finite(), finite()], color in any::<[u8; 4]>(),
+        groom in any::<[u8; 2]>()) -> AttributeVertex {
+        AttributeVertex { tile_uv, base_uv, color, groom: [groom[0], groom[1], 0, 0] }
     }
 }
 
@@ -105,7 +105,7 @@ prop_compose! {
         // Only the first texture of a package here is fit for base colour.
         let base_color_texture = (textures > 0 && texture == 0).then_some(0);
         let alpha_cutoff = cutoff.map(|c| f32::from(c) / 255.0);
-        Material { name, base_color, base_color_texture, alpha_cutoff, furred, double_sided }
+        Material { name, base_color, base_color_texture, groom_texture: None, alpha_cutoff, furred, double_sided }
     }
 }
 
@@ -167,7 +167,7 @@ prop_compose! {
         };
         let unknown = unknown
             .into_iter()
-            .filter(|(tag, _)| ![*b"MANI", *b"MESH", *b"ANIM", *b"KTX2", *b"head"].contains(tag))
+            .filter(|(tag, _)| ![*b"MANI", *b"MESH", *b"ANIM", *b"FINS", *b"KTX2", *b"head"].contains(tag))
             .collect();
         Parts { manifest, mesh: has_mesh.then_some(mesh), animation: skinned.then_some(animation), textures, unknown }
     }
@@ -230,8 +230,8 @@ proptest! {
     }
 
     #[test]
-    fn no_byte_string_makes_the_reader_panic(bytes in vec(any::<u8>(), 0..200), magic: bool) {
-        let bytes = if magic { [&MAGIC[..], &1u32.to_le_bytes(), &bytes].concat() } else { bytes };
+    fn no_byte_string_makes_the_reader_panic(bytes in vec(any::<u8>(), 0..200), magic: bool, version in 1u32..=2) {
+        let bytes = if magic { [&MAGIC[..], &version.to_le_bytes(), &bytes].concat() } else { bytes };
         prop_assert!(!Package::validate(&bytes, &Limits::default()).is_empty());
     }
 }
@@ -252,7 +252,8 @@ fn nothing_is_copied() {
         // Aligned within the file, for mapping it and uploading in place.
         assert!((stream.as_ptr() as usize - range.start as usize).is_multiple_of(16));
     }
-    for texture in (0..3).map(|k| package.texture(k).unwrap()) {
+    inside(package.fins().unwrap().unwrap().fins);
+    for texture in (0..8).map(|k| package.texture(k).unwrap()) {
         inside(texture.ktx2);
         (0..texture.levels).for_each(|level| inside(texture.level(level)));
     }

@@ -30,7 +30,8 @@ fn compile(folder: &Path) -> Option<PathBuf> {
 fn describe(bytes: &[u8]) -> String {
     let package = Package::open(bytes, &Limits::default()).unwrap();
     let manifest = package.manifest();
-    let mut out = format!("version 1 sections {} bytes {}\n", package.sections().len(), bytes.len());
+    let mut out =
+        format!("version {} sections {} bytes {}\n", package.version(), package.sections().len(), bytes.len());
     let mut texture = 0;
     for section in package.sections() {
         writeln!(out, "section {} offset {} length {}", section.tag, section.offset, section.length).unwrap();
@@ -38,7 +39,16 @@ fn describe(bytes: &[u8]) -> String {
             Tag::MANIFEST => {
                 writeln!(out, "generator {}\nmodel {}", manifest.generator, manifest.model).unwrap();
                 writeln!(out, "fur layers {} texels {}", manifest.fur.layers, manifest.fur.tile_texels).unwrap();
-                manifest.materials.iter().for_each(|m| writeln!(out, "material {}", m.name).unwrap());
+                if let Some(wet) = &manifest.fur.wet {
+                    writeln!(out, "wet color {} direction {}", wet.color_texture, wet.direction_texture).unwrap();
+                }
+                if let Some(fins) = &manifest.fur.fins {
+                    writeln!(out, "fin texels {} by {} slabs {}", fins.width, fins.height, fins.slabs).unwrap();
+                }
+                for material in &manifest.materials {
+                    writeln!(out, "material {}", material.name).unwrap();
+                    material.groom_texture.iter().for_each(|t| writeln!(out, "groom texture {t}").unwrap());
+                }
                 for part in &manifest.parts {
                     let (material, first, count) = (part.material, part.first_index, part.index_count);
                     writeln!(out, "part material {material} first {first} count {count}").unwrap();
@@ -50,6 +60,14 @@ fn describe(bytes: &[u8]) -> String {
                 let mesh = package.mesh().unwrap().unwrap();
                 let (vertices, indices, skin) = (mesh.vertex_count, mesh.index_count, !mesh.skin.is_empty());
                 writeln!(out, "mesh vertices {vertices} indices {indices} skin {}", u32::from(skin)).unwrap();
+            }
+            Tag::FINS => {
+                let fins = package.fins().unwrap().unwrap();
+                writeln!(out, "fins {}", fins.count).unwrap();
+                fins.part_counts().for_each(|n| writeln!(out, "part fins {n}").unwrap());
+                for fin in fins.fins() {
+                    writeln!(out, "fin {} {} slab {}", fin.a, fin.b, fin.slab).unwrap();
+                }
             }
             Tag::TEXTURE => {
                 let view = package.texture(texture).unwrap();
@@ -76,9 +94,10 @@ fn a_reader_written_from_the_specification_agrees() {
         Command::new(&program).arg(&file).output().unwrap()
     };
 
-    let golden = include_bytes!("golden/v1.pelage");
+    let golden = include_bytes!("golden/v2.pelage");
+    let old = include_bytes!("golden/v1.pelage");
     let bald = PackageWriter::new(Manifest::default()).section(Tag(*b"NONE"), Vec::new()).finish().unwrap();
-    for bytes in [&golden[..], &bald] {
+    for bytes in [&golden[..], &old[..], &bald] {
         let output = run(bytes);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         assert_eq!(String::from_utf8(output.stdout).unwrap(), describe(bytes));

@@ -106,7 +106,7 @@ fn uniform_structs_agree() {
 fn storage_structs_agree() {
     assert_eq!(
         members(pose::WGSL, "GeometryVertex"),
-        fields!(GeometryVertex, position, fur_height, normal, reserved, tangent)
+        fields!(GeometryVertex, position, fur_height, normal, lean, tangent)
     );
     let (members, size) = members(pose::WGSL, "SkinVertex");
     assert_eq!(size as usize, size_of::<SkinVertex>());

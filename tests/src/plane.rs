@@ -11,7 +11,7 @@ pub fn plane(layers: u32, opacity: u8) -> Vec<u8> {
         position: [0.1 * x, 0.1 * y, 0.0],
         fur_height: params.height_m,
         normal: [0.0, 0.0, 1.0],
-        reserved: 0.0,
+        lean: 0.0,
         tangent: [1.0, 0.0, 0.0, 1.0],
     };
     let mesh = MeshData {

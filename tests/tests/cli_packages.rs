@@ -4,7 +4,7 @@
 #[path = "../../formats/tests/common/mod.rs"]
 mod common;
 
-use common::{Random, ktx2_file, sample_animation, sample_manifest, sample_mesh, sample_package};
+use common::{Random, ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};
 use pelage_formats::*;
 use pelage_tests::binary::{Run, Sandbox, workspace};
 use pelage_tests::schema;
@@ -34,12 +34,12 @@ fn inspect_tells_what_is_inside() {
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     let object = json(&run, "inspect");
     for (pointer, expected) in [
-        ("/version", "1"),
+        ("/version", "2"),
         ("/triangles", "4"),
         ("/vertices", "5"),
         ("/patches", "3"),
         ("/layers", "2"),
-        ("/fins", "0"),
+        ("/fins", "3"),
         ("/joints", "2"),
         ("/clips/0/name", "\"breathe\""),
         ("/clips/0/seconds", "0.5"),
@@ -69,7 +69,7 @@ fn validate_lists_each_fault_with_its_place() {
     let message = object["faults"][0]["message"].to_string();
     assert!(object["faults"].as_array().unwrap().len() == 1 && message.contains("strands"), "{object}");
 
-    let sound = PackageWriter::new(Manifest { recipe: String::new(), ..sample_manifest() })
+    let sound = PackageWriter::new(Manifest { recipe: String::new(), ..sample_manifest_v1() })
         .mesh(&sample_mesh(true))
         .animation(&sample_animation())
         .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 1))
@@ -122,17 +122,26 @@ fn pack_undoes_unpack() {
         "",
         "animation.json",
         "base-color.ktx2",
+        "fin_color.ktx2",
+        "fin_direction.ktx2",
+        "fins.bin",
+        "groom.ktx2",
         "manifest.json",
         "mesh.glb",
         "recipe.toml",
         "section_5_XTRA.bin",
         "shell_color.ktx2",
         "shell_direction.ktx2",
+        "wet_color.ktx2",
+        "wet_direction.ktx2",
     ];
     assert_eq!(files, expected);
     assert_round_trip(&sandbox, &PackageWriter::new(Manifest::default()).finish().unwrap());
-    let golden = workspace().join("formats/tests/golden/v1.pelage");
-    assert_round_trip(&sandbox, &std::fs::read(golden).unwrap());
+    // A package of an older version stays one.
+    for version in 1..=FORMAT_VERSION {
+        let golden = workspace().join(format!("formats/tests/golden/v{version}.pelage"));
+        assert_round_trip(&sandbox, &std::fs::read(golden).unwrap());
+    }
 }
 
 #[test]
@@ -165,14 +174,14 @@ fn generated(random: &mut Random) -> Vec<u8> {
             position: floats3(random),
             fur_height: float(random).abs(),
             normal: floats3(random),
-            reserved: 0.0,
+            lean: [0.0, 1.0, 0.1][random.below(3)],
             tangent: [float(random), float(random), float(random), 1.0],
         });
         mesh.attributes.push(AttributeVertex {
             tile_uv: [float(random), float(random)],
             base_uv: [float(random), float(random)],
             color: (random.next() as u32).to_le_bytes(),
-            reserved: 0,
+            groom: [random.next() as u8, random.next() as u8, 0, 0],
         });
         if skinned {
             mesh.skin.push(SkinVertex { joints: [random.below(2) as u16, 1, 0, 0], weights: [0.75, 0.25, 0.0, 0.0] });
@@ -192,7 +201,7 @@ fn generated(random: &mut Random) -> Vec<u8> {
     for value in animation.clips.iter_mut().flat_map(|c| &mut c.channels).flat_map(|c| &mut c.values) {
         *value = float(random);
     }
-    let mut manifest = sample_manifest();
+    let mut manifest = sample_manifest_v1();
     manifest.fur = FurInfo::default();
     let (a, b) = (floats3(random), floats3(random));
     let pick = |f: fn(f32, f32) -> f32| [f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2])];

@@ -46,6 +46,8 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
     }
     let mesh = package.mesh()?;
     gpu_bytes += mesh.map_or(0, |m| (m.geometry.len() + m.attributes.len() + m.skin.len() + m.indices.len()) as u64);
+    let fins = package.fins()?;
+    gpu_bytes += fins.map_or(0, |f| f.fins.len() as u64);
     let animation = package.animation()?.unwrap_or_default();
     let clips: Vec<_> = animation.clips.iter().map(|c| json!({ "name": c.name, "seconds": c.duration_s })).collect();
     let materials: Vec<_> = manifest
@@ -71,8 +73,7 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
         "vertices": mesh.map_or(0, |m| m.vertex_count),
         "patches": manifest.fur.patches,
         "layers": manifest.fur.layers,
-        // Version 1 of the format holds no fins.
-        "fins": 0,
+        "fins": fins.map_or(0, |f| f.count),
         "strands": manifest.fur.strands,
         "tile_texels": manifest.fur.tile_texels,
         "tile_size_m": manifest.fur.tile_size_m,

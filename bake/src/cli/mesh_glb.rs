@@ -1,7 +1,8 @@
 //! The mesh of a package as a binary glTF file that other tools open, and back, bit for bit.
 //!
 //! One primitive per part of the manifest; all share one set of vertex accessors. What glTF has no word for travels as
-//! application-specific attributes, which glTF 2.0 (section 3.7.2.1) marks with an underscore: `_FUR_HEIGHT` and `_TILE_UV`.
+//! application-specific attributes, which glTF 2.0 (section 3.7.2.1) marks with an underscore: `_FUR_HEIGHT`, `_LEAN`,
+//! `_TILE_UV` and `_GROOM`.
 
 use bytemuck::{Pod, Zeroable};
 use pelage_bake::BakeError;
@@ -74,6 +75,12 @@ pub fn write(mesh: &MeshData, manifest: &Manifest) -> Option<Vec<u8>> {
     attributes["_FUR_HEIGHT"] = bin.attribute(&heights, FLOAT, "SCALAR").into();
     let tile_uvs: Vec<_> = mesh.attributes.iter().map(|v| v.tile_uv).collect();
     attributes["_TILE_UV"] = bin.attribute(&tile_uvs, FLOAT, "VEC2").into();
+    let leans: Vec<_> = mesh.geometry.iter().map(|v| v.lean).collect();
+    attributes["_LEAN"] = bin.attribute(&leans, FLOAT, "SCALAR").into();
+    let grooms: Vec<_> = mesh.attributes.iter().map(|v| v.groom).collect();
+    let groom = bin.attribute(&grooms, UNSIGNED_BYTE, "VEC4");
+    bin.accessors[groom]["normalized"] = true.into();
+    attributes["_GROOM"] = groom.into();
 
     let index_view = bin.view(bytemuck::cast_slice(&mesh.indices), ELEMENT_ARRAY_BUFFER);
     let mut primitives = Vec::new();
@@ -261,6 +268,8 @@ impl Glb<'_> {
         let normals: Vec<[f32; 3]> = self.sized(&name("NORMAL"), FLOAT, "VEC3", n)?;
         let tangents: Vec<[f32; 4]> = self.sized(&name("TANGENT"), FLOAT, "VEC4", n)?;
         let heights: Vec<f32> = self.sized(&name("_FUR_HEIGHT"), FLOAT, "SCALAR", n)?;
+        let leans: Vec<f32> = self.sized(&name("_LEAN"), FLOAT, "SCALAR", n)?;
+        let grooms: Vec<[u8; 4]> = self.sized(&name("_GROOM"), UNSIGNED_BYTE, "VEC4", n)?;
         let tile_uvs: Vec<[f32; 2]> = self.sized(&name("_TILE_UV"), FLOAT, "VEC2", n)?;
         let base_uvs: Vec<[f32; 2]> = self.sized(&name("TEXCOORD_0"), FLOAT, "VEC2", n)?;
         let colors: Vec<[u8; 4]> = self.sized(&name("COLOR_0"), UNSIGNED_BYTE, "VEC4", n)?;
@@ -278,11 +287,11 @@ impl Glb<'_> {
                 position: positions[i],
                 fur_height: heights[i],
                 normal: normals[i],
-                reserved: 0.0,
+                lean: leans[i],
                 tangent: tangents[i],
             });
-            let (tile_uv, base_uv, color) = (tile_uvs[i], base_uvs[i], colors[i]);
-            mesh.attributes.push(AttributeVertex { tile_uv, base_uv, color, reserved: 0 });
+            let (tile_uv, base_uv, color, groom) = (tile_uvs[i], base_uvs[i], colors[i], grooms[i]);
+            mesh.attributes.push(AttributeVertex { tile_uv, base_uv, color, groom });
         }
         Ok(())
     }

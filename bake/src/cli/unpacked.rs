@@ -2,12 +2,14 @@
 //!
 //! `manifest.json` holds the manifest and the list of sections with the file of each; `recipe.toml` the recipe, which the
 //! manifest leaves out so that it stands in one place; `<name>.ktx2` the textures; `mesh.glb` the mesh; `animation.json`
-//! skeleton and clips; `section_<k>_<TAG>.bin` sections that this version does not know, or cannot write in another form
+//! skeleton and clips; `fins.bin` the fins, as `FORMAT.md` lays out their section; `section_<k>_<TAG>.bin` sections that this version does not know, or cannot write in another form
 //! without loss.
 
 use super::mesh_glb;
 use pelage_bake::BakeError;
-use pelage_formats::{Animation, FormatError, Limits, Manifest, Package, PackageWriter, Tag, TextureEntry};
+use pelage_formats::{
+    Animation, FORMAT_VERSION, FormatError, Limits, Manifest, Package, PackageWriter, Tag, TextureEntry,
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
@@ -18,8 +20,11 @@ pub const MANIFEST: &str = "manifest.json";
 const RECIPE: &str = "recipe.toml";
 const MESH: &str = "mesh.glb";
 const ANIMATION: &str = "animation.json";
+const FINS: &str = "fins.bin";
 /// Key and value that mark the folder's form.
-const FORM: (&str, u64) = ("pelage_unpacked", 1);
+const FORM: (&str, u64) = ("pelage_unpacked", 2);
+/// Key of the package's version, so that a package of an older version is packed as one again.
+const VERSION: &str = "format_version";
 
 /// A file's name and contents.
 pub type File = (String, Vec<u8>);
@@ -69,6 +74,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
                 }
                 None => None,
             },
+            Tag::FINS if package.fins().map_err(damaged)?.is_some() => Some((FINS.to_owned(), bytes.to_vec())),
             Tag::TEXTURE => textures.next().map(|t| (format!("{}.ktx2", t.name), bytes.to_vec())),
             _ => None,
         };
@@ -81,8 +87,12 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
         list.push(json!({ "tag": tag, "file": file }));
         files.push((file, bytes));
     }
-    let document =
-        json!({ FORM.0: FORM.1, "sections": list, "manifest": manifest_to_json(manifest).map_err(internal)? });
+    let document = json!({
+        FORM.0: FORM.1,
+        VERSION: package.version(),
+        "sections": list,
+        "manifest": manifest_to_json(manifest).map_err(internal)?,
+    });
     files.insert(0, (MANIFEST.to_owned(), to_text(&document).into_bytes()));
     // The promise of `unpack` is that `pack` undoes it: kept here, where the package is still at hand.
     let back = pack(name, &mut |file| {
@@ -116,9 +126,16 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         .map_err(|e| fail(RECIPE, &format!("byte {}", e.utf8_error().valid_up_to()), "expected UTF-8".into()))?;
     let manifest = manifest_from_json(&path(MANIFEST), document["manifest"].take(), recipe)?;
     let list = document["sections"].take();
-    known_keys(&path(MANIFEST), "", &document, &json!({ FORM.0: FORM.1, "sections": null, "manifest": null }))?;
+    let expected = json!({ FORM.0: FORM.1, VERSION: FORMAT_VERSION, "sections": null, "manifest": null });
+    known_keys(&path(MANIFEST), "", &document, &expected)?;
+    let version =
+        document[VERSION].as_u64().and_then(|v| u32::try_from(v).ok()).filter(|v| (1..=FORMAT_VERSION).contains(v));
+    let version = version.ok_or_else(|| {
+        let reason = format!("found {}, expected 1..={FORMAT_VERSION}", document[VERSION]);
+        fail(MANIFEST, &format!("/{VERSION}"), reason)
+    })?;
     let list = list.as_array().ok_or_else(|| fail(MANIFEST, "/sections", format!("found {list}, expected a list")))?;
-    let mut writer = PackageWriter::new(manifest.clone());
+    let mut writer = PackageWriter::new(manifest.clone()).version(version);
     // Textures by their files' names, in order: what the manifest's list is checked against below.
     let mut textures = 0;
     for (index, entry) in list.iter().enumerate() {
@@ -169,6 +186,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         let file = match error.section() {
             Some(Tag::MESH) => MESH,
             Some(Tag::ANIMATION) => ANIMATION,
+            Some(Tag::FINS) => FINS,
             _ => MANIFEST,
         };
         // Byte offsets would be those of a package that does not exist.

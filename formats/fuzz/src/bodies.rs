@@ -35,6 +35,7 @@ pub fn limits() -> Limits {
         animation_bytes: 1 << 20,
         vertices: 1 << 16,
         indices: 1 << 18,
+        fins: 1 << 17,
         ..Limits::default()
     }
 }
@@ -56,6 +57,10 @@ pub fn open(bytes: &[u8]) -> bool {
         assert!(mesh.indices().all(|index| index < mesh.vertex_count));
         assert!(mesh.geometry().all(|v| v.position.iter().all(|x| x.is_finite())));
     }
+    if let Ok(Some(fins)) = package.fins() {
+        let vertices = package.mesh().ok().flatten().map_or(0, |mesh| mesh.vertex_count);
+        assert!(fins.fins().all(|fin| fin.a < vertices && fin.b < vertices && fin.length.is_finite()));
+    }
     if let Ok(Some(animation)) = package.animation() {
         let mut pose = Pose::default();
         for clip in 0..=animation.clips.len() {
@@ -74,7 +79,10 @@ pub fn open(bytes: &[u8]) -> bool {
             }
         }
     }
-    let _ = package.fur_textures();
+    let _ = (package.fur_textures(), package.wet_textures(), package.fin_textures());
+    for material in 0..=package.manifest().materials.len() {
+        let _ = (package.base_color_texture(material), package.groom_texture(material));
+    }
     faults.is_empty()
 }
 
@@ -90,11 +98,12 @@ pub fn round_trip(bytes: &[u8]) -> bool {
 
 fn rewrite(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
     let package = Package::open(bytes, &limits())?;
-    let mut writer = PackageWriter::new(package.manifest().clone());
+    let mut writer = PackageWriter::new(package.manifest().clone()).version(package.version());
     for (index, section) in package.sections().iter().enumerate().skip(1) {
-        writer = match (section.tag, package.mesh()?, package.animation()?) {
-            (Tag::MESH, Some(mesh), _) => writer.mesh(&mesh.to_data()),
-            (Tag::ANIMATION, _, Some(animation)) => writer.animation(&animation),
+        writer = match (section.tag, package.mesh()?, package.animation()?, package.fins()?) {
+            (Tag::MESH, Some(mesh), ..) => writer.mesh(&mesh.to_data()),
+            (Tag::ANIMATION, _, Some(animation), _) => writer.animation(&animation),
+            (Tag::FINS, _, _, Some(fins)) => writer.fins(&fins.to_data()),
             (Tag::TEXTURE, ..) => writer.texture(package.section_bytes(index)?),
             _ => writer.section(section.tag, package.section_bytes(index)?),
         };

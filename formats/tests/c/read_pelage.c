@@ -1,5 +1,5 @@
-/* Reads a .pelage package, version 1, written from FORMAT.md alone: header, table, checksums, the manifest's texture names,
- * mesh counts and texture sizes. Prints one line for each and exits with 1, saying where, if something is wrong.
+/* Reads a .pelage package, version 1 or 2, written from FORMAT.md alone: header, table, checksums, the manifest's texture names,
+ * mesh counts, fins and texture sizes. Prints one line for each and exits with 1, saying where, if something is wrong.
  *
  *     cc -std=c99 -o read_pelage read_pelage.c && ./read_pelage fox.pelage
  */
@@ -10,7 +10,9 @@
 #include <string.h>
 
 static const uint8_t *file;
-static uint64_t file_length;
+static uint64_t file_length, version;
+/* From manifest, mesh and fins, which may stand in any order behind the manifest. */
+static uint64_t part_count, slab_count, vertex_count, first_fin, fin_count;
 
 static void fail(const char *what, uint64_t offset)
 {
@@ -113,18 +115,31 @@ static void read_manifest(struct cursor c)
     printf("fur layers %" PRIu64, take(&c, 4));
     printf(" texels %" PRIu64 "\n", take(&c, 4));
     skip(&c, 4 + 4 + 4 + 4 + 4 + 4);
+    if (version > 1 && flag(&c)) { /* wet */
+        printf("wet color %" PRIu64, take(&c, 4));
+        printf(" direction %" PRIu64 "\n", take(&c, 4));
+    }
+    if (version > 1 && flag(&c)) { /* fins */
+        uint64_t width = take(&c, 4), height = take(&c, 4);
+        slab_count = take(&c, 4);
+        skip(&c, 4 + 4);
+        printf("fin texels %" PRIu64 " by %" PRIu64 " slabs %" PRIu64 "\n", width, height, slab_count);
+    }
     skip(&c, 4 * (3 + 3 + 3 + 4)); /* shading */
     for (n = take(&c, 8); n > 0; n--) { /* materials */
         print_string("material", &c);
         skip(&c, 4 * 4);
-        if (flag(&c))
+        if (flag(&c)) /* base colour texture */
             skip(&c, 4);
-        if (flag(&c))
+        if (version > 1 && flag(&c))
+            printf("groom texture %" PRIu64 "\n", take(&c, 4));
+        if (flag(&c)) /* alpha cutoff */
             skip(&c, 4);
         flag(&c);
         flag(&c);
     }
-    for (n = take(&c, 8); n > 0; n--) { /* parts */
+    part_count = take(&c, 8);
+    for (n = part_count; n > 0; n--) { /* parts */
         uint64_t material = take(&c, 4), first = take(&c, 4), count = take(&c, 4);
         printf("part material %" PRIu64 " first %" PRIu64 " count %" PRIu64 "\n", material, first, count);
     }
@@ -143,7 +158,7 @@ static void read_manifest(struct cursor c)
 
 static void read_mesh(uint64_t at, uint64_t length)
 {
-    uint64_t vertices, indices, flags, attributes, skin, index;
+    uint64_t vertices, indices, flags, attributes, skin, index, k;
     if (length < 64)
         fail("the mesh has no header", at);
     vertices = number(at, 4);
@@ -159,6 +174,13 @@ static void read_mesh(uint64_t at, uint64_t length)
     if (number(at + 16, 8) != 64 || number(at + 24, 8) != attributes || number(at + 32, 8) != skin ||
         number(at + 40, 8) != index || index + 4 * indices != length)
         fail("the mesh's offsets do not follow from its counts", at + 16);
+    /* What version 1 reserves in each vertex; of version 2's groom half has no meaning yet. */
+    for (k = 0; k < vertices; k++) {
+        if (version == 1)
+            expect_zero(at + 64 + 48 * k + 28, at + 64 + 48 * k + 32);
+        expect_zero(at + attributes + 24 * k + (version == 1 ? 20 : 22), at + attributes + 24 * k + 24);
+    }
+    vertex_count = vertices;
     expect_zero(at + 64 + 48 * vertices, at + attributes);
     expect_zero(at + attributes + 24 * vertices, at + skin);
     expect_zero(at + skin + 24 * vertices * flags, at + index);
@@ -166,6 +188,34 @@ static void read_mesh(uint64_t at, uint64_t length)
     for (; indices > 0; indices--, index += 4)
         if (number(at + index, 4) >= vertices)
             fail("an index is not less than the vertex count", at + index);
+}
+
+static void read_fins(uint64_t at, uint64_t length)
+{
+    uint64_t count, parts, first, sum = 0, k;
+    if (length < 16)
+        fail("the fins have no header", at);
+    count = number(at, 4);
+    parts = number(at + 4, 4);
+    first = align(16 + 4 * parts);
+    if (number(at + 8, 8) != first || first + 20 * count != length || parts != part_count)
+        fail("the fins' offset and length do not follow from their counts", at);
+    printf("fins %" PRIu64 "\n", count);
+    for (k = 0; k < parts; k++) {
+        sum += number(at + 16 + 4 * k, 4);
+        printf("part fins %" PRIu64 "\n", number(at + 16 + 4 * k, 4));
+    }
+    expect_zero(at + 16 + 4 * parts, at + first);
+    if (sum != count)
+        fail("the parts' fins do not add up", at + 16);
+    for (k = 0; k < count; k++) {
+        uint64_t fin = at + first + 20 * k, a = number(fin, 4), b = number(fin + 4, 4), slab = number(fin + 16, 4);
+        if (a == b || slab >= slab_count)
+            fail("a fin does not stand on two vertices, or shows no slab", fin);
+        printf("fin %" PRIu64 " %" PRIu64 " slab %" PRIu64 "\n", a, b, slab);
+    }
+    first_fin = at + first;
+    fin_count = count;
 }
 
 static void read_texture(uint64_t at, uint64_t length)
@@ -185,8 +235,9 @@ static void read_package(void)
     uint32_t crc;
     if (file_length < 12 || memcmp(file, "\x89PELAGE\n", 8) != 0)
         fail("not a pelage package", 0);
-    if (number(8, 4) != 1)
-        fail("not version 1", 8);
+    version = number(8, 4);
+    if (version < 1 || version > 2)
+        fail("not version 1 or 2", 8);
     count = number(12, 4);
     end = 32 + 32 * count;
     if (end > file_length)
@@ -196,7 +247,7 @@ static void read_package(void)
     if (number(24, 4) != crc)
         fail("the head checksum is wrong", 24);
     expect_zero(28, 32);
-    printf("version 1 sections %" PRIu64 " bytes %" PRIu64 "\n", count, number(16, 8));
+    printf("version %" PRIu64 " sections %" PRIu64 " bytes %" PRIu64 "\n", version, count, number(16, 8));
     for (k = 0; k < count; k++) {
         uint64_t entry = 32 + 32 * k, offset = number(entry + 8, 8), length = number(entry + 16, 8);
         struct cursor c;
@@ -217,9 +268,14 @@ static void read_package(void)
             read_manifest(c);
         if (memcmp(file + entry, "MESH", 4) == 0)
             read_mesh(offset, length);
+        if (version > 1 && memcmp(file + entry, "FINS", 4) == 0)
+            read_fins(offset, length);
         if (memcmp(file + entry, "KTX2", 4) == 0)
             read_texture(offset, length);
     }
+    for (k = 0; k < fin_count; k++)
+        if (number(first_fin + 20 * k, 4) >= vertex_count || number(first_fin + 20 * k + 4, 4) >= vertex_count)
+            fail("a fin stands on a vertex that is not there", first_fin + 20 * k);
     expect_zero(end, align(end));
     if (align(end) != file_length || number(16, 8) != file_length)
         fail("the file does not end where it must", end);

@@ -69,7 +69,7 @@ pub fn sample_mesh(skinned: bool) -> MeshData {
         position: [x, y, 0.25],
         fur_height: 0.5 * x,
         normal: [0.0, 0.0, 1.0],
-        reserved: 0.0,
+        lean: 0.75 * y,
         tangent: [1.0, 0.0, 0.0, -1.0],
     };
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.5, 0.5)];
@@ -77,7 +77,7 @@ pub fn sample_mesh(skinned: bool) -> MeshData {
         tile_uv: [4.0 * x, 4.0 * y],
         base_uv: [x, 1.0 - y],
         color: [255, 128, 64, 255],
-        reserved: 0,
+        groom: [(64.0 * x) as u8, (255.0 * y) as u8, 0, 0],
     };
     MeshData {
         geometry: corners.iter().map(|(x, y)| vertex(*x, *y)).collect(),
@@ -143,6 +143,8 @@ pub fn sample_manifest() -> Manifest {
             patches: 3,
             color_texture: 0,
             direction_texture: 1,
+            wet: Some(ShellTextures { color_texture: 3, direction_texture: 4 }),
+            fins: Some(FinInfo { width: 8, height: 4, slabs: 2, color_texture: 5, direction_texture: 6 }),
         },
         shading: Shading { ambient: [0.25, 0.5, 0.75], diffuse_exponent: 3.5, ..Shading::default() },
         materials: vec![
@@ -150,6 +152,7 @@ pub fn sample_manifest() -> Manifest {
                 name: "fur".into(),
                 base_color: [0.5, 0.25, 0.125, 1.0],
                 base_color_texture: Some(2),
+                groom_texture: Some(7),
                 alpha_cutoff: None,
                 furred: true,
                 double_sided: false,
@@ -158,6 +161,7 @@ pub fn sample_manifest() -> Manifest {
                 name: "eyes".into(),
                 base_color: [0.0, 0.0, 0.0, 1.0],
                 base_color_texture: None,
+                groom_texture: None,
                 alpha_cutoff: Some(0.5),
                 furred: false,
                 double_sided: true,
@@ -167,23 +171,73 @@ pub fn sample_manifest() -> Manifest {
             Part { material: 0, first_index: 0, index_count: 9 },
             Part { material: 1, first_index: 9, index_count: 3 },
         ],
-        textures: ["shell_color", "shell_direction", "base-color"]
-            .map(|name| TextureEntry { name: name.into() })
-            .to_vec(),
+        textures: [
+            "shell_color",
+            "shell_direction",
+            "base-color",
+            "wet_color",
+            "wet_direction",
+            "fin_color",
+            "fin_direction",
+            "groom",
+        ]
+        .map(|name| TextureEntry { name: name.into() })
+        .to_vec(),
         quality: vec![QualityFigure { name: "angle_distortion".into(), value: 0.0625, unit: "1".into() }],
         warnings: vec!["3 triangles without area were left out".into()],
     }
 }
 
-/// A package with every kind of section, one of an unknown tag among them.
+/// The mesh of [`sample_mesh`] as version 1 could say it.
+pub fn sample_mesh_v1(skinned: bool) -> MeshData {
+    let mut mesh = sample_mesh(skinned);
+    mesh.geometry.iter_mut().for_each(|v| v.lean = 0.0);
+    mesh.attributes.iter_mut().for_each(|v| v.groom = [0; 4]);
+    mesh
+}
+
+/// The manifest of [`sample_manifest`] as version 1 could say it: that of the golden package of version 1.
+pub fn sample_manifest_v1() -> Manifest {
+    let mut manifest = sample_manifest();
+    manifest.fur.wet = None;
+    manifest.fur.fins = None;
+    manifest.materials[0].groom_texture = None;
+    manifest.textures.truncate(3);
+    manifest
+}
+
+/// Fins that fit [`sample_manifest`] and [`sample_mesh`].
+pub fn sample_fins() -> FinData {
+    let fin = |a, b, start, length, slab| Fin { a, b, start, length, slab };
+    FinData {
+        part_counts: vec![2, 1],
+        fins: vec![fin(0, 1, 0.0, 0.5, 0), fin(2, 1, 0.25, -1.5, 1), fin(4, 0, 1.0, 3.0, 0)],
+    }
+}
+
+/// A package of version 1 with every kind of section, one of an unknown tag among them.
+pub fn sample_package_v1() -> Vec<u8> {
+    first_sections(PackageWriter::new(sample_manifest_v1()).version(1).mesh(&sample_mesh_v1(true))).finish().unwrap()
+}
+
+/// A package with every kind of section, one of an unknown tag among them. It begins with the sections of version 1.
 pub fn sample_package() -> Vec<u8> {
-    PackageWriter::new(sample_manifest())
-        .mesh(&sample_mesh(true))
+    first_sections(PackageWriter::new(sample_manifest()).mesh(&sample_mesh(true)))
+        .fins(&sample_fins())
+        .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 4))
+        .texture(ktx2_file(TextureFormat::Rg8Unorm, 4, 4, 2, 3, 5))
+        .texture(ktx2_file(TextureFormat::Bc7Srgb, 8, 4, 2, 1, 6))
+        .texture(ktx2_file(TextureFormat::Rgba8Unorm, 8, 4, 2, 1, 7))
+        .texture(ktx2_file(TextureFormat::Rg8Unorm, 3, 2, 0, 1, 8))
+        .finish()
+        .unwrap()
+}
+
+fn first_sections(writer: PackageWriter<'_>) -> PackageWriter<'_> {
+    writer
         .animation(&sample_animation())
         .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 1))
         .texture(ktx2_file(TextureFormat::Bc5Unorm, 4, 4, 2, 1, 2))
         .section(Tag(*b"XTRA"), &b"a section of a later version"[..])
         .texture(ktx2_file(TextureFormat::Bc7Srgb, 8, 4, 0, 2, 3))
-        .finish()
-        .unwrap()
 }

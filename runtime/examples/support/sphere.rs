@@ -93,6 +93,7 @@ pub fn manifest(params: &SphereParams, index_count: u32, bare: u32) -> Manifest 
     let material = |name: &str, base_color, furred| Material {
         name: name.into(),
         base_color,
+        groom_texture: None,
         base_color_texture: (params.stripes && furred).then_some(2),
         alpha_cutoff: None,
         furred,
@@ -119,6 +120,8 @@ pub fn manifest(params: &SphereParams, index_count: u32, bare: u32) -> Manifest 
             patches: 6,
             color_texture: 0,
             direction_texture: 1,
+            wet: None,
+            fins: None,
         },
         shading: Shading::default(),
         materials: vec![material("fur", [1.0; 4], true), material("band", [0.1, 0.2, 0.6, 1.0], false)],
@@ -155,14 +158,14 @@ fn mesh(params: &SphereParams) -> MeshData {
                     position: (normal * params.radius_m).to_array(),
                     fur_height: params.height_m,
                     normal: normal.to_array(),
-                    reserved: 0.0,
+                    lean: 0.0,
                     tangent: tangent.extend(1.0).to_array(),
                 });
                 mesh.attributes.push(AttributeVertex {
                     tile_uv: (uv * params.tiles as f32).to_array(),
                     base_uv: uv.to_array(),
                     color: [255; 4],
-                    reserved: 0,
+                    groom: [0; 4],
                 });
                 if params.skeleton {
                     let upper = (0.5 + 0.5 * normal.y).clamp(0.0, 1.0);

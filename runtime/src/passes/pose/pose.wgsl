@@ -4,7 +4,7 @@ struct GeometryVertex {
     position: vec3<f32>,
     fur_height: f32,
     normal: vec3<f32>,
-    reserved: f32,
+    lean: f32,
     tangent: vec4<f32>,
 }
 
@@ -46,7 +46,7 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         (m * vec4(v.position, 1.0)).xyz,
         v.fur_height,
         normal,
-        0.0,
+        v.lean,
         vec4(tangent, v.tangent.w * handedness_of(linear)),
     );
 }
