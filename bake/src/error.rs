@@ -22,7 +22,8 @@ pub enum BakeError {
     Input {
         /// The file as the user named it.
         file: String,
-        /// Byte offset (`byte 20`), JSON pointer (`/meshes/0/primitives/1`), or recipe key with line (`line 3, hair.length_m`).
+        /// Byte offset (`byte 20`), JSON pointer (`/meshes/0/primitives/1`), line of an OBJ (`line 7`), or recipe key with line
+        /// (`line 3, hair.length_m`).
         place: String,
         /// What was found and what was expected, and where it helps, what to do.
         reason: String,

@@ -1,4 +1,4 @@
-//! The offline half of pelage: a glTF model and a recipe go in, a `.pelage` package comes out.
+//! The offline half of pelage: a glTF or OBJ model and a recipe go in, a `.pelage` package comes out.
 //!
 //! [`pipeline`] reads top to bottom in the order of the stages; each stage is a function of plain data in a module of its own.
 //! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.

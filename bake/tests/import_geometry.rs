@@ -274,7 +274,7 @@ fn bad_normals_are_normalised_or_computed() {
     let model = doc.model();
     assert_eq!(model.mesh.normals, [Vec3::Z; 3]);
     assert_warns(&model, "1 normals are not of unit length");
-    assert_warns(&model, "2 normals are zero or not finite");
+    assert_warns(&model, "2 normals are missing, zero or not finite");
 }
 
 #[test]

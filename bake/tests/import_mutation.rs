@@ -90,7 +90,8 @@ fn survives(what: &str, bytes: &[u8], folder: &Path) -> bool {
                 true
             }
             Err(BakeError::Input { place, reason, .. }) => {
-                assert!(place.starts_with("byte ") || place.starts_with('/'), "place `{place}`");
+                let known = ["byte ", "/", "line ", "whole file"];
+                assert!(known.iter().any(|p| place.starts_with(p)), "place `{place}`");
                 assert!(!reason.is_empty() && reason.len() < 2000, "reason `{reason}`");
                 false
             }
@@ -227,5 +228,101 @@ fn flipped_bits_and_cuts_of_files() {
         let bytes = std::fs::read(&path).unwrap();
         let good = if name.ends_with("gltf") { bytes.trim_ascii_end() } else { &bytes };
         flip_and_cut(name, good, path.parent().unwrap(), 300);
+    }
+}
+
+/// Each statement and each way to write a corner, a concave polygon, materials with an image.
+fn rich_obj() -> String {
+    "# rich\nmtllib a.mtl\no box\nv 0 0 0\nv 1 0 0 1 0.5 0\nv 1 1 0\nv 0 1 0 1\nv 0.5 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
+     vn 0 0 1\nvn 0 0.6 0.8\ng side lid\nusemtl a\ns 1\nf 1/1/1 2/2/2 3/3/1\nusemtl b\nf -5//-1 -3//1 -2//1\n\
+     f 1 5 3 \\\n 4\ns off\nf 1/1 2/2 5/3\np 1\nl 1 2\n"
+        .to_owned()
+}
+
+#[test]
+fn damaged_obj() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbImage::new(4, 4).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    std::fs::write(folder.path().join("a.png"), png.into_inner()).unwrap();
+    std::fs::write(folder.path().join("a.mtl"), "newmtl a\nKd 1 0.5 0\nmap_Kd a.png\nnewmtl b\n").unwrap();
+    let good = rich_obj();
+    assert!(survives("rich.obj", good.as_bytes(), folder.path()));
+    let (mut read, mut refused) = (0, 0);
+    let mut count = |what: &str, bytes: &[u8]| {
+        let fine = survives(what, bytes, folder.path());
+        *if fine { &mut read } else { &mut refused } += 1;
+    };
+    // A text that is cut off is often still a text: every prefix must be read or refused, and neither may panic.
+    for length in 0..good.len() {
+        count(&format!("cut to {length}"), &good.as_bytes()[..length]);
+        for bit in 0..8 {
+            let mut broken = good.clone().into_bytes();
+            broken[length] ^= 1 << bit;
+            count(&format!("bit {bit} of byte {length}"), &broken);
+        }
+    }
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let words = [
+        "",
+        "-1",
+        "0",
+        "1",
+        "5",
+        "6",
+        "99999999999",
+        "-99999999999999999999",
+        "1/",
+        "1//",
+        "//",
+        "1/1/1/1",
+        "nan",
+        "inf",
+        "-inf",
+        "1e39",
+        "1e38",
+        "-0",
+        "1e-45",
+        "v",
+        "f",
+        "g",
+        "usemtl",
+        "mtllib",
+        "a.png",
+        "\\",
+        "\n",
+        "#",
+        "\u{feff}",
+        "ä",
+    ];
+    for round in 0..4000 {
+        let mut pieces: Vec<&str> = good.split_inclusive([' ', '\n']).collect();
+        for _ in 0..=random.below(3) {
+            let at = random.below(pieces.len());
+            match random.below(3) {
+                0 => drop(pieces.remove(at)),
+                1 => pieces.insert(at, pieces[random.below(pieces.len())]),
+                _ => pieces.splice(at..=at, [words[random.below(words.len())], " "]).for_each(drop),
+            }
+        }
+        count(&format!("words of round {round}"), pieces.concat().as_bytes());
+    }
+    println!("{read} read, {refused} refused");
+    assert!(read > 1000 && refused > 1000, "{read} read, {refused} refused");
+}
+
+/// The shape does not depend on a material file: no damage to one may cost the model.
+#[test]
+fn damaged_material_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let mtl = b"# skins\nnewmtl a\nKd 1 0.5 0\nmap_Kd -s 1 1 -clamp on ./a.png\nnewmtl b\nKd 0.5\n";
+    let model = rich_obj();
+    for at in 0..mtl.len() {
+        let mut flipped = mtl.to_vec();
+        flipped[at] ^= 1 << (at % 8);
+        for bytes in [&mtl[..at], &flipped] {
+            std::fs::write(folder.path().join("a.mtl"), bytes).unwrap();
+            assert!(survives(&format!("material file, byte {at}"), model.as_bytes(), folder.path()));
+        }
     }
 }

@@ -37,7 +37,7 @@ pub struct Manifest {
 /// One input file of a bake.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputRecord {
-    /// `model`, `recipe`, `buffer` or `image`.
+    /// `model`, `recipe`, `buffer`, `image` or `material`.
     pub role: String,
     /// File name without folders; empty for data embedded in another file.
     pub name: String,

@@ -234,22 +234,15 @@ fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-#[test]
-fn the_corpus_of_hard_files() {
-    let Some(data) = data() else { return };
-    let mut models = Vec::new();
-    for folder in ["hard-gltf", "gltf-validator", "gltf-asset-generator"] {
-        walk(&data.join("meshes").join(folder), &mut models);
-    }
-    // Whatever is no model (buffers, images, notes) is bad input too, and is baked like the rest.
-    assert!(models.len() > 150, "only {} files found", models.len());
+/// Bakes every model in a sandbox of its own threads; each must leave a package, or nothing.
+fn bake_all(models: &[PathBuf], more: &[&str]) -> BTreeMap<PathBuf, Run> {
     let (next, results) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(2, std::num::NonZero::get) {
             scope.spawn(|| {
                 let sandbox = Sandbox::new();
                 while let Some(model) = models.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let run = bake(&sandbox, model.to_str().unwrap(), &["--threads", "1", "--quiet"]);
+                    let run = bake(&sandbox, model.to_str().unwrap(), &[&["--threads", "1", "--quiet"], more].concat());
                     let written = sandbox.files();
                     let expected = if run.code == Some(0) { vec!["out.pelage".to_owned()] } else { Vec::new() };
                     assert_eq!(written, expected, "{}: {run:?}", model.display());
@@ -263,6 +256,19 @@ fn the_corpus_of_hard_files() {
     });
     let results = results.into_inner().unwrap();
     assert_eq!(results.len(), models.len());
+    results
+}
+
+#[test]
+fn the_corpus_of_hard_files() {
+    let Some(data) = data() else { return };
+    let mut models = Vec::new();
+    for folder in ["hard-gltf", "gltf-validator", "gltf-asset-generator"] {
+        walk(&data.join("meshes").join(folder), &mut models);
+    }
+    // Whatever is no model (buffers, images, notes) is bad input too, and is baked like the rest.
+    assert!(models.len() > 150, "only {} files found", models.len());
+    let results = bake_all(&models, &[]);
     let mut wrong = Vec::new();
     let mut counts = BTreeMap::new();
     for (model, run) in &results {
@@ -279,4 +285,67 @@ fn the_corpus_of_hard_files() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     // Most of the corpus has no triangle or no texture coordinates, and must be refused.
     assert!(counts.get(&Some(0)).is_some_and(|n| *n >= 8), "the good models must bake: {counts:?}");
+}
+
+/// OBJ files that cannot be baked, and why; all others can.
+const REFUSED_OBJ: &[(&str, &str)] = &[
+    ("assimp_malformed", "line 28: `f` has `0`"),
+    ("assimp_number_formats", "line 11: `v` has `3.1+e2`, expected a number"),
+    ("assimp_point_cloud", "no face, expected at least one"),
+    ("draco_inf_nan", "line 1: `v` has `inf`"),
+    ("draco_test_lines", "no face, expected at least one"),
+    ("trimesh_empty", "no face, expected at least one"),
+    ("trimesh_obj_wireframe", "no face, expected at least one"),
+];
+
+#[test]
+fn every_obj_file() {
+    let Some(data) = data() else { return };
+    let mut models = Vec::new();
+    for folder in ["static", "hard-obj"] {
+        walk(&data.join("meshes").join(folder), &mut models);
+    }
+    models.retain(|m| m.extension().is_some_and(|e| e == "obj"));
+    assert!(models.len() >= 46, "only {} files found", models.len());
+    // Most have no texture coordinates; whether hair finds its way on them is another test's question.
+    for (model, run) in bake_all(&models, &["--set", "model.bare=[\"*\"]"]) {
+        let name = model.file_stem().unwrap().to_str().unwrap();
+        match REFUSED_OBJ.iter().find(|(file, _)| *file == name) {
+            Some((_, words)) => {
+                assert_eq!(run.code, Some(3), "{name}: {run:?}");
+                let right = run.stderr.starts_with("error: ") && run.stderr.contains(words);
+                assert!(right && run.stderr.contains(&*model.to_string_lossy()), "{name}: {run:?}");
+            }
+            None => assert_eq!(run.code, Some(0), "{name}: {run:?}"),
+        }
+    }
+}
+
+#[test]
+fn an_obj_with_its_materials() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.png", {
+        let mut png = std::io::Cursor::new(Vec::new());
+        image::RgbImage::new(4, 4).write_to(&mut png, image::ImageFormat::Png).unwrap();
+        png.into_inner()
+    });
+    sandbox.write("a.mtl", "newmtl coat\nmap_Kd a.png\n");
+    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+        usemtl coat\nf 1/1 2/2 3/3 4/4\n";
+    sandbox.write("a.obj", text);
+    // The contents decide, whatever the name says.
+    sandbox.write("a.gltf", text);
+    let object = json_of(&bake(&sandbox, "a.obj", &["--json"]), "bake");
+    assert_eq!(object["warnings"], json!([]));
+    assert_eq!(sandbox.run(&["validate", "out.pelage"]).code, Some(0));
+    assert_eq!(sandbox.run(&["unpack", "out.pelage", "in"]).code, Some(0));
+    let manifest: Value =
+        serde_json::from_slice(&std::fs::read(sandbox.path().join("in/manifest.json")).unwrap()).unwrap();
+    let inputs = manifest["manifest"]["inputs"].as_array().unwrap();
+    let found: Vec<_> = inputs.iter().map(|i| (i["role"].as_str().unwrap(), i["name"].as_str().unwrap())).collect();
+    assert_eq!(found, [("model", "a.obj"), ("material", "a.mtl"), ("image", "a.png")]);
+    assert_eq!(bake(&sandbox, "a.gltf", &[]).code, Some(0));
+    sandbox.write("b.obj", text.replace("f 1/1", "f 9/1"));
+    std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
+    refused(&sandbox, &["bake", "b.obj", "-o", "out.pelage"], 3, &["b.obj: line 11", "vertex 9, expected 1..=4"]);
 }

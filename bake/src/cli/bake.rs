@@ -1,21 +1,19 @@
-//! `pelage bake`: a glTF model into a package.
+//! `pelage bake`: a model into a package.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
-use pelage_bake::import::ImportOptions;
+use pelage_bake::import::{ImportOptions, input_record};
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::{BakeError, io};
-use pelage_formats::InputRecord;
 use serde_json::json;
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Bake a glTF model into a package
+/// Bake a glTF or OBJ model into a package
 #[derive(Clone, Debug, clap::Args)]
 pub struct BakeArgs {
-    /// The model, .glb or .gltf
+    /// The model: .glb, .gltf or .obj
     #[arg(value_name = "MODEL")]
     model: PathBuf,
     /// The package to write
@@ -56,7 +54,7 @@ fn bake_file(args: &BakeArgs, output: &mut Output) -> Result<(Baked, Vec<Stage>)
         Some(path) => {
             let file = path.display().to_string();
             let bytes = io::read_file(path)?;
-            recipe_input = Some(record(path, &bytes));
+            recipe_input = Some(input_record("recipe", &file, &bytes));
             Recipe::parse(&file, &text(&file, bytes)?)?
         }
         None => Recipe::default(),
@@ -70,15 +68,6 @@ fn bake_file(args: &BakeArgs, output: &mut Output) -> Result<(Baked, Vec<Stage>)
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let baked = pipeline::bake(&file, &name, &model, &recipe, &mut |stage| watch.begin(stage))?;
     Ok((baked, watch.finish()))
-}
-
-fn record(path: &Path, bytes: &[u8]) -> InputRecord {
-    InputRecord {
-        role: "recipe".into(),
-        name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        bytes: bytes.len() as u64,
-        sha256: Sha256::digest(bytes).into(),
-    }
 }
 
 fn text(file: &str, bytes: Vec<u8>) -> Result<String, BakeError> {

@@ -76,7 +76,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     });
     let rest = RestPose::of(&mesh, animation.as_ref());
     check_finite(&rest, &places)?;
-    orient::face_outward(source, &mut mesh, animation.as_ref(), &rest, &authored);
+    orient::face_outward(&mut source.notes, &mut mesh, animation.as_ref(), &rest, &authored);
     Ok(Model {
         mesh,
         materials: gathered.materials.materials,

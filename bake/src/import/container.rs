@@ -1,8 +1,21 @@
 //! What kind of file it is, and the two chunks of a GLB (glTF 2.0, chapter 4 "GLB File Format Specification").
+//!
+//! What is in a file decides, not its name: exporters and people name files wrongly. Only where a text begins with nothing that
+//! tells (a comment, an empty line, a slip in its first statement) does the name `.obj` count.
 
+use super::notes::Notes;
+use super::obj;
 use crate::BakeError;
+use std::path::Path;
 
-/// The parts of a model file.
+/// The formats that can be read.
+#[derive(Debug, PartialEq)]
+pub(super) enum Kind<'a> {
+    Gltf(Container<'a>),
+    Obj,
+}
+
+/// The parts of a glTF file.
 #[derive(Debug, PartialEq)]
 pub(super) struct Container<'a> {
     pub json: &'a [u8],
@@ -13,10 +26,10 @@ pub(super) struct Container<'a> {
 }
 
 const CONVERT: &str =
-    "expected glTF 2.0 (.gltf or .glb); other formats can be converted, for example with Blender's glTF export";
+    "expected glTF 2.0 (.gltf or .glb) or OBJ; other formats can be converted, for example with Blender's glTF export";
 
-/// Splits `bytes` by what they contain, not by the file's name.
-pub(super) fn split<'a>(file: &str, bytes: &'a [u8], warnings: &mut Vec<String>) -> Result<Container<'a>, BakeError> {
+/// Tells the format of `bytes`, and splits them if it is glTF.
+pub(super) fn split<'a>(file: &str, bytes: &'a [u8], notes: &mut Notes) -> Result<Kind<'a>, BakeError> {
     let fail = |at: usize, reason: String| {
         Err(BakeError::Input { file: file.to_owned(), place: format!("byte {at}"), reason })
     };
@@ -24,7 +37,7 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8], warnings: &mut Vec<String>)
         return fail(0, format!("the file is empty, {CONVERT}"));
     }
     if bytes.starts_with(b"glTF") {
-        return split_glb(bytes, warnings).or_else(|(at, reason)| fail(at, reason));
+        return split_glb(bytes, notes).map(Kind::Gltf).or_else(|(at, reason)| fail(at, reason));
     }
     // RFC 8259 forbids a byte order mark and allows readers to skip it.
     let json_offset = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
@@ -33,28 +46,31 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8], warnings: &mut Vec<String>)
         return fail(json_offset, format!("the file holds only white space, {CONVERT}"));
     };
     if json[first] == b'{' {
-        return Ok(Container { json, json_offset, bin: None });
+        return Ok(Kind::Gltf(Container { json, json_offset, bin: None }));
     }
     let guess = match bytes {
         _ if bytes.starts_with(b"Kaydara FBX Binary") => "an FBX file",
         _ if bytes.starts_with(b"BLENDER") || bytes.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) => "a Blender file",
         _ if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") => "a PLY file",
         _ if bytes.starts_with(b"PELAGE") => "a pelage package",
+        _ if bytes.starts_with(b"PK\x03\x04") => "a ZIP archive (perhaps of a model; unpack it)",
         _ if bytes.starts_with(b"\x89PNG") || bytes.starts_with(b"\xff\xd8\xff") => "an image",
-        _ if bytes.starts_with(b"# ") || bytes.starts_with(b"v ") || bytes.starts_with(b"mtllib") => {
-            "perhaps an OBJ file"
-        }
+        _ if obj::begins_like_one(bytes) || has_extension(file, "obj") => return Ok(Kind::Obj),
         _ if json[first] == b'<' => "an XML file",
-        _ => "neither GLB nor JSON",
+        _ => "neither GLB nor JSON nor OBJ",
     };
     let head: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
     fail(json_offset + first, format!("this is {guess} (it begins with {}), {CONVERT}", head.join(" ")))
 }
 
+fn has_extension(file: &str, extension: &str) -> bool {
+    Path::new(file).extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
 /// Type and contents.
 type Chunk<'a> = ([u8; 4], &'a [u8]);
 
-fn split_glb<'a>(bytes: &'a [u8], warnings: &mut Vec<String>) -> Result<Container<'a>, (usize, String)> {
+fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (usize, String)> {
     let u32_at = |at: usize| {
         let four = bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
         four.ok_or_else(|| (bytes.len(), format!("the file ends here, expected 4 bytes at offset {at} of the GLB")))
@@ -71,7 +87,7 @@ fn split_glb<'a>(bytes: &'a [u8], warnings: &mut Vec<String>) -> Result<Containe
         return Err((8, format!("the header says {length} bytes, expected at least 20 (header and JSON chunk)")));
     }
     if length < bytes.len() {
-        warnings.push(format!("{} bytes after the end of the GLB ignored", bytes.len() - length));
+        notes.warn(format!("{} bytes after the end of the GLB ignored", bytes.len() - length));
     }
     let chunk = |at: usize| -> Result<Chunk<'a>, (usize, String)> {
         let size = u32_at(at)? as usize;
@@ -95,7 +111,7 @@ fn split_glb<'a>(bytes: &'a [u8], warnings: &mut Vec<String>) -> Result<Containe
             b"BIN\0" | b"JSON" => {
                 return Err((at + 4, format!("a second {} chunk, expected one", kind.escape_ascii())));
             }
-            _ => warnings.push(format!("unknown GLB chunk {} ignored", kind.escape_ascii())),
+            _ => notes.warn(format!("unknown GLB chunk {} ignored", kind.escape_ascii())),
         }
         at += 8 + body.len();
     }

@@ -12,7 +12,7 @@ use std::io::Cursor;
 
 /// All images of a model together have at most this many texels (one of 16 384², or sixteen of 4096²): 1 GiB decoded.
 /// A few kilobytes of PNG can claim as much.
-const MAX_TEXELS: u64 = 1 << 28;
+pub(super) const MAX_TEXELS: u64 = 1 << 28;
 
 /// How a material reads texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,7 +143,8 @@ fn texture_transform(at: &At<'_>) -> Result<Affine2, BakeError> {
     Ok(Affine2::from_mat2_translation(Mat2::from_angle(-angle) * Mat2::from_diagonal(scale), offset))
 }
 
-fn decode(bytes: &[u8], texels_left: u64) -> Result<BaseColorImage, String> {
+/// Decodes a PNG or JPEG of at most `texels_left` texels; else says why it cannot, to follow the image's name in a sentence.
+pub(super) fn decode(bytes: &[u8], texels_left: u64) -> Result<BaseColorImage, String> {
     let png_or_jpeg = match image::guess_format(bytes) {
         Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => Ok(format),
         Ok(other) => Err(format!("{other:?}")),

@@ -1,7 +1,7 @@
-//! Model files in: glTF 2.0, as `.gltf` or `.glb`.
+//! Model files in: glTF 2.0, as `.gltf` or `.glb`, and Wavefront OBJ.
 //!
-//! [`import`] reads bytes and touches no file; buffers and images that the model names come through a callback. It reads, in
-//! this order: the container, required extensions, the node tree, the meshes of the scene with their materials, skins, clips;
+//! [`import`] reads bytes and touches no file; buffers, images and material files that the model names come through a callback. Of an
+//! OBJ it reads the shape at rest, with base colours (`obj`). Of a glTF it reads, in this order: the container, required extensions, the node tree, the meshes of the scene with their materials, skins, clips;
 //! and puts them together ([`Model`]).
 //!
 //! * Where any mesh of the scene has a skin, or a clip moves a node that a mesh hangs on, every vertex gets joints (rigid parts:
@@ -12,7 +12,7 @@
 //! * Morph targets are applied at their default weights; their animation is left out.
 //!
 //! All that is repaired, left out or guessed is told in [`Model::warnings`]. What cannot be is an error that names the place as
-//! a byte offset or a JSON pointer, with what was found and what was expected. No number of the file is trusted before it is
+//! a byte offset, a JSON pointer or a line, with what was found and what was expected. No number of the file is trusted before it is
 //! checked against the bytes there are, or against [`pelage_formats::Limits`].
 
 mod accessor;
@@ -23,6 +23,8 @@ mod extensions;
 mod json;
 mod material;
 mod normals;
+mod notes;
+mod obj;
 mod orient;
 mod primitive;
 mod scene;
@@ -32,15 +34,20 @@ mod weights;
 
 use crate::BakeError;
 use crate::mesh::Model;
+use container::Kind;
 use json::At;
+use notes::Notes;
 use serde::{Deserialize, Serialize};
 use source::Source;
+
+pub use notes::input_record;
 
 /// How to read a model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportOptions {
-    /// Length of one unit of the model, metres, 1e-6..=1e6 (default 1, as glTF says; 0.01 for a model made in centimetres).
+    /// Length of one unit of the model, metres, 1e-6..=1e6 (default 1, as glTF says; 0.01 for a model made in centimetres). OBJ has no
+    /// unit of its own.
     pub unit_m: f32,
 }
 
@@ -65,14 +72,13 @@ impl ImportOptions {
     }
 }
 
-/// Reads a glTF 2.0 model from `bytes`; what the file is shows in its contents, not in its name.
+/// Reads a glTF 2.0 or OBJ model from `bytes`; what the file is shows in its contents, and only where they leave it open in its name.
 ///
-/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI, as written in the model (still
-/// percent-encoded).
+/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI (percent-encoded: as written in a glTF).
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] with byte offset or JSON pointer for everything wrong with the model or a file that it names,
+/// [`BakeError::Input`] with byte offset, JSON pointer or line for everything wrong with the model or a file that it names,
 /// [`BakeError::Params`] for options outside their range.
 pub fn import(
     file: &str,
@@ -81,16 +87,21 @@ pub fn import(
     options: &ImportOptions,
 ) -> Result<Model, BakeError> {
     options.validate()?;
-    let mut warnings = Vec::new();
-    let container = container::split(file, bytes, &mut warnings)?;
-    let document = json::parse(file, container.json, container.json_offset)?;
-    let mut source = Source::new(At::root(file, &document), container.bin, resolve, warnings);
-    source.record("model", file.rsplit(['/', '\\']).next().unwrap_or_default(), bytes);
-    check_version(&source)?;
-    source.check_extensions()?;
-    let mut model = assemble::model(&mut source, options)?;
-    (model.warnings, model.inputs) = source.finish();
-    Ok(model)
+    let mut notes = Notes::default();
+    let kind = container::split(file, bytes, &mut notes)?;
+    notes.record("model", file, bytes);
+    match kind {
+        Kind::Gltf(container) => {
+            let document = json::parse(file, container.json, container.json_offset)?;
+            let mut source = Source::new(At::root(file, &document), container.bin, resolve, notes);
+            check_version(&source)?;
+            source.check_extensions()?;
+            let mut model = assemble::model(&mut source, options)?;
+            (model.warnings, model.inputs) = source.notes.finish();
+            Ok(model)
+        }
+        Kind::Obj => obj::read(file, bytes, resolve, options, notes),
+    }
 }
 
 fn check_version(source: &Source<'_, '_>) -> Result<(), BakeError> {

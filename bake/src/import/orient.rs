@@ -1,7 +1,8 @@
 //! Which way triangles face once posed: outward, as their normals say.
 
+use super::notes::Notes;
 use super::scene::mirrors;
-use super::source::Source;
+
 use crate::mesh::{Mesh, RestPose, blend};
 use glam::DVec3;
 use pelage_formats::{Animation, Pose};
@@ -12,7 +13,7 @@ use pelage_formats::{Animation, Pose};
 /// determinant of the blended matrix is the same thing for a skin. `authored` says for each part whether its normals come from
 /// the file: computed ones follow the winding and cannot contradict it.
 pub(super) fn face_outward(
-    source: &mut Source<'_, '_>,
+    notes: &mut Notes,
     mesh: &mut Mesh,
     animation: Option<&Animation>,
     rest: &RestPose,
@@ -37,7 +38,7 @@ pub(super) fn face_outward(
         }
         if *authored && facing(triangles, rest) < AGAINST {
             flip(triangles);
-            source.warn(format!("{}: the triangles face against their normals; turned around", part.source));
+            notes.warn(format!("{}: the triangles face against their normals; turned around", part.source));
         }
     }
 }

@@ -96,7 +96,13 @@ pub(super) fn read_mesh<'a>(
             None => gathered.skipped += 1,
         }
     }
-    normals::complete(source, &mut primitives);
+    let shapes = primitives.iter_mut().map(|p| normals::Shape {
+        label: &p.label,
+        positions: &p.positions,
+        triangles: &p.triangles,
+        normals: &mut p.normals,
+    });
+    normals::complete(&mut source.notes, &mut shapes.collect::<Vec<_>>());
     Ok(primitives)
 }
 

@@ -2,12 +2,11 @@
 
 use super::extensions::conversion;
 use super::json::{At, shorten};
+use super::notes::{Notes, why_unreadable};
 use crate::BakeError;
 use base64::Engine as _;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use pelage_formats::InputRecord;
-use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -21,9 +20,8 @@ pub(super) struct Source<'a, 'r> {
     bin: Option<&'a [u8]>,
     resolve: &'r mut Resolve<'r>,
     buffers: BTreeMap<usize, Cow<'a, [u8]>>,
-    /// What was read, in the order of reading.
-    pub inputs: Vec<InputRecord>,
-    warnings: Vec<String>,
+    /// Warnings, and what was read.
+    pub notes: Notes,
 }
 
 /// The bytes of a buffer view.
@@ -31,9 +29,6 @@ pub(super) struct View<'b> {
     pub bytes: &'b [u8],
     pub stride: Option<usize>,
 }
-
-/// Warnings beyond this many are counted, not kept: a file can be wrong once per vertex.
-const MAX_WARNINGS: usize = 100;
 
 // Encoders differ in padding and in the unused bits of the last character; neither makes the data ambiguous.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -44,32 +39,18 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 impl<'a, 'r> Source<'a, 'r> {
-    pub fn new(root: At<'a>, bin: Option<&'a [u8]>, resolve: &'r mut Resolve<'r>, warnings: Vec<String>) -> Self {
-        Self { root, bin, resolve, buffers: BTreeMap::new(), inputs: Vec::new(), warnings }
+    pub fn new(root: At<'a>, bin: Option<&'a [u8]>, resolve: &'r mut Resolve<'r>, notes: Notes) -> Self {
+        Self { root, bin, resolve, buffers: BTreeMap::new(), notes }
     }
 
-    /// Notes what was repaired, left out or guessed. The same sentence is kept once.
+    /// Notes what was repaired, left out or guessed.
     pub fn warn(&mut self, text: impl Into<String>) {
-        let text = text.into();
-        // The list grows one past the limit only for the count, which `into_warnings` writes.
-        if self.warnings.len() <= MAX_WARNINGS && !self.warnings.contains(&text) {
-            self.warnings.push(text);
-        }
-    }
-
-    /// The warnings and the records.
-    pub fn finish(mut self) -> (Vec<String>, Vec<InputRecord>) {
-        if self.warnings.len() > MAX_WARNINGS {
-            self.warnings.truncate(MAX_WARNINGS);
-            self.warnings.push(format!("more than {MAX_WARNINGS} warnings; the rest is not shown"));
-        }
-        (self.warnings, self.inputs)
+        self.notes.warn(text);
     }
 
     /// Notes a file or an embedded image.
     pub fn record(&mut self, role: &str, name: &str, bytes: &[u8]) {
-        let sha256 = Sha256::digest(bytes).into();
-        self.inputs.push(InputRecord { role: role.into(), name: name.into(), bytes: bytes.len() as u64, sha256 });
+        self.notes.record(role, name, bytes);
     }
 
     /// What `uri` stands for: the data in it, or the file it names. `role` is for the record.
@@ -83,19 +64,10 @@ impl<'a, 'r> Source<'a, 'r> {
             return Ok(bytes);
         }
         let bytes = (self.resolve)(uri).map_err(|error| {
-            // A reader may complain about the URI itself or about the file behind it: either way the model names it.
-            let cause = match error {
-                BakeError::Input { reason, .. } => reason,
-                BakeError::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
-                    "it is not there; put it where the model looks for it, relative to its own folder".to_owned()
-                }
-                BakeError::Io { source, action, .. } => format!("cannot {action} it: {source}"),
-                other => other.to_string(),
-            };
+            let cause = why_unreadable(error);
             at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri)))
         })?;
         let name = urlencoding::decode(uri).unwrap_or(Cow::Borrowed(uri));
-        let name = name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
         self.record(role, &name, &bytes);
         Ok(bytes)
     }

@@ -119,7 +119,7 @@ macro_rules! params {
 params! {
     /// `[model]`: how the model is read.
     ModelParams in model {
-        /// Metres per unit of the model. glTF says metres; set it where an exporter did not keep to that.
+        /// Metres per unit of the model. glTF says metres; set it where an exporter did not keep to that, and for OBJ, which does not say.
         unit_m: f32 = 1.0, in 1e-6..=1e6;
         /// Names of materials where no hair grows, such as eyes and hooves. `*` stands for any characters, `?` for one.
         bare: Vec<String> = Vec::new();

@@ -1,0 +1,196 @@
+//! Polygons cut into triangles.
+//!
+//! Convex ones become a fan. Others lose one ear after the other (Meisters, "Polygons Have Ears", American Mathematical Monthly 82(6),
+//! 1975) in the plane of their normal by Newell's method, in double precision.
+
+use glam::{DVec2, DVec3, Vec3};
+
+/// A polygon cut up.
+#[derive(Debug, PartialEq)]
+pub(super) struct Cut {
+    /// Corners of each triangle, counted from 0; always two fewer than corners, in the polygon's own winding.
+    pub triangles: Vec<[usize; 3]>,
+    /// Whether the triangles cover the polygon once: not if it crosses itself, or is too large to be looked at.
+    pub clean: bool,
+}
+
+/// Cutting takes time with the cube of the corners at worst.
+const MOST_CORNERS: usize = 512;
+
+/// Cuts the polygon with corners at `points`, at least 3.
+pub(super) fn triangulate(points: &[Vec3]) -> Cut {
+    let n = points.len();
+    if n <= 3 {
+        return fan(n, true);
+    }
+    let flat = flatten(points);
+    let corner = |i: usize| [flat[(i + n - 1) % n], flat[i], flat[(i + 1) % n]];
+    // Turning left everywhere is not enough: a star with five points does, and goes round twice.
+    let turns: f64 = (0..n).map(|i| turn(corner(i))).sum();
+    if (0..n).all(|i| twice_area(corner(i)) >= 0.0) && turns < 3.0 * std::f64::consts::PI {
+        return fan(n, true);
+    }
+    if n > MOST_CORNERS {
+        return fan(n, false);
+    }
+    cut_ears(&flat)
+}
+
+fn fan(n: usize, clean: bool) -> Cut {
+    Cut { triangles: (2..n).map(|i| [0, i - 1, i]).collect(), clean }
+}
+
+/// The polygon seen along its normal, so that it turns left on the whole.
+fn flatten(points: &[Vec3]) -> Vec<DVec2> {
+    let n = points.len();
+    let at = |i: usize| points[i % n].as_dvec3() - points[0].as_dvec3();
+    // Newell: twice the vector area.
+    let normal: DVec3 = (0..n).map(|i| at(i).cross(at(i + 1))).sum();
+    let (x, y) = normal.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
+    (0..n).map(|i| DVec2::new(at(i).dot(x), at(i).dot(y))).collect()
+}
+
+/// Positive where the middle of three points is a left turn.
+fn twice_area([a, b, c]: [DVec2; 3]) -> f64 {
+    (b - a).perp_dot(c - b)
+}
+
+/// Angle by which the way turns left at the middle of three points.
+fn turn([a, b, c]: [DVec2; 3]) -> f64 {
+    let (into, out) = (b - a, c - b);
+    libm::atan2(into.perp_dot(out), into.dot(out))
+}
+
+fn cut_ears(flat: &[DVec2]) -> Cut {
+    let mut left: Vec<usize> = (0..flat.len()).collect();
+    let mut out = Cut { triangles: Vec::with_capacity(flat.len() - 2), clean: true };
+    // Beginning where the last ear was cut spreads the triangles instead of fanning them around one corner.
+    let mut start = 0;
+    while left.len() > 3 {
+        let m = left.len();
+        let ear = (0..m).map(|k| (start + k) % m).find(|i| is_ear(flat, &left, *i));
+        // A polygon that crosses itself may have no ear; its corners are used up all the same.
+        out.clean &= ear.is_some();
+        let i = ear.unwrap_or(start % m);
+        out.triangles.push([left[(i + m - 1) % m], left[i], left[(i + 1) % m]]);
+        left.remove(i);
+        start = i;
+    }
+    // What is left of a bow tie is turned over, if only beyond rounding.
+    let reach = flat.iter().map(|p| p.length_squared()).fold(0.0, f64::max);
+    out.clean &= twice_area([left[0], left[1], left[2]].map(|i| flat[i])) >= -1e-9 * reach;
+    out.triangles.push([left[0], left[1], left[2]]);
+    out
+}
+
+/// Whether corner `i` of what is left can be cut off: it turns left, and no other corner lies in its triangle.
+fn is_ear(flat: &[DVec2], left: &[usize], i: usize) -> bool {
+    let m = left.len();
+    let ear = [left[(i + m - 1) % m], left[i], left[(i + 1) % m]].map(|k| flat[k]);
+    if twice_area(ear) < 0.0 {
+        return false;
+    }
+    let [a, b, c] = ear;
+    left.iter().map(|k| flat[*k]).filter(|p| !ear.contains(p)).all(|p| {
+        let outside = twice_area([a, b, p]) < 0.0 || twice_area([b, c, p]) < 0.0 || twice_area([c, a, p]) < 0.0;
+        // A corner on the rim of a triangle without area does not lie in it.
+        outside || twice_area(ear) == 0.0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lift(points: &[(f32, f32)]) -> Vec<Vec3> {
+        // A plane that is none of the axes', far from the origin.
+        points.iter().map(|(x, y)| Vec3::new(*x + 100.0, *y, 0.5 * *x - 0.25 * *y)).collect()
+    }
+
+    /// Sum of the areas of all triangles, and the area of the polygon, both in the plane.
+    fn areas(points: &[(f32, f32)], cut: &Cut) -> (f64, f64) {
+        let p: Vec<DVec2> = points.iter().map(|(x, y)| DVec2::new((*x).into(), (*y).into())).collect();
+        let triangles = cut.triangles.iter().map(|t| twice_area(t.map(|i| p[i])));
+        assert!(triangles.clone().all(|a| a >= -1e-9), "a triangle is turned over: {cut:?}");
+        (triangles.map(f64::abs).sum(), (0..p.len()).map(|i| p[i].perp_dot(p[(i + 1) % p.len()])).sum())
+    }
+
+    #[test]
+    fn polygons_are_covered_once() {
+        let gear: Vec<(f32, f32)> = (0..80)
+            .map(|i| {
+                let (angle, radius) = (i as f32 * std::f32::consts::TAU / 80.0, if i % 4 < 2 { 1.0 } else { 2.0 });
+                (radius * angle.cos(), radius * angle.sin())
+            })
+            .collect();
+        let spiral: Vec<(f32, f32)> = [
+            (0., 0.),
+            (9., 0.),
+            (9., 9.),
+            (1., 9.),
+            (1., 3.),
+            (6., 3.),
+            (6., 6.),
+            (3., 6.),
+            (3., 5.),
+            (5., 5.),
+            (5., 4.),
+            (2., 4.),
+        ]
+        .into_iter()
+        .chain([(2., 8.), (8., 8.), (8., 1.), (0., 1.)])
+        .collect();
+        for points in [
+            &[(0., 0.), (1., 0.), (0., 1.)][..],
+            &[(0., 0.), (1., 0.), (1., 1.), (0., 1.)],
+            // An arrow head at each of its four beginnings: a fan from the wrong corner turns a triangle over.
+            &[(0., 0.), (2., 2.), (0., 1.), (-2., 2.)],
+            &[(2., 2.), (0., 1.), (-2., 2.), (0., 0.)],
+            &[(0., 1.), (-2., 2.), (0., 0.), (2., 2.)],
+            &[(-2., 2.), (0., 0.), (2., 2.), (0., 1.)],
+            // Corners on a straight line.
+            &[(0., 0.), (1., 0.), (2., 0.), (2., 2.), (1., 1.), (0., 2.)],
+            // A hole joined to the rim by a slit, as exporters write it.
+            &[(0., 0.), (4., 0.), (4., 4.), (0., 4.), (0., 0.), (1., 1.), (1., 3.), (3., 3.), (3., 1.), (1., 1.)],
+            &gear,
+            &spiral,
+        ] {
+            let cut = triangulate(&lift(points));
+            assert_eq!(cut.triangles.len(), points.len() - 2, "{points:?}");
+            assert!(cut.clean, "{points:?}");
+            let (found, expected) = areas(points, &cut);
+            assert!((found - expected).abs() < 1e-4, "{points:?}: {found} for {expected}");
+        }
+    }
+
+    #[test]
+    fn the_fan_of_an_arrow_head_is_wrong() {
+        // What the test above would see if concave polygons were cut as fans.
+        let points = [(2., 2.), (0., 1.), (-2., 2.), (0., 0.)];
+        let wrong = std::panic::catch_unwind(|| areas(&points, &fan(4, true)));
+        assert!(wrong.is_err());
+    }
+
+    #[test]
+    fn polygons_that_have_no_inside_end_all_the_same() {
+        let pentagram: Vec<(f32, f32)> = (0..5)
+            .map(|i| {
+                let angle = i as f32 * 2.0 * std::f32::consts::TAU / 5.0;
+                (angle.cos(), angle.sin())
+            })
+            .collect();
+        for (points, clean) in [
+            (&[(0., 0.), (1., 1.), (1., 0.), (0., 1.)][..], false),
+            (&pentagram, false),
+            (&[(0., 0.); 6], true),
+            (&[(0., 0.), (1., 0.), (2., 0.), (3., 0.)], true),
+        ] {
+            let cut = triangulate(&lift(points));
+            assert_eq!(cut.triangles.len(), points.len() - 2);
+            assert_eq!(cut.clean, clean, "{points:?}");
+        }
+        let zigzag: Vec<Vec3> =
+            (0..10_000).map(|i| Vec3::new(i as f32, if i % 2 == 0 { 0.0 } else { 5.0 }, 0.0)).collect();
+        assert!(!triangulate(&zigzag).clean);
+    }
+}
