@@ -134,12 +134,15 @@ fn mesh_data(pieces: &Pieces<'_>) -> MeshData {
 fn quality(surface: &Surface) -> Vec<QualityFigure> {
     let m = &surface.measures;
     let figure = |name: &str, value: f64, unit: &str| QualityFigure { name: name.into(), value, unit: unit.into() };
-    vec![
+    let mut figures = vec![
         figure("flipped_triangles", f64::from(m.flipped_triangles), "triangles"),
         figure("angle_distortion", m.angle_distortion, "1"),
         figure("area_distortion", m.area_distortion, "1"),
         figure("stretch_l2", m.stretch_l2, "1"),
         figure("seam_length_ratio", m.seam_length_ratio, "1"),
         figure("collapsed_area", m.collapsed_area, "1"),
-    ]
+        figure("singularities", f64::from(m.singularities), "points"),
+    ];
+    figures.extend(m.comb_misalignment_deg.map(|angle| figure("comb_misalignment_deg", angle, "degrees")));
+    figures
 }

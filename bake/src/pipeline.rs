@@ -44,8 +44,8 @@ pub fn bake(
     let bounds = groom::bounds(&rest);
     let furred = groom::furred_materials(&model.materials, &recipe.model.bare, &mut warnings);
     let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
-    let surface_params = SurfaceParams { tile_size_m: lengths.tile_size_m, furred: furred.clone() };
-    let surface = surface::from_model_uvs(file, model, &surface_params)?;
+    let surface_params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
+    let surface = surface::parameterize(file, model, &surface_params)?;
     warnings.extend(surface.warnings.iter().cloned());
 
     on_stage("simulate");

@@ -16,12 +16,14 @@
 //! ```
 
 mod field;
+mod guides;
 mod params;
 
 pub use field::SrgbColor;
+pub use guides::GuideParams;
 pub use params::{
-    BaseColorFormat, BcQuality, ColorParams, DirectionFormat, HairParams, ModelParams, PackParams, ShadingParams,
-    ShellFormat, SliceParams, Style, SurfaceParams, SurfaceSource,
+    BaseColorFormat, BcQuality, ColorParams, CombSource, DirectionFormat, HairParams, ModelParams, PackParams,
+    ShadingParams, ShellFormat, SliceParams, Style, SurfaceParams, SurfaceSource,
 };
 
 use crate::BakeError;

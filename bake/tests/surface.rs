@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3, vec2, vec3};
 use pelage_bake::BakeError;
 use pelage_bake::mesh::{Material, Mesh, MeshPart, Model};
-use pelage_bake::surface::{Surface, SurfaceParams, from_model_uvs};
+use pelage_bake::surface::{Comb, Source, Surface, SurfaceParams, parameterize};
 
 /// Triangles as exporters without indices write them: three vertices of its own for each.
 fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
@@ -34,8 +34,13 @@ fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
     Model { mesh, materials: vec![material], ..Model::default() }
 }
 
+fn own_uvs(tile_size_m: f32, furred: bool) -> SurfaceParams {
+    let comb = Comb::Tangents;
+    SurfaceParams { tile_size_m, furred: vec![furred], source: Source::Model, comb, ..SurfaceParams::default() }
+}
+
 fn surface(model: &Model) -> Surface {
-    from_model_uvs("m.glb", model, &SurfaceParams { tile_size_m: 0.25, furred: vec![true] }).unwrap()
+    parameterize("m.glb", model, &own_uvs(0.25, true)).unwrap()
 }
 
 /// A unit square in the plane z = 0, seen from +z; texture coordinates from `uv`.
@@ -111,13 +116,13 @@ fn normals_agree_across_hard_edges() {
 fn a_furred_part_without_texture_coordinates_is_named() {
     let mut m = square(vec2);
     m.mesh.parts[0].has_uvs = false;
-    let error = from_model_uvs("m.glb", &m, &SurfaceParams { tile_size_m: 0.1, furred: vec![true] }).unwrap_err();
+    let error = parameterize("m.glb", &m, &own_uvs(0.1, true)).unwrap_err();
     let text = error.to_string();
     assert!(matches!(error, BakeError::Input { .. }));
     for word in ["m.glb", "body", "primitive 0", "texture coordinates", "Coat", "model.bare"] {
         assert!(text.contains(word), "{text}");
     }
-    assert!(from_model_uvs("m.glb", &m, &SurfaceParams { tile_size_m: 0.1, furred: vec![false] }).is_ok());
+    assert!(parameterize("m.glb", &m, &own_uvs(0.1, false)).is_ok());
 }
 
 #[test]

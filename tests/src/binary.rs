@@ -52,6 +52,24 @@ pub fn data() -> Option<PathBuf> {
     None
 }
 
+/// Adds all files under a folder to `out`, in the order of their names.
+///
+/// # Panics
+/// Where a folder cannot be read.
+pub fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut entries: Vec<_> =
+        entries.map(|e| e.unwrap_or_else(|e| panic!("{}: {e}", folder.display())).path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            walk(&path, out);
+        } else {
+            out.push(path);
+        }
+    }
+}
+
 /// What a run left behind.
 #[derive(Debug)]
 pub struct Run {

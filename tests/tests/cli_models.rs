@@ -1,11 +1,11 @@
 //! `bake`, `render` and `bench` through the real binary: bad models and recipes, the whole corpus of hard glTF files, no adapter.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_tests::binary::{Run, Sandbox, data, finish, workspace};
+use pelage_tests::binary::{Run, Sandbox, data, finish, walk, workspace};
 use pelage_tests::schema;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -106,10 +106,6 @@ fn bad_models() {
         (|g, _| g["accessors"][0]["bufferView"] = json!(9), &["/accessors/0/bufferView", "9"]),
         (|g, _| g["nodes"][0]["children"] = json!([0]), &["/nodes/0"]),
         (|g, _| g["asset"]["version"] = json!("1.0"), &["/asset", "1.0"]),
-        (
-            |g, _| _ = g["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0"),
-            &["a.gltf", "texture coordinates"],
-        ),
         (|g, _| g["meshes"] = json!([]), &["a.gltf"]),
     ];
     for (spoil, words) in cases {
@@ -147,6 +143,20 @@ fn bad_models() {
     refused(&sandbox, &["bake", "good.glb", "-o", "folder.glb"], 2, &["folder.glb: cannot write", "folder"]);
     refused(&sandbox, &["bake", "good.glb"], 1, &["--output"]);
     refused(&sandbox, &["bake", "good.glb", "-o", "out.pelage", "--threads", "0"], 1, &["--threads"]);
+}
+
+#[test]
+fn texture_coordinates_are_asked_for_only_where_they_are_used() {
+    let sandbox = Sandbox::new();
+    let mut document = triangle();
+    document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0");
+    sandbox.write("a.gltf", document.to_string());
+    sandbox.write("triangle.bin", triangle_bin());
+    for set in ["surface.source=model", "surface.comb=tangents"] {
+        let args = [&["bake", "a.gltf", "-o", "out.pelage", "--set", set][..], &SMALL].concat();
+        refused(&sandbox, &args, 3, &["a.gltf: mesh 0", "no texture coordinates", "surface."]);
+    }
+    assert_eq!(bake(&sandbox, "a.gltf", &[]).code, Some(0), "patches need none");
 }
 
 #[test]
@@ -222,18 +232,6 @@ fn pictures() {
     json_of(&sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]), "bench");
 }
 
-fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
-    let mut entries: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            walk(&path, out);
-        } else {
-            out.push(path);
-        }
-    }
-}
-
 /// Bakes every model in a sandbox of its own threads; each must leave a package, or nothing.
 fn bake_all(models: &[PathBuf], more: &[&str]) -> BTreeMap<PathBuf, Run> {
     let (next, results) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
@@ -283,7 +281,7 @@ fn the_corpus_of_hard_files() {
     }
     println!("exit codes: {counts:?}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    // Most of the corpus has no triangle or no texture coordinates, and must be refused.
+    // Much of the corpus has no triangle, or is broken on purpose, and must be refused.
     assert!(counts.get(&Some(0)).is_some_and(|n| *n >= 8), "the good models must bake: {counts:?}");
 }
 
@@ -307,8 +305,7 @@ fn every_obj_file() {
     }
     models.retain(|m| m.extension().is_some_and(|e| e == "obj"));
     assert!(models.len() >= 46, "only {} files found", models.len());
-    // Most have no texture coordinates; whether hair finds its way on them is another test's question.
-    for (model, run) in bake_all(&models, &["--set", "model.bare=[\"*\"]"]) {
+    for (model, run) in bake_all(&models, &[]) {
         let name = model.file_stem().unwrap().to_str().unwrap();
         match REFUSED_OBJ.iter().find(|(file, _)| *file == name) {
             Some((_, words)) => {

@@ -130,8 +130,8 @@ fn report(output: &mut Output, path: &Path, baked: &Baked, stages: &[Stage], sec
         "area_distortion": m.area_distortion,
         "stretch_l2": m.stretch_l2,
         "seam_length_ratio": m.seam_length_ratio,
-        // The model's own coordinates follow no comb field, so there is nothing to be misaligned with.
-        "comb_misalignment_deg": null,
+        "comb_misalignment_deg": m.comb_misalignment_deg,
+        "singularities": m.singularities,
     });
     let size = human_bytes(baked.package.len() as u64);
     output.result(&format!("{}: {size} in {seconds:.2} s", path.display()), &value)

@@ -11,7 +11,9 @@ pub(super) enum Raw {
     Bool(bool),
     String(String),
     Array(Vec<Raw>),
-    /// A table, a date or a number too large to hold; the text says which.
+    /// Keys and values in the order of the file.
+    Table(Vec<(String, Raw)>),
+    /// A date or a number too large to hold; the text says which.
     Other(&'static str),
 }
 
@@ -30,7 +32,9 @@ impl Raw {
             DeValue::Boolean(b) => Self::Bool(*b),
             DeValue::Datetime(_) => Self::Other("a date"),
             DeValue::Array(items) => Self::Array(items.iter().map(|v| Self::from_de(v.get_ref())).collect()),
-            DeValue::Table(_) => Self::Other("a table"),
+            DeValue::Table(table) => {
+                Self::Table(table.iter().map(|(k, v)| (k.get_ref().to_string(), Self::from_de(v.get_ref()))).collect())
+            }
         }
     }
 
@@ -54,6 +58,7 @@ pub(super) fn describe_raw(raw: &Raw) -> String {
         Raw::Bool(b) => b.to_string(),
         Raw::String(s) => format!("the string {}", cut(format!("{s:?}"))),
         Raw::Array(items) => cut(format!("[{}]", items.iter().map(describe_raw).collect::<Vec<_>>().join(", "))),
+        Raw::Table(_) => "a table".to_owned(),
         Raw::Other(what) => (*what).to_owned(),
     }
 }
@@ -208,7 +213,7 @@ impl Field for [f32; 3] {
     type Range = Range<f32>;
 
     fn expected(range: &Self::Range) -> String {
-        format!("[r, g, b] with numbers {}..={}", range.start(), range.end())
+        format!("three numbers {}..={} in brackets", range.start(), range.end())
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
@@ -266,6 +271,29 @@ impl Field for SrgbColor {
 
     fn to_toml(&self) -> Option<String> {
         self.0.to_toml()
+    }
+}
+
+impl Field for String {
+    type Range = ();
+
+    fn expected((): &()) -> String {
+        "a string".into()
+    }
+
+    fn from_raw(raw: &Raw) -> Option<Self> {
+        match raw {
+            Raw::String(s) => Some(s.clone()),
+            _ => None,
+        }
+    }
+
+    fn in_range(&self, (): &()) -> bool {
+        true
+    }
+
+    fn to_toml(&self) -> Option<String> {
+        Some(toml::Value::from(self.as_str()).to_string())
     }
 }
 

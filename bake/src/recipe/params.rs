@@ -2,6 +2,7 @@
 
 use super::Key;
 use super::field::{Field, PowerOfTwo, SrgbColor};
+use super::guides::GuideParams;
 use crate::BakeError;
 use serde::{Deserialize, Serialize};
 
@@ -129,20 +130,58 @@ params! {
 words! {
     /// Where tile coordinates come from.
     SurfaceSource {
-        /// The model's own texture coordinates, scaled.
+        /// Lapped patches over any surface.
         #[default]
+        Patches = "patches",
+        /// The model's own texture coordinates, scaled.
         Model = "model",
     }
 }
 
+words! {
+    /// Where hair is combed to.
+    CombSource {
+        /// One direction everywhere.
+        #[default]
+        Direction = "direction",
+        /// Down.
+        Gravity = "gravity",
+        /// Down the model's own texture.
+        Tangents = "tangents",
+        /// Directions at a few places.
+        Guides = "guides",
+        /// Nowhere: patches lie as they distort least.
+        None = "none",
+    }
+}
+
 params! {
-    /// `[surface]`: how the periodic tile of hair lies on the model.
+    /// `[surface]`: how the periodic tile of hair lies on the model, and where the hair is combed to.
     SurfaceParams in surface {
-        /// Where tile coordinates come from: `model` takes the model's own texture coordinates.
-        source: SurfaceSource = SurfaceSource::Model;
-        /// Width of the tile on the skin, metres. Left out, it is chosen from the model's size. Small repeats visibly,
-        /// large spreads the texels thin.
+        /// Where tile coordinates come from: `patches` grows patches over any surface and needs no texture coordinates, `model` takes
+        /// the model's own.
+        source: SurfaceSource = SurfaceSource::Patches;
+        /// Width of the tile on the skin, metres: the reciprocal of tiles per metre. Left out, it is chosen from the model's size. Small
+        /// repeats visibly, large spreads the texels thin.
         tile_size_m: Option<f32> = None, in 1e-6..=1e3;
+        /// Where hair is combed to: `direction` (surface.comb_direction), `gravity`, `tangents` (down the model's own texture), `guides`
+        /// (surface.guides), or `none`, which lets patches lie as they distort least and suits hair that stands up.
+        comb: CombSource = CombSource::Direction;
+        /// Direction of the comb in world space at rest, any length but 0. The default runs from nose to tail and a little down on an animal
+        /// that looks along +z.
+        comb_direction: [f32; 3] = [0.0, -0.35, -1.0], in -1e6..=1e6;
+        /// Directions at places, spread over the skin: tables with `name`, `at` (metres) and `direction`.
+        guides: Vec<GuideParams> = Vec::new();
+        /// How far neighbours are asked where the comb is weak or broken, tiles: small keeps every wish, large makes broad strokes.
+        comb_smoothing: f32 = 0.5, in 0.01..=100.0;
+        /// How strictly patches follow the comb: 1 along it, 0 turns every triangle to what distorts least.
+        comb_weight: f32 = 1.0, in 0.0..=1.0;
+        /// How far a patch may grow from its seed, tiles. Large has few seams and more distortion.
+        patch_size: f32 = 2.0, in 0.05..=1000.0;
+        /// Largest angle between a patch's hair and the comb, degrees.
+        patch_turn_deg: f32 = 25.0, in 1.0..=60.0;
+        /// Largest stretch of a triangle in any direction, and the inverse of the least.
+        patch_stretch: f32 = 1.5, in 1.01..=4.0;
     }
 }
 

@@ -162,7 +162,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
     );
     (hair, pack, rest).prop_map(|(hair, pack, (model, color, shading, slice))| Recipe {
         model: ModelParams { unit_m: model.0, bare: model.1 },
-        surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2 },
+        surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
         hair,
         color: ColorParams { root: color.0, tip: color.1, variation: color.2, base_color: color.3 },
         shading: ShadingParams {

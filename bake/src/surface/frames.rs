@@ -1,5 +1,6 @@
 //! Tile scale and tile frames: which way +u and +v of the hair tile run on the skin.
 
+use super::emit::copy_vertex;
 use crate::mesh::{Mesh, RestPose};
 use glam::{Vec2, Vec3, Vec4};
 
@@ -46,17 +47,9 @@ pub(super) fn tile_scale(
     Vec2::new(if turned > 0.0 { -scale } else { scale }, scale)
 }
 
-/// Per vertex the unit tangent along +u, in the mesh's own space, and the handedness in the posed rest state.
-///
-/// A vertex whose triangles disagree in handedness is split: `mesh`, and `tile_uvs` with it, grow by those vertices. A vertex
-/// without any sound triangle gets an arbitrary tangent.
-pub(super) fn tile_frames(
-    mesh: &mut Mesh,
-    rest: &RestPose,
-    tile_uvs: &mut Vec<Vec2>,
-    warnings: &mut Vec<String>,
-) -> Vec<Vec4> {
-    split_by_handedness(mesh, rest, tile_uvs, warnings);
+/// Per vertex the unit tangent along +u, in the mesh's own space, and the handedness in the posed rest state. A vertex without any
+/// sound triangle gets an arbitrary tangent.
+pub(super) fn tangents(mesh: &Mesh, tile_uvs: &[Vec2]) -> Vec<Vec4> {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
     let mut hands = vec![0f32; mesh.positions.len()];
     for triangle in &mesh.triangles {
@@ -74,10 +67,8 @@ pub(super) fn tile_frames(
             hands[i] = det.signum();
         }
     }
-    mesh.normals
-        .iter()
-        .zip(sums)
-        .zip(hands)
+    let frames = mesh.normals.iter().zip(sums).zip(hands);
+    frames
         .map(|((normal, sum), hand)| {
             let tangent = sum.reject_from_normalized(*normal).try_normalize();
             let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector());
@@ -86,8 +77,13 @@ pub(super) fn tile_frames(
         .collect()
 }
 
-/// Gives the mirrored triangles vertices of their own.
-fn split_by_handedness(mesh: &mut Mesh, rest: &RestPose, tile_uvs: &mut Vec<Vec2>, warnings: &mut Vec<String>) {
+/// Gives the mirrored triangles vertices of their own: `mesh`, and `tile_uvs` with it, grow by copies of the vertices returned.
+pub(super) fn split_by_handedness(
+    mesh: &mut Mesh,
+    rest: &RestPose,
+    tile_uvs: &mut Vec<Vec2>,
+    warnings: &mut Vec<String>,
+) -> Vec<u32> {
     let mirrored: Vec<bool> = mesh.triangles.iter().map(|t| uv_det(tile_uvs, t) < 0.0).collect();
     let mut upright = vec![false; mesh.positions.len()];
     for (triangle, _) in mesh.triangles.iter().zip(&mirrored).filter(|(_, m)| !**m) {
@@ -96,23 +92,18 @@ fn split_by_handedness(mesh: &mut Mesh, rest: &RestPose, tile_uvs: &mut Vec<Vec2
     let mut copies = vec![u32::MAX; mesh.positions.len()];
     let before = mesh.positions.len();
     let mut originals = Vec::new();
-    for (triangle, _) in mesh.triangles.iter_mut().zip(&mirrored).filter(|(_, m)| **m) {
-        for corner in triangle {
-            let i = *corner as usize;
+    for t in (0..mirrored.len()).filter(|t| mirrored[*t]) {
+        for k in 0..3 {
+            let i = mesh.triangles[t][k] as usize;
             if !upright[i] {
                 continue;
             }
             if copies[i] == u32::MAX {
-                copies[i] = mesh.positions.len() as u32;
-                mesh.positions.push(mesh.positions[i]);
-                mesh.normals.push(mesh.normals[i]);
-                mesh.uvs.push(mesh.uvs[i]);
-                mesh.colors.push(mesh.colors[i]);
-                mesh.skin.extend(mesh.skin.get(i).copied());
+                copies[i] = copy_vertex(mesh, i);
                 tile_uvs.push(tile_uvs[i]);
                 originals.push(i as u32);
             }
-            *corner = copies[i];
+            mesh.triangles[t][k] = copies[i];
         }
     }
     let area = |wanted: bool| -> f64 {
@@ -129,4 +120,5 @@ fn split_by_handedness(mesh: &mut Mesh, rest: &RestPose, tile_uvs: &mut Vec<Vec2
             originals.len()
         ));
     }
+    originals
 }

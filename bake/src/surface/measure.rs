@@ -1,10 +1,9 @@
-//! How good a parameterization is: the measures of accuracy.md, on the furred triangles in the posed rest state.
+//! How good a parameterization is, on the furred triangles in the posed rest state (Sander et al. 2001 for the stretch).
 
-use super::frames::{area2, uv_det};
-use crate::mesh::{Mesh, RestPose};
-use glam::Vec2;
+use super::solve::{FaceFrame, gradients, jacobian, singular_values};
+use super::topology::{NONE, Topology};
+use glam::{DMat2, DVec2};
 use serde::Serialize;
-use std::collections::HashMap;
 
 /// Measures of the map from the skin to its tile coordinates, after one global scale that makes the total areas equal; means are
 /// weighted by area on the skin.
@@ -22,151 +21,173 @@ pub struct Measures {
     pub stretch_l2: f64,
     /// Length of the edges whose two sides disagree in tile coordinates by more than whole tiles, over sqrt(skin area).
     pub seam_length_ratio: f64,
+    /// Mean angle between the comb field and the tile's v direction, degrees; `None` without a comb.
+    pub comb_misalignment_deg: Option<f64>,
+    /// Points of the skin about which the comb field turns: sources, sinks, whorls and saddles.
+    pub singularities: u32,
     /// Share of the furred skin left out of the means because a triangle has no area on the skin or in the tile, 0..=1.
     pub collapsed_area: f64,
 }
 
-/// Singular values σ1 ≥ σ2 of the linear map from the triangle's plane to tile coordinates; `None` where the triangle has no area.
-fn singular_values(p: [glam::Vec3; 3], uv: [Vec2; 3]) -> Option<(f64, f64)> {
-    let (e1, e2) = ((p[1] - p[0]).as_dvec3(), (p[2] - p[0]).as_dvec3());
-    let length = e1.length();
-    let x = e1 / length;
-    let y = (e2 - x * e2.dot(x)).try_normalize()?;
-    let (d1, d2) = ((uv[1] - uv[0]).as_dvec2(), (uv[2] - uv[0]).as_dvec2());
-    let along_x = d1 / length;
-    let along_y = (d2 - along_x * e2.dot(x)) / e2.dot(y);
-    let (a, b, c) = (along_x.length_squared(), along_x.dot(along_y), along_y.length_squared());
-    let (mean, spread) = ((a + c) / 2.0, (((a - c) / 2.0).powi(2) + b * b).sqrt());
-    let (s1, s2) = ((mean + spread).sqrt(), (mean - spread).max(0.0).sqrt());
-    (s1.is_finite() && s2 > 1e-9 * s1).then_some((s1, s2))
-}
+/// Squeezed below this share of its length a triangle counts as collapsed.
+const COLLAPSED: f64 = 1e-9;
 
-pub(super) fn measure(mesh: &Mesh, rest: &RestPose, tile_uvs: &[Vec2], furred: &[bool]) -> Measures {
-    let triangles: Vec<&[u32; 3]> = mesh.triangles.iter().zip(furred).filter(|(_, f)| **f).map(|(t, _)| t).collect();
-    let mut out = Measures::default();
-    let mut rows = Vec::new();
+/// Measures, and the region of continuous tile coordinates that each face belongs to.
+///
+/// * `frames`, `corners`: comb frame and tile coordinates of each face's corners
+/// * `combed`: whether the frames follow a comb
+pub(super) fn measure(
+    topology: &Topology,
+    frames: &[FaceFrame],
+    corners: &[[DVec2; 3]],
+    combed: bool,
+    singularities: usize,
+) -> (Measures, Vec<u32>) {
+    let mut out = Measures { singularities: singularities as u32, ..Measures::default() };
+    let mut maps: Vec<(f64, DMat2)> = Vec::new();
     let (mut skin, mut tile, mut collapsed) = (0f64, 0f64, 0f64);
-    for t in &triangles {
-        let area = f64::from(area2(&rest.positions, t)) / 2.0;
-        let det = uv_det(tile_uvs, t);
-        out.flipped_triangles += u32::from(det < 0.0);
-        match singular_values(t.map(|i| rest.positions[i as usize]), t.map(|i| tile_uvs[i as usize])) {
-            Some((s1, s2)) => {
-                rows.push((area, s1, s2));
-                skin += area;
-                tile += area * s1 * s2;
-            }
-            None => collapsed += area,
+    for (f, frame) in frames.iter().enumerate() {
+        let area = topology.areas[f];
+        let map = jacobian(&gradients(topology, f, frame), corners[f], frame.tile_m);
+        out.flipped_triangles += u32::from(map.determinant() < 0.0);
+        let (s1, s2) = singular_values(map);
+        if s1.is_finite() && s2.abs() > COLLAPSED * s1 {
+            maps.push((area, map));
+            skin += area;
+            tile += area * s1 * s2.abs();
+        } else {
+            collapsed += area;
         }
     }
     if skin > 0.0 && tile > 0.0 {
         // After this factor the total areas are equal.
         let k = (skin / tile).sqrt();
-        let mut l2 = 0.0;
-        for (area, s1, s2) in rows {
-            let (s1, s2) = (s1 * k, s2 * k);
+        let (mut l2, mut misaligned) = (0.0, 0.0);
+        for (area, map) in maps {
+            let (s1, s2) = singular_values(map);
+            let (s1, s2) = (s1 * k, s2.abs() * k);
             out.angle_distortion += area * ((s1 / s2 + s2 / s1) / 2.0 - 1.0) / skin;
             out.area_distortion += area * ((s1 * s2 + 1.0 / (s1 * s2)) / 2.0 - 1.0) / skin;
             l2 += area * (s1 * s1 + s2 * s2) / 2.0 / skin;
+            // The tile's v direction on the skin, in the comb's frame, against (0, 1).
+            let along_v = map.inverse().y_axis;
+            misaligned += area * along_v.x.abs().atan2(along_v.y).to_degrees() / skin;
         }
         out.stretch_l2 = l2.sqrt();
         out.collapsed_area = collapsed / (skin + collapsed);
+        out.comb_misalignment_deg = combed.then_some(misaligned);
     }
-    let (seams, patches) = seams_and_patches(rest, tile_uvs, &triangles);
-    out.patches = patches;
+    let (seams, regions) = seams_and_regions(topology, corners);
+    out.patches = regions.iter().max().map_or(0, |last| last + 1);
     if skin + collapsed > 0.0 {
         out.seam_length_ratio = seams / (skin + collapsed).sqrt();
     }
-    out
+    (out, regions)
 }
 
-/// Total length of the seams, and the number of regions they leave.
-fn seams_and_patches(rest: &RestPose, tile_uvs: &[Vec2], triangles: &[&[u32; 3]]) -> (f64, u32) {
-    type Side = (usize, [Vec2; 2]);
-    let point = |i: u32| rest.positions[i as usize].to_array().map(|v| (v + 0.0).to_bits());
-    let mut edges: HashMap<_, Side> = HashMap::new();
-    let mut parent: Vec<usize> = (0..triangles.len()).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
-    let mut seams = 0f64;
-    for (index, t) in triangles.iter().enumerate() {
-        for k in 0..3 {
-            let (mut a, mut b) = (t[k], t[(k + 1) % 3]);
-            if point(a) > point(b) {
-                (a, b) = (b, a);
-            }
-            let side = [tile_uvs[a as usize], tile_uvs[b as usize]];
-            let Some((other, theirs)) = edges.insert((point(a), point(b)), (index, side)) else { continue };
-            // The tile repeats: an offset by whole tiles, the same at both ends, shows no seam.
-            let offset = side[0] - theirs[0];
-            let continuous = (offset - offset.round()).abs().max_element() < 1e-3
-                && (side[1] - theirs[1] - offset).abs().max_element() < 1e-3;
-            if continuous {
-                let (x, y) = (root(&mut parent, index), root(&mut parent, other));
-                parent[x] = y;
-            } else {
-                seams += f64::from(rest.positions[a as usize].distance(rest.positions[b as usize]));
-            }
+/// Total length of the seams, and the regions that they leave, numbered in the order of their first faces.
+fn seams_and_regions(topology: &Topology, corners: &[[DVec2; 3]]) -> (f64, Vec<u32>) {
+    let end_uvs = |h: u32| {
+        let (uvs, k) = (&corners[h as usize / 3], h as usize % 3);
+        [uvs[k], uvs[(k + 1) % 3]]
+    };
+    let continuous = |h: u32, twin: u32| {
+        let ([a, b], [c, d]) = (end_uvs(h), end_uvs(twin));
+        // The tile repeats: an offset by whole tiles, the same at both ends, shows no seam.
+        let offset = a - d;
+        (offset - offset.round()).abs().max_element() < 1e-3 && (b - c - offset).abs().max_element() < 1e-3
+    };
+    let mut seams = 0.0;
+    let mut joined = topology.twins.clone();
+    for h in 0..joined.len() as u32 {
+        let twin = topology.twins[h as usize];
+        if twin != NONE && !continuous(h, twin) {
+            joined[h as usize] = NONE;
+            seams += topology.edge_length(h) / 2.0;
         }
     }
-    let patches = (0..triangles.len()).filter(|i| root(&mut parent, *i) == *i).count();
-    (seams, patches as u32)
+    let mut regions = vec![NONE; corners.len()];
+    let (mut count, mut stack) = (0, Vec::new());
+    for first in 0..regions.len() {
+        if regions[first] != NONE {
+            continue;
+        }
+        regions[first] = count;
+        stack.push(first);
+        while let Some(f) = stack.pop() {
+            for twin in joined[3 * f..3 * f + 3].iter().filter(|t| **t != NONE) {
+                let g = *twin as usize / 3;
+                if regions[g] == NONE {
+                    regions[g] = count;
+                    stack.push(g);
+                }
+            }
+        }
+        count += 1;
+    }
+    (seams, regions)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::repair::repair;
     use super::*;
-    use glam::{Vec3, vec2, vec3};
+    use glam::{DVec3, dvec2, dvec3};
 
-    const SQUARE: [Vec3; 4] = [vec3(0., 0., 0.), vec3(1., 0., 0.), vec3(1., 1., 0.), vec3(0., 1., 0.)];
+    const SQUARE: [DVec3; 4] = [dvec3(0., 0., 0.), dvec3(1., 0., 0.), dvec3(1., 1., 0.), dvec3(0., 1., 0.)];
 
-    fn measured(uvs: [Vec2; 4]) -> Measures {
-        let mesh = Mesh { triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
-        let rest = RestPose { positions: SQUARE.to_vec(), normals: vec![Vec3::Z; 4] };
-        measure(&mesh, &rest, &uvs, &[true, true])
+    /// Tile coordinates of the corners of both triangles of a square.
+    fn measured(corners: [[DVec2; 3]; 2]) -> Measures {
+        let topology = repair(&SQUARE, &[[0, 1, 2], [0, 2, 3]]).topology;
+        let frame = FaceFrame { s: DVec3::X, t: DVec3::Y, tile_m: 1.0 };
+        measure(&topology, &[frame; 2], &corners, true, 0).0
+    }
+
+    fn joined(uvs: [DVec2; 4]) -> Measures {
+        measured([[uvs[0], uvs[1], uvs[2]], [uvs[0], uvs[2], uvs[3]]])
     }
 
     #[test]
     fn an_isometry_is_perfect_at_any_scale() {
-        let m = measured([vec2(0., 0.), vec2(3., 0.), vec2(3., 3.), vec2(0., 3.)]);
+        let m = joined([dvec2(0., 0.), dvec2(3., 0.), dvec2(3., 3.), dvec2(0., 3.)]);
         assert!(m.angle_distortion.abs() < 1e-9 && m.area_distortion.abs() < 1e-9, "{m:?}");
         assert!((m.stretch_l2 - 1.0).abs() < 1e-9 && m.patches == 1 && m.flipped_triangles == 0, "{m:?}");
-        assert_eq!(m.seam_length_ratio, 0.0);
+        assert_eq!((m.seam_length_ratio, m.comb_misalignment_deg), (0.0, Some(0.0)));
     }
 
     #[test]
     fn a_two_to_one_stretch_measures_as_such() {
         // σ = (√2, 1/√2) after equalising areas: (2 + 1/2)/2 − 1 = 0.25, (2 + 0.5)/2 = 1.25.
-        let m = measured([vec2(0., 0.), vec2(2., 0.), vec2(2., 1.), vec2(0., 1.)]);
+        let m = joined([dvec2(0., 0.), dvec2(2., 0.), dvec2(2., 1.), dvec2(0., 1.)]);
         assert!((m.angle_distortion - 0.25).abs() < 1e-6, "{m:?}");
         assert!(m.area_distortion.abs() < 1e-6 && (m.stretch_l2 - 1.25f64.sqrt()).abs() < 1e-6, "{m:?}");
     }
 
     #[test]
+    fn a_turned_tile_is_misaligned_by_its_angle() {
+        let turn = DMat2::from_angle(0.5);
+        let m = joined([dvec2(0., 0.), dvec2(1., 0.), dvec2(1., 1.), dvec2(0., 1.)].map(|uv| turn * uv));
+        assert!((m.comb_misalignment_deg.unwrap_or(0.0) - 0.5f64.to_degrees()).abs() < 1e-9, "{m:?}");
+        assert!(m.angle_distortion.abs() < 1e-9, "{m:?}");
+    }
+
+    #[test]
     fn flips_and_collapses_are_counted() {
-        let m = measured([vec2(0., 0.), vec2(1., 0.), vec2(1., 1.), vec2(2., 0.5)]);
+        let m = joined([dvec2(0., 0.), dvec2(1., 0.), dvec2(1., 1.), dvec2(2., 0.5)]);
         assert_eq!(m.flipped_triangles, 1, "{m:?}");
-        let m = measured([vec2(0., 0.), vec2(1., 0.), vec2(1., 1.), vec2(0.5, 0.5)]);
+        let m = joined([dvec2(0., 0.), dvec2(1., 0.), dvec2(1., 1.), dvec2(0.5, 0.5)]);
         assert!((m.collapsed_area - 0.5).abs() < 1e-6, "{m:?}");
     }
 
     #[test]
     fn a_cut_is_a_seam_unless_it_is_a_whole_tile() {
-        let uvs = |shift: f32| {
-            let s = vec2(shift, 0.0);
-            vec![vec2(0., 0.), vec2(1., 0.), vec2(1., 1.), s, vec2(1., 1.) + s, vec2(0., 1.) + s]
+        let cut = |shift: f64| {
+            let s = dvec2(shift, 0.0);
+            measured([[dvec2(0., 0.), dvec2(1., 0.), dvec2(1., 1.)], [s, dvec2(1., 1.) + s, dvec2(0., 1.) + s]])
         };
-        let mesh = Mesh { triangles: vec![[0, 1, 2], [3, 4, 5]], ..Mesh::default() };
-        let [a, b, c, d] = SQUARE;
-        let rest = RestPose { positions: vec![a, b, c, a, c, d], normals: vec![Vec3::Z; 6] };
-        let whole = measure(&mesh, &rest, &uvs(2.0), &[true, true]);
+        let whole = cut(2.0);
         assert_eq!((whole.patches, whole.seam_length_ratio), (1, 0.0));
-        let half = measure(&mesh, &rest, &uvs(0.5), &[true, true]);
+        let half = cut(0.5);
         assert_eq!(half.patches, 2);
         assert!((half.seam_length_ratio - 2f64.sqrt()).abs() < 1e-6);
     }

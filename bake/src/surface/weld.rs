@@ -13,9 +13,11 @@ fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
 ///
 /// Files without indices hold every corner of every triangle; only joined can corners share a tile frame. The first of equal
 /// vertices stays, so the order does not depend on the hash map. Vertices of no triangle vanish.
-pub(super) fn join_equal_vertices(mesh: &Mesh) -> Mesh {
+///
+/// Returns the mesh, and for each of its vertices the first of the old ones that it stands for.
+pub(super) fn join_equal_vertices(mesh: &Mesh) -> (Mesh, Vec<u32>) {
     let mut out = Mesh { parts: mesh.parts.clone(), ..Mesh::default() };
-    let mut seen = HashMap::new();
+    let (mut seen, mut origin) = (HashMap::new(), Vec::new());
     for part in &mesh.parts {
         for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
             let joined = triangle.map(|corner| {
@@ -35,39 +37,45 @@ pub(super) fn join_equal_vertices(mesh: &Mesh) -> Mesh {
                     out.uvs.push(mesh.uvs[i]);
                     out.colors.push(mesh.colors[i]);
                     out.skin.extend(skin);
+                    origin.push(corner);
                     out.positions.len() as u32 - 1
                 })
             });
             out.triangles.push(joined);
         }
     }
-    out
+    (out, origin)
 }
 
-/// Gives all furred vertices at one position one normal, so that the shells above a seam or a hard edge stay closed.
+/// Number of vertices that a triangle uses.
+pub(super) fn used_vertices(mesh: &Mesh) -> usize {
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
+    used.into_iter().filter(|u| *u).count()
+}
+
+/// Gives all furred vertices at one place one normal, so that the shells above a seam or a hard edge stay closed.
 ///
 /// The mean is weighted by the angle of each triangle's corner there, which makes it independent of the triangulation; hair has
 /// no creases, so flat-shaded input is rounded as well. Bare parts keep their normals.
-pub(super) fn smooth_normals_over_seams(mesh: &mut Mesh, furred: &[bool]) {
-    let mut sums: HashMap<[u32; 3], Vec3> = HashMap::new();
-    let corners = |mesh: &Mesh| -> Vec<(usize, f32)> {
-        let mut out = Vec::new();
-        for (triangle, _) in mesh.triangles.iter().zip(furred).filter(|(_, f)| **f) {
-            for k in 0..3 {
-                let [a, b, c] = [0, 1, 2].map(|j| triangle[(k + j) % 3] as usize);
-                let (p, q, r) = (mesh.positions[a], mesh.positions[b], mesh.positions[c]);
-                let angle = if p == q || p == r { 0.0 } else { (q - p).angle_between(r - p) };
-                out.push((a, if angle.is_finite() { angle } else { 0.0 }));
-            }
+///
+/// `faces` are the triangles by places at rest (one number, one place). Only vertices that agree in the mesh's own space too are averaged:
+/// two rigid parts that touch have spaces of their own.
+pub(super) fn smooth_normals_over_seams(mesh: &mut Mesh, faces: &[[u32; 3]], furred: &[bool]) {
+    let mut sums: HashMap<(u32, [u32; 3]), Vec3> = HashMap::new();
+    let mut corners = Vec::new();
+    for ((triangle, face), _) in mesh.triangles.iter().zip(faces).zip(furred).filter(|(_, f)| **f) {
+        for k in 0..3 {
+            let [a, b, c] = [0, 1, 2].map(|j| triangle[(k + j) % 3] as usize);
+            let (p, q, r) = (mesh.positions[a], mesh.positions[b], mesh.positions[c]);
+            let angle = if p == q || p == r { 0.0 } else { (q - p).angle_between(r - p) };
+            let key = (face[k], bits(p.to_array()));
+            *sums.entry(key).or_default() += mesh.normals[a] * if angle.is_finite() { angle } else { 0.0 };
+            corners.push((a, key));
         }
-        out
-    };
-    let corners = corners(mesh);
-    for (vertex, angle) in &corners {
-        *sums.entry(bits(mesh.positions[*vertex].to_array())).or_default() += mesh.normals[*vertex] * *angle;
     }
-    for (vertex, _) in corners {
-        if let Some(normal) = sums.get(&bits(mesh.positions[vertex].to_array())).and_then(|sum| sum.try_normalize()) {
+    for (vertex, key) in corners {
+        if let Some(normal) = sums.get(&key).and_then(|sum| sum.try_normalize()) {
             mesh.normals[vertex] = normal;
         }
     }

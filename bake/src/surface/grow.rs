@@ -1,0 +1,155 @@
+//! Patches that grow from seeds, all at once, until they would turn or reach too far (Lengyel et al. 2001; Praun et al. 2000, §4.1).
+//!
+//! Every face belongs to the seed that is nearest to it, by way along the skin and by how far its frame is turned from the seed's. A new
+//! seed is put where no patch reaches without going too far, until there is no such place. Patches that grow side by side are
+//! rounder than patches that grow one after the other, which leave each other slits and slivers.
+
+use super::solve::FaceFrame;
+use super::topology::{NONE, Topology};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// How far a patch may reach from its seed. Both together make up the whole: half the way leaves half the turning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reach {
+    /// Way along the skin, tiles.
+    pub(super) tiles: f64,
+    /// Angle between the frame of the seed and of a face, rad.
+    pub(super) turn_rad: f64,
+    /// Whether the frames follow a comb; without one only normals count.
+    pub(super) combed: bool,
+}
+
+/// A number that orders a heap. Never NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Key(f64);
+
+impl Eq for Key {}
+
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+/// The patch that each face belongs to, from 0 without gaps; each is connected by edges.
+pub(super) fn grow(topology: &Topology, frames: &[FaceFrame], reach: &Reach) -> Vec<u32> {
+    let everywhere: Vec<u32> = (0..topology.faces.len() as u32).collect();
+    let mut flood = Flood::new(topology, frames, reach, everywhere.len());
+    let mut farthest: BinaryHeap<(Key, Reverse<u32>)> =
+        everywhere.iter().map(|f| (Key(f64::INFINITY), Reverse(*f))).collect();
+    let mut seeds = 0;
+    while let Some((key, Reverse(f))) = farthest.pop() {
+        let now = flood.cost[f as usize];
+        if now <= 1.0 {
+            continue;
+        }
+        if now < key.0 {
+            farthest.push((Key(now), Reverse(f)));
+            continue;
+        }
+        flood.grow_from(f, seeds, Some);
+        seeds += 1;
+    }
+    connected_parts(topology, &flood.seed_of)
+}
+
+/// Parts a patch that hangs together in two: one grows from its first face, the other from the face that is farthest from it.
+/// Returns for each face whether it goes with the second; both have at least one, and each may fall into several parts.
+pub(super) fn split(topology: &Topology, frames: &[FaceFrame], reach: &Reach, faces: &[u32]) -> Vec<bool> {
+    let mut sorted: Vec<u32> = faces.to_vec();
+    sorted.sort_unstable();
+    let local = |f: usize| sorted.binary_search(&(f as u32)).ok();
+    let mut flood = Flood::new(topology, frames, reach, faces.len());
+    let farthest = |flood: &Flood<'_>| {
+        let costs = flood.cost.iter().zip(&sorted);
+        costs.max_by(|a, b| a.0.total_cmp(b.0).then(b.1.cmp(a.1))).map_or(sorted[0], |(_, f)| *f)
+    };
+    // The farthest from anywhere is an end; the farthest from that is the other end.
+    flood.grow_from(sorted[0], 0, local);
+    let one_end = farthest(&flood);
+    flood.cost.fill(f64::INFINITY);
+    flood.grow_from(one_end, 0, local);
+    let other_end = farthest(&flood);
+    flood.grow_from(other_end, 1, local);
+    faces.iter().map(|f| local(*f as usize).is_some_and(|i| flood.seed_of[i] == 1)).collect()
+}
+
+/// Costs and owners of faces while seeds grow.
+struct Flood<'a> {
+    topology: &'a Topology,
+    frames: &'a [FaceFrame],
+    reach: &'a Reach,
+    /// How far each face is from its seed; 1 is the whole reach.
+    cost: Vec<f64>,
+    seed_of: Vec<u32>,
+}
+
+impl<'a> Flood<'a> {
+    /// For `n` faces.
+    fn new(topology: &'a Topology, frames: &'a [FaceFrame], reach: &'a Reach, n: usize) -> Self {
+        Self { topology, frames, reach, cost: vec![f64::INFINITY; n], seed_of: vec![NONE; n] }
+    }
+
+    /// Takes every face that is nearer to `seed` than to its owner, as far as one such lies beside the other. `slot` is where the lists
+    /// hold a face, `None` for faces that are not concerned.
+    fn grow_from(&mut self, seed: u32, id: u32, slot: impl Fn(usize) -> Option<usize>) {
+        let mut heap = BinaryHeap::from([Reverse((Key(0.0), Key(0.0), seed))]);
+        while let Some(Reverse((cost, way, f))) = heap.pop() {
+            let f = f as usize;
+            let Some(i) = slot(f).filter(|i| cost.0 < self.cost[*i]) else { continue };
+            self.cost[i] = cost.0;
+            self.seed_of[i] = id;
+            let center = self.topology.centroid(f);
+            for (_, g) in self.topology.neighbors(f) {
+                let Some(j) = slot(g) else { continue };
+                let way =
+                    way.0 + center.distance(self.topology.centroid(g)) / (self.frames[g].tile_m * self.reach.tiles);
+                let cost = way + self.turn(seed as usize, g) / self.reach.turn_rad;
+                if cost < self.cost[j] {
+                    heap.push(Reverse((Key(cost), Key(way), g as u32)));
+                }
+            }
+        }
+    }
+
+    /// Angle of the rotation between the frames of two faces, rad.
+    fn turn(&self, f: usize, g: usize) -> f64 {
+        let (a, b) = (&self.frames[f], &self.frames[g]);
+        if !self.reach.combed {
+            return self.topology.normals[f].angle_between(self.topology.normals[g]);
+        }
+        let trace = a.s.dot(b.s) + a.t.dot(b.t) + self.topology.normals[f].dot(self.topology.normals[g]);
+        ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos()
+    }
+}
+
+/// Numbers the parts of each owner that hang together by edges, in the order of their first faces.
+pub(super) fn connected_parts(topology: &Topology, owner: &[u32]) -> Vec<u32> {
+    let mut part = vec![NONE; owner.len()];
+    let mut count = 0;
+    let mut stack = Vec::new();
+    for first in 0..owner.len() {
+        if part[first] != NONE {
+            continue;
+        }
+        part[first] = count;
+        stack.push(first);
+        while let Some(f) = stack.pop() {
+            for (_, g) in topology.neighbors(f) {
+                if part[g] == NONE && owner[g] == owner[f] {
+                    part[g] = count;
+                    stack.push(g);
+                }
+            }
+        }
+        count += 1;
+    }
+    part
+}

@@ -1,0 +1,356 @@
+//! Lapped patches over any surface: the variant without overlap of Lengyel et al. 2001.
+//!
+//! Patches grow ([`super::grow`]), each is solved ([`super::solve`]), small ones are merged into neighbours where the union is still
+//! good, and the patches are shifted against each other so that the tile runs on across as much border as possible.
+
+use super::field::transported;
+use super::grow::{Reach, grow, split};
+use super::solve::{FaceFrame, PatchSystem, singular_values};
+use super::topology::{NONE, Topology};
+use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+
+/// Passes over the borders in which neighbours are merged; each at most halves the number of patches, and few go on so long.
+const MERGE_PASSES: usize = 8;
+/// Rounds in which faces turn to what distorts least; the first ones bring nearly all of the gain.
+const ROUNDS: usize = 4;
+/// Share of a patch's area that may break the bounds: single odd triangles shall not tear a good patch apart.
+const ODD_SHARE: f64 = 0.01;
+/// No face at all may be squeezed to less than this share.
+const LEAST_SQUEEZE: f64 = 0.2;
+
+/// How patches are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LappedParams {
+    /// Where growth stops.
+    pub(super) reach: Reach,
+    /// What a patch must keep to, or it is parted.
+    pub(super) bounds: Bounds,
+    /// How strictly patches follow the field: 1 along it, 0 as rigid as possible.
+    pub(super) comb_weight: f64,
+}
+
+/// What the map of a face must keep to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    /// Cosine of the largest angle between the tile's v direction and the comb field.
+    pub(super) least_cosine: f64,
+    /// Largest stretch in any direction, and the inverse of the least; above 1.
+    pub(super) stretch: f64,
+}
+
+impl Bounds {
+    fn allow(&self, map: DMat2) -> bool {
+        let (largest, least) = singular_values(map);
+        largest <= self.stretch
+            && least * self.stretch >= 1.0
+            && map.y_axis.y >= self.least_cosine * map.y_axis.length()
+    }
+}
+
+/// Tile coordinates per corner.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lapped {
+    /// Patch of each face.
+    pub(super) patch_of: Vec<u32>,
+    /// Tile coordinates of each face's corners.
+    pub(super) corners: Vec<[DVec2; 3]>,
+    pub(super) patches: usize,
+    /// Patches whose equations had no solution that could be trusted, and which were parted for that.
+    pub(super) unsolved: usize,
+}
+
+/// A patch with its tile coordinates.
+#[derive(Clone, Debug)]
+struct Solved {
+    faces: Vec<u32>,
+    /// Points in rising order, with tile coordinates.
+    points: Vec<(u32, DVec2)>,
+}
+
+pub(super) fn lapped_patches(topology: &Topology, frames: &[FaceFrame], params: &LappedParams) -> Lapped {
+    let maker = Maker { topology, frames, params };
+    let grown = members(&grow(topology, frames, &params.reach));
+    let (solved, unsolved): (Vec<_>, Vec<_>) = grown.into_par_iter().map(|faces| maker.solve_or_split(faces)).unzip();
+    let mut patches: Vec<Solved> = solved.into_iter().flatten().collect();
+    for _ in 0..MERGE_PASSES {
+        let merged;
+        (patches, merged) = maker.merge(patches);
+        if merged == 0 {
+            break;
+        }
+    }
+    let mut out = Lapped {
+        patch_of: patch_of(topology, &patches),
+        patches: patches.len(),
+        unsolved: unsolved.iter().sum(),
+        ..Lapped::default()
+    };
+    align(topology, &out.patch_of, &mut patches);
+    out.corners = vec![[DVec2::ZERO; 3]; topology.faces.len()];
+    for patch in &patches {
+        for f in &patch.faces {
+            out.corners[*f as usize] = topology.faces[*f as usize].map(|p| patch.uv(p));
+        }
+    }
+    out
+}
+
+/// Faces of each owner, owners from 0 without gaps.
+fn members(owner: &[u32]) -> Vec<Vec<u32>> {
+    let mut out: Vec<Vec<u32>> = Vec::new();
+    for (f, o) in owner.iter().enumerate() {
+        if *o as usize >= out.len() {
+            out.resize(*o as usize + 1, Vec::new());
+        }
+        out[*o as usize].push(f as u32);
+    }
+    out
+}
+
+fn patch_of(topology: &Topology, patches: &[Solved]) -> Vec<u32> {
+    let mut out = vec![NONE; topology.faces.len()];
+    for (id, patch) in patches.iter().enumerate() {
+        patch.faces.iter().for_each(|f| out[*f as usize] = id as u32);
+    }
+    out
+}
+
+struct Maker<'a> {
+    topology: &'a Topology,
+    frames: &'a [FaceFrame],
+    params: &'a LappedParams,
+}
+
+/// Why faces cannot be one patch.
+enum Refusal {
+    /// They are not a disc, or some would break the bounds.
+    Shape,
+    /// The equations have no solution that can be trusted.
+    Equations,
+}
+
+impl Maker<'_> {
+    fn solve(&self, faces: &[u32]) -> Result<Vec<(u32, DVec2)>, Refusal> {
+        if let [face] = faces {
+            return Ok(self.lay_flat(*face as usize));
+        }
+        let system = PatchSystem::new(self.topology, faces, self.frames_of(faces));
+        if system.euler_characteristic() != 1 {
+            return Err(Refusal::Shape);
+        }
+        let rounds = if self.params.comb_weight < 1.0 { ROUNDS } else { 0 };
+        let uvs = system.solve(self.params.comb_weight, rounds).ok_or(Refusal::Equations)?;
+        let (mut area, mut odd) = (0.0, 0.0);
+        for (k, f) in faces.iter().enumerate() {
+            let map = system.jacobian(k, &uvs);
+            let (largest, least) = singular_values(map);
+            if least < LEAST_SQUEEZE || largest * LEAST_SQUEEZE > 1.0 {
+                return Err(Refusal::Shape);
+            }
+            area += self.topology.areas[*f as usize];
+            odd += if self.params.bounds.allow(map) { 0.0 } else { self.topology.areas[*f as usize] };
+        }
+        if odd > ODD_SHARE * area {
+            Err(Refusal::Shape)
+        } else {
+            Ok(system.points().iter().copied().zip(uvs).collect())
+        }
+    }
+
+    /// The frames of the faces; without a comb those of the first face, carried over the patch.
+    fn frames_of(&self, faces: &[u32]) -> Vec<FaceFrame> {
+        let frame = |f: u32| self.frames[f as usize];
+        if self.params.reach.combed {
+            return faces.iter().map(|f| frame(*f)).collect();
+        }
+        let mut sorted: Vec<(u32, Option<FaceFrame>)> = faces.iter().map(|f| (*f, None)).collect();
+        sorted.sort_unstable_by_key(|(f, _)| *f);
+        let slot =
+            |f: usize, list: &[(u32, Option<FaceFrame>)]| list.binary_search_by_key(&(f as u32), |(f, _)| *f).ok();
+        let mut queue = std::collections::VecDeque::from([0]);
+        sorted[0].1 = Some(frame(sorted[0].0));
+        while let Some(i) = queue.pop_front() {
+            let (f, Some(from)) = sorted[i] else { continue };
+            for (_, g) in self.topology.neighbors(f as usize) {
+                let Some(j) = slot(g, &sorted).filter(|j| sorted[*j].1.is_none()) else { continue };
+                let (n, m) = (self.topology.normals[f as usize], self.topology.normals[g]);
+                let t =
+                    transported(from.t, n, m).reject_from_normalized(m).try_normalize().unwrap_or(frame(g as u32).t);
+                sorted[j].1 = Some(FaceFrame { s: t.cross(m), t, tile_m: frame(g as u32).tile_m });
+                queue.push_back(j);
+            }
+        }
+        faces.iter().map(|f| slot(*f as usize, &sorted).and_then(|i| sorted[i].1).unwrap_or(frame(*f))).collect()
+    }
+
+    /// A single face in its own frame, undistorted.
+    fn lay_flat(&self, face: usize) -> Vec<(u32, DVec2)> {
+        let (frame, corners) = (&self.frames[face], self.topology.corners(face));
+        let flat =
+            corners.map(|p| DVec2::new((p - corners[0]).dot(frame.s), (p - corners[0]).dot(frame.t)) / frame.tile_m);
+        let mut points: Vec<_> = self.topology.faces[face].into_iter().zip(flat).collect();
+        points.sort_unstable_by_key(|(p, _)| *p);
+        points
+    }
+
+    /// The faces as one patch if that can be, else parted in two again and again. Also how many systems could not be solved.
+    fn solve_or_split(&self, faces: Vec<u32>) -> (Vec<Solved>, usize) {
+        let (mut out, mut unsolved) = (Vec::new(), 0);
+        let mut todo = vec![faces];
+        while let Some(faces) = todo.pop() {
+            match self.solve(&faces) {
+                Ok(points) => out.push(Solved { faces, points }),
+                Err(refusal) => {
+                    unsolved += usize::from(matches!(refusal, Refusal::Equations));
+                    let second = split(self.topology, self.frames, &self.params.reach, &faces);
+                    for side in [false, true] {
+                        let part: Vec<u32> =
+                            faces.iter().zip(&second).filter(|(_, s)| **s == side).map(|(f, _)| *f).collect();
+                        todo.extend(self.connected(&part));
+                    }
+                }
+            }
+        }
+        (out, unsolved)
+    }
+
+    /// The parts of `faces` that hang together.
+    fn connected(&self, faces: &[u32]) -> Vec<Vec<u32>> {
+        let mut sorted = faces.to_vec();
+        sorted.sort_unstable();
+        let mut seen = vec![false; sorted.len()];
+        let mut out = Vec::new();
+        for first in 0..sorted.len() {
+            if seen[first] {
+                continue;
+            }
+            seen[first] = true;
+            let mut part = vec![sorted[first]];
+            let mut at = 0;
+            while let Some(f) = part.get(at).copied() {
+                at += 1;
+                for (_, g) in self.topology.neighbors(f as usize) {
+                    if let Ok(i) = sorted.binary_search(&(g as u32))
+                        && !seen[i]
+                    {
+                        seen[i] = true;
+                        part.push(g as u32);
+                    }
+                }
+            }
+            out.push(part);
+        }
+        out
+    }
+
+    /// One pass of merging: pairs of neighbours, longest border for their size first, no patch twice. Returns how many merged.
+    fn merge(&self, patches: Vec<Solved>) -> (Vec<Solved>, usize) {
+        let owner = patch_of(self.topology, &patches);
+        let mut borders: Vec<([u32; 2], f64)> = Vec::new();
+        for h in 0..self.topology.twins.len() as u32 {
+            let twin = self.topology.twins[h as usize];
+            if twin != NONE && h < twin {
+                let (a, b) = (owner[h as usize / 3], owner[twin as usize / 3]);
+                if a != b {
+                    borders.push(([a.min(b), a.max(b)], self.topology.edge_length(h)));
+                }
+            }
+        }
+        borders.sort_by_key(|(pair, _)| *pair);
+        let mut pairs: Vec<([u32; 2], f64)> =
+            borders.chunk_by(|x, y| x.0 == y.0).map(|c| (c[0].0, c.iter().map(|x| x.1).sum())).collect();
+        let area: Vec<f64> =
+            patches.iter().map(|p| p.faces.iter().map(|f| self.topology.areas[*f as usize]).sum()).collect();
+        for ([a, b], length) in &mut pairs {
+            *length /= area[*a as usize].min(area[*b as usize]).sqrt();
+        }
+        pairs.sort_by(|x, y| y.1.total_cmp(&x.1).then(x.0.cmp(&y.0)));
+        let mut taken = vec![false; patches.len()];
+        let chosen: Vec<[u32; 2]> = pairs
+            .into_iter()
+            .map(|(pair, _)| pair)
+            .filter(|pair| {
+                let free = pair.iter().all(|i| !taken[*i as usize]);
+                if free {
+                    pair.iter().for_each(|i| taken[*i as usize] = true);
+                }
+                free
+            })
+            .collect();
+        let merged: Vec<Option<Solved>> = chosen
+            .par_iter()
+            .map(|[a, b]| {
+                let faces: Vec<u32> = [a, b].into_iter().flat_map(|i| &patches[*i as usize].faces).copied().collect();
+                let points = self.solve(&faces).ok()?;
+                Some(Solved { faces, points })
+            })
+            .collect();
+        let mut patches: Vec<Option<Solved>> = patches.into_iter().map(Some).collect();
+        let mut count = 0;
+        for ([a, b], union) in chosen.into_iter().zip(merged) {
+            if union.is_some() {
+                patches[a as usize] = union;
+                patches[b as usize] = None;
+                count += 1;
+            }
+        }
+        (patches.into_iter().flatten().collect(), count)
+    }
+}
+
+impl Solved {
+    fn uv(&self, point: u32) -> DVec2 {
+        self.points.binary_search_by_key(&point, |(p, _)| *p).map_or(DVec2::ZERO, |i| self.points[i].1)
+    }
+}
+
+/// Shifts patches so that tile coordinates agree across borders in the mean: along a spanning tree of the longest borders
+/// (Kruskal). Where the field runs straight across such a border, hardly a seam is left to see.
+fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
+    // Per pair of patches: length of the border, and the integral of the difference in tile coordinates along it.
+    let mut borders: Vec<([u32; 2], f64, DVec2)> = Vec::new();
+    for h in 0..topology.twins.len() as u32 {
+        let twin = topology.twins[h as usize];
+        if twin == NONE || twin < h {
+            continue;
+        }
+        let (a, b) = (patch_of[h as usize / 3], patch_of[twin as usize / 3]);
+        if a != b {
+            let (a, b) = (a.min(b), a.max(b));
+            let length = topology.edge_length(h);
+            let [p, q] = topology.ends(h);
+            let middle = |i: u32| (patches[i as usize].uv(p) + patches[i as usize].uv(q)) / 2.0;
+            borders.push(([a, b], length, (middle(a) - middle(b)) * length));
+        }
+    }
+    borders.sort_by_key(|(pair, ..)| *pair);
+    let mut pairs: Vec<([u32; 2], f64, DVec2)> = borders
+        .chunk_by(|x, y| x.0 == y.0)
+        .map(|c| (c[0].0, c.iter().map(|x| x.1).sum(), c.iter().map(|x| x.2).sum::<DVec2>()))
+        .collect();
+    pairs.sort_by(|x, y| y.1.total_cmp(&x.1).then(x.0.cmp(&y.0)));
+    let mut shifts = vec![DVec2::ZERO; patches.len()];
+    let mut group: Vec<u32> = (0..patches.len() as u32).collect();
+    let mut members: Vec<Vec<u32>> = (0..patches.len() as u32).map(|i| vec![i]).collect();
+    for ([a, b], length, difference) in pairs {
+        let [ga, gb] = [a, b].map(|i| group[i as usize] as usize);
+        if ga == gb {
+            continue;
+        }
+        let gap = difference / length + shifts[a as usize] - shifts[b as usize];
+        // The smaller group moves: n log n in all.
+        let (stays, moves, by) = if members[ga].len() >= members[gb].len() { (ga, gb, gap) } else { (gb, ga, -gap) };
+        for i in std::mem::take(&mut members[moves]) {
+            shifts[i as usize] += by;
+            group[i as usize] = stays as u32;
+            members[stays].push(i);
+        }
+    }
+    for (patch, shift) in patches.iter_mut().zip(shifts) {
+        // Whole tiles are no difference; without them the coordinates stay small and keep their digits.
+        let middle = patch.points.iter().map(|(_, uv)| *uv).sum::<DVec2>() / patch.points.len().max(1) as f64 + shift;
+        let shift = shift - middle.round();
+        patch.points.iter_mut().for_each(|(_, uv)| *uv += shift);
+    }
+}

@@ -1,0 +1,179 @@
+//! Tile coordinates of one patch by least squares (Praun, Finkelstein and Hoppe 2000, §4.2).
+//!
+//! On each face the map shall take S to (1/s, 0) and T to (0, 1/s), with S, T the face's tile frame and s the tile's width. Weighted
+//! by area, the normal equations have the cotangent Laplacian for a matrix, the same for u and v: one sparse Cholesky
+//! factorisation serves both, and every later round with turned targets as well.
+
+use super::topology::Topology;
+use faer::linalg::solvers::Solve;
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{Mat, Side};
+use glam::{DMat2, DVec2, DVec3};
+
+/// Tile frame of a face: unit vectors in its plane, S × T = N.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceFrame {
+    pub(super) s: DVec3,
+    pub(super) t: DVec3,
+    /// Width of a tile there, metres.
+    pub(super) tile_m: f64,
+}
+
+/// Gradients of the three barycentric coordinates in the frame: column i is (∇λᵢ·S, ∇λᵢ·T).
+pub(super) fn gradients(topology: &Topology, face: usize, frame: &FaceFrame) -> [DVec2; 3] {
+    let p = topology.corners(face);
+    let (n, double) = (topology.normals[face], 2.0 * topology.areas[face]);
+    [0, 1, 2].map(|i| {
+        let gradient = n.cross(p[(i + 2) % 3] - p[(i + 1) % 3]) / double;
+        DVec2::new(gradient.dot(frame.s), gradient.dot(frame.t))
+    })
+}
+
+/// The map of a face from its frame, in tiles: columns φ(S) and φ(T), times the tile's width. The identity for an undistorted face that
+/// follows the field.
+pub(super) fn jacobian(gradients: &[DVec2; 3], uvs: [DVec2; 3], tile_m: f64) -> DMat2 {
+    let mut columns = [DVec2::ZERO; 2];
+    for (g, uv) in gradients.iter().zip(uvs) {
+        columns[0] += uv * g.x;
+        columns[1] += uv * g.y;
+    }
+    DMat2::from_cols(columns[0] * tile_m, columns[1] * tile_m)
+}
+
+/// Singular values σ1 ≥ σ2 of a 2 × 2 matrix; σ2 is negative where it mirrors.
+pub(super) fn singular_values(m: DMat2) -> (f64, f64) {
+    let (a, b, c, d) = (m.x_axis.x, m.x_axis.y, m.y_axis.x, m.y_axis.y);
+    let (sum, difference) = ((a + d).hypot(b - c), (a - d).hypot(b + c));
+    ((sum + difference) / 2.0, (sum - difference) / 2.0)
+}
+
+/// The rotation nearest to `m`.
+fn rotation_of(m: DMat2) -> DMat2 {
+    let axis = DVec2::new(m.x_axis.x + m.y_axis.y, m.x_axis.y - m.y_axis.x).normalize_or(DVec2::X);
+    DMat2::from_cols(axis, axis.perp())
+}
+
+/// Residual above which a solution is not believed: several digits more than any sound patch leaves.
+const WORST_RESIDUAL: f64 = 1e-6;
+
+/// One patch, ready to be solved.
+pub(super) struct PatchSystem<'a> {
+    topology: &'a Topology,
+    faces: &'a [u32],
+    /// One per face of the patch.
+    frames: Vec<FaceFrame>,
+    gradients: Vec<[DVec2; 3]>,
+    /// Points of the patch; the first is held at 0.
+    points: Vec<u32>,
+    /// Per face and corner an index into `points`.
+    corners: Vec<[u32; 3]>,
+}
+
+impl<'a> PatchSystem<'a> {
+    /// `faces` must hang together; `frames` has one entry for each of them.
+    pub(super) fn new(topology: &'a Topology, faces: &'a [u32], frames: Vec<FaceFrame>) -> Self {
+        let mut points: Vec<u32> = faces.iter().flat_map(|f| topology.faces[*f as usize]).collect();
+        points.sort_unstable();
+        points.dedup();
+        let local = |p: u32| points.binary_search(&p).unwrap_or(0) as u32;
+        let corners = faces.iter().map(|f| topology.faces[*f as usize].map(local)).collect();
+        let gradients = faces.iter().zip(&frames).map(|(f, frame)| gradients(topology, *f as usize, frame)).collect();
+        Self { topology, faces, frames, gradients, points, corners }
+    }
+
+    /// Points of the patch in rising order.
+    pub(super) fn points(&self) -> &[u32] {
+        &self.points
+    }
+
+    /// Number of points that lie on it, minus edges, plus faces: 1 for a disc.
+    pub(super) fn euler_characteristic(&self) -> i64 {
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * self.corners.len());
+        for c in &self.corners {
+            edges.extend([[c[0], c[1]], [c[1], c[2]], [c[2], c[0]]].map(|[a, b]| [a.min(b), a.max(b)]));
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        self.points.len() as i64 - edges.len() as i64 + self.corners.len() as i64
+    }
+
+    /// Tile coordinates, one per entry of [`Self::points`], the first at 0. `comb_weight` 1 follows the field, 0 turns
+    /// every face to what distorts least (as rigid as possible, Liu et al. 2008), `rounds` times.
+    ///
+    /// `None` where the system cannot be solved to a small residual.
+    pub(super) fn solve(&self, comb_weight: f64, rounds: usize) -> Option<Vec<DVec2>> {
+        let n = self.points.len() - 1;
+        let mut triplets = Vec::with_capacity(6 * self.corners.len());
+        for (k, corners) in self.corners.iter().enumerate() {
+            let (area, g) = (self.topology.areas[self.faces[k] as usize], &self.gradients[k]);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let (row, column) = (corners[i] as usize, corners[j] as usize);
+                    if column > 0 && row >= column {
+                        triplets.push(Triplet::new(row - 1, column - 1, area * g[i].dot(g[j])));
+                    }
+                }
+            }
+        }
+        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets).ok()?;
+        let factor = matrix.sp_cholesky(Side::Lower).ok()?;
+        let mut turns = vec![DMat2::IDENTITY; self.faces.len()];
+        let mut uvs = Vec::new();
+        for round in 0..=rounds {
+            let right = self.right_side(&turns);
+            let solution = factor.solve(&right);
+            if !self.is_solved(&matrix, &solution, &right) {
+                return None;
+            }
+            uvs = std::iter::once(DVec2::ZERO)
+                .chain((0..n).map(|i| DVec2::new(solution[(i, 0)], solution[(i, 1)])))
+                .collect();
+            if round == rounds {
+                break;
+            }
+            for (k, turn) in turns.iter_mut().enumerate() {
+                let j = self.jacobian(k, &uvs);
+                *turn = rotation_of(j * (1.0 - comb_weight) + DMat2::IDENTITY * comb_weight);
+            }
+        }
+        Some(uvs)
+    }
+
+    fn right_side(&self, turns: &[DMat2]) -> Mat<f64> {
+        let mut right = Mat::zeros(self.points.len() - 1, 2);
+        for (k, corners) in self.corners.iter().enumerate() {
+            let face = self.faces[k] as usize;
+            let weight = self.topology.areas[face] / self.frames[k].tile_m;
+            for (corner, g) in corners.iter().zip(&self.gradients[k]).filter(|(c, _)| **c > 0) {
+                let pull = turns[k] * *g * weight;
+                right[(*corner as usize - 1, 0)] += pull.x;
+                right[(*corner as usize - 1, 1)] += pull.y;
+            }
+        }
+        right
+    }
+
+    /// Whether the solution solves the system: slivers can leave a factor of nothing but rounding errors.
+    fn is_solved(&self, lower: &SparseColMat<usize, f64>, x: &Mat<f64>, right: &Mat<f64>) -> bool {
+        let n = right.nrows();
+        let mut residual = Mat::<f64>::zeros(n, 2);
+        for triplet in lower.triplet_iter() {
+            let (i, j, value) = (triplet.row, triplet.col, *triplet.val);
+            for c in 0..2 {
+                residual[(i, c)] += value * x[(j, c)];
+                if i != j {
+                    residual[(j, c)] += value * x[(i, c)];
+                }
+            }
+        }
+        residual -= right;
+        let (error, size) = (residual.norm_l2(), right.norm_l2());
+        x.is_all_finite() && error <= WORST_RESIDUAL * size.max(f64::MIN_POSITIVE)
+    }
+
+    /// The map of the k-th face of the patch.
+    pub(super) fn jacobian(&self, k: usize, uvs: &[DVec2]) -> DMat2 {
+        let corners = self.corners[k].map(|c| uvs[c as usize]);
+        jacobian(&self.gradients[k], corners, self.frames[k].tile_m)
+    }
+}

@@ -1,0 +1,68 @@
+//! Connectivity of the skin: points joined by place, triangles joined by edges, each edge by at most two.
+
+use glam::DVec3;
+
+/// No half-edge: the edge is a border of the mesh.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A half-edge mesh of triangles. Half-edge `3 f + k` leads from corner `k` of face `f` to the next corner, counter-clockwise.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Topology {
+    /// Places, metres, at rest. No two are equal up to rounding.
+    pub(super) points: Vec<DVec3>,
+    /// Three points each, all different.
+    pub(super) faces: Vec<[u32; 3]>,
+    /// For each half-edge the one that runs back along the same edge, or [`NONE`].
+    pub(super) twins: Vec<u32>,
+    /// Unit normal of each face.
+    pub(super) normals: Vec<DVec3>,
+    /// Area of each face, square metres, greater than 0.
+    pub(super) areas: Vec<f64>,
+}
+
+impl Topology {
+    /// `faces` must be sound: three different points and an area.
+    pub(super) fn new(points: Vec<DVec3>, faces: Vec<[u32; 3]>, twins: Vec<u32>) -> Self {
+        let mut out = Self { points, faces, twins, ..Self::default() };
+        for f in 0..out.faces.len() {
+            let [a, b, c] = out.corners(f);
+            let cross = (b - a).cross(c - a);
+            out.areas.push(cross.length() / 2.0);
+            out.normals.push(cross.normalize_or(DVec3::Z));
+        }
+        out
+    }
+
+    pub(super) fn corners(&self, face: usize) -> [DVec3; 3] {
+        self.faces[face].map(|p| self.points[p as usize])
+    }
+
+    pub(super) fn centroid(&self, face: usize) -> DVec3 {
+        let [a, b, c] = self.corners(face);
+        (a + b + c) / 3.0
+    }
+
+    /// End points of a half-edge.
+    pub(super) fn ends(&self, half_edge: u32) -> [u32; 2] {
+        let (f, k) = (half_edge as usize / 3, half_edge as usize % 3);
+        [self.faces[f][k], self.faces[f][(k + 1) % 3]]
+    }
+
+    pub(super) fn edge_length(&self, half_edge: u32) -> f64 {
+        let [a, b] = self.ends(half_edge);
+        self.points[a as usize].distance(self.points[b as usize])
+    }
+
+    /// The up to three faces across the edges of `face`, with the half-edge of `face` that leads to each.
+    pub(super) fn neighbors(&self, face: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
+        (3 * face as u32..3 * face as u32 + 3).filter_map(|h| {
+            let twin = self.twins[h as usize];
+            (twin != NONE).then_some((h, twin as usize / 3))
+        })
+    }
+}
+
+/// The half-edge before `h` in its face.
+pub(super) fn prev(h: u32) -> u32 {
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
+}
