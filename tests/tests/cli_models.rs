@@ -94,8 +94,8 @@ fn bad_models() {
         (|g, _| g["buffers"][0]["uri"] = json!("gone.bin"), &["/buffers/0", "gone.bin"]),
         (|g, _| g["buffers"][0]["uri"] = json!("../triangle.bin"), &["triangle.bin"]),
         (
-            |g, _| g["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
-            &["KHR_draco_mesh_compression", "gltf-transform"],
+            |g, _| g["extensionsRequired"] = json!(["KHR_meshopt_compression"]),
+            &["KHR_meshopt_compression", "gltf-transform"],
         ),
         (|g, _| g["extensionsRequired"] = json!(["EXT_no_such_thing"]), &["EXT_no_such_thing"]),
         (

@@ -16,7 +16,7 @@ pub(super) enum Component {
 }
 
 impl Component {
-    fn read(at: &At<'_>) -> Result<Self, BakeError> {
+    pub fn read(at: &At<'_>) -> Result<Self, BakeError> {
         Ok(match at.unsigned()? {
             5120 => Self::I8,
             5121 => Self::U8,
@@ -68,6 +68,19 @@ pub(super) const REAL: &[Component] = &[Component::F32, Component::I8, Component
 pub(super) const WHOLE: &[Component] = &[Component::U8, Component::U16, Component::U32];
 
 impl Elements {
+    /// Elements of `width` numbers each, to be stored as `component`: integers as they are, not as fractions.
+    pub fn from_reals(values: &[f32], width: usize, component: Component, normalized: bool) -> Self {
+        let bytes = match component {
+            Component::F32 => values.iter().flat_map(|v| v.to_le_bytes()).collect(),
+            Component::I8 => values.iter().flat_map(|v| (*v as i8).to_le_bytes()).collect(),
+            Component::U8 => values.iter().flat_map(|v| (*v as u8).to_le_bytes()).collect(),
+            Component::I16 => values.iter().flat_map(|v| (*v as i16).to_le_bytes()).collect(),
+            Component::U16 => values.iter().flat_map(|v| (*v as u16).to_le_bytes()).collect(),
+            Component::U32 => values.iter().flat_map(|v| (*v as u32).to_le_bytes()).collect(),
+        };
+        Self { count: values.len() / width, width, component, normalized, bytes }
+    }
+
     /// As floats; integers are divided by their maximum where the accessor says `normalized` or `always` is set
     /// (glTF 2.0, section 3.11).
     pub fn reals(&self, always: bool) -> Vec<f32> {
@@ -103,7 +116,8 @@ pub(super) fn grouped<const N: usize>(flat: &[f32]) -> impl ExactSizeIterator<It
     flat.as_chunks::<N>().0.iter().copied()
 }
 
-fn width_of(at: &At<'_>) -> Result<usize, BakeError> {
+/// Components of an element of the type at `at`.
+pub(super) fn width_of(at: &At<'_>) -> Result<usize, BakeError> {
     Ok(match at.string()? {
         "SCALAR" => 1,
         "VEC2" => 2,
@@ -141,6 +155,9 @@ impl<'a> Source<'a, '_> {
             let found = component.name();
             return Err(reference
                 .fault(format!("accessor {index} has elements of {width} x {found}, expected {expected} x {types}")));
+        }
+        if let Some(elements) = self.supplied.remove(&index) {
+            return Ok(elements);
         }
         let count_at = at.require("count")?;
         let count = count_at.unsigned()?;

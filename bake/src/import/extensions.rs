@@ -6,6 +6,8 @@ use crate::BakeError;
 
 /// Extensions that are read, or that change nothing about shape, base colour and motion.
 const READABLE: &[&str] = &[
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
     "KHR_materials_pbrSpecularGlossiness",
@@ -23,10 +25,7 @@ const READABLE: &[&str] = &[
 /// How to get rid of an extension that cannot be read.
 pub(super) fn conversion(name: &str) -> &'static str {
     match name {
-        "KHR_draco_mesh_compression" => "decode it with `gltf-transform cp in.glb out.glb`",
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "decode it with `gltf-transform cp in.glb out.glb`, or run gltfpack without -c"
-        }
+        "KHR_meshopt_compression" => "decode it with `gltf-transform cp in.glb out.glb`, or run gltfpack without -c",
         "KHR_texture_basisu" => "supply the textures as PNG or JPEG: `gltf-transform ktxdecompress in.glb out.glb`",
         "EXT_texture_webp" => "supply the textures as PNG or JPEG: `gltf-transform png in.glb out.glb`",
         "EXT_texture_avif" | "MSFT_texture_dds" => "supply the textures as PNG or JPEG",

@@ -18,10 +18,12 @@
 mod accessor;
 mod assemble;
 mod clips;
+mod compressed;
 mod container;
 mod extensions;
 mod json;
 mod material;
+mod meshopt;
 mod normals;
 mod notes;
 mod obj;

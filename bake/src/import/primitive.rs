@@ -4,7 +4,7 @@ use super::accessor::{Component, REAL, WHOLE, grouped};
 use super::json::{At, shorten};
 use super::material::{Materials, TextureCoords};
 use super::source::Source;
-use super::{normals, weights};
+use super::{compressed, normals, weights};
 use crate::BakeError;
 use glam::{Vec2, Vec3};
 use pelage_formats::Limits;
@@ -123,30 +123,28 @@ fn read_primitive<'a>(
         source.warn(format!("{label} holds {what}, expected triangles; left out"));
         return Ok(None);
     }
-    if draco_only(source, at) {
-        let how = super::extensions::conversion("KHR_draco_mesh_compression");
-        return Err(at.fault(format!("is compressed with KHR_draco_mesh_compression, which cannot be read; {how}")));
-    }
+    let unpacked = match draco_only(source, at) {
+        Some(extension) => Some(compressed::unpack_primitive(source, at, &extension)?),
+        None => None,
+    };
     let attributes = at.require("attributes")?;
     let Some(position_at) = attributes.get("POSITION") else {
         source.warn(format!("{label} has no POSITION; left out"));
         return Ok(None);
     };
     let mut positions = vectors(&source.accessor(&position_at, &[3], REAL)?.reals(false));
-    let indices = match at.get("indices") {
-        Some(reference) => {
-            let indices = source.accessor(&reference, &[1], WHOLE)?.wholes();
-            let vertices = positions.len();
-            if let Some(i) = indices.iter().position(|v| *v as usize >= vertices) {
-                let found = indices[i];
-                return Err(
-                    reference.fault(format!("element {i} is {found}, expected less than the {vertices} vertices"))
-                );
-            }
-            indices
-        }
-        None => (0..positions.len() as u32).collect(),
+    // Packed triangles are triangles whatever they were before.
+    let mode = if unpacked.is_some() { 4 } else { mode };
+    let (indices, indices_at) = match (unpacked, at.get("indices")) {
+        (Some(indices), reference) => (indices, reference.unwrap_or_else(|| at.clone())),
+        (None, Some(reference)) => (source.accessor(&reference, &[1], WHOLE)?.wholes(), reference),
+        (None, None) => ((0..positions.len() as u32).collect(), at.clone()),
     };
+    let vertices = positions.len();
+    if let Some(i) = indices.iter().position(|v| *v as usize >= vertices) {
+        let found = indices[i];
+        return Err(indices_at.fault(format!("element {i} is {found}, expected less than the {vertices} vertices")));
+    }
     let triangles = triangulate(mode, &indices);
     if mode == 4 && indices.len() % 3 != 0 {
         let n = indices.len();
@@ -183,14 +181,13 @@ fn read_primitive<'a>(
     }))
 }
 
-/// Whether a primitive has Draco data and no plain data beside it.
-fn draco_only<'a>(source: &Source<'a, '_>, at: &At<'a>) -> bool {
-    if at.get("extensions").is_none_or(|e| e.get("KHR_draco_mesh_compression").is_none()) {
-        return false;
-    }
+/// The extension of a primitive that has Draco data and no plain data beside it.
+fn draco_only<'a>(source: &Source<'a, '_>, at: &At<'a>) -> Option<At<'a>> {
+    let extension = at.get("extensions")?.get("KHR_draco_mesh_compression")?;
     let position = at.get("attributes").and_then(|a| a.get("POSITION"));
     let accessor = position.and_then(|p| source.root.referred("accessors", &p).ok());
-    accessor.is_none_or(|(_, a)| a.get("bufferView").is_none() && a.get("sparse").is_none())
+    let plain = accessor.is_some_and(|(_, a)| a.get("bufferView").is_some() || a.get("sparse").is_some());
+    (!plain).then_some(extension)
 }
 
 fn vectors(flat: &[f32]) -> Vec<Vec3> {

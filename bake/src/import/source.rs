@@ -1,6 +1,7 @@
 //! The bytes behind a model: buffers, buffer views, URIs, and the record of what was read.
 
-use super::extensions::conversion;
+use super::accessor::Elements;
+use super::compressed::unpack_view;
 use super::json::{At, shorten};
 use super::notes::{Notes, why_unreadable};
 use crate::BakeError;
@@ -20,6 +21,12 @@ pub(super) struct Source<'a, 'r> {
     bin: Option<&'a [u8]>,
     resolve: &'r mut Resolve<'r>,
     buffers: BTreeMap<usize, Cow<'a, [u8]>>,
+    /// Buffer views that were packed.
+    unpacked: BTreeMap<usize, Vec<u8>>,
+    /// Elements of accessors that have no bytes of their own, each for the next to read it.
+    pub supplied: BTreeMap<usize, Elements>,
+    /// Bytes of all that was unpacked.
+    pub unpacked_bytes: u64,
     /// Warnings, and what was read.
     pub notes: Notes,
 }
@@ -40,7 +47,8 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 impl<'a, 'r> Source<'a, 'r> {
     pub fn new(root: At<'a>, bin: Option<&'a [u8]>, resolve: &'r mut Resolve<'r>, notes: Notes) -> Self {
-        Self { root, bin, resolve, buffers: BTreeMap::new(), notes }
+        let (unpacked, supplied) = (BTreeMap::new(), BTreeMap::new());
+        Self { root, bin, resolve, buffers: BTreeMap::new(), unpacked, supplied, unpacked_bytes: 0, notes }
     }
 
     /// Notes what was repaired, left out or guessed.
@@ -83,11 +91,7 @@ impl<'a, 'r> Source<'a, 'r> {
             (None, Some(bin)) if index == 0 => (Cow::Borrowed(bin), at.clone()),
             (None, _) => {
                 let only = if index == 0 { "the file has no BIN chunk" } else { "only buffer 0 can be the BIN chunk" };
-                // Meshopt puts a buffer without data where the unpacked data would go.
-                let meshopt =
-                    at.get("extensions").is_some_and(|e| e.keys().any(|k| k.ends_with("meshopt_compression")));
-                let hint = if meshopt { conversion("EXT_meshopt_compression") } else { "export the model again" };
-                return Err(at.fault(format!("has no `uri`, and {only}; {hint}")));
+                return Err(at.fault(format!("has no `uri`, and {only}; export the model again")));
             }
         };
         if (bytes.len() as u64) < expected {
@@ -102,10 +106,22 @@ impl<'a, 'r> Source<'a, 'r> {
 
     /// The bytes of the buffer view that `reference` names.
     pub fn view(&mut self, reference: &At<'a>) -> Result<View<'_>, BakeError> {
-        let (view_index, at) = self.root.referred("bufferViews", reference)?;
+        let (index, at) = self.root.referred("bufferViews", reference)?;
+        let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
+        let Some(packed) = at.get("extensions").and_then(|e| e.get("EXT_meshopt_compression")) else {
+            return Ok(View { bytes: self.range(&at)?, stride });
+        };
+        if !self.unpacked.contains_key(&index) {
+            let bytes = unpack_view(self, &packed, at.require("byteLength")?.unsigned()?)?;
+            self.unpacked.insert(index, bytes);
+        }
+        Ok(View { bytes: self.unpacked.get(&index).map(Vec::as_slice).unwrap_or_default(), stride })
+    }
+
+    /// The bytes that `at` names by `buffer`, `byteOffset` and `byteLength`.
+    pub fn range(&mut self, at: &At<'a>) -> Result<&[u8], BakeError> {
         let index = self.buffer(&at.require("buffer")?)?;
         let (offset, length) = (at.unsigned_or("byteOffset", 0)?, at.require("byteLength")?.unsigned()?);
-        let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
         let have = self.buffers.get(&index).map_or(0, |b| b.len()) as u64;
         if offset > have {
             return Err(at.fault(format!("begins at byte {offset} of buffer {index}, which has {have}")));
@@ -113,11 +129,10 @@ impl<'a, 'r> Source<'a, 'r> {
         let end = offset.saturating_add(length);
         if end > have {
             // What lies beyond the end may be unused: each accessor is checked against the bytes there are.
-            self.warn(format!("bufferView {view_index} reaches to byte {end} of buffer {index}, which has {have}"));
+            self.warn(format!("{} reaches to byte {end} of buffer {index}, which has {have}", at.place));
         }
         let buffer = self.buffers.get(&index).map(Cow::as_ref).unwrap_or_default();
-        let bytes = buffer.get(offset as usize..end.min(have) as usize).unwrap_or_default();
-        Ok(View { bytes, stride })
+        Ok(buffer.get(offset as usize..end.min(have) as usize).unwrap_or_default())
     }
 }
 
