@@ -1,8 +1,10 @@
 //! The only module of the library that touches files.
 
 use crate::BakeError;
-use crate::import::{ImportOptions, import};
+use crate::groom::MapImages;
+use crate::import::{ImportOptions, MAX_TEXELS, decode_image, import, input_record};
 use crate::mesh::Model;
+use crate::recipe::Recipe;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -42,6 +44,29 @@ pub fn read_model(path: &Path, options: &ImportOptions) -> Result<Model, BakeErr
         read_file(&folder.join(relative))
     };
     import(&path.display().to_string(), &bytes, &mut resolve, options)
+}
+
+/// Reads the images that a recipe names.
+///
+/// * `file`: the recipe as the user named it, for messages
+/// * `folder`: where its paths begin
+///
+/// # Errors
+///
+/// [`BakeError::Input`] in the recipe, naming key and image, where one cannot be read or decoded.
+pub fn read_map_images(file: &str, folder: &Path, recipe: &Recipe) -> Result<MapImages, BakeError> {
+    let mut read = MapImages::default();
+    let mut texels_left = MAX_TEXELS;
+    for (key, name) in recipe.images() {
+        let path = folder.join(name);
+        let fail = |reason: String| BakeError::Input { file: file.to_owned(), place: key.clone(), reason };
+        let bytes = read_file(&path).map_err(|error| fail(error.to_string()))?;
+        let image = decode_image(&bytes, texels_left).map_err(|reason| fail(format!("{} {reason}", path.display())))?;
+        texels_left -= u64::from(image.width) * u64::from(image.height);
+        read.inputs.push(input_record("image", name, &bytes));
+        read.images.insert(name.to_owned(), image);
+    }
+    Ok(read)
 }
 
 /// The path that a relative URI names, or why there is none.

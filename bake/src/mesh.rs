@@ -11,7 +11,7 @@ pub struct Model {
     /// Materials; at least one where the mesh has a part.
     pub materials: Vec<Material>,
     /// Base-colour images that a material uses, decoded.
-    pub images: Vec<BaseColorImage>,
+    pub images: Vec<Image>,
     /// Skeleton and clips. Present where anything moves; then every vertex has an entry in [`Mesh::skin`].
     pub animation: Option<Animation>,
     /// The files that were read, in the order of reading.
@@ -69,14 +69,14 @@ pub struct Material {
     pub double_sided: bool,
 }
 
-/// A decoded base-colour image.
+/// A decoded image of a model or a recipe.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BaseColorImage {
+pub struct Image {
     /// Width, texels.
     pub width: u32,
     /// Height, texels.
     pub height: u32,
-    /// `width * height` RGBA8 texels, straight alpha, sRGB-encoded, row-major from the top.
+    /// `width * height` RGBA8 texels, straight alpha, row-major from the top; colours are sRGB-encoded.
     pub rgba: Vec<u8>,
 }
 

@@ -1,11 +1,13 @@
 //! Everything together into one package: the `pack` stage.
 
 use crate::BakeError;
+use crate::groom::{Coat, Colors};
 use crate::mesh::Model;
 use crate::surface::Surface;
+use crate::textures::ShellTextures;
 use pelage_formats::{
-    AttributeVertex, Bounds, FurInfo, GeometryVertex, Manifest, Material, MeshData, PackageWriter, Part, QualityFigure,
-    Shading, TextureEntry,
+    AttributeVertex, Bounds, FurInfo, GeometryVertex, InputRecord, Manifest, Material, MeshData, PackageWriter, Part,
+    QualityFigure, Shading, TextureEntry,
 };
 
 /// What the stages made, ready to be packed.
@@ -13,50 +15,92 @@ use pelage_formats::{
 pub struct Pieces<'a> {
     /// Name of the model, for the manifest.
     pub name: &'a str,
-    /// The model: materials, motions, inputs.
+    /// The model: materials and motions.
     pub model: &'a Model,
+    /// The files that were read.
+    pub inputs: &'a [InputRecord],
     /// Its mesh with tile coordinates and frames.
     pub surface: &'a Surface,
     /// One per material.
     pub furred: &'a [bool],
-    /// One per vertex of the surface's mesh, metres.
-    pub fur_heights: &'a [f32],
+    /// What varies over the vertices of the surface's mesh.
+    pub coat: &'a Coat,
+    /// Colours of its materials and vertices.
+    pub colors: &'a Colors,
     /// Box and sphere of the rest pose.
     pub bounds: Bounds,
     /// The shell volume; its texture indices are filled in here.
     pub fur: FurInfo,
     /// Constants of the lighting equation.
     pub shading: Shading,
-    /// Whether the model's own colours multiply the hair's.
-    pub base_color: bool,
     /// The recipe as resolved, TOML.
     pub recipe: &'a str,
-    /// The shell colour texture, a .ktx2 file.
-    pub shell_color: &'a [u8],
-    /// The direction texture, a .ktx2 file.
-    pub shell_direction: &'a [u8],
-    /// One .ktx2 file per image of the model.
+    /// The shell textures.
+    pub shells: &'a ShellTextures,
+    /// The shell textures of wet hair, where dry and wet mix.
+    pub wet_shells: Option<&'a ShellTextures>,
+    /// One .ktx2 file per image of `colors`.
     pub base_colors: &'a [Vec<u8>],
+    /// The groom textures, .ktx2 files.
+    pub groom_textures: &'a [Vec<u8>],
+    /// One per material: index into `groom_textures`.
+    pub groom_of_material: &'a [Option<usize>],
     /// What all stages had to say.
     pub warnings: &'a [String],
+}
+
+/// The textures of a package, in their order.
+#[derive(Debug, Default)]
+struct Textures<'a> {
+    entries: Vec<TextureEntry>,
+    files: Vec<&'a [u8]>,
+}
+
+impl<'a> Textures<'a> {
+    /// Adds a .ktx2 file and returns its index.
+    fn add(&mut self, name: impl Into<String>, file: &'a [u8]) -> u32 {
+        self.entries.push(TextureEntry { name: name.into() });
+        self.files.push(file);
+        self.files.len() as u32 - 1
+    }
+
+    /// Adds the two textures of a shell volume, their names prefixed.
+    fn add_shells(&mut self, prefix: &str, shells: &'a ShellTextures) -> pelage_formats::ShellTextures {
+        pelage_formats::ShellTextures {
+            color_texture: self.add(format!("{prefix}_color"), &shells.color),
+            direction_texture: self.add(format!("{prefix}_direction"), &shells.direction),
+        }
+    }
+
+    fn add_all(&mut self, prefix: &str, files: &'a [Vec<u8>]) -> Vec<u32> {
+        files.iter().enumerate().map(|(i, file)| self.add(format!("{prefix}_{i}"), file)).collect()
+    }
 }
 
 /// Writes the package; what comes back opens and validates.
 pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
     let Pieces { model, surface, .. } = pieces;
-    let mut textures = vec![named("shell_color"), named("shell_direction")];
-    textures.extend((0..pieces.base_colors.len()).map(|i| named(&format!("base_color_{i}"))));
+    let mut textures = Textures::default();
+    let shells = textures.add_shells("shell", pieces.shells);
+    let base_colors = textures.add_all("base_color", pieces.base_colors);
+    let grooms = textures.add_all("groom", pieces.groom_textures);
+    let wet = pieces.wet_shells.map(|shells| textures.add_shells("wet_shell", shells));
     let manifest = Manifest {
         generator: concat!("pelage ", env!("CARGO_PKG_VERSION")).into(),
         model: pieces.name.into(),
         recipe: pieces.recipe.into(),
-        inputs: model.inputs.clone(),
+        inputs: pieces.inputs.to_vec(),
         bounds: pieces.bounds,
-        fur: FurInfo { color_texture: 0, direction_texture: 1, ..pieces.fur },
+        fur: FurInfo {
+            color_texture: shells.color_texture,
+            direction_texture: shells.direction_texture,
+            wet,
+            ..pieces.fur
+        },
         shading: pieces.shading,
-        materials: materials(pieces),
+        materials: materials(pieces, &base_colors, &grooms),
         parts: parts(surface),
-        textures,
+        textures: textures.entries,
         quality: quality(surface),
         warnings: pieces.warnings.to_vec(),
     };
@@ -64,33 +108,24 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
     if let Some(animation) = &model.animation {
         writer = writer.animation(animation);
     }
-    writer = writer.texture(pieces.shell_color).texture(pieces.shell_direction);
-    for texture in pieces.base_colors {
-        writer = writer.texture(texture.as_slice());
+    for file in textures.files {
+        writer = writer.texture(file);
     }
     // The stages before have checked everything that comes from the user, so a fault here is ours.
     writer.finish().map_err(|fault| BakeError::Internal(format!("the package does not read back: {fault}")))
 }
 
-fn named(name: &str) -> TextureEntry {
-    TextureEntry { name: name.into() }
-}
-
-fn materials(pieces: &Pieces<'_>) -> Vec<Material> {
-    let furred = |i: usize| pieces.furred.get(i).copied().unwrap_or(false);
-    let convert = |(i, m): (usize, &crate::mesh::Material)| {
-        let colored = pieces.base_color || !furred(i);
-        Material {
-            name: m.name.clone(),
-            base_color: if colored { m.base_color } else { [1.0; 4] },
-            base_color_texture: m.base_color_image.filter(|_| colored).map(|image| 2 + image as u32),
-            groom_texture: None,
-            alpha_cutoff: m.alpha_cutoff,
-            furred: furred(i),
-            double_sided: m.double_sided,
-        }
+fn materials(pieces: &Pieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {
+    let convert = |((i, m), color): ((usize, &crate::mesh::Material), &crate::groom::MaterialColor)| Material {
+        name: m.name.clone(),
+        base_color: color.factor,
+        base_color_texture: color.image.map(|image| base_colors[image]),
+        groom_texture: pieces.groom_of_material.get(i).copied().flatten().map(|texture| grooms[texture]),
+        alpha_cutoff: m.alpha_cutoff,
+        furred: pieces.furred.get(i).copied().unwrap_or(false),
+        double_sided: m.double_sided,
     };
-    pieces.model.materials.iter().enumerate().map(convert).collect()
+    pieces.model.materials.iter().enumerate().zip(&pieces.colors.materials).map(convert).collect()
 }
 
 /// Index ranges: neighbouring parts of one material become one draw.
@@ -107,21 +142,21 @@ fn parts(surface: &Surface) -> Vec<Part> {
 }
 
 fn mesh_data(pieces: &Pieces<'_>) -> MeshData {
-    let Pieces { surface, fur_heights, .. } = *pieces;
+    let Pieces { surface, coat, colors, .. } = *pieces;
     let mesh = &surface.mesh;
-    let colored = |i: usize| pieces.base_color || fur_heights[i] == 0.0;
+    let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     let geometry = (0..mesh.positions.len()).map(|i| GeometryVertex {
         position: mesh.positions[i].into(),
-        fur_height: fur_heights[i],
+        fur_height: coat.length[i] * pieces.fur.height_m,
         normal: mesh.normals[i].into(),
-        lean: 0.0,
+        lean: coat.lean[i],
         tangent: surface.tangents[i].into(),
     });
     let attributes = (0..mesh.positions.len()).map(|i| AttributeVertex {
         tile_uv: surface.tile_uvs[i].into(),
         base_uv: mesh.uvs[i].into(),
-        color: if colored(i) { mesh.colors[i] } else { [255; 4] },
-        groom: [0; 4],
+        color: colors.vertices[i],
+        groom: [byte(coat.bareness[i]), byte(coat.wetness[i]), 0, 0],
     });
     MeshData {
         geometry: geometry.collect(),

@@ -1,12 +1,12 @@
 //! The way through bake, top to bottom; no mathematics in here.
 
 use crate::BakeError;
-use crate::groom::{self, Lengths};
+use crate::groom::{self, Lay, Lengths, MapImages, Maps, Water};
 use crate::hair::{self, VolumeParams};
-use crate::mesh::{Model, RestPose};
+use crate::mesh::{Image, Model, RestPose};
 use crate::pack::{self, Pieces};
-use crate::recipe::{Recipe, Style};
-use crate::surface::{self, Measures, SurfaceParams};
+use crate::recipe::{HairParams, PackParams, Recipe, Style, SurfaceSource};
+use crate::surface::{self, Comb, Measures, SurfaceParams};
 use crate::textures;
 use pelage_formats::{FurInfo, Shading};
 
@@ -28,12 +28,14 @@ pub struct Baked {
 ///
 /// * `file`: the model as the user named it, for messages
 /// * `name`: its name in the package
+/// * `images`: the images that the recipe names
 /// * `on_stage`: called with the name of each of [`STAGES`] as it begins
 pub fn bake(
     file: &str,
     name: &str,
     model: &Model,
     recipe: &Recipe,
+    images: &MapImages,
     on_stage: &mut dyn FnMut(&'static str),
 ) -> Result<Baked, BakeError> {
     recipe.validate()?;
@@ -43,50 +45,75 @@ pub fn bake(
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let bounds = groom::bounds(&rest);
     let furred = groom::furred_materials(&model.materials, &recipe.model.bare, &mut warnings);
+    let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings);
     let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
     let surface_params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
+    let lay = maps.lay(&model.mesh, &rest, surface_params.comb.everywhere())?;
+    if lay != Lay::default() && recipe.surface.source == SurfaceSource::Model {
+        warnings.push("groom.density and groom.comb have no effect beside surface.source = \"model\"".into());
+    }
+    let comb = lay.comb.map_or(surface_params.comb, Comb::PerVertex);
+    let surface_params = SurfaceParams { comb, density: lay.density, ..surface_params };
     let surface = surface::parameterize(file, model, &surface_params)?;
     warnings.extend(surface.warnings.iter().cloned());
 
     on_stage("simulate");
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
-    let strands = hair::simulate(&recipe.hair, &recipe.color, &volume)?;
+    let style = if maps.water() == Water::Wet { Style::Wet } else { recipe.hair.style };
+    let grow = |style| hair::simulate(&HairParams { style, ..recipe.hair.clone() }, &recipe.color, &volume);
+    let mut strands = grow(style)?;
+    let mut wet_strands =
+        if maps.water() == Water::Mixed && style != Style::Wet { Some(grow(Style::Wet)?) } else { None };
+    if let Some(wet) = &mut wet_strands {
+        // Layers that are mixed lie at the same heights.
+        strands.height = strands.height.max(wet.height);
+        wet.height = strands.height;
+    }
 
     on_stage("slice");
-    let shells = textures::shell_textures(&strands, &recipe.slice, &recipe.pack)?;
+    let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack);
+    let shells = slice(&strands)?;
+    let wet_shells = wet_strands.as_ref().map(slice).transpose()?;
 
     on_stage("groom");
-    let height_m = strands.height * lengths.tile_size_m;
-    let fur_heights = groom::fur_heights(&surface.mesh, &furred, height_m);
+    let coat = maps.coat(&surface.mesh)?;
+    let colors = groom::colors(model, &surface.mesh, &maps, &furred, recipe.color.base_color)?;
+    let grooms = maps.textures()?;
 
     on_stage("textures");
-    let base_colors =
-        model.images.iter().map(|i| textures::encode_base_color(i, &recipe.pack)).collect::<Result<Vec<_>, _>>()?;
+    let encode = |images: &[Image], encode: fn(&Image, &PackParams) -> Result<Vec<u8>, BakeError>| {
+        images.iter().map(|image| encode(image, &recipe.pack)).collect::<Result<Vec<_>, _>>()
+    };
+    let base_colors = encode(&colors.images, textures::encode_base_color)?;
+    let groom_textures = encode(&grooms.images, textures::encode_groom)?;
 
     on_stage("pack");
     let shading = Shading::from(&recipe.shading);
     let package = pack::pack(&Pieces {
         name,
         model,
+        inputs: &[&model.inputs[..], &images.inputs[..]].concat(),
         surface: &surface,
         furred: &furred,
-        fur_heights: &fur_heights,
+        coat: &coat,
+        colors: &colors,
         bounds,
         fur: FurInfo {
             layers: recipe.slice.layers,
             tile_texels: recipe.slice.tile_texels,
             tile_size_m: lengths.tile_size_m,
-            height_m,
+            height_m: strands.height * lengths.tile_size_m,
             strands: recipe.hair.density,
             patches: surface.measures.patches,
             ..FurInfo::default()
         },
-        shading: if recipe.hair.style == Style::Wet { shading.wet() } else { shading },
-        base_color: recipe.color.base_color,
+        shading: if style == Style::Wet { shading.wet() } else { shading },
         recipe: &resolved(recipe, lengths),
-        shell_color: &shells.color,
-        shell_direction: &shells.direction,
+        shells: &shells,
+        wet_shells: wet_shells.as_ref(),
         base_colors: &base_colors,
+        groom_textures: &groom_textures,
+        groom_of_material: &grooms.of_material,
         warnings: &warnings,
     })?;
     Ok(Baked { package, measures: surface.measures, warnings })

@@ -17,13 +17,17 @@
 
 mod field;
 mod guides;
+mod maps;
+mod material_groom;
 mod params;
 
 pub use field::SrgbColor;
 pub use guides::GuideParams;
+pub use maps::{Channel, ColorMap, ScalarMap, VectorMap};
+pub use material_groom::MaterialGroom;
 pub use params::{
-    BaseColorFormat, BcQuality, ColorParams, CombSource, DirectionFormat, HairParams, ModelParams, PackParams,
-    ShadingParams, ShellFormat, SliceParams, Style, SurfaceParams, SurfaceSource,
+    BaseColorFormat, BcQuality, ColorParams, CombSource, DirectionFormat, GroomParams, HairParams, ModelParams,
+    PackParams, ShadingParams, ShellFormat, SliceParams, Style, SurfaceParams, SurfaceSource,
 };
 
 use crate::BakeError;
@@ -41,7 +45,9 @@ pub struct Recipe {
     pub surface: SurfaceParams,
     /// The strands.
     pub hair: HairParams,
-    /// Their colour.
+    /// What varies over the model.
+    pub groom: GroomParams,
+    /// The strands' colour.
     pub color: ColorParams,
     /// Constants of the lighting equation.
     pub shading: ShadingParams,
@@ -80,6 +86,7 @@ pub const KEYS: &[&[Key]] = &[
     ModelParams::KEYS,
     SurfaceParams::KEYS,
     HairParams::KEYS,
+    GroomParams::KEYS,
     ColorParams::KEYS,
     ShadingParams::KEYS,
     SliceParams::KEYS,
@@ -191,6 +198,42 @@ impl Recipe {
         text
     }
 
+    /// The images that it names, each path once with the key that names it first.
+    pub fn images(&self) -> Vec<(String, &str)> {
+        let g = &self.groom;
+        let scalars = [
+            ("length", &g.length),
+            ("density", &g.density),
+            ("lean", &g.lean),
+            ("wetness", &g.wetness),
+            ("bare", &g.bare),
+        ];
+        let mut named: Vec<(String, Option<&str>)> =
+            scalars.iter().map(|(key, map)| (format!("groom.{key}"), map.image())).collect();
+        named.push(("groom.comb".into(), g.comb.as_ref().and_then(VectorMap::image)));
+        named.push(("groom.color".into(), g.color.as_ref().and_then(ColorMap::image)));
+        for (i, m) in g.material.iter().enumerate() {
+            let scalars = [
+                ("length", &m.length),
+                ("density", &m.density),
+                ("lean", &m.lean),
+                ("wetness", &m.wetness),
+                ("bare", &m.bare),
+            ];
+            let key = |key: &str| format!("groom.material, table {i}, {key}");
+            named.extend(scalars.iter().map(|(k, map)| (key(k), map.as_ref().and_then(ScalarMap::image))));
+            named.push((key("comb"), m.comb.as_ref().and_then(VectorMap::image)));
+            named.push((key("color"), m.color.as_ref().and_then(ColorMap::image)));
+        }
+        let mut images: Vec<(String, &str)> = Vec::new();
+        for (key, path) in named {
+            if let Some(path) = path.filter(|path| images.iter().all(|(_, known)| known != path)) {
+                images.push((key, path));
+            }
+        }
+        images
+    }
+
     /// Checks every value against its range.
     ///
     /// # Errors
@@ -199,6 +242,7 @@ impl Recipe {
         self.model.validate()?;
         self.surface.validate()?;
         self.hair.validate()?;
+        self.groom.validate()?;
         self.color.validate()?;
         self.shading.validate()?;
         self.slice.validate()?;
@@ -217,10 +261,11 @@ fn unknown_section(name: &str) -> String {
 
 fn unknown_key(name: &str) -> String {
     let (section, leaf) = name.split_once('.').unwrap_or(("", name));
-    // A key under the wrong table is looked for by its own name first.
+    // A key without its unit is looked for first, then one under the wrong table.
+    let whole = keys().find(|k| k.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('_')));
     let moved = keys().find(|k| k.section_and_leaf().1 == leaf);
     let known = keys().any(|k| k.section_and_leaf().0 == section);
-    let near = moved.map(|k| k.name).or_else(|| {
+    let near = whole.or(moved).map(|k| k.name).or_else(|| {
         if known {
             nearest(leaf, keys().filter(|k| k.section_and_leaf().0 == section).map(|k| k.section_and_leaf().1))
                 .and_then(|leaf| keys().find(|k| k.section_and_leaf() == (section, leaf)))

@@ -12,6 +12,7 @@ use crate::renderer::Pipelines;
 use crate::shared::{frame as blocks, kajiya_kay, skinning};
 use crate::{FrameParams, Instance, Model, RuntimeError, Style};
 use glam::{Mat3, Mat4, Vec3};
+use pelage_formats::Shading;
 use wgpu::util::DeviceExt;
 
 /// A prepared frame: everything that [`Frame::draw`] needs, held until it is dropped.
@@ -241,6 +242,7 @@ fn instance_block(instance: &Instance, params: &FrameParams) -> blocks::Instance
     let handedness = skinning::handedness_of(linear);
     let cofactor = |a: Vec3, b: Vec3| -> [f32; 4] { (a.cross(b) * handedness).extend(0.0).to_array() };
     let constant = |k: [f32; 3], light: Vec3| (Vec3::from(k) * light).to_array();
+    let unit = Shading { specular: [1.0; 3], ..shading };
     let (baked, drawn) = (manifest.fur.layers, drawn_layers(instance.model(), params));
     blocks::Instance {
         world_from_model: instance.transform.to_cols_array_2d(),
@@ -264,7 +266,7 @@ fn instance_block(instance: &Instance, params: &FrameParams) -> blocks::Instance
         baked_layers: baked,
         // The shaders divide by one less.
         drawn_layers: drawn.max(2),
-        reserved0: 0,
-        reserved1: 0,
+        wet_specular: unit.wet().specular[0],
+        wet_specular_half_exponent: 0.5 * shading.wet().specular_exponent,
     }
 }

@@ -92,8 +92,8 @@ fn uniform_structs_agree() {
             opacity_exponent,
             baked_layers,
             drawn_layers,
-            reserved0,
-            reserved1,
+            wet_specular,
+            wet_specular_half_exponent,
         )
     );
     let (members, size) = members(skin::WGSL, "Material");

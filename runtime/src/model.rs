@@ -2,7 +2,7 @@
 
 use crate::passes::surface::{MaterialUniform, SurfaceLayouts};
 use crate::{RendererOptions, RuntimeError};
-use pelage_formats::{Animation, Clip, Manifest, Package, TextureFormat, TextureView};
+use pelage_formats::{Animation, Clip, FurTextures, Manifest, MeshView, Package, TextureFormat, TextureView};
 use std::ops::Range;
 use std::sync::Arc;
 use wgpu::util::DeviceExt;
@@ -21,8 +21,24 @@ struct Resources {
     indices: wgpu::Buffer,
     fur: Option<wgpu::BindGroup>,
     planar_directions: bool,
+    varies: Varies,
     parts: Vec<Part>,
     gpu_bytes: u64,
+}
+
+/// What varies over the vertices of a model: the shaders do nothing for what does not.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Varies {
+    /// Some vertex leans more than the tile's strands.
+    pub(crate) lean: bool,
+    /// Some vertex is bare or wet.
+    pub(crate) groom: bool,
+}
+
+impl Varies {
+    fn of(mesh: &MeshView<'_>) -> Self {
+        Self { lean: mesh.geometry().any(|v| v.lean > 0.0), groom: mesh.attributes().any(|v| v.groom != [0; 4]) }
+    }
 }
 
 /// A range of the index buffer with one material.
@@ -31,6 +47,7 @@ pub(crate) struct Part {
     pub(crate) indices: Range<u32>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
+    pub(crate) has_groom_texture: bool,
     pub(crate) cutout: bool,
     pub(crate) furred: bool,
     pub(crate) double_sided: bool,
@@ -86,6 +103,10 @@ impl Model {
         self.0.planar_directions
     }
 
+    pub(crate) fn varies(&self) -> Varies {
+        self.0.varies
+    }
+
     pub(crate) fn parts(&self) -> &[Part] {
         &self.0.parts
     }
@@ -136,43 +157,48 @@ pub(crate) fn load(
         Some(textures) => {
             planar_directions = textures.direction.format.components() == 2;
             gpu_bytes += textures.color.gpu_bytes() + textures.direction.gpu_bytes();
-            let array = wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..Default::default()
+            let hair = &manifest.fur;
+            let [color, direction] = uploader.hair(hair.color_texture, hair.direction_texture, &textures)?;
+            let wet = match (&hair.wet, package.wet_textures()?) {
+                (Some(wet), Some(textures)) => {
+                    gpu_bytes += textures.color.gpu_bytes() + textures.direction.gpu_bytes();
+                    if (textures.direction.format.components() == 2) != planar_directions {
+                        let reason = "directions of dry and of wet hair in formats of two and of more components, expected both alike";
+                        return Err(uploader.content("fur.wet".into(), reason.into()));
+                    }
+                    Some(uploader.hair(wet.color_texture, wet.direction_texture, &textures)?)
+                }
+                _ => None,
             };
-            Some(layouts.fur_bind_group(
-                device,
-                &uploader.texture(manifest.fur.color_texture, &textures.color)?.create_view(&array),
-                &uploader.texture(manifest.fur.direction_texture, &textures.direction)?.create_view(&array),
-                &sampler("pelage shells", 1),
-            ))
+            let wet = wet.as_ref().map(|[color, direction]| [color, direction]);
+            Some(layouts.fur_bind_group(device, [&color, &direction], wet, &sampler("pelage shells", 1)))
         }
     };
 
     let base_sampler = sampler("pelage base colour", options.anisotropy);
     // Materials may share a texture.
-    let mut base_colors = vec![None; manifest.textures.len()];
+    let mut uploaded = vec![None; manifest.textures.len()];
     let mut materials = Vec::new();
     for (i, material) in manifest.materials.iter().enumerate() {
-        let view = match (material.base_color_texture, package.base_color_texture(i)?) {
-            (Some(index), Some(view)) => match &base_colors[index as usize] {
-                Some(shared) => wgpu::TextureView::clone(shared),
-                None => {
-                    gpu_bytes += view.gpu_bytes();
-                    let made = uploader.texture(index, &view)?.create_view(&wgpu::TextureViewDescriptor::default());
-                    base_colors[index as usize] = Some(made.clone());
-                    made
-                }
-            },
-            _ => layouts.white.clone(),
+        let mut view = |index: Option<u32>, texture: Option<TextureView<'_>>| {
+            let (Some(index), Some(texture)) = (index, texture) else { return Ok(layouts.white.clone()) };
+            if let Some(Some(shared)) = uploaded.get(index as usize) {
+                return Ok(wgpu::TextureView::clone(shared));
+            }
+            gpu_bytes += texture.gpu_bytes();
+            let made = uploader.texture(index, &texture)?.create_view(&wgpu::TextureViewDescriptor::default());
+            uploaded[index as usize] = Some(made.clone());
+            Ok::<_, RuntimeError>(made)
         };
+        let base_color = view(material.base_color_texture, package.base_color_texture(i)?)?;
+        let groom = view(material.groom_texture, package.groom_texture(i)?)?;
         let uniform = MaterialUniform {
             base_color: material.base_color,
             alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
             reserved: [0.0; 3],
         };
         gpu_bytes += size_of::<MaterialUniform>() as u64;
-        materials.push(layouts.material_bind_group(device, &uniform, &view, &base_sampler));
+        materials.push(layouts.material_bind_group(device, &uniform, &base_color, &base_sampler, &groom));
     }
 
     let mut parts: Vec<Part> = Vec::new();
@@ -188,6 +214,7 @@ pub(crate) fn load(
                     indices,
                     material: materials[part.material as usize].clone(),
                     has_texture: material.base_color_texture.is_some(),
+                    has_groom_texture: material.groom_texture.is_some(),
                     cutout: material.alpha_cutoff.is_some(),
                     furred: material.furred && fur.is_some(),
                     double_sided: material.double_sided,
@@ -207,6 +234,7 @@ pub(crate) fn load(
         indices,
         fur,
         planar_directions,
+        varies: Varies::of(&mesh),
         parts,
         gpu_bytes,
     };
@@ -251,6 +279,19 @@ impl Uploader<'_> {
         }
         let label = format!("pelage {name}");
         Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(&label), contents, usage }))
+    }
+
+    /// Colours and directions of hair, as array textures.
+    fn hair(
+        &self,
+        color: u32,
+        direction: u32,
+        textures: &FurTextures<'_>,
+    ) -> Result<[wgpu::TextureView; 2], RuntimeError> {
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        let array = wgpu::TextureViewDescriptor { dimension, ..Default::default() };
+        let color = self.texture(color, &textures.color)?.create_view(&array);
+        Ok([color, self.texture(direction, &textures.direction)?.create_view(&array)])
     }
 
     fn texture(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::Texture, RuntimeError> {

@@ -2,31 +2,70 @@
 
 use crate::support::ktx2;
 use crate::support::sphere::{SphereParams, manifest};
-use pelage_runtime::formats::{AttributeVertex, GeometryVertex, MeshData, PackageWriter, TextureFormat};
+use pelage_runtime::formats::{
+    AttributeVertex, GeometryVertex, MeshData, PackageWriter, Shading, ShellTextures, TextureEntry, TextureFormat,
+};
+
+/// What varies over a plane, or does not.
+#[derive(Clone, Debug, Default)]
+pub struct PlaneGroom {
+    /// Lean of all vertices.
+    pub lean: f32,
+    /// Bareness and wetness of all vertices.
+    pub vertex: [u8; 2],
+    /// Groom texture: share of the hair and wetness of its texels, row by row, with their number on a row; all of the plane.
+    pub texture: Option<(u32, Vec<[u8; 2]>)>,
+    /// Opacity of the layers of wet hair.
+    pub wet_opacity: Option<u8>,
+}
 
 /// A square of 0.2 m in the plane z = 0, facing +z, whose layers all have the same opacity (0..=255) everywhere.
 pub fn plane(layers: u32, opacity: u8) -> Vec<u8> {
+    groomed_plane(layers, opacity, Shading::default(), &PlaneGroom::default())
+}
+
+/// The plane with a groom.
+pub fn groomed_plane(layers: u32, opacity: u8, shading: Shading, groom: &PlaneGroom) -> Vec<u8> {
     let params = SphereParams { layers, texels: 4, ..SphereParams::default() };
     let corner = |x: f32, y: f32| GeometryVertex {
         position: [0.1 * x, 0.1 * y, 0.0],
         fur_height: params.height_m,
         normal: [0.0, 0.0, 1.0],
-        lean: 0.0,
+        lean: groom.lean,
         tangent: [1.0, 0.0, 0.0, 1.0],
     };
+    let [bareness, wetness] = groom.vertex;
+    let attributes =
+        |base_uv| AttributeVertex { tile_uv: [0.0; 2], base_uv, color: [255; 4], groom: [bareness, wetness, 0, 0] };
     let mesh = MeshData {
         geometry: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
-        attributes: vec![AttributeVertex { color: [255; 4], ..AttributeVertex::default() }; 4],
+        attributes: [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].map(attributes).to_vec(),
         skin: Vec::new(),
         indices: vec![0, 1, 2, 0, 2, 3],
     };
     let texels = |texel: [u8; 4], skin: [u8; 4]| -> Vec<u8> {
         (0..layers * 16).flat_map(|i| if i < 16 { skin } else { texel }).collect()
     };
-    let half = opacity / 2;
-    let colors = texels([half, half, half, opacity], [128, 128, 128, 255]);
+    let colors = |opacity: u8| {
+        let half = opacity / 2;
+        texels([half, half, half, opacity], [128, 128, 128, 255])
+    };
     let directions = texels([128, 128, 255, 255], [128, 128, 255, 255]);
     let ktx2 = |texels| ktx2::write(TextureFormat::Rgba8Unorm, 4, 4, layers, &[texels]);
-    let writer = PackageWriter::new(manifest(&params, 6, 0)).mesh(&mesh);
-    writer.texture(ktx2(colors)).texture(ktx2(directions)).finish().expect("the plane is a valid package")
+    let mut files = vec![ktx2(colors(opacity)), ktx2(directions.clone())];
+    let mut manifest = manifest(&params, 6, 0);
+    manifest.shading = shading;
+    if let Some(opacity) = groom.wet_opacity {
+        let (color_texture, direction_texture) = (files.len() as u32, files.len() as u32 + 1);
+        manifest.fur.wet = Some(ShellTextures { color_texture, direction_texture });
+        files.extend([ktx2(colors(opacity)), ktx2(directions)]);
+    }
+    if let Some((width, rows)) = &groom.texture {
+        manifest.materials[0].groom_texture = Some(files.len() as u32);
+        let texels = rows.concat();
+        files.push(ktx2::write(TextureFormat::Rg8Unorm, *width, rows.len() as u32 / width, 1, &[texels]));
+    }
+    manifest.textures = (0..files.len()).map(|i| TextureEntry { name: format!("texture_{i}") }).collect();
+    let writer = PackageWriter::new(manifest).mesh(&mesh);
+    files.into_iter().fold(writer, PackageWriter::texture).finish().expect("the plane is a valid package")
 }

@@ -133,6 +133,19 @@ fn normals_are_unit_and_on_the_triangles_side() {
 }
 
 #[test]
+fn the_hares_hair_is_short_round_its_eyes_and_long_on_its_back() {
+    let [coat, eyes, _] = hare().primitives.as_slice() else { panic!("the hare has three primitives") };
+    let lengths = |near: &dyn Fn(DVec3) -> bool| -> Vec<f64> {
+        coat.positions.iter().zip(&coat.colors).filter(|(p, _)| near(**p)).map(|(_, c)| c.w).collect()
+    };
+    let to_eye = |p: DVec3| eyes.positions.iter().map(|e| e.distance(p)).fold(f64::MAX, f64::min);
+    let lids = lengths(&|p| to_eye(p) < 0.003);
+    assert!(lids.len() > 4 && lids.iter().all(|l| *l < 0.15), "{lids:?}");
+    let back = lengths(&|p| p.z < 0.0 && (0.1..0.22).contains(&p.y));
+    assert!(back.len() > 100 && back.iter().all(|l| *l == 1.0), "{} on the back", back.len());
+}
+
+#[test]
 fn hare_triangles_are_well_shaped() {
     // 1 for an equilateral triangle, 0 for a sliver.
     let quality = |[a, b, c]: [DVec3; 3]| {

@@ -297,6 +297,36 @@ fn directions_decode_as_in_formats() {
 }
 
 #[test]
+fn leaned_hair() {
+    let mut random = Random(8);
+    let mut cases: Vec<Case<2>> = Vec::new();
+    for i in 0..2000 {
+        let length = [1.0, 0.6, 1e-3, 0.0][i % 4];
+        let direction = unit(&mut random) * length;
+        cases.push([direction.extend(0.0).to_array(), [random.next_f32(), random.next_f32(), 0.0, 0.0]]);
+    }
+    three_ways(
+        "lean_offset, lean_slope and leaned_direction",
+        tile_frame::WGSL,
+        "vec4(leaned_direction(in_0.xyz, lean_slope(in_1.x, in_1.y)), lean_offset(in_1.x, in_1.y))",
+        &cases,
+        |[direction, c]| {
+            // A short piece of hair, its two ends moved aside as far as each height says.
+            let (lean, height, piece) = (f64::from(c[0]), f64::from(c[1]), 1e-6 * d(direction));
+            let aside = |h: f64| lean * h * h;
+            let moved = piece + DVec3::Y * (aside(height + piece.z / 2.0) - aside(height - piece.z / 2.0));
+            let kept = moved.normalize_or_zero() * d(direction).length();
+            kept.extend(aside(height)).to_array()
+        },
+        |[direction, c]| {
+            let slope = tile_frame::lean_slope(c[0], c[1]);
+            tile_frame::leaned_direction(v(direction), slope).extend(tile_frame::lean_offset(c[0], c[1])).to_array()
+        },
+        |_, _| 2e-6,
+    );
+}
+
+#[test]
 fn normals_under_a_matrix() {
     let mut random = Random(5);
     let mut cases: Vec<Case<4>> = Vec::new();

@@ -60,13 +60,17 @@ fn bake_file(args: &BakeArgs, output: &mut Output) -> Result<(Baked, Vec<Stage>)
         None => Recipe::default(),
     };
     args.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
+    // Paths in the recipe begin at its folder, those of --set without a recipe where the command runs.
+    let recipe_file = args.recipe.as_ref().map_or("--set".to_owned(), |path| path.display().to_string());
+    let folder = args.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
     let mut watch = StageWatch::new(output);
     watch.begin("import");
+    let images = io::read_map_images(&recipe_file, folder, &recipe)?;
     let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m })?;
     model.inputs.extend(recipe_input);
     let file = args.model.display().to_string();
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let baked = pipeline::bake(&file, &name, &model, &recipe, &mut |stage| watch.begin(stage))?;
+    let baked = pipeline::bake(&file, &name, &model, &recipe, &images, &mut |stage| watch.begin(stage))?;
     Ok((baked, watch.finish()))
 }
 

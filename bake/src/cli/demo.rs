@@ -7,6 +7,7 @@ use super::output::Output;
 use super::package_file::PackageFile;
 use super::render;
 use super::scene::{Scene, View};
+use pelage_bake::groom::MapImages;
 use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::{DirectionFormat, Recipe, ShellFormat};
@@ -91,7 +92,8 @@ fn bake(model: &BuiltIn, software: bool, output: &mut Output) -> Result<Baked, F
     let mut no_files = |uri: &str| Err(BakeError::Internal(format!("a built-in model names the file {uri}")));
     let options = ImportOptions { unit_m: recipe.model.unit_m };
     let imported = import(&file, model.glb, &mut no_files, &options)?;
-    let baked = pipeline::bake(&file, model.name, &imported, &recipe, &mut |stage| watch.begin(stage))?;
+    let baked =
+        pipeline::bake(&file, model.name, &imported, &recipe, &MapImages::default(), &mut |stage| watch.begin(stage))?;
     watch.finish();
     Ok(baked)
 }

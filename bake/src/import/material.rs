@@ -4,7 +4,7 @@ use super::extensions::conversion;
 use super::json::At;
 use super::source::Source;
 use crate::BakeError;
-use crate::mesh::{BaseColorImage, Material};
+use crate::mesh::{Image, Material};
 use glam::{Affine2, Mat2, Vec2};
 use pelage_formats::Limits;
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ use std::io::Cursor;
 
 /// All images of a model together have at most this many texels (one of 16 384², or sixteen of 4096²): 1 GiB decoded.
 /// A few kilobytes of PNG can claim as much.
-pub(super) const MAX_TEXELS: u64 = 1 << 28;
+pub(crate) const MAX_TEXELS: u64 = 1 << 28;
 
 /// How a material reads texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub(super) struct TextureCoords {
 #[derive(Debug, Default)]
 pub(super) struct Materials {
     pub materials: Vec<Material>,
-    pub images: Vec<BaseColorImage>,
+    pub images: Vec<Image>,
     texels: u64,
     /// From the document's number (`None`: the default material) to ours.
     known: BTreeMap<Option<usize>, (usize, TextureCoords)>,
@@ -144,7 +144,7 @@ fn texture_transform(at: &At<'_>) -> Result<Affine2, BakeError> {
 }
 
 /// Decodes a PNG or JPEG of at most `texels_left` texels; else says why it cannot, to follow the image's name in a sentence.
-pub(super) fn decode(bytes: &[u8], texels_left: u64) -> Result<BaseColorImage, String> {
+pub(crate) fn decode(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
     let png_or_jpeg = match image::guess_format(bytes) {
         Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => Ok(format),
         Ok(other) => Err(format!("{other:?}")),
@@ -176,5 +176,5 @@ pub(super) fn decode(bytes: &[u8], texels_left: u64) -> Result<BaseColorImage, S
     let mut pixels = reader();
     pixels.limits(limits);
     let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
-    Ok(BaseColorImage { width, height, rgba })
+    Ok(Image { width, height, rgba })
 }

@@ -34,6 +34,8 @@ mod skin;
 mod source;
 mod weights;
 
+pub(crate) use material::{MAX_TEXELS, decode as decode_image};
+
 use crate::BakeError;
 use crate::mesh::Model;
 use container::Kind;

@@ -3,6 +3,8 @@
 use super::Key;
 use super::field::{Field, PowerOfTwo, SrgbColor};
 use super::guides::GuideParams;
+use super::maps::{ColorMap, ScalarMap, VectorMap};
+use super::material_groom::{DENSITY, MaterialGroom, SHARE};
 use crate::BakeError;
 use serde::{Deserialize, Serialize};
 
@@ -240,6 +242,33 @@ params! {
 }
 
 params! {
+    /// `[groom]`: what varies over the model. A map is a number for the whole model, `"vertex"` for the vertex colours, or the
+    /// path of an image in the model's texture coordinates, from the recipe's folder; `#g` behind either reads another channel
+    /// than the red.
+    GroomParams in groom {
+        /// Share of `hair.length_m`: 0 no hair, 1 full length.
+        length: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
+        /// Hairs per area relative to the rest of the coat. Of a map, 0, 0.5 and 1 stand for 0.25, 1 and 4.
+        density: ScalarMap = ScalarMap::Constant(1.0), in DENSITY;
+        /// How far the hair lies over towards the comb direction, beyond what `hair.lean` does: 0 no further, 1 its tips stand a
+        /// hair's length aside.
+        lean: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
+        /// Where the hair is combed to, in place of `surface.comb`; the length, up to 1, is how much it counts. Of vertex colours and images, 2·rgb − 1 is x, y, z of the model at rest; of an image with
+        /// `#uv`, 2·rg − 1 points right and up on the image.
+        comb: Option<VectorMap> = None;
+        /// 0 dry, 1 as `hair.style` `wet`; anything between mixes both.
+        wetness: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
+        /// 1 where no hair grows: the skin shows its base colour. Images are followed texel by texel.
+        bare: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
+        /// Colour of the hair on furred materials in place of the model's base colour; multiplies root and tip colour.
+        color: Option<ColorMap> = None;
+        /// The same for single materials: `[[groom.material]]` with a `name`, in which `*` stands for any characters and `?` for
+        /// one, and any of the keys above. Later ones win.
+        material: Vec<MaterialGroom> = Vec::new();
+    }
+}
+
+params! {
     /// `[color]`: the strands' colour.
     ColorParams in color {
         /// sRGB colour at the root.
@@ -352,7 +381,7 @@ params! {
     PackParams in pack {
         /// Texel format of the shell textures.
         shell_format: ShellFormat = ShellFormat::Bc7;
-        /// Texel format of the direction textures.
+        /// Texel format of the direction and groom textures.
         direction_format: DirectionFormat = DirectionFormat::Bc5;
         /// Texel format of base-colour textures.
         base_color_format: BaseColorFormat = BaseColorFormat::Bc7;

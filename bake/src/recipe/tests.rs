@@ -21,7 +21,9 @@ fn every_key_is_a_field_and_every_field_a_key() {
         fields.extend(table.as_table().unwrap().keys().map(|k| format!("{section}.{k}")));
     }
     // Optional fields are absent from the serialised default.
-    fields.extend(["surface.tile_size_m", "hair.length_m", "hair.clump_count"].map(str::to_owned));
+    fields.extend(
+        ["surface.tile_size_m", "hair.length_m", "hair.clump_count", "groom.comb", "groom.color"].map(str::to_owned),
+    );
     let mut names: Vec<_> = keys().map(|k| k.name.to_owned()).collect();
     fields.sort();
     names.sort();
@@ -106,6 +108,44 @@ fn validate_names_the_key() {
 }
 
 #[test]
+fn maps_are_numbers_vertex_colours_or_images() {
+    let text = "[groom]\nlength = \"vertex#a\"\nbare = \"maps/coat.png#g\"\ncomb = \"flow.png#uv\"\ncolor = \"#ff0000\"\n\
+        [[groom.material]]\nname = \"belly*\"\nlength = 0.5\n[[groom.material]]\nname = \"tail\"\nwetness = \"vertex\"\n";
+    let groom = Recipe::parse("r.toml", text).unwrap().groom;
+    assert_eq!(groom.length, ScalarMap::Vertex(Channel::Alpha));
+    assert_eq!(groom.bare, ScalarMap::Image { path: "maps/coat.png".into(), channel: Channel::Green });
+    assert_eq!(groom.comb, Some(VectorMap::Image { path: "flow.png".into(), flow: true }));
+    assert_eq!(groom.color, Some(ColorMap::Constant(SrgbColor([1.0, 0.0, 0.0]))));
+    let [belly, tail] = &groom.material[..] else { panic!("{:?}", groom.material) };
+    assert_eq!((belly.name.as_str(), &belly.length), ("belly*", &Some(ScalarMap::Constant(0.5))));
+    assert_eq!(tail.wetness, Some(ScalarMap::Vertex(Channel::Red)));
+
+    let mut recipe = Recipe::default();
+    recipe.set("groom.material=[{ name = \"a\", bare = \"a.png\" }, { name = \"b\", bare = \"a.png\", color = \"c.png\" }]").unwrap();
+    let images = recipe.images();
+    let named: Vec<_> = images.iter().map(|(key, path)| (key.as_str(), *path)).collect();
+    let expected = [("groom.material, table 0, bare", "a.png"), ("groom.material, table 1, color", "c.png")];
+    assert_eq!(named, expected);
+
+    for (set, part) in [
+        ("groom.length=1.5", "0..=1"),
+        ("groom.length=vertex#x", "#r, #g, #b or #a"),
+        ("groom.bare=/tmp/a.png", "relative path"),
+        ("groom.bare=c:/a.png", "relative path"),
+        ("groom.comb=[0, 0, 0]", "[x, y, z]"),
+        ("groom.color=#12", "#rrggbb"),
+        ("groom.density=9", "0.25..=4"),
+        ("groom.material=[{ name = \"a\", lenth = 1 }]", "table 0: lenth: unknown key; did you mean length?"),
+        ("groom.material=[{ length = 1 }]", "found no name"),
+        ("groom.material=[{ name = \"a\", length = 7 }]", "table 0: length: found 7"),
+        ("groom.material=3", "found 3, expected a list of tables"),
+    ] {
+        let error = Recipe::default().set(set).unwrap_err().to_string();
+        assert!(error.contains(part), "{set}: {error}");
+    }
+}
+
+#[test]
 fn documented_toml_parses_to_the_same_recipe() {
     let mut recipe = Recipe::default();
     let text = recipe.to_documented_toml();
@@ -114,6 +154,56 @@ fn documented_toml_parses_to_the_same_recipe() {
     recipe.hair.length_m = Some(0.03);
     assert!(recipe.to_documented_toml().contains("\nlength_m = 0.03\n"));
     assert_eq!(Recipe::parse("r.toml", &format!("\u{feff}{}", recipe.to_toml())).unwrap(), recipe);
+}
+
+fn grooms() -> impl Strategy<Value = GroomParams> {
+    let path = || "[a-zäß][a-z ]{0,5}/[a-z\"'.]{1,9}[a-z]";
+    let channel = || prop::sample::select(&[Channel::Red, Channel::Green, Channel::Blue, Channel::Alpha][..]);
+    let scalar = move |range: std::ops::RangeInclusive<f32>| {
+        prop_oneof![
+            range.prop_map(ScalarMap::Constant),
+            channel().prop_map(ScalarMap::Vertex),
+            (path(), channel()).prop_map(|(path, channel)| ScalarMap::Image { path, channel }),
+        ]
+    };
+    let share = move || scalar(0.0..=1.0);
+    let vector = move || {
+        prop_oneof![
+            [0.1f32..=1.0, -1.0..=1.0, -1.0..=1.0].prop_map(VectorMap::Constant),
+            Just(VectorMap::Vertex),
+            (path(), any::<bool>()).prop_map(|(path, flow)| VectorMap::Image { path, flow }),
+        ]
+    };
+    let color = move || {
+        prop_oneof![
+            [0f32..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(|c| ColorMap::Constant(SrgbColor(c))),
+            Just(ColorMap::Vertex),
+            path().prop_map(ColorMap::Image),
+        ]
+    };
+    use prop::option::of;
+    let material = ("\\PC{1,9}", of(share()), of(scalar(0.25..=4.0)), of(vector()), of(share()), of(color())).prop_map(
+        |(name, length, density, comb, bare, color)| MaterialGroom {
+            name,
+            length,
+            density,
+            comb,
+            bare,
+            color,
+            ..MaterialGroom::default()
+        },
+    );
+    let whole = (share(), scalar(0.25..=4.0), share(), of(vector()), share(), share(), of(color()));
+    (whole, prop::collection::vec(material, 0..3)).prop_map(|(w, material)| GroomParams {
+        length: w.0,
+        density: w.1,
+        lean: w.2,
+        comb: w.3,
+        wetness: w.4,
+        bare: w.5,
+        color: w.6,
+        material,
+    })
 }
 
 fn recipes() -> impl Strategy<Value = Recipe> {
@@ -160,10 +250,11 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         ([0f32..=100.0, 0.0..=100.0, 0.0..=100.0], 0f32..=10_000.0, 0f32..=0.999, 0.001f32..=0.999),
         (4u32..=256, 4u32..=11, 0.25f32..=4.0),
     );
-    (hair, pack, rest).prop_map(|(hair, pack, (model, color, shading, slice))| Recipe {
+    (hair, pack, rest, grooms()).prop_map(|(hair, pack, (model, color, shading, slice), groom)| Recipe {
         model: ModelParams { unit_m: model.0, bare: model.1 },
         surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
         hair,
+        groom,
         color: ColorParams { root: color.0, tip: color.1, variation: color.2, base_color: color.3 },
         shading: ShadingParams {
             ambient: shading.0,

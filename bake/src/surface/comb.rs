@@ -24,6 +24,17 @@ pub enum Comb {
     None,
 }
 
+impl Comb {
+    /// The unit direction that holds everywhere; zero where there is no such.
+    pub fn everywhere(&self) -> Vec3 {
+        match self {
+            Self::Direction(direction) => direction.normalize_or_zero(),
+            Self::Gravity => Vec3::NEG_Y,
+            Self::Tangents | Self::PerVertex(_) | Self::Guides(_) | Self::None => Vec3::ZERO,
+        }
+    }
+}
+
 impl Default for Comb {
     /// From nose to tail, a little downward, for an animal that looks along +z as glTF asks.
     fn default() -> Self {
@@ -50,11 +61,10 @@ pub(super) fn wishes(
     comb: &Comb,
     warnings: &mut Vec<String>,
 ) -> Vec<DVec3> {
-    let everywhere = |direction: Vec3| vec![direction.as_dvec3().normalize_or_zero(); skin.triangles.len()];
     match comb {
-        Comb::Direction(direction) => everywhere(*direction),
-        Comb::Gravity => everywhere(Vec3::NEG_Y),
-        Comb::None => everywhere(Vec3::ZERO),
+        Comb::Direction(_) | Comb::Gravity | Comb::None => {
+            vec![comb.everywhere().as_dvec3().normalize_or_zero(); skin.triangles.len()]
+        }
         Comb::Guides(guides) => spread(&skin.topology, guides, warnings),
         Comb::PerVertex(vectors) => {
             let at = |v: u32| vectors.get(input_vertex[v as usize] as usize).copied().unwrap_or(Vec3::ZERO).as_dvec3();

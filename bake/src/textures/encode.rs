@@ -3,7 +3,7 @@
 //! Layers are encoded one at a time as they arrive, so that of a large tile only the blocks stay in memory.
 
 use crate::BakeError;
-use crate::mesh::BaseColorImage;
+use crate::mesh::Image;
 use crate::recipe::{BaseColorFormat, BcQuality, PackParams};
 pub use ctt::AlphaMode;
 use ctt::Quality;
@@ -134,15 +134,33 @@ fn internal(error: impl std::fmt::Display) -> BakeError {
     BakeError::Internal(format!("texture encoder: {error}"))
 }
 
-/// Encodes a model's base-colour image with mips filtered in linear light.
+/// Encodes a base-colour image with mips filtered in linear light.
 ///
 /// Block formats need sides that are multiples of four (WebGPU, "texture creation"): others are resampled to the next one up.
-pub fn encode_base_color(image: &BaseColorImage, params: &PackParams) -> Result<Vec<u8>, BakeError> {
+pub fn encode_base_color(image: &Image, params: &PackParams) -> Result<Vec<u8>, BakeError> {
     let format = match params.base_color_format {
         BaseColorFormat::Bc7 => TextureFormat::Bc7Srgb,
         BaseColorFormat::Rgba8 => TextureFormat::Rgba8Srgb,
     };
-    let mut levels = mip_chain(image.width, image.height, &image.rgba)?;
+    let opaque = image.rgba.chunks_exact(4).all(|texel| texel[3] == 255);
+    let alpha = if opaque { AlphaMode::Opaque } else { AlphaMode::Straight };
+    encode_image(image, format, alpha, params)
+}
+
+/// Encodes a groom texture, of which red and green count, in the format of the direction textures.
+pub fn encode_groom(image: &Image, params: &PackParams) -> Result<Vec<u8>, BakeError> {
+    encode_image(image, params.direction_format.into(), AlphaMode::Opaque, params)
+}
+
+fn encode_image(
+    image: &Image,
+    format: TextureFormat,
+    alpha: AlphaMode,
+    params: &PackParams,
+) -> Result<Vec<u8>, BakeError> {
+    let mut encoder = TextureEncoder::new(format, alpha, params.bc_quality);
+    let space = encoder.color_space();
+    let mut levels = mip_chain(image.width, image.height, &image.rgba, space)?;
     levels.retain(|level| level.width.max(level.height) <= params.base_color_max);
     let block = format.block_size();
     if let Some(top) = levels.first().filter(|top| top.width % block != 0 || top.height % block != 0) {
@@ -150,21 +168,24 @@ pub fn encode_base_color(image: &BaseColorImage, params: &PackParams) -> Result<
         let texels = image::RgbaImage::from_raw(top.width, top.height, top.data.clone())
             .ok_or_else(|| internal("a mip level of the wrong size"))?;
         let texels = image::imageops::resize(&texels, width, height, image::imageops::FilterType::Triangle);
-        levels = mip_chain(width, height, texels.as_raw())?;
+        levels = mip_chain(width, height, texels.as_raw(), space)?;
     }
-    let opaque = image.rgba.chunks_exact(4).all(|texel| texel[3] == 255);
-    let alpha = if opaque { AlphaMode::Opaque } else { AlphaMode::Straight };
-    let mut encoder = TextureEncoder::new(format, alpha, params.bc_quality);
+    if format.components() == 2 {
+        levels.iter_mut().for_each(|level| {
+            level.data = level.data.chunks_exact(4).flat_map(|texel| [texel[0], texel[1]]).collect();
+        });
+    }
     let levels: Vec<_> =
         levels.iter().map(|s| RawLevel { width: s.width, height: s.height, texels: &s.data }).collect();
     encoder.push_layer(&levels)?;
     encoder.finish()
 }
 
-/// The full mip chain of an RGBA8 sRGB image with straight alpha.
-fn mip_chain(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<Surface>, BakeError> {
+/// The full mip chain of an RGBA8 image with straight alpha.
+fn mip_chain(width: u32, height: u32, rgba: &[u8], color_space: ColorSpace) -> Result<Vec<Surface>, BakeError> {
     let surface = RawLevel { width, height, texels: rgba }.surface(4);
-    let desc = FormatDesc { format: Format::R8G8B8A8_SRGB, color_space: ColorSpace::Srgb, alpha: AlphaMode::Straight };
+    let format = if color_space == ColorSpace::Srgb { Format::R8G8B8A8_SRGB } else { Format::R8G8B8A8_UNORM };
+    let desc = FormatDesc { format, color_space, alpha: AlphaMode::Straight };
     let image = ImageRef { surfaces: vec![vec![surface]], kind: TextureKind::Texture2D, desc };
     let settings = ConvertSettings { container: Container::Raw, mipmap: true, ..Default::default() };
     match ctt::convert(image, settings) {
@@ -178,6 +199,7 @@ fn mip_chain(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<Surface>, BakeE
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use super::*;
+    use crate::recipe::DirectionFormat;
     use pelage_formats::{Limits, Manifest, Package, PackageWriter, TextureEntry};
 
     fn reread<T>(ktx2: Vec<u8>, look: impl FnOnce(pelage_formats::TextureView<'_>) -> T) -> T {
@@ -214,8 +236,29 @@ mod tests {
     }
 
     #[test]
+    fn groom_textures_keep_red_and_green_in_every_format() {
+        let image = Image { width: 6, height: 4, rgba: [200, 60, 0, 255].repeat(24) };
+        for direction_format in DirectionFormat::ALL.iter().copied() {
+            let params = PackParams { direction_format, ..PackParams::default() };
+            reread(encode_groom(&image, &params).unwrap(), |view| {
+                let block = view.format.block_size();
+                assert_eq!(
+                    (view.format, view.width, view.height),
+                    (direction_format.into(), 6u32.next_multiple_of(block), 4)
+                );
+                if block == 1 {
+                    let n = view.format.components() as usize;
+                    assert!(
+                        view.level(0).chunks_exact(n).chain(view.level(2).chunks_exact(n)).all(|t| t[..2] == [200, 60])
+                    );
+                }
+            });
+        }
+    }
+
+    #[test]
     fn base_color_is_scaled_down_and_rounded_up_to_blocks() {
-        let image = BaseColorImage { width: 30, height: 22, rgba: [200, 100, 50, 255].repeat(30 * 22) };
+        let image = Image { width: 30, height: 22, rgba: [200, 100, 50, 255].repeat(30 * 22) };
         let params = PackParams { base_color_max: 16, ..PackParams::default() };
         reread(encode_base_color(&image, &params).unwrap(), |view| {
             assert_eq!((view.format, view.width, view.height), (TextureFormat::Bc7Srgb, 16, 12));

@@ -11,7 +11,7 @@ mod slice;
 mod splat;
 mod srgb;
 
-pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color};
+pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_groom};
 pub use shells::{ShellTextures, shell_textures};
 pub use slice::{Layer, ShellSet, collect_layers, slice};
 pub use splat::EXTINCTION;

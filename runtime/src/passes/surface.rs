@@ -39,17 +39,19 @@ const fn attribute(shader_location: u32, format: wgpu::VertexFormat, offset: usi
 }
 
 /// The first stream, [`GeometryVertex`].
-pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
+pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
     attribute(0, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
     attribute(1, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, fur_height)),
     attribute(2, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, normal)),
     attribute(3, wgpu::VertexFormat::Float32x4, offset_of!(GeometryVertex, tangent)),
+    attribute(7, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, lean)),
 ];
 /// The second stream, [`AttributeVertex`].
-pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 3] = [
+pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
     attribute(4, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, tile_uv)),
     attribute(5, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, base_uv)),
     attribute(6, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, color)),
+    attribute(8, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, groom)),
 ];
 
 /// What distinguishes the pipelines of surfaces. A shader of which no package needs a variant is never compiled.
@@ -78,6 +80,14 @@ pub(crate) struct Variant {
     pub(crate) specular: bool,
     /// Other than the baked number of layers is drawn.
     pub(crate) resampled: bool,
+    /// Some vertex leans more than the tile's strands.
+    pub(crate) lean: bool,
+    /// Some vertex is bare or wet.
+    pub(crate) groom_vertices: bool,
+    /// The material has a groom texture.
+    pub(crate) groom_texture: bool,
+    /// There is wet hair to mix in.
+    pub(crate) wet: bool,
 }
 
 /// How a frame draws an instance, as far as the choice of pipelines goes.
@@ -103,6 +113,10 @@ impl Look {
             squared_diffuse: self.shading.diffuse_exponent == 2.0,
             specular: self.shading.specular != [0.0; 3],
             resampled: self.resampled,
+            lean: model.varies().lean,
+            groom_vertices: model.varies().groom,
+            groom_texture: part.has_groom_texture,
+            wet: model.manifest().fur.wet.is_some(),
         };
         let variant = shader.relevant(variant);
         SurfaceKey { shader, variant, double_sided: part.double_sided, mirrored: self.mirrored }
@@ -110,7 +124,7 @@ impl Look {
 }
 
 impl Variant {
-    fn constants(self) -> [(&'static str, f64); 6] {
+    fn constants(self) -> [(&'static str, f64); 10] {
         [
             ("BASE_COLOR_TEXTURE", self.base_color_texture),
             ("CUTOUT", self.cutout),
@@ -118,6 +132,10 @@ impl Variant {
             ("SQUARED_DIFFUSE", self.squared_diffuse),
             ("SPECULAR", self.specular),
             ("RESAMPLED", self.resampled),
+            ("LEAN", self.lean),
+            ("GROOM_VERTICES", self.groom_vertices),
+            ("GROOM_TEXTURE", self.groom_texture),
+            ("WET", self.wet),
         ]
         .map(|(name, value)| (name, f64::from(u8::from(value))))
     }
@@ -139,9 +157,9 @@ impl SurfaceShader {
             Variant { base_color_texture: variant.base_color_texture, cutout: variant.cutout, ..Variant::default() };
         match self {
             Self::SkinBare => base,
-            Self::SkinFurred => Variant { resampled: false, ..variant },
+            Self::SkinFurred => Variant { resampled: false, lean: false, ..variant },
             Self::Shells => variant,
-            Self::Yardstick => Variant::default(),
+            Self::Yardstick => Variant { lean: variant.lean, ..Variant::default() },
         }
     }
 
@@ -170,6 +188,7 @@ pub(crate) struct SurfaceLayouts {
     /// Group 2.
     fur: wgpu::BindGroupLayout,
     pub(crate) white: wgpu::TextureView,
+    white_array: wgpu::TextureView,
 }
 
 fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
@@ -238,10 +257,16 @@ impl SurfaceLayouts {
             material: layout(
                 device,
                 "pelage material",
-                &[uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2)],
+                &[uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2), texture(3, D2)],
             ),
-            fur: layout(device, "pelage fur", &[texture(0, D2Array), texture(1, D2Array), sampler(2)]),
+            fur: layout(
+                device,
+                "pelage fur",
+                &[texture(0, D2Array), texture(1, D2Array), sampler(2), texture(3, D2Array), texture(4, D2Array)],
+            ),
             white: white.create_view(&wgpu::TextureViewDescriptor::default()),
+            white_array: white
+                .create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2Array), ..Default::default() }),
         }
     }
 
@@ -251,6 +276,7 @@ impl SurfaceLayouts {
         constants: &MaterialUniform,
         base_color: &wgpu::TextureView,
         base_color_sampler: &wgpu::Sampler,
+        groom: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
         let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("pelage material"),
@@ -264,17 +290,20 @@ impl SurfaceLayouts {
                 wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(base_color) },
                 wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(base_color_sampler) },
+                wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::TextureView(groom) },
             ],
         })
     }
 
+    /// `wet`: colours and directions of wet hair, where there is any.
     pub(crate) fn fur_bind_group(
         &self,
         device: &wgpu::Device,
-        colors: &wgpu::TextureView,
-        directions: &wgpu::TextureView,
+        [colors, directions]: [&wgpu::TextureView; 2],
+        wet: Option<[&wgpu::TextureView; 2]>,
         shell_sampler: &wgpu::Sampler,
     ) -> wgpu::BindGroup {
+        let [wet_colors, wet_directions] = wet.unwrap_or([&self.white_array; 2]);
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("pelage fur"),
             layout: &self.fur,
@@ -282,6 +311,8 @@ impl SurfaceLayouts {
                 wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(colors) },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(directions) },
                 wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(shell_sampler) },
+                wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::TextureView(wet_colors) },
+                wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::TextureView(wet_directions) },
             ],
         })
     }

@@ -8,6 +8,9 @@ struct Vertex {
     @location(4) tile_uv: vec2<f32>,
     @location(5) base_uv: vec2<f32>,
     @location(6) color: vec4<f32>,
+    @location(7) lean: f32,
+    // Bareness, wetness.
+    @location(8) groom: vec4<f32>,
 }
 
 struct Material {
@@ -24,9 +27,12 @@ struct Material {
 @group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var base_color_sampler: sampler;
+@group(1) @binding(3) var groom_texture: texture_2d<f32>;
 @group(2) @binding(0) var shell_colors: texture_2d_array<f32>;
 @group(2) @binding(1) var shell_directions: texture_2d_array<f32>;
 @group(2) @binding(2) var shell_sampler: sampler;
+@group(2) @binding(3) var wet_colors: texture_2d_array<f32>;
+@group(2) @binding(4) var wet_directions: texture_2d_array<f32>;
 
 // What a package or a frame does not need is compiled away: a branch on a uniform costs its body on rasterisers that mask
 // instead of jump.
@@ -43,6 +49,14 @@ override SQUARED_DIFFUSE: bool = false;
 override SPECULAR: bool = true;
 // More or fewer layers are drawn than were baked.
 override RESAMPLED: bool = true;
+// Some vertex leans more than the tile's strands.
+override LEAN: bool = true;
+// Some vertex is bare or wet.
+override GROOM_VERTICES: bool = true;
+// The material has a groom texture.
+override GROOM_TEXTURE: bool = true;
+// The package has wet hair to mix in.
+override WET: bool = true;
 
 fn normal_ws(v: Vertex) -> vec3<f32> {
     let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * v.normal;
@@ -71,6 +85,38 @@ fn is_cut(alpha: f32) -> bool {
     return CUTOUT && alpha < material.alpha_cutoff;
 }
 
+// What the groom says of a point: share of the hair that grows, and wetness, both 0..=1. `at_vertex` is bareness and wetness.
+fn groom_at(at_vertex: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
+    var groom = vec2(1.0, 0.0);
+    if GROOM_VERTICES {
+        groom = vec2(1.0 - at_vertex.x, at_vertex.y);
+    }
+    if GROOM_TEXTURE {
+        let texel = textureSample(groom_texture, base_color_sampler, uv);
+        groom = vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
+    }
+    return groom;
+}
+
+struct Hair {
+    // Premultiplied colour and opacity.
+    color: vec4<f32>,
+    // In the tile frame.
+    direction: vec3<f32>,
+}
+
+// The hair of a layer: dry and wet mixed.
+fn hair_at(uv: vec2<f32>, layer: u32, wetness: f32) -> Hair {
+    let color = textureSample(shell_colors, shell_sampler, uv, layer);
+    let direction = decode_direction(textureSample(shell_directions, shell_sampler, uv, layer), PLANAR_DIRECTIONS);
+    if !WET {
+        return Hair(color, direction);
+    }
+    let wet_color = textureSample(wet_colors, shell_sampler, uv, layer);
+    let wet = decode_direction(textureSample(wet_directions, shell_sampler, uv, layer), PLANAR_DIRECTIONS);
+    return Hair(mix(color, wet_color, wetness), mix(direction, wet, wetness));
+}
+
 // Yang 2006, eq. (3) without the shadows that need maps. Linear in the hair's colour, so `color` may be premultiplied with
 // `alpha`, and the result then is. light and half: towards the light and H in the tile frame, lengths near 1.
 fn shade_hair(
@@ -80,6 +126,7 @@ fn shade_hair(
     light: vec3<f32>,
     half: vec3<f32>,
     ambient_share: f32,
+    wetness: f32,
 ) -> vec3<f32> {
     let back = back_attenuation(light.z, instance.back_light_range);
     var diffuse = sin_squared(direction, light);
@@ -90,6 +137,12 @@ fn shade_hair(
     if !SPECULAR {
         return soft;
     }
-    let specular = sin_power(sin_squared(direction, half), instance.specular_half_exponent);
-    return soft + instance.specular * (specular * back * alpha);
+    var strength = back * alpha;
+    var half_exponent = instance.specular_half_exponent;
+    if WET {
+        strength *= mix(1.0, instance.wet_specular, wetness);
+        half_exponent = mix(half_exponent, instance.wet_specular_half_exponent, wetness);
+    }
+    let specular = sin_power(sin_squared(direction, half), half_exponent);
+    return soft + instance.specular * (specular * strength);
 }

@@ -33,8 +33,8 @@ pub(crate) struct Instance {
     pub opacity_exponent: f32,
     pub baked_layers: u32,
     pub drawn_layers: u32,
-    pub reserved0: u32,
-    pub reserved1: u32,
+    pub wet_specular: f32,
+    pub wet_specular_half_exponent: f32,
 }
 
 /// Unit vector from `position_ws` towards a light or eye in homogeneous coordinates: w 1 for a place, 0 for a direction.

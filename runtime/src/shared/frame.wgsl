@@ -36,8 +36,10 @@ struct Instance {
     opacity_exponent: f32,
     baked_layers: u32,
     drawn_layers: u32,
-    reserved0: u32,
-    reserved1: u32,
+    // Highlight of wet hair over that of dry hair.
+    wet_specular: f32,
+    // ps / 2 of wet hair
+    wet_specular_half_exponent: f32,
 }
 
 // Unit vector from a point towards a light or eye given as homogeneous coordinates.

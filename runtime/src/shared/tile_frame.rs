@@ -49,3 +49,20 @@ pub fn decode_direction(texel: Vec4, planar: bool) -> Vec3 {
     let c = texel.truncate() * (255.0 / 127.0) - 128.0 / 127.0;
     if planar { Vec3::new(c.x, c.y, (1.0 - c.x * c.x - c.y * c.y).max(0.0).sqrt()) } else { c }
 }
+
+/// How far a point of the hair volume lies aside in the comb direction, heights of the volume, for a lean of 0..=1 beyond that of the
+/// tile's strands at a share of the volume's height.
+pub fn lean_offset(lean: f32, height: f32) -> f32 {
+    lean * height * height
+}
+
+/// Derivative of [`lean_offset`] by the height.
+pub fn lean_slope(lean: f32, height: f32) -> f32 {
+    2.0 * lean * height
+}
+
+/// A hair direction in the tile frame, of any length up to 1, under the shear by that slope along +v; its length is kept.
+pub fn leaned_direction(direction: Vec3, slope: f32) -> Vec3 {
+    let leaned = direction + Vec3::Y * (slope * direction.z);
+    leaned * (direction.dot(direction) / leaned.dot(leaned).max(1e-30)).sqrt()
+}

@@ -44,3 +44,21 @@ fn decode_direction(texel: vec4<f32>, planar: bool) -> vec3<f32> {
     }
     return c;
 }
+
+// Lean of a vertex beyond what the tile's strands do, 0..=1: how far a point of the hair volume at a share of its height lies
+// aside, in the comb direction, heights of the volume. Roots stay where they are.
+fn lean_offset(lean: f32, height: f32) -> f32 {
+    return lean * height * height;
+}
+
+// Derivative of lean_offset by the height.
+fn lean_slope(lean: f32, height: f32) -> f32 {
+    return 2.0 * lean * height;
+}
+
+// A hair direction in the tile frame, of any length up to 1, under the shear by that slope along +v: the length, which is the
+// direction's confidence, is kept.
+fn leaned_direction(direction: vec3<f32>, slope: f32) -> vec3<f32> {
+    let leaned = direction + vec3(0.0, slope * direction.z, 0.0);
+    return leaned * sqrt(dot(direction, direction) / max(dot(leaned, leaned), 1e-30));
+}

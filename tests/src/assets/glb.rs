@@ -1,7 +1,7 @@
 //! A small glTF 2.0 binary writer: one mesh of several primitives, at most one skin, linear and cubic-spline clips.
 
 use anyhow::{Context as _, ensure};
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use serde_json::{Value, json};
 
 use super::hare_rig::Weights;
@@ -51,8 +51,8 @@ pub struct Primitive {
     pub normals: Vec<DVec3>,
     /// Texture coordinates.
     pub uvs: Vec<[f64; 2]>,
-    /// Linear colours, 0..=1.
-    pub colors: Vec<DVec3>,
+    /// Linear colours, and in the fourth the length of the hair as a share of the longest; all 0..=1.
+    pub colors: Vec<DVec4>,
     /// Joints and weights; written only with a skeleton.
     pub weights: Vec<Weights>,
     /// Corner indices.
@@ -140,7 +140,7 @@ impl Primitive {
     }
 
     /// Adds a vertex.
-    pub fn push_vertex(&mut self, position: DVec3, normal: DVec3, uv: [f64; 2], color: DVec3, weights: Weights) {
+    pub fn push_vertex(&mut self, position: DVec3, normal: DVec3, uv: [f64; 2], color: DVec4, weights: Weights) {
         self.positions.push(position);
         self.normals.push(normal);
         self.uvs.push(uv);
@@ -271,7 +271,7 @@ impl Model {
             "TEXCOORD_0": buffer.push_floats(&uvs, 2, vertex, false),
         });
         let level = |x: f64| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
-        let colors: Vec<u8> = p.colors.iter().flat_map(|c| [level(c.x), level(c.y), level(c.z), 255]).collect();
+        let colors: Vec<u8> = p.colors.iter().flat_map(|c| c.to_array().map(level)).collect();
         let normalized = json!({"normalized": true});
         attributes["COLOR_0"] = buffer.push(&colors, vertex, UNSIGNED_BYTE, "VEC4", n, normalized.clone()).into();
         if self.skeleton.is_some() {

@@ -4,7 +4,7 @@
 //! the comb field, the coat's colours and the skeleton all come from the same list.
 
 use anyhow::Context as _;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, DVec4};
 
 use super::{
     charts::{self, ChartParams},
@@ -229,6 +229,22 @@ fn coat(p: DVec3, n: DVec3) -> DVec3 {
     c.lerp(rust, ramp(0.02, 0.008, p.y) * 0.4)
 }
 
+/// Length of the hair at a point of the skin as a share of the longest: short on the face, the ears and the feet, and none to
+/// speak of round the eyes.
+fn hair_length(p: DVec3) -> f64 {
+    let mut length = 1.0;
+    let mut shorten = |to: f64, share: f64| length += (f64::min(to, length) - length) * share;
+    shorten(0.5, ramp(0.06, 0.025, p.y));
+    shorten(0.55, ramp(0.262, 0.3, p.y));
+    shorten(0.5, ramp(0.335, 0.36, p.y));
+    if p.y < 0.345 {
+        shorten(0.3, ramp(0.265, 0.285, p.y) * ramp(0.1, 0.138, p.z));
+        let (centre, _) = eye(if p.x > 0.0 { 1.0 } else { -1.0 });
+        shorten(0.06, ramp(0.034, 0.0165, (p - centre).length()));
+    }
+    length
+}
+
 /// Makes the body's mesh: closed, about 5 000 triangles, vertices on the surface.
 pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     let field = |p: DVec3| body.distance(p);
@@ -257,7 +273,7 @@ pub fn model() -> anyhow::Result<Model> {
     for vertex in &atlas.vertices {
         let source = vertex.position as usize;
         let (p, n) = (mesh.positions[source], normals[source]);
-        coat_primitive.push_vertex(p, n, vertex.uv, coat(p, n), weights[source]);
+        coat_primitive.push_vertex(p, n, vertex.uv, coat(p, n).extend(hair_length(p)), weights[source]);
     }
     coat_primitive.triangles = atlas.triangles;
 
@@ -299,7 +315,7 @@ fn push_ball(to: &mut Primitive, centre: DVec3, radii: DVec3, n: u32) {
                 let (s, t) = (f64::from(i) / f64::from(n) * 2.0 - 1.0, f64::from(j) / f64::from(n) * 2.0 - 1.0);
                 let unit = (out + along_u * s + along_v * t).normalize();
                 let uv = [(s + 1.0) * radii.x / METRES_PER_UV, (t + 1.0) * radii.y / METRES_PER_UV];
-                to.push_vertex(centre + unit * radii, (unit / radii).normalize(), uv, DVec3::ONE, hare_rig::HEAD_ONLY);
+                to.push_vertex(centre + unit * radii, (unit / radii).normalize(), uv, DVec4::ONE, hare_rig::HEAD_ONLY);
             }
         }
         for j in 0..n {

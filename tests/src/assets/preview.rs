@@ -72,7 +72,8 @@ fn draw_panel(model: &Model, eye: DVec3, checker: bool, picture: &mut RgbImage, 
                         let inside = uv - uv.floor();
                         DVec3::new(0.15 + 0.7 * inside.x, 0.15 + 0.7 * inside.y, 0.4) * (0.35 + 0.65 * odd)
                     } else {
-                        mix(t.map(|v| primitive.colors[v])) * DVec3::from(model.materials[primitive.material].color)
+                        mix(t.map(|v| primitive.colors[v].truncate()))
+                            * DVec3::from(model.materials[primitive.material].color)
                     };
                     let lit = color * (0.35 + 0.75 * n.dot(light).max(0.0));
                     let srgb = lit.to_array().map(|c| (c.clamp(0.0, 1.0).sqrt() * 255.0) as u8);

@@ -69,7 +69,7 @@ fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize
             let side = tangent.cross(normals[i0]);
             let normal = normals[i0] * libm::cos(angle) + side * libm::sin(angle);
             let uv = [round * round_u, along * round_v];
-            primitive.push_vertex(p + normal * radius, normal, uv, DVec3::from(color), HEAD_ONLY);
+            primitive.push_vertex(p + normal * radius, normal, uv, DVec3::from(color).extend(1.0), HEAD_ONLY);
         }
     }
     let row = sides as u32 + 1;

@@ -5,7 +5,7 @@ use crate::import::json::shorten;
 use crate::import::material::{self, MAX_TEXELS};
 use crate::import::notes::{Notes, why_unreadable};
 use crate::import::source::Resolve;
-use crate::mesh::{BaseColorImage, Material};
+use crate::mesh::{Image, Material};
 use std::collections::{BTreeMap, btree_map};
 
 /// The materials of all material files, and those that faces use.
@@ -14,7 +14,7 @@ pub(super) struct Library {
     /// In the order of first use.
     pub used: Vec<Material>,
     /// Of the used materials, decoded.
-    pub images: Vec<BaseColorImage>,
+    pub images: Vec<Image>,
     known: BTreeMap<String, Entry>,
     /// From names to numbers in `used`.
     numbers: BTreeMap<String, usize>,

@@ -11,6 +11,7 @@ struct SkinVarying {
     @location(4) half_ts: vec3<f32>,
     // 1 where fur grows, 0 where its height is 0.
     @location(5) coat: f32,
+    @location(6) groom: vec2<f32>,
 }
 
 @vertex
@@ -27,6 +28,7 @@ fn vs_skin(v: Vertex) -> SkinVarying {
     out.light_ts = to_tile(tile, light);
     out.half_ts = to_tile(tile, half);
     out.coat = select(0.0, 1.0, v.fur_height > 0.0);
+    out.groom = v.groom.xy;
     return out;
 }
 
@@ -48,16 +50,17 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
 @fragment
 fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let base = base_color(in.tint, in.base_uv);
-    let texel = textureSample(shell_colors, shell_sampler, in.tile_uv, 0);
-    let direction = decode_direction(textureSample(shell_directions, shell_sampler, in.tile_uv, 0), PLANAR_DIRECTIONS);
+    let groom = groom_at(in.groom, in.base_uv);
+    let texel = hair_at(in.tile_uv, 0u, groom.y);
     if is_cut(base.a) {
         discard;
     }
     let n_dot_l = select(-in.light_ts.z, in.light_ts.z, front);
     let share = ambient_attenuation(0.0, instance.ambient_floor);
     let light = vec3(in.light_ts.xy, n_dot_l);
-    let hair = shade_hair(texel.rgb * base.rgb, texel.a, direction, light, in.half_ts, share);
+    let color = texel.color;
+    let hair = shade_hair(color.rgb * base.rgb, color.a, texel.direction, light, in.half_ts, share, groom.y);
     // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
-    let undercoat = hair + (1.0 - texel.a) * share * shade_bare(base.rgb, n_dot_l);
-    return vec4(mix(shade_bare(base.rgb, n_dot_l), undercoat, in.coat), 1.0);
+    let undercoat = hair + (1.0 - color.a) * share * shade_bare(base.rgb, n_dot_l);
+    return vec4(mix(shade_bare(base.rgb, n_dot_l), undercoat, in.coat * groom.x), 1.0);
 }

@@ -1,6 +1,13 @@
-//! Where hair grows, and how long: the `groom` stage. Lengths are metres in the posed rest state.
+//! Where hair grows, how long, and what varies over the model: the `groom` stage. Lengths are metres in the posed rest state.
 
-use crate::mesh::{Material, Mesh, RestPose};
+mod colors;
+mod maps;
+mod sample;
+
+pub use colors::{Colors, MaterialColor, colors};
+pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
+
+use crate::mesh::{Material, RestPose};
 use pelage_formats::Bounds;
 
 /// Length of the hair where the recipe gives none, as a share of the bounding sphere's radius: a short-haired animal's coat.
@@ -73,17 +80,6 @@ fn glob(pattern: &str, name: &str) -> bool {
         }
     }
     pattern[p..].iter().all(|c| *c == '*')
-}
-
-/// Height of the outermost layer at every vertex, metres: `height_m` on furred parts, 0 on bare ones.
-pub fn fur_heights(mesh: &Mesh, furred: &[bool], height_m: f32) -> Vec<f32> {
-    let mut heights = vec![0.0; mesh.positions.len()];
-    for part in mesh.parts.iter().filter(|p| furred.get(p.material).copied().unwrap_or(false)) {
-        for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
-            triangle.iter().for_each(|i| heights[*i as usize] = height_m);
-        }
-    }
-    heights
 }
 
 #[cfg(test)]

@@ -1,0 +1,172 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use super::*;
+use crate::recipe::{Channel, Recipe};
+
+/// A square of two triangles in two materials, "skin" and "Nose", that share the diagonal; uv is (x, 1 - y).
+fn square() -> (Mesh, Vec<Material>, RestPose) {
+    let positions = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+    let part = |material, first_triangle| MeshPart {
+        source: format!("part {material}"),
+        material,
+        first_triangle,
+        triangle_count: 1,
+        has_uvs: true,
+    };
+    let mesh = Mesh {
+        normals: vec![Vec3::Z; 4],
+        uvs: positions.iter().map(|p| Vec2::new(p.x, 1.0 - p.y)).collect(),
+        colors: vec![[0, 51, 102, 255], [255, 51, 102, 0], [255, 51, 102, 51], [0, 51, 102, 51]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        parts: vec![part(0, 0), part(1, 1)],
+        positions,
+        ..Mesh::default()
+    };
+    let material = |name: &str| Material {
+        name: name.into(),
+        base_color: [1.0; 4],
+        base_color_image: None,
+        alpha_cutoff: None,
+        double_sided: false,
+    };
+    let rest = RestPose::of(&mesh, None);
+    (mesh, vec![material("skin"), material("Nose")], rest)
+}
+
+/// An image of one row.
+fn row(texels: &[[u8; 4]]) -> Image {
+    Image { width: texels.len() as u32, height: 1, rgba: texels.concat() }
+}
+
+fn images() -> MapImages {
+    let mut images = MapImages::default();
+    // Left black, right white in red; green 0.6 everywhere; flow to the lower right.
+    images.images.insert("a.png".into(), row(&[[0, 153, 0, 255], [255, 153, 0, 255]]));
+    images.images.insert("flow.png".into(), row(&[[255, 0, 128, 255]]));
+    images
+}
+
+struct Evaluated {
+    lay: Lay,
+    coat: Coat,
+    textures: GroomTextures,
+    water: Water,
+    warnings: Vec<String>,
+}
+
+fn evaluate(recipe: &str, furred: [bool; 2]) -> Evaluated {
+    let groom = Recipe::parse("r.toml", recipe).unwrap().groom;
+    let (mesh, materials, rest) = square();
+    let (images, mut warnings) = (images(), Vec::new());
+    let maps = Maps::new(&mesh, &materials, &furred, &groom, &images, &mut warnings);
+    Evaluated {
+        lay: maps.lay(&mesh, &rest, Vec3::X).unwrap(),
+        coat: maps.coat(&mesh).unwrap(),
+        textures: maps.textures().unwrap(),
+        water: maps.water(),
+        warnings,
+    }
+}
+
+#[test]
+fn nothing_said_is_nothing_done() {
+    let found = evaluate("", [true, true]);
+    assert_eq!(found.lay, Lay::default());
+    let zero = vec![0.0; 4];
+    assert_eq!(found.coat, Coat { length: vec![1.0; 4], lean: zero.clone(), wetness: zero.clone(), bareness: zero });
+    assert_eq!((found.textures.images.len(), found.water), (0, Water::Dry));
+    assert_eq!(evaluate("", [true, false]).coat.length, [1.0, 1.0, 1.0, 0.0], "a bare material has no hair");
+}
+
+#[test]
+fn constants_vertex_colours_and_images_are_read() {
+    let text =
+        "[groom]\nlength = \"vertex#a\"\nlean = 0.25\nwetness = \"vertex#b\"\nbare = \"vertex\"\ndensity = \"a.png\"";
+    let found = evaluate(text, [true, true]);
+    assert_eq!(found.coat.length, [1.0, 0.0, 0.2, 0.2]);
+    assert_eq!(found.coat.lean, [0.25; 4]);
+    assert_eq!(found.coat.wetness, [0.4; 4]);
+    assert_eq!(found.coat.bareness, [0.0, 1.0, 1.0, 0.0]);
+    // u is 0 or 1, where a repeated image mixes its two sides: 0.5, which is a density of 1.
+    assert_eq!(found.lay.density.unwrap(), [1.0; 4]);
+    assert_eq!((found.textures.images.len(), found.water), (0, Water::Mixed));
+    let lengths = evaluate("[groom]\nlength = \"a.png#g\"", [true, true]).coat.length;
+    assert!(lengths.iter().all(|l| (l - 0.6).abs() < 1e-6), "{lengths:?}");
+}
+
+#[test]
+fn tables_for_materials_win_and_shared_vertices_take_the_mean() {
+    let text = "[groom]\nlength = 0.5\ndensity = 2\n[[groom.material]]\nname = \"*\"\nlength = 0.25\n\
+        [[groom.material]]\nname = \"nose?\"\nlength = 0\n[[groom.material]]\nname = \"NOSE\"\nlength = 0.75\ndensity = 4";
+    let found = evaluate(text, [true, true]);
+    assert_eq!(found.coat.length, [0.5, 0.25, 0.5, 0.75]);
+    assert_eq!(found.lay.density.unwrap(), [3.0, 2.0, 3.0, 4.0]);
+    assert!(
+        matches!(&found.warnings[..], [one] if one.contains("nose?") && one.contains("skin")),
+        "{:?}",
+        found.warnings
+    );
+}
+
+#[test]
+fn combs_are_vectors_at_rest_or_flow_on_the_image() {
+    let comb = |comb: &str| evaluate(&format!("[groom]\ncomb = {comb}"), [true, true]).lay.comb.unwrap();
+    assert_eq!(comb("[0, -2, 0]"), [Vec3::new(0.0, -2.0, 0.0); 4]);
+    assert!(comb("\"vertex\"").iter().all(|v| (*v - Vec3::new(v.x, -0.6, -0.2)).length() < 1e-6));
+    // Right on the image is +x, up on it +y: red 1 and green 0 point to the lower right.
+    for v in comb("\"flow.png#uv\"") {
+        assert!((v.normalize() - Vec3::new(1.0, -1.0, 0.0).normalize()).length() < 1e-2, "{v}");
+    }
+    // Materials that say nothing are combed as the surface is; the diagonal takes the mean.
+    let nose = evaluate("[[groom.material]]\nname = \"Nose\"\ncomb = [0, 1, 0]", [true, true]).lay.comb.unwrap();
+    assert_eq!(nose, [Vec3::new(0.5, 0.5, 0.0), Vec3::X, Vec3::new(0.5, 0.5, 0.0), Vec3::Y]);
+    assert!((comb("\"flow.png\"")[0] - Vec3::new(1.0, -1.0, 0.0)).length() < 0.01);
+}
+
+#[test]
+fn images_of_bareness_and_wetness_become_one_texture_for_each_pair() {
+    let text = "[groom]\nbare = \"a.png\"\n[[groom.material]]\nname = \"Nose\"\nwetness = \"a.png#g\"";
+    let found = evaluate(text, [true, true]);
+    assert_eq!(found.textures.of_material, [Some(0), Some(1)]);
+    assert_eq!(found.textures.images[0], row(&[[255, 0, 0, 255], [0, 0, 0, 255]]));
+    assert_eq!(found.textures.images[1], row(&[[255, 153, 0, 255], [0, 153, 0, 255]]));
+    assert_eq!((found.coat.bareness, found.coat.wetness), (vec![0.0; 4], vec![0.0; 4]), "the texture says it");
+    let shared = evaluate("[groom]\nbare = \"a.png\"", [true, true]).textures;
+    assert_eq!((shared.of_material, shared.images.len()), (vec![Some(0), Some(0)], 1));
+    assert_eq!(evaluate("[groom]\nbare = \"a.png\"", [true, false]).textures.of_material, [Some(0), None]);
+}
+
+#[test]
+fn without_texture_coordinates_images_do_nothing_and_say_so() {
+    let groom = Recipe::parse("r.toml", "[groom]\nlength = \"a.png\"\ncomb = \"flow.png#uv\"").unwrap().groom;
+    let (mut mesh, materials, rest) = square();
+    mesh.parts.iter_mut().for_each(|p| p.has_uvs = false);
+    mesh.uvs.fill(Vec2::ZERO);
+    let (images, mut warnings) = (images(), Vec::new());
+    let maps = Maps::new(&mesh, &materials, &[true; 2], &groom, &images, &mut warnings);
+    assert_eq!(maps.coat(&mesh).unwrap().length, [1.0; 4]);
+    assert_eq!(maps.lay(&mesh, &rest, Vec3::X).unwrap().comb.unwrap(), [Vec3::ZERO; 4]);
+    assert!(warnings.len() == 2 && warnings[0].contains("part 0") && warnings[0].contains("a.png"), "{warnings:?}");
+}
+
+#[test]
+fn an_image_that_was_not_read_is_an_error() {
+    let groom = GroomParams {
+        length: ScalarMap::Image { path: "b.png".into(), channel: Channel::Red },
+        ..GroomParams::default()
+    };
+    let (mesh, materials, _) = square();
+    let images = images();
+    let maps = Maps::new(&mesh, &materials, &[true; 2], &groom, &images, &mut Vec::new());
+    assert!(maps.coat(&mesh).unwrap_err().to_string().contains("b.png"));
+}
+
+#[test]
+fn water_is_dry_wet_or_mixed() {
+    let water = |text: &str, furred| evaluate(text, furred).water;
+    assert_eq!(water("[groom]\nwetness = 1", [true, true]), Water::Wet);
+    assert_eq!(water("[groom]\nwetness = 0.5", [true, true]), Water::Mixed);
+    let nose = "[[groom.material]]\nname = \"Nose\"\nwetness = 1";
+    assert_eq!([water(nose, [true, true]), water(nose, [false, true])], [Water::Mixed, Water::Wet]);
+    assert_eq!(water(nose, [true, false]), Water::Dry);
+}

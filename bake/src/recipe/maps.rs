@@ -1,0 +1,303 @@
+//! Values that vary over the model: each a constant, the model's vertex colours, or an image.
+//!
+//! In a recipe a map is a constant (`0.5`, `[0, 0, 1]`, `"#8c7c6c"`), `"vertex"` for the vertex colours, or the path of an image from
+//! the recipe's folder. A channel may follow: `"vertex#a"`, `"maps/coat.png#g"`; without one it is the red.
+
+use super::field::{Field, Range, Raw, SrgbColor};
+use serde::{Deserialize, Serialize};
+
+/// What stands for the vertex colours.
+const VERTEX: &str = "vertex";
+
+/// A channel of an image or of the vertex colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Channel {
+    /// `#r`, also where none is given.
+    #[default]
+    Red,
+    /// `#g`.
+    Green,
+    /// `#b`.
+    Blue,
+    /// `#a`.
+    Alpha,
+}
+
+impl Channel {
+    const ALL: [(Self, char); 4] = [(Self::Red, 'r'), (Self::Green, 'g'), (Self::Blue, 'b'), (Self::Alpha, 'a')];
+
+    /// Its place in a texel.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    fn suffix(self) -> String {
+        Self::ALL
+            .iter()
+            .filter(|(c, _)| *c == self && self != Self::Red)
+            .map(|(_, letter)| format!("#{letter}"))
+            .collect()
+    }
+
+    fn from_letter(letter: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, l)| letter.chars().eq([*l])).map(|(c, _)| *c)
+    }
+}
+
+/// One number per point of the model. Values of images and vertex colours are read as 0..=1, without sRGB decoding.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Text", into = "Text")]
+pub enum ScalarMap {
+    /// The same everywhere.
+    Constant(f32),
+    /// A channel of the vertex colours (`COLOR_0`).
+    Vertex(Channel),
+    /// A channel of an image in the model's texture coordinates.
+    Image {
+        /// Path from the recipe's folder.
+        path: String,
+        /// Channel.
+        channel: Channel,
+    },
+}
+
+/// One direction per point of the model; its length, up to 1, is how much it counts against its neighbours'.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Text", into = "Text")]
+pub enum VectorMap {
+    /// The same everywhere: x, y, z of the model at rest.
+    Constant([f32; 3]),
+    /// Vertex colours: 2·rgb − 1 is x, y, z of the model at rest.
+    Vertex,
+    /// An image in the model's texture coordinates.
+    Image {
+        /// Path from the recipe's folder.
+        path: String,
+        /// `#uv`: 2·rg − 1 points right and up on the image. Otherwise 2·rgb − 1 is x, y, z of the model at rest.
+        flow: bool,
+    },
+}
+
+/// One colour per point of the model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Text", into = "Text")]
+pub enum ColorMap {
+    /// The same everywhere.
+    Constant(SrgbColor),
+    /// The vertex colours.
+    Vertex,
+    /// An sRGB image in the model's texture coordinates; the path is from the recipe's folder.
+    Image(String),
+}
+
+/// A path and what follows its last `#`.
+fn split(text: &str) -> (&str, Option<&str>) {
+    text.rsplit_once('#').map_or((text, None), |(path, suffix)| (path, Some(suffix)))
+}
+
+/// A path that a recipe may name.
+fn image_path(text: &str) -> Option<String> {
+    // Both kinds of slash, and drives, so that a recipe is refused alike on every system.
+    let drive = text.as_bytes().get(1) == Some(&b':');
+    let legal = !text.is_empty() && text != VERTEX && !text.starts_with(['/', '\\']) && !drive;
+    (legal && !text.contains(['#', '\0'])).then(|| text.to_owned())
+}
+
+impl ScalarMap {
+    /// Path of the image, if it is one.
+    pub fn image(&self) -> Option<&str> {
+        match self {
+            Self::Image { path, .. } => Some(path),
+            Self::Constant(_) | Self::Vertex(_) => None,
+        }
+    }
+
+    /// What stands for it in a recipe, where that is a string.
+    fn name(&self) -> Option<String> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Vertex(channel) => Some(format!("{VERTEX}{}", channel.suffix())),
+            Self::Image { path, channel } => Some(format!("{path}{}", channel.suffix())),
+        }
+    }
+}
+
+impl VectorMap {
+    /// Path of the image, if it is one.
+    pub fn image(&self) -> Option<&str> {
+        match self {
+            Self::Image { path, .. } => Some(path),
+            Self::Constant(_) | Self::Vertex => None,
+        }
+    }
+
+    /// What stands for it in a recipe, where that is a string.
+    fn name(&self) -> Option<String> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Vertex => Some(VERTEX.to_owned()),
+            Self::Image { path, flow } => Some(format!("{path}{}", if *flow { "#uv" } else { "" })),
+        }
+    }
+}
+
+impl ColorMap {
+    /// Path of the image, if it is one.
+    pub fn image(&self) -> Option<&str> {
+        match self {
+            Self::Image(path) => Some(path),
+            Self::Constant(_) | Self::Vertex => None,
+        }
+    }
+
+    /// What stands for it in a recipe, where that is a string.
+    fn name(&self) -> Option<String> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Vertex => Some(VERTEX.to_owned()),
+            Self::Image(path) => Some(path.clone()),
+        }
+    }
+}
+
+impl Field for ScalarMap {
+    type Range = Range<f32>;
+
+    fn expected(range: &Self::Range) -> String {
+        format!("{}, \"vertex\" or the relative path of an image, either with #r, #g, #b or #a", f32::expected(range))
+    }
+
+    fn from_raw(raw: &Raw) -> Option<Self> {
+        let Raw::String(text) = raw else { return f32::from_raw(raw).map(Self::Constant) };
+        let (source, suffix) = split(text);
+        let channel = suffix.map_or(Some(Channel::default()), Channel::from_letter)?;
+        if source == VERTEX {
+            return Some(Self::Vertex(channel));
+        }
+        image_path(source).map(|path| Self::Image { path, channel })
+    }
+
+    fn in_range(&self, range: &Self::Range) -> bool {
+        match self {
+            Self::Constant(value) => value.in_range(range),
+            Self::Vertex(_) | Self::Image { .. } => true,
+        }
+    }
+
+    fn to_toml(&self) -> Option<String> {
+        match self {
+            Self::Constant(value) => value.to_toml(),
+            named => named.name().as_deref().and_then(quoted),
+        }
+    }
+}
+
+impl Field for VectorMap {
+    type Range = ();
+
+    fn expected((): &()) -> String {
+        "[x, y, z], \"vertex\" or the relative path of an image, which may end in #uv".into()
+    }
+
+    fn from_raw(raw: &Raw) -> Option<Self> {
+        let Raw::String(text) = raw else { return <[f32; 3]>::from_raw(raw).map(Self::Constant) };
+        match split(text) {
+            (VERTEX, None) => Some(Self::Vertex),
+            (path, None) => image_path(path).map(|path| Self::Image { path, flow: false }),
+            (path, Some("uv")) => image_path(path).map(|path| Self::Image { path, flow: true }),
+            _ => None,
+        }
+    }
+
+    fn in_range(&self, (): &()) -> bool {
+        match self {
+            Self::Constant(v) => v.iter().all(|x| x.is_finite()) && v.iter().any(|x| *x != 0.0),
+            Self::Vertex | Self::Image { .. } => true,
+        }
+    }
+
+    fn to_toml(&self) -> Option<String> {
+        match self {
+            Self::Constant(v) => v.to_toml(),
+            named => named.name().as_deref().and_then(quoted),
+        }
+    }
+}
+
+impl Field for ColorMap {
+    type Range = ();
+
+    fn expected((): &()) -> String {
+        "\"#rrggbb\", [r, g, b] with numbers 0..=1, \"vertex\" or the relative path of an image".into()
+    }
+
+    fn from_raw(raw: &Raw) -> Option<Self> {
+        match raw {
+            Raw::String(text) if text == VERTEX => Some(Self::Vertex),
+            Raw::String(text) if !text.starts_with('#') => image_path(text).map(Self::Image),
+            _ => SrgbColor::from_raw(raw).map(Self::Constant),
+        }
+    }
+
+    fn in_range(&self, (): &()) -> bool {
+        match self {
+            Self::Constant(color) => color.in_range(&()),
+            Self::Vertex | Self::Image(_) => true,
+        }
+    }
+
+    fn to_toml(&self) -> Option<String> {
+        match self {
+            Self::Constant(color) => color.to_toml(),
+            named => named.name().as_deref().and_then(quoted),
+        }
+    }
+}
+
+fn quoted(text: &str) -> Option<String> {
+    Some(toml::Value::from(text).to_string())
+}
+
+/// A map as serde sees it: what stands in a recipe.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(untagged)]
+enum Text {
+    Number(f32),
+    Triple([f32; 3]),
+    String(String),
+}
+
+impl From<&Text> for Raw {
+    fn from(text: &Text) -> Self {
+        match text {
+            Text::Number(x) => Self::Float(f64::from(*x)),
+            Text::Triple(v) => Self::Array(v.iter().map(|x| Self::Float(f64::from(*x))).collect()),
+            Text::String(s) => Self::String(s.clone()),
+        }
+    }
+}
+
+/// Joins a map type to serde through [`Text`].
+macro_rules! as_text {
+    ($ty:ty, $range:expr, $constant:pat => $text:expr) => {
+        impl TryFrom<Text> for $ty {
+            type Error = String;
+
+            fn try_from(text: Text) -> Result<Self, String> {
+                Self::read(&Raw::from(&text), &$range)
+            }
+        }
+
+        impl From<$ty> for Text {
+            fn from(map: $ty) -> Self {
+                match map {
+                    $constant => $text,
+                    named => Self::String(named.name().unwrap_or_default()),
+                }
+            }
+        }
+    };
+}
+as_text!(ScalarMap, f32::MIN..=f32::MAX, ScalarMap::Constant(x) => Text::Number(x));
+as_text!(VectorMap, (), VectorMap::Constant(v) => Text::Triple(v));
+as_text!(ColorMap, (), ColorMap::Constant(c) => Text::Triple(c.0));

@@ -1,0 +1,82 @@
+//! Groom maps through the real binary: recipes that name images.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_formats::{Limits, Package};
+use pelage_tests::binary::{Sandbox, workspace};
+
+/// A PNG of two texels beside each other.
+fn png(texels: [[u8; 4]; 2]) -> Vec<u8> {
+    let image = image::RgbaImage::from_raw(2, 1, texels.concat()).unwrap();
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+/// A folder with the torus.
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
+    sandbox
+}
+
+const BAKE: [&str; 8] =
+    ["bake", "torus.glb", "-o", "t.pelage", "--recipe", "recipes/r.toml", "--set", "slice.layers=4"];
+
+#[test]
+fn images_beside_the_recipe_go_into_the_package() {
+    let sandbox = sandbox();
+    let map = png([[255, 0, 0, 255], [0, 255, 0, 255]]);
+    sandbox.write("recipes/maps/coat.png", &map);
+    let recipe = "[groom]\nbare = \"maps/coat.png\"\nwetness = \"maps/coat.png#g\"\ncolor = \"maps/coat.png\"\nlean = 0.5\n\
+        [[groom.material]]\nname = \"Coat\"\nlength = 0.5\n[pack]\ndirection_format = \"rg8\"\n";
+    sandbox.write("recipes/r.toml", recipe);
+    let run = sandbox.run(&BAKE);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let bytes = std::fs::read(sandbox.path().join("t.pelage")).unwrap();
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let manifest = package.manifest();
+
+    let read: Vec<_> = manifest.inputs.iter().filter(|i| i.role == "image").collect();
+    assert!(matches!(&read[..], [one] if one.name == "coat.png" && one.bytes == map.len() as u64), "{read:?}");
+    assert!(manifest.recipe.contains("maps/coat.png#g"), "{}", manifest.recipe);
+    let groom = package.groom_texture(0).unwrap().unwrap();
+    assert_eq!(
+        (groom.width, groom.height, groom.level(0)),
+        (2, 1, &[0, 0, 255, 255][..]),
+        "share of the hair, wetness"
+    );
+    assert!(manifest.materials[0].base_color_texture.is_some() && package.wet_textures().unwrap().is_some());
+    let mesh = package.mesh().unwrap().unwrap();
+    let half = manifest.fur.height_m / 2.0;
+    assert!(mesh.geometry().all(|v| v.lean == 0.5 && (v.fur_height - half).abs() < 1e-7));
+
+    // The same through --set, whose paths begin at the recipe's folder too.
+    sandbox.write("recipes/r.toml", recipe.replace("color = \"maps/coat.png\"\n", ""));
+    let run = sandbox.run(&[&BAKE[..], &["--set", "groom.color=maps/coat.png"]].concat());
+    assert_eq!(run.code, Some(0), "{run:?}");
+}
+
+#[test]
+fn an_image_that_cannot_be_read_is_named_with_recipe_and_key() {
+    let sandbox = sandbox();
+    sandbox.write("recipes/broken.png", b"\x89PNG\r\n\x1a\n and no more");
+    for (recipe, words) in [
+        ("[groom]\nbare = \"none.png\"", ["recipes/r.toml", "groom.bare", "recipes/none.png"]),
+        ("[groom]\nlength = \"broken.png\"", ["recipes/r.toml", "groom.length", "recipes/broken.png"]),
+        (
+            "[[groom.material]]\nname = \"Coat\"\ncolor = \"r.toml\"",
+            ["recipes/r.toml", "groom.material, table 0, color", "recipes/r.toml is 49 bytes"],
+        ),
+        ("[groom]\nbare = \"../../../../etc\"", ["recipes/r.toml", "groom.bare", "etc"]),
+    ] {
+        sandbox.write("recipes/r.toml", recipe);
+        let before = sandbox.files();
+        let run = sandbox.run(&BAKE);
+        assert_eq!(run.code, Some(3), "{recipe}: {run:?}");
+        for word in words {
+            assert!(run.stderr.contains(word), "{recipe}: no {word:?} in {}", run.stderr);
+        }
+        assert_eq!(sandbox.files(), before, "{recipe} left something behind");
+    }
+}

@@ -1,0 +1,107 @@
+//! What the groom does to a picture: bare skin, wet hair, lean.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_runtime::formats::Shading;
+use pelage_runtime::glam::Vec3;
+use pelage_runtime::{Camera, FrameParams, Instance, Projection, Renderer, RendererOptions, Style};
+use pelage_tests::gpu::gpu;
+use pelage_tests::pictures::{Picture, difference, draw};
+use pelage_tests::plane::{PlaneGroom, groomed_plane};
+use pelage_tests::support::headless::Gpu;
+
+const SIZE: (u32, u32) = (64, 64);
+const LAYERS: u32 = 8;
+const OPACITY: u8 = 90;
+
+/// Straight from above: the plane of 0.2 m fills the picture.
+fn above() -> FrameParams {
+    let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
+    FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection))
+}
+
+fn picture(gpu: &Gpu, params: &FrameParams, opacity: u8, shading: Shading, groom: &PlaneGroom) -> Picture {
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let package = groomed_plane(LAYERS, opacity, shading, groom);
+    let mut plane = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package).unwrap());
+    draw(gpu, &mut renderer, SIZE, params, &mut [&mut plane])
+}
+
+fn plain(gpu: &Gpu, groom: &PlaneGroom) -> Picture {
+    picture(gpu, &above(), OPACITY, Shading::default(), groom)
+}
+
+fn bare(gpu: &Gpu) -> Picture {
+    let params = FrameParams { style: Style::Bare, ..above() };
+    picture(gpu, &params, OPACITY, Shading::default(), &PlaneGroom::default())
+}
+
+#[test]
+fn bare_vertices_show_the_skin() {
+    let Some(gpu) = gpu("bare_vertices_show_the_skin") else { return };
+    let furry = plain(gpu, &PlaneGroom::default());
+    let bald = plain(gpu, &PlaneGroom { vertex: [255, 0], ..PlaneGroom::default() });
+    assert!(difference(&bald, &bare(gpu)).mean < 0.5, "{:?}", difference(&bald, &bare(gpu)));
+    assert!(difference(&bald, &furry).mean > 5.0, "the mask does nothing");
+    let half = plain(gpu, &PlaneGroom { vertex: [128, 0], ..PlaneGroom::default() });
+    let green = [&furry, &half, &bald].map(|p| p.mean(1));
+    let between = green[0].min(green[2])..green[0].max(green[2]);
+    assert!(between.contains(&green[1]), "furry, half and bald: {green:?}");
+}
+
+#[test]
+fn bare_texels_show_the_skin_and_their_neighbours_the_fur() {
+    let Some(gpu) = gpu("bare_texels_show_the_skin_and_their_neighbours_the_fur") else { return };
+    let left_bare = PlaneGroom { texture: Some((2, vec![[0, 0], [255, 0]])), ..PlaneGroom::default() };
+    let masked = plain(gpu, &left_bare);
+    let (furry, bald) = (plain(gpu, &PlaneGroom::default()), bare(gpu));
+    // Away from the middle and the border, where the sampler mixes both.
+    for (x, expected, name) in [(16, &bald, "bald"), (48, &furry, "furry")] {
+        for y in [8, 32, 56] {
+            let at = y * SIZE.0 as usize + x;
+            let found = masked.rgba[at].iter().zip(expected.rgba[at]).map(|(a, b)| a.abs_diff(b)).max();
+            assert!(found <= Some(2), "{x}, {y}: {:?}, expected as {name}: {:?}", masked.rgba[at], expected.rgba[at]);
+        }
+    }
+}
+
+#[test]
+fn wetness_goes_from_dry_hair_to_wet_hair() {
+    let Some(gpu) = gpu("wetness_goes_from_dry_hair_to_wet_hair") else { return };
+    let shading = Shading { specular: [0.4; 3], ..Shading::default() };
+    let wet_opacity = 20;
+    let (dry, wet) = (OPACITY, Some(wet_opacity));
+    let draw = |vertex: [u8; 2], texture: Option<(u32, Vec<[u8; 2]>)>| {
+        picture(gpu, &above(), dry, shading, &PlaneGroom { vertex, texture, wet_opacity: wet, ..PlaneGroom::default() })
+    };
+    let all_dry = picture(gpu, &above(), dry, shading, &PlaneGroom::default());
+    let all_wet = picture(gpu, &above(), wet_opacity, shading.wet(), &PlaneGroom::default());
+    assert!(difference(&all_dry, &all_wet).mean > 5.0, "dry and wet look alike");
+    for (name, found, expected) in [
+        ("dry vertices", draw([0, 0], None), &all_dry),
+        ("wet vertices", draw([0, 255], None), &all_wet),
+        ("wet texels", draw([0, 0], Some((1, vec![[255, 255]]))), &all_wet),
+        ("half from each", draw([0, 128], Some((1, vec![[255, 128]]))), &all_wet),
+    ] {
+        let found = difference(&found, expected);
+        assert!(found.mean < 0.5, "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn lean_moves_the_outer_layers_along_the_comb_direction() {
+    let Some(gpu) = gpu("lean_moves_the_outer_layers_along_the_comb_direction") else { return };
+    // From the right, so that +y, the bitangent, is up: fur 25 mm high that leans wholly reaches 25 mm past the plane's edge.
+    let projection = Projection::Orthographic { height_m: 0.3, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
+    let params = FrameParams::new(Camera::look_at(Vec3::new(2.0, 0.0, 0.9), Vec3::ZERO, projection));
+    let rows = |lean: f32| {
+        let picture = picture(gpu, &params, 255, Shading::default(), &PlaneGroom { lean, ..PlaneGroom::default() });
+        let covered = |row: &[[u8; 4]]| row.iter().any(|p| p[3] > 0);
+        let mut rows = picture.rgba.chunks_exact(SIZE.0 as usize);
+        (rows.position(covered).unwrap(), rows.filter(|row| covered(row)).count())
+    };
+    let (upright, leaned) = (rows(0.0), rows(1.0));
+    let per_row_m = 0.3 / SIZE.1 as f32;
+    let moved = (upright.0 as f32 - leaned.0 as f32) * per_row_m;
+    assert!((moved - 0.025).abs() < 1.5 * per_row_m, "the upper edge moved by {moved} m: {upright:?}, {leaned:?}");
+}
