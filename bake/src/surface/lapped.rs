@@ -339,6 +339,8 @@ fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
             continue;
         }
         let gap = difference / length + shifts[a as usize] - shifts[b as usize];
+        // A border without length has no mean along it.
+        let gap = if length > 0.0 { gap } else { DVec2::ZERO };
         // The smaller group moves: n log n in all.
         let (stays, moves, by) = if members[ga].len() >= members[gb].len() { (ga, gb, gap) } else { (gb, ga, -gap) };
         for i in std::mem::take(&mut members[moves]) {
@@ -352,5 +354,49 @@ fn align(topology: &Topology, patch_of: &[u32], patches: &mut [Solved]) {
         let middle = patch.points.iter().map(|(_, uv)| *uv).sum::<DVec2>() / patch.points.len().max(1) as f64 + shift;
         let shift = shift - middle.round();
         patch.points.iter_mut().for_each(|(_, uv)| *uv += shift);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, dvec3};
+
+    /// A strip of four triangles whose inner edge is `least` long; the repair would have dropped what is much thinner.
+    fn strip(least: f64) -> Topology {
+        let places = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, least), (2.0, 0.0), (2.0, 1.0)];
+        let points = places.map(|(x, z)| dvec3(x, 0.0, z)).to_vec();
+        let faces = vec![[0, 1, 3], [0, 3, 2], [2, 3, 4], [3, 5, 4]];
+        let mut twins = vec![NONE; 12];
+        for (h, g) in [(2, 3), (4, 6), (7, 11)] {
+            (twins[h], twins[g]) = (g as u32, h as u32);
+        }
+        Topology::new(points, faces, twins)
+    }
+
+    fn laid(topology: &Topology) -> Lapped {
+        let frame = |n: &DVec3| FaceFrame { s: DVec3::NEG_Z.cross(*n), t: DVec3::NEG_Z, tile_m: 0.5 };
+        let frames: Vec<FaceFrame> = topology.normals.iter().map(frame).collect();
+        let params = LappedParams {
+            reach: Reach { tiles: 100.0, turn_rad: 2.0, combed: true },
+            bounds: Bounds { least_cosine: 0.9, stretch: 1.5 },
+            comb_weight: 1.0,
+        };
+        lapped_patches(topology, &frames, &params)
+    }
+
+    #[test]
+    fn a_system_that_cannot_be_trusted_parts_the_patch_and_is_counted() {
+        let sound = laid(&strip(0.5));
+        assert_eq!((sound.patches, sound.unsolved), (1, 0));
+        // The gradients of an edge of 1e-170 overflow when squared: no factor, or one of NaN, which must not reach a vertex.
+        let broken = laid(&strip(1e-170));
+        assert!(broken.unsolved > 0 && broken.patches > 1, "{broken:?}");
+        assert!(broken.corners.iter().flatten().all(|uv| uv.is_finite()), "{broken:?}");
+        // What can be laid is laid without distortion all the same.
+        for f in [0, 3] {
+            let [a, b, c] = broken.corners[f];
+            assert!(((b - a).perp_dot(c - a) / 2.0 - 2.0).abs() < 1e-9, "{broken:?}");
+        }
     }
 }
