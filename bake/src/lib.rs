@@ -3,6 +3,7 @@
 //! [`pipeline`] reads top to bottom in the order of the stages; each stage is a function of plain data in a module of its own.
 //! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.
 
+pub mod chart;
 pub mod error;
 pub mod groom;
 pub mod hair;

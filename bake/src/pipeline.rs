@@ -6,9 +6,9 @@ use crate::hair::{self, VolumeParams};
 use crate::mesh::{Image, Model, RestPose};
 use crate::pack::{self, Pieces};
 use crate::recipe::{HairParams, PackParams, Recipe, Style, SurfaceSource};
-use crate::surface::{self, Comb, Measures, SurfaceParams};
+use crate::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::textures;
-use pelage_formats::{FurInfo, Shading};
+use pelage_formats::{Bounds, FurInfo, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 6] = ["surface", "simulate", "slice", "groom", "textures", "pack"];
@@ -22,6 +22,50 @@ pub struct Baked {
     pub measures: Measures,
     /// What was repaired, left out or guessed.
     pub warnings: Vec<String>,
+}
+
+/// What the `surface` stage leaves behind.
+#[derive(Clone, Debug)]
+pub struct Laid<'a> {
+    /// The mesh with its hair-tile coordinates.
+    pub surface: Surface,
+    /// Box and sphere about the skin at rest.
+    pub bounds: Bounds,
+    /// One per material: whether hair grows on it.
+    pub furred: Vec<bool>,
+    /// Lengths that the recipe may leave open.
+    pub lengths: Lengths,
+    /// The recipe's groom maps.
+    pub maps: Maps<'a>,
+}
+
+/// The first stage alone: lays the hair's tile on a model. Arguments as for [`bake`].
+///
+/// # Errors
+///
+/// As [`bake`], as far as this stage goes.
+pub fn lay<'a>(
+    file: &str,
+    model: &Model,
+    recipe: &'a Recipe,
+    images: &'a MapImages,
+    warnings: &mut Vec<String>,
+) -> Result<Laid<'a>, BakeError> {
+    let rest = RestPose::of(&model.mesh, model.animation.as_ref());
+    let bounds = groom::bounds(&rest);
+    let furred = groom::furred_materials(&model.materials, &recipe.model.bare, warnings);
+    let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, warnings);
+    let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+    let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
+    let lay = maps.lay(&model.mesh, &rest, params.comb.everywhere())?;
+    if lay != Lay::default() && recipe.surface.source == SurfaceSource::Model {
+        warnings.push("groom.density and groom.comb have no effect beside surface.source = \"model\"".into());
+    }
+    let comb = lay.comb.map_or(params.comb, Comb::PerVertex);
+    let params = SurfaceParams { comb, density: lay.density, ..params };
+    let surface = surface::parameterize(file, model, &params)?;
+    warnings.extend(surface.warnings.iter().cloned());
+    Ok(Laid { surface, bounds, furred, lengths, maps })
 }
 
 /// Bakes an imported model.
@@ -42,20 +86,7 @@ pub fn bake(
     let mut warnings = model.warnings.clone();
 
     on_stage("surface");
-    let rest = RestPose::of(&model.mesh, model.animation.as_ref());
-    let bounds = groom::bounds(&rest);
-    let furred = groom::furred_materials(&model.materials, &recipe.model.bare, &mut warnings);
-    let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings);
-    let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
-    let surface_params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
-    let lay = maps.lay(&model.mesh, &rest, surface_params.comb.everywhere())?;
-    if lay != Lay::default() && recipe.surface.source == SurfaceSource::Model {
-        warnings.push("groom.density and groom.comb have no effect beside surface.source = \"model\"".into());
-    }
-    let comb = lay.comb.map_or(surface_params.comb, Comb::PerVertex);
-    let surface_params = SurfaceParams { comb, density: lay.density, ..surface_params };
-    let surface = surface::parameterize(file, model, &surface_params)?;
-    warnings.extend(surface.warnings.iter().cloned());
+    let Laid { surface, bounds, furred, lengths, maps } = lay(file, model, recipe, images, &mut warnings)?;
 
     on_stage("simulate");
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };

@@ -2,10 +2,12 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
+use pelage_bake::groom::MapImages;
 use pelage_bake::import::{ImportOptions, input_record};
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::{BakeError, io};
+use pelage_formats::InputRecord;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -19,15 +21,48 @@ pub struct BakeArgs {
     /// The package to write
     #[arg(long, short, value_name = "PKG")]
     output: PathBuf,
-    /// The recipe; what it leaves out has its default
-    #[arg(long, value_name = "R.toml")]
-    recipe: Option<PathBuf>,
-    /// Change one key of the recipe, such as hair.length_m=0.02; may be given several times
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    recipe: RecipeArgs,
     /// Threads to use, by default one per core; the package is the same with any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+}
+
+/// A recipe on the command line.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct RecipeArgs {
+    /// The recipe; what it leaves out has its default
+    #[arg(long, value_name = "R.toml")]
+    pub recipe: Option<PathBuf>,
+    /// Change one key of the recipe, such as hair.length_m=0.02; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl RecipeArgs {
+    /// The recipe with all changes, and the record of its file.
+    pub fn read(&self) -> Result<(Recipe, Option<InputRecord>), BakeError> {
+        let mut input = None;
+        let mut recipe = match &self.recipe {
+            Some(path) => {
+                let file = path.display().to_string();
+                let bytes = io::read_file(path)?;
+                input = Some(input_record("recipe", &file, &bytes));
+                Recipe::parse(&file, &text(&file, bytes)?)?
+            }
+            None => Recipe::default(),
+        };
+        self.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
+        Ok((recipe, input))
+    }
+
+    /// The images that the recipe's maps name. Their paths begin at the recipe's folder, those of `--set` without a recipe where the
+    /// command runs.
+    pub fn images(&self, recipe: &Recipe) -> Result<MapImages, BakeError> {
+        let file = self.recipe.as_ref().map_or("--set".to_owned(), |path| path.display().to_string());
+        let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        io::read_map_images(&file, folder, recipe)
+    }
 }
 
 /// A stage and the seconds it took.
@@ -49,23 +84,10 @@ pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
 }
 
 fn bake_file(args: &BakeArgs, output: &mut Output) -> Result<(Baked, Vec<Stage>), BakeError> {
-    let mut recipe_input = None;
-    let mut recipe = match &args.recipe {
-        Some(path) => {
-            let file = path.display().to_string();
-            let bytes = io::read_file(path)?;
-            recipe_input = Some(input_record("recipe", &file, &bytes));
-            Recipe::parse(&file, &text(&file, bytes)?)?
-        }
-        None => Recipe::default(),
-    };
-    args.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
-    // Paths in the recipe begin at its folder, those of --set without a recipe where the command runs.
-    let recipe_file = args.recipe.as_ref().map_or("--set".to_owned(), |path| path.display().to_string());
-    let folder = args.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    let (recipe, recipe_input) = args.recipe.read()?;
     let mut watch = StageWatch::new(output);
     watch.begin("import");
-    let images = io::read_map_images(&recipe_file, folder, &recipe)?;
+    let images = args.recipe.images(&recipe)?;
     let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m })?;
     model.inputs.extend(recipe_input);
     let file = args.model.display().to_string();

@@ -1,6 +1,7 @@
 //! `pelage demo`: bakes and draws the built-in models; needs no input.
 
 use super::bake::StageWatch;
+use super::built_in::{BuiltIn, HARE, TORUS};
 use super::exit::{Exit, Failure};
 use super::gpu::Gpu;
 use super::output::Output;
@@ -8,9 +9,8 @@ use super::package_file::PackageFile;
 use super::render;
 use super::scene::{Scene, View};
 use pelage_bake::groom::MapImages;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::pipeline::{self, Baked};
-use pelage_bake::recipe::{DirectionFormat, Recipe, ShellFormat};
+use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_bake::{BakeError, io};
 use pelage_runtime::{Style, wgpu};
 use serde_json::json;
@@ -24,28 +24,8 @@ pub struct DemoArgs {
     output: PathBuf,
 }
 
-struct BuiltIn {
-    name: &'static str,
-    glb: &'static [u8],
-    recipe: &'static str,
-    /// A clip and a moment of it to draw besides the rest pose.
-    moment: Option<(&'static str, f32)>,
-}
-
-const MODELS: [BuiltIn; 2] = [
-    BuiltIn {
-        name: "hare",
-        glb: include_bytes!("../../../assets/models/hare.glb"),
-        recipe: include_str!("../../../assets/recipes/hare.toml"),
-        moment: Some(("EarBreath", 0.5)),
-    },
-    BuiltIn {
-        name: "torus",
-        glb: include_bytes!("../../../assets/models/torus.glb"),
-        recipe: include_str!("../../../assets/recipes/torus.toml"),
-        moment: None,
-    },
-];
+/// The models, and a clip and a moment of it to draw besides the rest pose.
+const MODELS: [(BuiltIn, Option<(&str, f32)>); 2] = [(HARE, Some(("EarBreath", 0.5))), (TORUS, None)];
 
 /// A quiet studio grey, sRGB.
 const BACKGROUND: [u8; 3] = [204, 209, 217];
@@ -61,13 +41,13 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
         source,
     })?;
     let (mut packages, mut pictures) = (Vec::new(), Vec::new());
-    for model in &MODELS {
+    for (model, moment) in &MODELS {
         let baked = bake(model, software, output)?;
         let path = args.output.join(format!("{}.pelage", model.name));
         io::write_atomic(&path, &baked.package)?;
         packages.push(path.display().to_string());
         let file = PackageFile { name: path.display().to_string(), bytes: baked.package };
-        for (suffix, view) in views(model) {
+        for (suffix, view) in views(*moment) {
             let path = args.output.join(format!("{}{suffix}.png", model.name));
             output.progress("drawing");
             render::draw(&mut Scene::new(&file, &view, || Ok(gpu.clone()))?, &path)?;
@@ -81,28 +61,26 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
 
 /// Bakes a built-in model; for a software adapter with plain texels, which it reads seven times faster than blocks.
 fn bake(model: &BuiltIn, software: bool, output: &mut Output) -> Result<Baked, Failure> {
-    let file = format!("{}.glb", model.name);
-    let mut recipe = Recipe::parse(&format!("{}.toml", model.name), model.recipe)?;
+    let mut recipe = model.recipe()?;
     if software {
         recipe.pack.shell_format = ShellFormat::Rgba8;
         recipe.pack.direction_format = DirectionFormat::Rg8;
     }
     let mut watch = StageWatch::new(output);
     watch.begin("import");
-    let mut no_files = |uri: &str| Err(BakeError::Internal(format!("a built-in model names the file {uri}")));
-    let options = ImportOptions { unit_m: recipe.model.unit_m };
-    let imported = import(&file, model.glb, &mut no_files, &options)?;
-    let baked =
-        pipeline::bake(&file, model.name, &imported, &recipe, &MapImages::default(), &mut |stage| watch.begin(stage))?;
+    let imported = model.import(&recipe)?;
+    let baked = pipeline::bake(&model.file(), model.name, &imported, &recipe, &MapImages::default(), &mut |stage| {
+        watch.begin(stage);
+    })?;
     watch.finish();
     Ok(baked)
 }
 
 /// The pictures of a model: with fur, without, and in motion.
-fn views(model: &BuiltIn) -> Vec<(&'static str, View)> {
+fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, View)> {
     let furry = View { size: (834, 834), samples: 4, background: Some(BACKGROUND), ..View::default() };
     let mut views = vec![("", furry.clone()), ("_bare", View { style: Style::Bare, ..furry.clone() })];
-    if let Some((clip, time_s)) = model.moment {
+    if let Some((clip, time_s)) = moment {
         views.push(("_moving", View { clip: Some(clip.into()), time_s, ..furry }));
     }
     views

@@ -3,6 +3,8 @@
 mod bake;
 #[cfg(feature = "preview")]
 mod bench;
+mod built_in;
+mod chart;
 #[cfg(feature = "preview")]
 mod demo;
 mod exit;
@@ -70,6 +72,7 @@ enum Command {
     Render(render::RenderArgs),
     #[cfg(feature = "preview")]
     Bench(bench::BenchArgs),
+    Chart(chart::ChartArgs),
 }
 
 impl Command {
@@ -86,6 +89,7 @@ impl Command {
             Self::Render(args) => render::run(&args, output),
             #[cfg(feature = "preview")]
             Self::Bench(args) => bench::run(&args, output),
+            Self::Chart(args) => chart::run(&args, output),
         }
     }
 }

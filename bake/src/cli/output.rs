@@ -48,19 +48,29 @@ impl Output {
 
     /// Shows what is being done, on a terminal only.
     pub fn progress(&mut self, doing: &str) {
+        self.show(doing, "{spinner} {msg} {elapsed}", None);
+    }
+
+    /// As [`Self::progress`], and that `done` of `total` steps are over.
+    pub fn progress_of(&mut self, done: usize, total: usize, doing: &str) {
+        self.show(doing, "{bar:30} {pos}/{len} {msg} {elapsed}", Some((done as u64, total as u64)));
+    }
+
+    fn show(&mut self, doing: &str, template: &str, steps: Option<(u64, u64)>) {
         if self.quiet || !io::stderr().is_terminal() {
             return;
         }
         let bar = self.bar.get_or_insert_with(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            // The template is a constant; should indicatif refuse it, its default will do.
-            bar.set_style(
-                ProgressStyle::with_template("{spinner} {msg} {elapsed}")
-                    .unwrap_or_else(|_| ProgressStyle::default_spinner()),
-            );
+            // The templates are constants; should indicatif refuse one, its default will do.
+            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner()));
             bar.enable_steady_tick(Duration::from_millis(100));
             bar
         });
+        if let Some((done, total)) = steps {
+            bar.set_length(total);
+            bar.set_position(done);
+        }
         bar.set_message(doing.to_owned());
     }
 

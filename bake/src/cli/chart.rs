@@ -1,0 +1,193 @@
+//! `pelage chart`: what accuracy costs, as a table and a picture.
+
+use super::bake::RecipeArgs;
+use super::built_in::HARE;
+use super::exit::{Exit, Failure};
+use super::output::Output;
+use pelage_bake::chart::{self, Cell, Chart, Row, surface};
+use pelage_bake::groom::MapImages;
+use pelage_bake::import::ImportOptions;
+use pelage_bake::mesh::Model;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::{BakeError, io, pipeline};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Chart speed against accuracy: CSV and SVG with a row for each configuration
+#[derive(Clone, Debug, clap::Args)]
+pub struct ChartArgs {
+    /// What to measure
+    #[arg(value_name = "TOPIC", value_enum)]
+    topic: Topic,
+    /// The model: .glb, .gltf or .obj; by default the built-in hare
+    #[arg(value_name = "MODEL")]
+    model: Option<PathBuf>,
+    /// Folder for TOPIC.csv and TOPIC.svg; made where it is missing
+    #[arg(long, short, value_name = "DIR")]
+    output: PathBuf,
+    #[command(flatten)]
+    recipe: RecipeArgs,
+}
+
+/// What can be charted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Topic {
+    /// Lapped patches: what fewer seams cost in distortion and seconds
+    Surface,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
+    match args.topic {
+        Topic::Surface => write(&surface_chart(args, output)?, &args.output, output),
+    }
+}
+
+/// A model with its recipe, and the `pelage bake` that would read both.
+struct Subject {
+    file: String,
+    name: String,
+    model: Model,
+    recipe: Recipe,
+    images: MapImages,
+    command: String,
+}
+
+fn subject(args: &ChartArgs) -> Result<Subject, Failure> {
+    if let Some(path) = &args.model {
+        let (recipe, _) = args.recipe.read()?;
+        let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m })?;
+        let mut command = format!("pelage bake {}", shell_word(&path.display().to_string()));
+        if let Some(recipe) = &args.recipe.recipe {
+            command += &format!(" --recipe {}", shell_word(&recipe.display().to_string()));
+        }
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let (file, images) = (path.display().to_string(), args.recipe.images(&recipe)?);
+        return Ok(Subject { file, name, model, recipe, images, command });
+    }
+    if args.recipe.recipe.is_some() {
+        return Err(Failure::Usage("--recipe needs a MODEL: the built-in hare has its own".into()));
+    }
+    let mut recipe = HARE.recipe()?;
+    args.recipe.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
+    let command = format!("pelage bake assets/models/{0}.glb --recipe assets/recipes/{0}.toml", HARE.name);
+    let (file, name, images) = (HARE.file(), HARE.name.into(), args.recipe.images(&recipe)?);
+    Ok(Subject { file, name, model: HARE.import(&recipe)?, recipe, images, command })
+}
+
+/// A word as a shell reads it.
+fn shell_word(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
+/// Runs of one configuration, of which the median counts; long ones are run once.
+const RUNS: usize = 3;
+const LONG_S: f64 = 1.0;
+
+fn surface_chart(args: &ChartArgs, output: &mut Output) -> Result<Chart, Failure> {
+    let subject = subject(args)?;
+    let configurations = surface::configurations(&subject.recipe, &subject.model)?;
+    let mut rows = Vec::new();
+    for (i, configuration) in configurations.iter().enumerate() {
+        output.progress_of(i, configurations.len(), configuration.series);
+        let (mut seconds, mut measures) = (Vec::new(), None);
+        while seconds.len() < RUNS && seconds.iter().sum::<f64>() < LONG_S {
+            let begun = Instant::now();
+            let (file, model, recipe) = (&subject.file, &subject.model, &configuration.recipe);
+            let laid = pipeline::lay(file, model, recipe, &subject.images, &mut Vec::new())?;
+            seconds.push(begun.elapsed().as_secs_f64());
+            measures = Some(laid.surface.measures);
+        }
+        seconds.sort_by(f64::total_cmp);
+        let sets = args.recipe.set.iter().chain(&configuration.sets);
+        let sets: String = sets.map(|set| format!(" --set {}", shell_word(set))).collect();
+        rows.push(Row {
+            series: configuration.series.into(),
+            cells: surface::cells(&configuration.recipe, &measures.unwrap_or_default(), seconds[seconds.len() / 2]),
+            default: configuration.sets.is_empty(),
+            command: format!("{}{sets} -o {}.pelage --json", subject.command, shell_word(&subject.name)),
+        });
+    }
+    let triangles = subject.model.mesh.triangles.len();
+    Ok(Chart {
+        topic: "surface",
+        title: format!("{}, {triangles} triangles: what fewer seams cost in distortion", subject.name),
+        adapter: processor(),
+        columns: surface::COLUMNS.to_vec(),
+        rows,
+        panels: surface::PANELS.to_vec(),
+    })
+}
+
+/// What measures that need no graphics adapter run on. A debug build says so: its seconds mean little.
+fn processor() -> String {
+    let build = if cfg!(debug_assertions) { ", debug build" } else { "" };
+    format!("CPU, {} threads{build}", rayon::current_num_threads())
+}
+
+/// Writes table and picture, and says where they are.
+fn write(chart: &Chart, folder: &Path, output: &mut Output) -> Result<Exit, Failure> {
+    let svg = chart::svg(chart)?;
+    std::fs::create_dir_all(folder).map_err(|source| BakeError::Io {
+        path: folder.to_owned(),
+        action: "create",
+        source,
+    })?;
+    let path = |extension: &str| folder.join(format!("{}.{extension}", chart.topic));
+    let files = [(path("csv"), chart.csv()), (path("svg"), svg)];
+    for (path, text) in &files {
+        io::write_atomic(path, text.as_bytes())?;
+    }
+    let files: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
+    let value = json!({
+        "topic": chart.topic,
+        "adapter": chart.adapter,
+        "files": files,
+        "rows": rows(chart),
+    });
+    output.result(&files.join("\n"), &value)?;
+    Ok(Exit::Done)
+}
+
+fn rows(chart: &Chart) -> Vec<Value> {
+    let fronts: Vec<_> = chart.front_columns().zip(chart.panels.iter().map(|p| chart.on_front(p))).collect();
+    let row = |(i, row): (usize, &Row)| {
+        let mut object = Map::new();
+        object.insert("series".into(), json!(row.series));
+        for (column, cell) in chart.columns.iter().zip(&row.cells) {
+            let value = match cell {
+                Cell::Number(x) => json!(x),
+                Cell::Text(text) => json!(text),
+                Cell::Empty => Value::Null,
+            };
+            object.insert((*column).into(), value);
+        }
+        object.insert("default".into(), json!(row.default));
+        for (name, front) in &fronts {
+            object.insert(name.clone(), json!(front[i]));
+        }
+        object.insert("command".into(), json!(row.command));
+        Value::Object(object)
+    };
+    chart.rows.iter().enumerate().map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_survive_a_shell() {
+        for (word, expected) in [
+            ("a/b-c.glb", "a/b-c.glb"),
+            ("my fox.glb", "'my fox.glb'"),
+            ("it's", r"'it'\''s'"),
+            ("", "''"),
+            ("a[1]", "'a[1]'"),
+        ] {
+            assert_eq!(shell_word(word), expected);
+        }
+    }
+}
