@@ -5,6 +5,7 @@
 
 pub mod chart;
 pub mod error;
+pub mod fins;
 pub mod groom;
 pub mod hair;
 pub mod import;

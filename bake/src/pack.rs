@@ -1,13 +1,14 @@
 //! Everything together into one package: the `pack` stage.
 
 use crate::BakeError;
+use crate::fins::EdgeFins;
 use crate::groom::{Coat, Colors};
 use crate::mesh::Model;
 use crate::surface::Surface;
-use crate::textures::ShellTextures;
+use crate::textures::{FinTextures, SLABS, ShellTextures};
 use pelage_formats::{
-    AttributeVertex, Bounds, FurInfo, GeometryVertex, InputRecord, Manifest, Material, MeshData, PackageWriter, Part,
-    QualityFigure, Shading, TextureEntry,
+    AttributeVertex, Bounds, FinData, FinInfo, FurInfo, GeometryVertex, InputRecord, Manifest, Material, MeshData,
+    PackageWriter, Part, QualityFigure, Shading, TextureEntry,
 };
 
 /// What the stages made, ready to be packed.
@@ -39,6 +40,8 @@ pub struct Pieces<'a> {
     pub shells: &'a ShellTextures,
     /// The shell textures of wet hair, where dry and wet mix.
     pub wet_shells: Option<&'a ShellTextures>,
+    /// Fins and their textures, or none.
+    pub fins: Option<(&'a EdgeFins, &'a FinTextures)>,
     /// One .ktx2 file per image of `colors`.
     pub base_colors: &'a [Vec<u8>],
     /// The groom textures, .ktx2 files.
@@ -85,6 +88,17 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
     let base_colors = textures.add_all("base_color", pieces.base_colors);
     let grooms = textures.add_all("groom", pieces.groom_textures);
     let wet = pieces.wet_shells.map(|shells| textures.add_shells("wet_shell", shells));
+    let fins = pieces.fins.map(|(_, fins)| {
+        let indices = textures.add_shells("fin", &fins.textures);
+        FinInfo {
+            width: fins.width,
+            height: fins.height,
+            slabs: SLABS.len() as u32,
+            color_texture: indices.color_texture,
+            direction_texture: indices.direction_texture,
+        }
+    });
+    let parts = parts(surface);
     let manifest = Manifest {
         generator: concat!("pelage ", env!("CARGO_PKG_VERSION")).into(),
         model: pieces.name.into(),
@@ -95,11 +109,12 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
             color_texture: shells.color_texture,
             direction_texture: shells.direction_texture,
             wet,
+            fins,
             ..pieces.fur
         },
         shading: pieces.shading,
         materials: materials(pieces, &base_colors, &grooms),
-        parts: parts(surface),
+        parts: parts.clone(),
         textures: textures.entries,
         quality: quality(surface),
         warnings: pieces.warnings.to_vec(),
@@ -110,6 +125,9 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
     }
     for file in textures.files {
         writer = writer.texture(file);
+    }
+    if let Some((fins, _)) = pieces.fins {
+        writer = writer.fins(&fin_data(fins, &parts));
     }
     // The stages before have checked everything that comes from the user, so a fault here is ours.
     writer.finish().map_err(|fault| BakeError::Internal(format!("the package does not read back: {fault}")))
@@ -139,6 +157,14 @@ fn parts(surface: &Surface) -> Vec<Part> {
         }
     }
     out
+}
+
+/// The fins with their number on each part.
+fn fin_data(fins: &EdgeFins, parts: &[Part]) -> FinData {
+    let end = |part: &Part| fins.triangles.partition_point(|t| 3 * t < part.first_index + part.index_count) as u32;
+    let mut first = 0;
+    let count = |part: &Part| end(part) - std::mem::replace(&mut first, end(part));
+    FinData { part_counts: parts.iter().map(count).collect(), fins: fins.fins.clone() }
 }
 
 fn mesh_data(pieces: &Pieces<'_>) -> MeshData {

@@ -1,6 +1,7 @@
 //! The way through bake, top to bottom; no mathematics in here.
 
 use crate::BakeError;
+use crate::fins;
 use crate::groom::{self, Lay, Lengths, MapImages, Maps, Water};
 use crate::hair::{self, VolumeParams};
 use crate::mesh::{Image, Model, RestPose};
@@ -11,7 +12,7 @@ use crate::textures;
 use pelage_formats::{Bounds, FurInfo, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.
-pub const STAGES: [&str; 6] = ["surface", "simulate", "slice", "groom", "textures", "pack"];
+pub const STAGES: [&str; 7] = ["surface", "simulate", "slice", "groom", "fins", "textures", "pack"];
 
 /// A finished bake.
 #[derive(Clone, Debug)]
@@ -111,6 +112,16 @@ pub fn bake(
     let colors = groom::colors(model, &surface.mesh, &maps, &furred, recipe.color.base_color)?;
     let grooms = maps.textures()?;
 
+    on_stage("fins");
+    let height_m = strands.height * lengths.tile_size_m;
+    let fins = fins::fins(&surface, &furred, &coat, height_m, lengths.tile_size_m);
+    let depth = recipe.fins.depth.unwrap_or(fins.depth);
+    let fin_textures = if recipe.fins.enabled && !fins.fins.is_empty() {
+        Some(textures::fin_textures(&strands, depth, &recipe.slice, &recipe.pack)?)
+    } else {
+        None
+    };
+
     on_stage("textures");
     let encode = |images: &[Image], encode: fn(&Image, &PackParams) -> Result<Vec<u8>, BakeError>| {
         images.iter().map(|image| encode(image, &recipe.pack)).collect::<Result<Vec<_>, _>>()
@@ -133,15 +144,16 @@ pub fn bake(
             layers: recipe.slice.layers,
             tile_texels: recipe.slice.tile_texels,
             tile_size_m: lengths.tile_size_m,
-            height_m: strands.height * lengths.tile_size_m,
+            height_m,
             strands: recipe.hair.density,
             patches: surface.measures.patches,
             ..FurInfo::default()
         },
         shading: if style == Style::Wet { shading.wet() } else { shading },
-        recipe: &resolved(recipe, lengths),
+        recipe: &resolved(recipe, lengths, depth),
         shells: &shells,
         wet_shells: wet_shells.as_ref(),
+        fins: fin_textures.as_ref().map(|textures| (&fins, textures)),
         base_colors: &base_colors,
         groom_textures: &groom_textures,
         groom_of_material: &grooms.of_material,
@@ -151,9 +163,10 @@ pub fn bake(
 }
 
 /// The recipe with everything that was left open filled in.
-fn resolved(recipe: &Recipe, lengths: Lengths) -> String {
+fn resolved(recipe: &Recipe, lengths: Lengths, fin_depth: f32) -> String {
     let mut recipe = recipe.clone();
     recipe.hair.length_m = Some(lengths.length_m);
     recipe.surface.tile_size_m = Some(lengths.tile_size_m);
+    recipe.fins.depth = Some(fin_depth);
     recipe.to_toml()
 }

@@ -26,8 +26,8 @@ pub use guides::GuideParams;
 pub use maps::{Channel, ColorMap, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
 pub use params::{
-    BaseColorFormat, BcQuality, ColorParams, CombSource, DirectionFormat, GroomParams, HairParams, ModelParams,
-    PackParams, ShadingParams, ShellFormat, SliceParams, Style, SurfaceParams, SurfaceSource,
+    BaseColorFormat, BcQuality, ColorParams, CombSource, DirectionFormat, FinParams, GroomParams, HairParams,
+    ModelParams, PackParams, ShadingParams, ShellFormat, SliceParams, Style, SurfaceParams, SurfaceSource,
 };
 
 use crate::BakeError;
@@ -53,6 +53,8 @@ pub struct Recipe {
     pub shading: ShadingParams,
     /// The shell textures.
     pub slice: SliceParams,
+    /// The fins.
+    pub fins: FinParams,
     /// Texture formats of the package.
     pub pack: PackParams,
 }
@@ -90,6 +92,7 @@ pub const KEYS: &[&[Key]] = &[
     ColorParams::KEYS,
     ShadingParams::KEYS,
     SliceParams::KEYS,
+    FinParams::KEYS,
     PackParams::KEYS,
 ];
 
@@ -246,6 +249,7 @@ impl Recipe {
         self.color.validate()?;
         self.shading.validate()?;
         self.slice.validate()?;
+        self.fins.validate()?;
         self.pack.validate()
     }
 }

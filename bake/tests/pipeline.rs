@@ -142,3 +142,77 @@ fn wet_hair_shines_more_than_the_recipe_says() {
     assert_eq!(wet, dry.wet());
     assert!(wet.specular[0] > dry.specular[0] && wet.specular_exponent > dry.specular_exponent);
 }
+
+/// Every edge of the furred skin, joined by position, has one fin, and nothing else has.
+#[test]
+fn one_fin_on_every_edge() {
+    for name in ["hare", "torus", "knot"] {
+        let bytes = bake(name, &recipe(name)).unwrap().package;
+        let package = Package::open(&bytes, &Limits::default()).unwrap();
+        let mesh = package.mesh().unwrap().unwrap();
+        let geometry: Vec<_> = mesh.geometry().collect();
+        let indices: Vec<_> = mesh.indices().collect();
+        let edge = |a: u32, b: u32| {
+            let place = |v: u32| geometry[v as usize].position.map(|x| (x + 0.0).to_bits());
+            (place(a).min(place(b)), place(a).max(place(b)))
+        };
+        let manifest = package.manifest();
+        let view = package.fins().unwrap().unwrap();
+        let mut fins = view.fins();
+        let mut seen = std::collections::BTreeSet::new();
+        let mut opacities = Vec::new();
+        for (part, count) in manifest.parts.iter().zip(view.part_counts()) {
+            let furred = manifest.materials[part.material as usize].furred;
+            let range = part.first_index as usize..(part.first_index + part.index_count) as usize;
+            let sides = indices[range].chunks_exact(3).flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+            let edges: std::collections::BTreeSet<_> = sides.map(|(a, b)| edge(a, b)).collect();
+            for fin in fins.by_ref().take(count as usize) {
+                let key = edge(fin.a, fin.b);
+                assert!(furred && edges.contains(&key), "{name}: {fin:?} stands on no edge of its part");
+                assert!(seen.insert(key), "{name}: a second fin on {key:?}");
+                let [a, b] = [fin.a, fin.b].map(|v| glam::Vec3::from(geometry[v as usize].position));
+                let periods = a.distance(b) / manifest.fur.tile_size_m;
+                // The slabs at 45 degrees have a longer period.
+                let expected = periods / if fin.slab % 2 == 1 { std::f32::consts::SQRT_2 } else { 1.0 };
+                assert!((fin.length.abs() - expected).abs() < 0.01 * expected, "{name}: {fin:?}, expected {expected}");
+                opacities.push(fin.opacity);
+            }
+            assert_eq!(edges.is_subset(&seen), furred, "{name}: {} edges", edges.len());
+        }
+        assert_eq!(fins.len(), 0);
+        // Closed surfaces have three edges to two triangles; the hare's eyes and nose are bare.
+        let furred_indices: u32 = manifest
+            .parts
+            .iter()
+            .filter(|p| manifest.materials[p.material as usize].furred)
+            .map(|p| p.index_count)
+            .sum();
+        assert!(2 * seen.len() >= furred_indices as usize, "{name}: {} fins", seen.len());
+        // A tenth of the fins at least stands where it is sparsest, and shows all its hair.
+        let full = opacities.iter().filter(|o| **o == 1.0).count();
+        assert!(10 * full >= opacities.len() - 10, "{name}: {full} of {}", opacities.len());
+        let info = manifest.fur.fins.unwrap();
+        assert_eq!((info.width, info.slabs), (2 * manifest.fur.tile_texels, 4));
+    }
+}
+
+#[test]
+fn fins_can_be_left_out_and_their_depth_given() {
+    let mut without = recipe("torus");
+    without.set("fins.enabled=false").unwrap();
+    let bytes = bake("torus", &without).unwrap().package;
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    assert!(package.fins().unwrap().is_none() && package.fin_textures().unwrap().is_none());
+    assert_eq!(package.manifest().textures.len(), 2);
+
+    let depth_of = |recipe: &Recipe| {
+        let bytes = bake("torus", recipe).unwrap().package;
+        let package = Package::open(&bytes, &Limits::default()).unwrap();
+        Recipe::parse("resolved", &package.manifest().recipe).unwrap().fins.depth
+    };
+    let chosen = depth_of(&recipe("torus")).unwrap();
+    assert!((0.01..1.0).contains(&chosen), "{chosen}");
+    let mut given = recipe("torus");
+    given.set("fins.depth=0.5").unwrap();
+    assert_eq!(depth_of(&given), Some(0.5));
+}

@@ -5,7 +5,7 @@ use crate::{FormatError, Limits};
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
 
-/// A quad that stands on an edge of the mesh, from the skin to the outermost layer (Lengyel 2001). 20 bytes.
+/// A quad that stands on an edge of the mesh, from the skin to the outermost layer (Lengyel 2001). 24 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Fin {
@@ -19,6 +19,8 @@ pub struct Fin {
     pub length: f32,
     /// Which array layer of the fin textures it shows, less than [`crate::FinInfo::slabs`].
     pub slab: u32,
+    /// Factor of the fin's opacity, 0..=1: less where fins stand close.
+    pub opacity: f32,
 }
 
 /// Fins to be written.
@@ -35,7 +37,7 @@ pub struct FinData {
 pub struct FinsView<'a> {
     /// Number of fins.
     pub count: u32,
-    /// `count` [`Fin`], 20 bytes each, part after part.
+    /// `count` [`Fin`], 24 bytes each, part after part.
     pub fins: &'a [u8],
     /// One little-endian u32 per part.
     part_counts: &'a [u8],
@@ -109,9 +111,13 @@ impl<'a> FinsView<'a> {
         if sum != u64::from(count) {
             return Err(fail(HEADER_BYTES, format!("the parts have {sum} fins, expected the {count} of the section")));
         }
-        let sound = |f: &Fin| f.a != f.b && (0.0..=1.0).contains(&f.start) && f.length.is_finite();
+        let sound = |f: &Fin| {
+            let unit = (0.0..=1.0).contains(&f.start) && (0.0..=1.0).contains(&f.opacity);
+            f.a != f.b && unit && f.length.is_finite()
+        };
         if let Some((i, fin)) = view.fins().enumerate().find(|(_, f)| !sound(f)) {
-            let reason = format!("fin {i} is {fin:?}, expected two vertices, start 0..=1 and a finite length");
+            let reason =
+                format!("fin {i} is {fin:?}, expected two vertices, start and opacity 0..=1 and a finite length");
             return Err(fail(first + i as u64 * size_of::<Fin>() as u64, reason));
         }
         Ok(view)

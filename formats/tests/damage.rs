@@ -168,8 +168,8 @@ fn fins_are_checked() {
     let good = sample_package();
     let first = 32;
     let nan = f32::NAN.to_le_bytes();
-    let cases: [(u64, &[u8], &str); 12] = [
-        (0, &2u32.to_le_bytes(), "expected 72 for these counts"),
+    let cases: [(u64, &[u8], &str); 13] = [
+        (0, &2u32.to_le_bytes(), "expected 80 for these counts"),
         (0, &u32::MAX.to_le_bytes(), "fin count"),
         (4, &1u32.to_le_bytes(), "padding byte is 1"),
         (4, &u32::MAX.to_le_bytes(), "fin offset is 32, expected 17179869200"),
@@ -178,9 +178,10 @@ fn fins_are_checked() {
         (31, &[1], "padding byte is 1"),
         (first, &5u32.to_le_bytes(), "fin 0 is"),
         (first + 4, &0u32.to_le_bytes(), "expected two vertices"),
-        (first + 20 + 8, &1.5f32.to_le_bytes(), "fin 1 is"),
-        (first + 20 + 12, &nan, "a finite length"),
-        (first + 40 + 16, &2u32.to_le_bytes(), "less than the 5 vertices and 2 slabs"),
+        (first + 24 + 8, &1.5f32.to_le_bytes(), "fin 1 is"),
+        (first + 24 + 12, &nan, "a finite length"),
+        (first + 20, &1.5f32.to_le_bytes(), "start and opacity 0..=1"),
+        (first + 48 + 16, &2u32.to_le_bytes(), "less than the 5 vertices and 2 slabs"),
     ];
     each_is_one_fault(Tag::FINS, &cases);
     let finish = |manifest: Manifest, fins: &[FinData]| {

@@ -84,7 +84,7 @@ fn version_2_has_lean_groom_wet_hair_and_fins() {
     assert_eq!(package.manifest(), &common::sample_manifest());
     assert_eq!(package.mesh().unwrap().unwrap().to_data(), common::sample_mesh(true));
     let fins = package.fins().unwrap().unwrap();
-    assert_eq!((fins.count, fins.fins.len(), fins.to_data()), (3, 60, common::sample_fins()));
+    assert_eq!((fins.count, fins.fins.len(), fins.to_data()), (3, 72, common::sample_fins()));
     let textures = package.fin_textures().unwrap().unwrap();
     assert_eq!((textures.color.width, textures.color.height, textures.color.layers), (8, 4, 2));
     assert_eq!(package.wet_textures().unwrap().unwrap().direction.format, TextureFormat::Rg8Unorm);
@@ -115,7 +115,7 @@ fn header_and_table_lie_where_the_specification_says() {
     let offset = u64_at(fins + 8) as usize;
     assert_eq!((u32_at(offset), u32_at(offset + 4), u64_at(offset + 8)), (3, 2, 32));
     assert_eq!([16, 20].map(|at| u32_at(offset + at)), [2, 1], "fins of the two parts");
-    let second = offset + 32 + 20;
+    let second = offset + 32 + 24;
     assert_eq!([0, 4, 16].map(|at| u32_at(second + at)), [2, 1, 1], "from, to and slab of the second fin");
-    assert_eq!([8, 12].map(|at| f32::from_bits(u32_at(second + at))), [0.25, -1.5]);
+    assert_eq!([8, 12, 20].map(|at| f32::from_bits(u32_at(second + at))), [0.25, -1.5, 0.625]);
 }

@@ -4,8 +4,10 @@
 //! |---|---|---|---|
 //! | `pose` | [`crate::Renderer::prepare`] | compute: posed vertices | an instance's pose changed |
 //! | `skin` | [`Frame::draw`] | opaque base mesh, depth written | always |
+//! | `fins` | [`Frame::draw`] | quads of hair along the outline | fur visible, package has fins |
 //! | `shells` | [`Frame::draw`] | layers of hair, inside to outside | fur visible |
 
+use crate::passes::fins::{self, FinDraws};
 use crate::passes::surface::Look;
 use crate::passes::{PassId, pose, shells, skin};
 use crate::renderer::Pipelines;
@@ -33,6 +35,8 @@ pub(crate) struct Drawn {
     pub(crate) skin: Vec<wgpu::RenderPipeline>,
     /// Numbers and pipelines of the furred parts.
     pub(crate) shells: Vec<(usize, wgpu::RenderPipeline)>,
+    /// What it draws of its fins.
+    fins: Option<FinDraws>,
     /// Layers, skin counted.
     pub(crate) layers: u32,
 }
@@ -87,10 +91,13 @@ pub(crate) fn prepare(
             uniform_offset: (index as u32 + 1) * stride,
             skin: skin::plan(device, pipelines, instance.model(), &look),
             shells: if layers > 1 { shells::plan(device, pipelines, instance.model(), &look) } else { Vec::new() },
+            fins: if look.fins { fins::draws(device, pipelines, instance, &look) } else { None },
             layers,
         });
     }
-    let report = FrameReport { passes: vec![posed, report_skin(&drawn), report_shells(&drawn, params)] };
+    let report = FrameReport {
+        passes: vec![posed, report_skin(&drawn), report_fins(&drawn, params), report_shells(&drawn, params)],
+    };
 
     let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some("pelage frame"),
@@ -115,9 +122,10 @@ pub(crate) fn prepare(
 
 impl Frame {
     /// Records every pass into the application's render pass, whose targets must be as [`crate::RendererOptions`] said. Leaves
-    /// pipeline, bind groups 0..=2, vertex buffers 0 and 1 and the index buffer changed.
+    /// pipeline, bind groups 0..=3, vertex buffers 0 and 1 and the index buffer changed.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.draw_pass(PassId::Skin, pass);
+        self.draw_pass(PassId::Fins, pass);
         self.draw_pass(PassId::Shells, pass);
     }
 
@@ -128,6 +136,7 @@ impl Frame {
             let empty = match id {
                 PassId::Pose => true,
                 PassId::Skin => instance.skin.is_empty(),
+                PassId::Fins => instance.fins.is_none(),
                 PassId::Shells => instance.shells.is_empty(),
             };
             if empty {
@@ -141,6 +150,7 @@ impl Frame {
             match id {
                 PassId::Pose => {}
                 PassId::Skin => skin::record(pass, instance),
+                PassId::Fins => instance.fins.iter().for_each(|fins| fins::record(pass, &instance.model, fins)),
                 PassId::Shells => shells::record(pass, instance),
             }
         }
@@ -159,6 +169,9 @@ pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &
     if drawn_layers(model, params) > 1 {
         shells::plan(device, pipelines, model, &look);
     }
+    if look.fins {
+        fins::plan(device, pipelines, model, &look);
+    }
     if model.skeleton().is_some() {
         pipelines.pose(device);
     }
@@ -171,6 +184,7 @@ fn look(model: &Model, params: &FrameParams, transform: Mat4) -> Look {
         yardstick: params.yardstick,
         mirrored: skinning::handedness_of(Mat3::from_mat4(transform)) < 0.0,
         resampled: drawn_layers(model, params) != manifest.fur.layers,
+        fins: params.fins && model.fins().is_some() && drawn_layers(model, params) > 1,
         shading: params.shading.unwrap_or(manifest.shading),
     }
 }
@@ -190,6 +204,27 @@ fn report_skin(drawn: &[Drawn]) -> PassReport {
         return PassReport::skipped("skin", "no instances");
     }
     PassReport::ran("skin", format!("{} instances, {draws} parts", drawn.len()))
+}
+
+fn report_fins(drawn: &[Drawn], params: &FrameParams) -> PassReport {
+    let with_fins = drawn.iter().filter(|d| d.fins.is_some());
+    let fins: u32 = with_fins.clone().flat_map(|d| d.model.parts()).map(|part| part.fins.len() as u32).sum();
+    if fins > 0 {
+        return PassReport::ran("fins", format!("{} instances, {fins} edges", with_fins.count()));
+    }
+    PassReport::skipped(
+        "fins",
+        match (drawn.is_empty(), params.style, params.layers) {
+            (true, ..) => "no instances",
+            (_, Style::Bare, _) => "style is bare",
+            (_, _, Some(1)) => "one layer is the skin alone",
+            _ if !params.fins => "switched off",
+            _ if drawn.iter().any(|d| d.model.manifest().fur.fins.is_some()) => {
+                "no edges, or no storage buffers in vertex shaders"
+            }
+            _ => "no package has fins",
+        },
+    )
 }
 
 fn report_shells(drawn: &[Drawn], params: &FrameParams) -> PassReport {

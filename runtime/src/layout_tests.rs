@@ -1,11 +1,11 @@
 //! The shaders hold what the Rust side believes about them: all are valid, and the structs agree byte for byte.
 
 use crate::passes::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
-use crate::passes::{pose, shells, skin};
-use crate::shared::{frame, kajiya_kay, opacity, skinning, tile_frame};
+use crate::passes::{fins, pose, shells, skin};
+use crate::shared::{fins as fin_shares, frame, kajiya_kay, opacity, skinning, tile_frame};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
-use pelage_formats::{GeometryVertex, SkinVertex};
+use pelage_formats::{AttributeVertex, Fin, GeometryVertex, SkinVertex};
 use std::collections::BTreeMap;
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_wgsl_file_is_valid_and_used() {
-    let passes = [("pose", pose::WGSL), ("skin", skin::WGSL), ("shells", shells::WGSL)];
+    let passes = [("pose", pose::WGSL), ("skin", skin::WGSL), ("fins", fins::WGSL), ("shells", shells::WGSL)];
     passes.iter().for_each(|(name, source)| drop(parse(name, source)));
     let mut files = Vec::new();
     wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
@@ -46,7 +46,7 @@ fn every_wgsl_file_is_valid_and_used() {
             parse(&file.display().to_string(), &source);
         }
     }
-    assert_eq!(files.len(), 9, "{files:?}");
+    assert_eq!(files.len(), 11, "{files:?}");
 }
 
 /// Offset and size of each member of a struct, and the struct's size.
@@ -104,10 +104,15 @@ fn uniform_structs_agree() {
 
 #[test]
 fn storage_structs_agree() {
-    assert_eq!(
-        members(pose::WGSL, "GeometryVertex"),
-        fields!(GeometryVertex, position, fur_height, normal, lean, tangent)
-    );
+    for source in [pose::WGSL, fins::WGSL] {
+        assert_eq!(
+            members(source, "GeometryVertex"),
+            fields!(GeometryVertex, position, fur_height, normal, lean, tangent)
+        );
+    }
+    assert_eq!(members(fins::WGSL, "Fin"), fields!(Fin, a, b, start, length, slab, opacity));
+    // Four bytes are one word to the shader.
+    assert_eq!(members(fins::WGSL, "AttributeVertex"), fields!(AttributeVertex, tile_uv, base_uv, color, groom));
     let (members, size) = members(pose::WGSL, "SkinVertex");
     assert_eq!(size as usize, size_of::<SkinVertex>());
     let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);
@@ -153,11 +158,20 @@ fn vertex_inputs_agree() {
 fn workgroups_agree() {
     let module = parse("pose", pose::WGSL);
     assert_eq!(module.entry_points[0].workgroup_size, [pose::WORKGROUP, 1, 1]);
+    let module = parse("fins", fins::WGSL);
+    for (name, expected) in [("CORNERS", fins::CORNERS), ("LEANING_ROWS", fins::LEANING_ROWS)] {
+        let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
+        let naga::Expression::Literal(naga::Literal::U32(found)) = module.global_expressions[constant.init] else {
+            panic!("{name} is not a number")
+        };
+        assert_eq!(found, expected, "{name}");
+    }
 }
 
 #[test]
 fn shared_sources_stand_alone() {
     for (name, source) in [
+        ("fins", fin_shares::WGSL),
         ("frame", frame::WGSL),
         ("kajiya_kay", kajiya_kay::WGSL),
         ("opacity", opacity::WGSL),

@@ -2,7 +2,7 @@
 
 use crate::passes::surface::{MaterialUniform, SurfaceLayouts};
 use crate::{RendererOptions, RuntimeError};
-use pelage_formats::{Animation, Clip, FurTextures, Manifest, MeshView, Package, TextureFormat, TextureView};
+use pelage_formats::{Animation, Clip, FinsView, FurTextures, Manifest, MeshView, Package, TextureFormat, TextureView};
 use std::ops::Range;
 use std::sync::Arc;
 use wgpu::util::DeviceExt;
@@ -20,10 +20,22 @@ struct Resources {
     skin: Option<wgpu::Buffer>,
     indices: wgpu::Buffer,
     fur: Option<wgpu::BindGroup>,
+    fins: Option<Fins>,
     planar_directions: bool,
     varies: Varies,
     parts: Vec<Part>,
     gpu_bytes: u64,
+}
+
+/// Fins of a model.
+#[derive(Debug)]
+pub(crate) struct Fins {
+    /// All fins, part after part.
+    pub(crate) buffer: wgpu::Buffer,
+    /// Their textures, in the layout of the shells'.
+    pub(crate) textures: wgpu::BindGroup,
+    /// The direction texture has two components.
+    pub(crate) planar_directions: bool,
 }
 
 /// What varies over the vertices of a model: the shaders do nothing for what does not.
@@ -45,6 +57,7 @@ impl Varies {
 #[derive(Debug)]
 pub(crate) struct Part {
     pub(crate) indices: Range<u32>,
+    pub(crate) fins: Range<u32>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
     pub(crate) has_groom_texture: bool,
@@ -99,6 +112,10 @@ impl Model {
         self.0.fur.as_ref()
     }
 
+    pub(crate) fn fins(&self) -> Option<&Fins> {
+        self.0.fins.as_ref()
+    }
+
     pub(crate) fn planar_directions(&self) -> bool {
         self.0.planar_directions
     }
@@ -130,19 +147,20 @@ pub(crate) fn load(
     let skinned = !mesh.skin.is_empty();
 
     use wgpu::BufferUsages as Usage;
-    let pose_input = if skinned { Usage::STORAGE } else { Usage::empty() };
-    let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | pose_input)?;
-    let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX)?;
+    let fins = package.fins()?.filter(|fins| fins.count > 0 && layouts.fins.is_some());
+    let read = |by_shader| if by_shader { Usage::STORAGE } else { Usage::empty() };
+    let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | read(skinned || fins.is_some()))?;
+    let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX | read(fins.is_some()))?;
     let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
     let indices = uploader.buffer("indices", mesh.indices, Usage::INDEX)?;
     let buffers = [Some(&geometry), Some(&attributes), skin.as_ref(), Some(&indices)];
     let mut gpu_bytes: u64 = buffers.into_iter().flatten().map(wgpu::Buffer::size).sum();
 
-    let sampler = |label, anisotropy_clamp| {
+    let sampler = |label, address_mode_v, anisotropy_clamp| {
         device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some(label),
             address_mode_u: wgpu::AddressMode::Repeat,
-            address_mode_v: wgpu::AddressMode::Repeat,
+            address_mode_v,
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
@@ -171,11 +189,35 @@ pub(crate) fn load(
                 _ => None,
             };
             let wet = wet.as_ref().map(|[color, direction]| [color, direction]);
-            Some(layouts.fur_bind_group(device, [&color, &direction], wet, &sampler("pelage shells", 1)))
+            Some(layouts.fur_bind_group(
+                device,
+                [&color, &direction],
+                wet,
+                &sampler("pelage shells", wgpu::AddressMode::Repeat, 1),
+            ))
         }
     };
+    let fin_resources = match (fins, package.fin_textures()?, &manifest.fur.fins) {
+        (Some(view), Some(textures), Some(info)) => {
+            let [color, direction] = uploader.hair(info.color_texture, info.direction_texture, &textures)?;
+            // The skin's row must not show above the tips.
+            let clamp = sampler("pelage fins", wgpu::AddressMode::ClampToEdge, 1);
+            let buffer = uploader.buffer("fins", view.fins, Usage::STORAGE)?;
+            gpu_bytes += textures.color.gpu_bytes() + textures.direction.gpu_bytes() + buffer.size();
+            Some(Fins {
+                buffer,
+                textures: layouts.fur_bind_group(device, [&color, &direction], None, &clamp),
+                planar_directions: textures.direction.format.components() == 2,
+            })
+        }
+        _ => None,
+    };
+    let mut fin_ends = fins.iter().flat_map(FinsView::part_counts).scan(0, |end, count| {
+        *end += count;
+        Some(*end)
+    });
 
-    let base_sampler = sampler("pelage base colour", options.anisotropy);
+    let base_sampler = sampler("pelage base colour", wgpu::AddressMode::Repeat, options.anisotropy);
     // Materials may share a texture.
     let mut uploaded = vec![None; manifest.textures.len()];
     let mut materials = Vec::new();
@@ -202,16 +244,25 @@ pub(crate) fn load(
     }
 
     let mut parts: Vec<Part> = Vec::new();
-    let mut previous = None;
-    for part in manifest.parts.iter().filter(|p| p.index_count > 0) {
+    let (mut previous, mut first_fin) = (None, 0);
+    for part in &manifest.parts {
         let indices = part.first_index..part.first_index + part.index_count;
+        let fins = first_fin..fin_ends.next().unwrap_or(first_fin);
+        first_fin = fins.end;
+        if part.index_count == 0 && fins.is_empty() {
+            continue;
+        }
         // Neighbours with one material are one draw.
         match parts.last_mut() {
-            Some(last) if previous == Some(part.material) => last.indices.end = indices.end,
+            Some(last) if previous == Some(part.material) => {
+                last.indices.end = indices.end;
+                last.fins.end = fins.end;
+            }
             _ => {
                 let material = &manifest.materials[part.material as usize];
                 parts.push(Part {
                     indices,
+                    fins,
                     material: materials[part.material as usize].clone(),
                     has_texture: material.base_color_texture.is_some(),
                     has_groom_texture: material.groom_texture.is_some(),
@@ -233,6 +284,7 @@ pub(crate) fn load(
         skin,
         indices,
         fur,
+        fins: fin_resources,
         planar_directions,
         varies: Varies::of(&mesh),
         parts,

@@ -89,6 +89,8 @@ pub struct FrameParams {
     /// Layers to draw, skin counted, 1..=1024; `None` (default) draws as many as were baked. The density of the fur stays the
     /// same (see [`crate::shared::opacity`]); fewer layers cost less, and show their steps at the silhouette.
     pub layers: Option<u32>,
+    /// Whether fins are drawn where the package has them (default true).
+    pub fins: bool,
     /// Whether ambient light fades towards the skin, γ of Yang 2006, eq. (2) (default true).
     pub ambient_attenuation: bool,
     /// Whether the light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
@@ -109,6 +111,7 @@ impl FrameParams {
             ambient: Vec3::ONE,
             style: Style::Fur,
             layers: None,
+            fins: true,
             ambient_attenuation: true,
             back_attenuation: true,
             shading: None,

@@ -1,7 +1,7 @@
 //! What is made once per device and set of options: layouts and pipelines.
 
 use crate::passes::surface::{SurfaceKey, SurfaceLayouts, SurfaceShader};
-use crate::passes::{pose, shells, skin};
+use crate::passes::{fins, pose, shells, skin};
 use crate::{Frame, FrameParams, Instance, Model, RendererOptions, RuntimeError, frame, model};
 use pelage_formats::{Limits, Package};
 use std::collections::HashMap;
@@ -22,6 +22,7 @@ impl Renderer {
             layouts: SurfaceLayouts::new(device, queue),
             pose: None,
             skin_module: None,
+            fins_module: None,
             shells_module: None,
             surfaces: HashMap::new(),
         };
@@ -81,6 +82,7 @@ pub(crate) struct Pipelines {
     pub(crate) layouts: SurfaceLayouts,
     pose: Option<wgpu::ComputePipeline>,
     skin_module: Option<wgpu::ShaderModule>,
+    fins_module: Option<wgpu::ShaderModule>,
     shells_module: Option<wgpu::ShaderModule>,
     surfaces: HashMap<SurfaceKey, wgpu::RenderPipeline>,
 }
@@ -115,6 +117,7 @@ impl Pipelines {
             SurfaceShader::SkinBare | SurfaceShader::SkinFurred => {
                 self.skin_module.get_or_insert_with(|| module(device, "pelage skin", skin::WGSL))
             }
+            SurfaceShader::Fins => self.fins_module.get_or_insert_with(|| module(device, "pelage fins", fins::WGSL)),
             SurfaceShader::Shells | SurfaceShader::Yardstick => {
                 self.shells_module.get_or_insert_with(|| module(device, "pelage shells", shells::WGSL))
             }

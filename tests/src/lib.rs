@@ -7,6 +7,7 @@ pub mod gpu;
 pub mod pictures;
 pub mod plane;
 pub mod schema;
+pub mod silhouette;
 
 /// The furry sphere and the windowless device of the runtime's examples.
 #[path = "../../runtime/examples/support/mod.rs"]

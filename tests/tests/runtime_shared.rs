@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
-use pelage_runtime::shared::{frame, kajiya_kay, opacity, skinning, tile_frame};
+use pelage_runtime::shared::{fins, frame, kajiya_kay, opacity, skinning, tile_frame};
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 use pelage_tests::support::sphere::Random;
@@ -392,6 +392,24 @@ fn blended_positions() {
             (m * Vec4::new(1.0, 2.0, 3.0, 1.0)).to_array()
         },
         |_, _| 3e-6,
+    );
+}
+
+#[test]
+fn fins_and_the_shells_beside_them() {
+    let cases: Vec<Case<1>> = (-200..=200).map(|i| [[i as f32 / 200.0, 0.0, 0.0, 0.0]]).collect();
+    three_ways(
+        "fin_opacity and shell_share",
+        fins::WGSL,
+        "vec4(fin_opacity(in_0.x), shell_share(in_0.x), 0.0, 0.0)",
+        &cases,
+        |[c]| {
+            let cosine = f64::from(c[0]).abs();
+            [(2.0 * cosine - 1.0).max(0.0), (0.2 + cosine).min(1.0), 0.0, 0.0]
+        },
+        |[c]| [fins::fin_opacity(c[0]), fins::shell_share(c[0]), 0.0, 0.0],
+        // Two roundings near 1.
+        |_, _| 2e-7,
     );
 }
 

@@ -1,5 +1,6 @@
 //! Where the runtime's methods fail, and that ours do not: each test drives the naive form over its cliff and sees it fail, then
-//! holds the safe form to its bound. The rows "Kajiya–Kay", "opacity and layer count" and "animation" of the stability table.
+//! holds the safe form to its bound. The rows "Kajiya–Kay", "opacity and layer count", "animation" and
+//! "shells" of the stability table.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -11,6 +12,7 @@ use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::plane::plane;
+use pelage_tests::silhouette::{self, half_to_f32};
 use pelage_tests::support::sphere::{self, Random, SphereParams};
 
 /// Unit vectors on a grid over the sphere, axes included, and 100 000 at random.
@@ -180,15 +182,6 @@ fn mean_opacity(gpu: &pelage_tests::support::headless::Gpu, layers: u32, baked: 
     texels.chunks_exact(8).map(|t| f64::from(half_to_f32([t[6], t[7]]))).sum::<f64>() / 256.0
 }
 
-/// IEEE 754 binary16, little-endian; normal numbers and zero.
-fn half_to_f32(bytes: [u8; 2]) -> f32 {
-    let bits = u32::from(u16::from_le_bytes(bytes));
-    if bits & 0x7fff == 0 {
-        return 0.0;
-    }
-    f32::from_bits(((bits & 0x8000) << 16) | (((bits & 0x7fff) << 13) + (112 << 23)))
-}
-
 #[test]
 fn density_does_not_depend_on_the_number_of_layers() {
     let Some(gpu) = gpu("density_does_not_depend_on_the_number_of_layers") else { return };
@@ -206,5 +199,29 @@ fn density_does_not_depend_on_the_number_of_layers() {
         // The naive form draws the same opacities in more or fewer layers.
         let naive = [8, 64].map(|drawn| 1.0 - (1.0 - alpha).powi(drawn - 1));
         assert!(naive[1] - naive[0] > 0.02 * truth, "{baked}, {opacity}: naive {naive:?}");
+    }
+}
+
+/// Seen along the skin, layers cover more than the hair in them: the blur of each adds up. With fins, and the shells that leave
+/// them room, hair covers what layers of four times the number and resolution do.
+#[test]
+fn the_outline_is_covered_as_by_fine_layers() {
+    let Some(gpu) = gpu("the_outline_is_covered_as_by_fine_layers") else { return };
+    for case in silhouette::cases() {
+        let found = silhouette::measure(gpu, &case);
+        println!("{}", found.table());
+        // The naive form is the layers alone.
+        assert!(
+            found.with_fins <= 0.5 * found.shells_alone,
+            "{}: coverage is off by {:.4} with fins and {:.4} without",
+            case.name,
+            found.with_fins,
+            found.shells_alone
+        );
+        // Fins on top of whole layers are too much hair, and fins alone too little.
+        let double = silhouette::stacked(&found.profiles[1], &found.profiles[3]);
+        let off = |profile: &[f64]| silhouette::profile_error(profile, &found.profiles[0]);
+        assert!(off(&double) > off(&found.profiles[2]), "{}: {double:?}", case.name);
+        assert!(off(&found.profiles[3]) > off(&found.profiles[2]), "{}: {:?}", case.name, found.profiles[3]);
     }
 }

@@ -7,6 +7,7 @@ use super::output::{Output, human_bytes};
 use super::package_file::PackageFile;
 use super::scene::{Scene, View};
 use super::view_args::ViewArgs;
+use pelage_runtime::PassId;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -53,7 +54,7 @@ fn report(
     output: &mut Output,
     scene: &Scene,
     clock: Clock,
-    fragments: Option<[u64; 2]>,
+    fragments: Option<[u64; PASSES.len()]>,
     times: &[FrameTimes],
 ) -> Result<(), Failure> {
     let model = scene.instance.model();
@@ -62,9 +63,12 @@ fn report(
     let layers = scene.params.layers.unwrap_or(manifest.fur.layers);
     let frame = Spread::of(times.iter().map(|t| t.frame));
     let yardstick = Spread::of(times.iter().map(|t| t.yardstick));
-    let medians = [0, 1, 2].map(|i| Spread::of(times.iter().map(|t| t.passes[i])).median);
-    let counts = [None, fragments.map(|f| f[0]), fragments.map(|f| f[1])];
-    let ratio = (yardstick.median > 0.0).then(|| medians[2] / yardstick.median);
+    let medians: [f64; PASSES.len()] = std::array::from_fn(|i| Spread::of(times.iter().map(|t| t.passes[i])).median);
+    // Posing is a compute pass.
+    let counts: [Option<u64>; PASSES.len()] =
+        std::array::from_fn(|i| fragments.filter(|_| PASSES[i] != PassId::Pose).map(|f| f[i]));
+    let shells = medians[PASSES.len() - 1];
+    let ratio = (yardstick.median > 0.0).then(|| shells / yardstick.median);
     let gpu_bytes = model.gpu_bytes() + scene.instance.gpu_bytes();
     let passes: Vec<_> = (0..PASSES.len())
         .map(|i| json!({ "name": PASSES[i].name(), "median_ms": medians[i], "fragments": counts[i] }))

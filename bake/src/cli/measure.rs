@@ -21,14 +21,14 @@ pub enum Clock {
 pub struct FrameTimes {
     /// Everything in one render pass, as an application draws it.
     pub frame: f64,
-    /// `pose`, `skin`, `shells`, each in a pass of its own.
-    pub passes: [f64; 3],
+    /// Each of [`PASSES`] in a pass of its own.
+    pub passes: [f64; 4],
     /// The shells with one texture read and no lighting.
     pub yardstick: f64,
 }
 
 /// The measured passes, in the order of [`FrameTimes::passes`].
-pub const PASSES: [PassId; 3] = [PassId::Pose, PassId::Skin, PassId::Shells];
+pub const PASSES: [PassId; 4] = [PassId::Pose, PassId::Skin, PassId::Fins, PassId::Shells];
 
 /// Measures a scene frame by frame.
 #[derive(Debug)]
@@ -61,11 +61,9 @@ impl Meter {
     /// All three in one go, so that what else the machine does falls on all of them alike.
     pub fn measure(&self, scene: &mut Scene) -> Result<FrameTimes, Failure> {
         let mut times = FrameTimes::default();
-        let [frame, ..] = self.sections(scene, |scene, encoder, section| {
-            if section == 0 {
-                let frame = scene.prepare(encoder)?;
-                frame.draw(&mut scene.pass(encoder, "frame", true));
-            }
+        let [frame] = self.sections(scene, |scene, encoder, _| {
+            let frame = scene.prepare(encoder)?;
+            frame.draw(&mut scene.pass(encoder, "frame", true));
             Ok(())
         })?;
         times.frame = frame;
@@ -76,11 +74,11 @@ impl Meter {
         scene.params.yardstick = true;
         let yardstick = self.passes(scene);
         scene.params.yardstick = false;
-        times.yardstick = yardstick?[2];
+        times.yardstick = yardstick?[PASSES.len() - 1];
         Ok(times)
     }
 
-    fn passes(&self, scene: &mut Scene) -> Result<[f64; 3], Failure> {
+    fn passes(&self, scene: &mut Scene) -> Result<[f64; PASSES.len()], Failure> {
         let mut frame: Option<Frame> = None;
         self.sections(scene, |scene, encoder, section| {
             if section == 0 {
@@ -93,13 +91,13 @@ impl Meter {
         })
     }
 
-    /// Records three sections and returns the milliseconds that each took.
-    fn sections(
+    /// Records `N` sections, fewer than [`MARKS`], and returns the milliseconds that each took.
+    fn sections<const N: usize>(
         &self,
         scene: &mut Scene,
         mut record: impl FnMut(&mut Scene, &mut wgpu::CommandEncoder, usize) -> Result<(), Failure>,
-    ) -> Result<[f64; 3], Failure> {
-        let mut times = [0.0; 3];
+    ) -> Result<[f64; N], Failure> {
+        let mut times = [0.0; N];
         let Some(queries) = &self.queries else {
             for (section, time) in times.iter_mut().enumerate() {
                 let mut encoder = scene.encoder();
@@ -130,14 +128,15 @@ impl Meter {
     }
 }
 
-/// Fragment shader runs of `skin` and `shells` in one frame; `None` where the device does not count them.
-pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; 2]>, Failure> {
+/// Fragment shader runs of each of [`PASSES`] in one frame, 0 of those without any; `None` where the device does not count them.
+pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; PASSES.len()]>, Failure> {
     if !scene.gpu.device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY) {
         return Ok(None);
     }
     let kind = wgpu::QueryType::PipelineStatistics(wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS);
-    let queries = query_set(&scene.gpu, kind, 2);
-    let (resolve, readback) = query_buffers(&scene.gpu, 2);
+    let count = PASSES.len() as u32 - 1;
+    let queries = query_set(&scene.gpu, kind, count);
+    let (resolve, readback) = query_buffers(&scene.gpu, count);
     let mut encoder = scene.encoder();
     let frame = scene.prepare(&mut encoder)?;
     for (index, id) in PASSES.into_iter().skip(1).enumerate() {
@@ -146,11 +145,13 @@ pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; 2]>, Failure> {
         frame.draw_pass(id, &mut pass);
         pass.end_pipeline_statistics_query();
     }
-    encoder.resolve_query_set(&queries, 0..2, &resolve, 0);
+    encoder.resolve_query_set(&queries, 0..count, &resolve, 0);
     encoder.copy_buffer_to_buffer(&resolve, 0, &readback, 0, readback.size());
     scene.gpu.queue.submit([encoder.finish()]);
-    let counts = read_u64(&scene.gpu, &readback)?;
-    Ok(Some([counts[0], counts[1]]))
+    let mut counts = [0; PASSES.len()];
+    // The first pass is compute.
+    counts[1..].iter_mut().zip(read_u64(&scene.gpu, &readback)?).for_each(|(count, found)| *count = found);
+    Ok(Some(counts))
 }
 
 fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {

@@ -4,7 +4,7 @@ use super::exit::Failure;
 use super::framing;
 use super::gpu::{COLOR_FORMAT, Canvas, DEPTH_FORMAT, Gpu};
 use super::package_file::PackageFile;
-use super::view_args::{Background, StyleArg, ViewArgs};
+use super::view_args::{Background, StyleArg, Switch, ViewArgs};
 use glam::Vec3;
 use pelage_bake::BakeError;
 use pelage_bake::mesh::blend;
@@ -35,6 +35,8 @@ pub struct View {
     pub time_s: f32,
     /// Layers to draw; `None` for as many as were baked.
     pub layers: Option<u32>,
+    /// Whether fins are drawn where the package has them.
+    pub fins: bool,
     /// sRGB-encoded, or `None` for transparent.
     pub background: Option<[u8; 3]>,
 }
@@ -50,6 +52,7 @@ impl Default for View {
             clip: None,
             time_s: 0.0,
             layers: None,
+            fins: true,
             background: None,
         }
     }
@@ -74,6 +77,7 @@ impl TryFrom<&ViewArgs> for View {
             clip: args.clip.clone(),
             time_s: args.time,
             layers: args.layers,
+            fins: args.fins != Some(Switch::Off),
             background: match args.background {
                 Background::Transparent => None,
                 Background::Color(rgb) => Some(rgb),
@@ -145,6 +149,7 @@ impl Scene {
         params.light = view.light;
         params.style = view.style;
         params.layers = view.layers;
+        params.fins = view.fins;
         let start = Instant::now();
         renderer.prepare_pipelines(&gpu.device, &model, &params);
         let compile = start.elapsed();

@@ -40,7 +40,7 @@ pub struct ViewArgs {
     /// Soft shadows of an extended light
     #[arg(long, value_enum, value_name = "on|off")]
     pub soft_shadow: Option<Switch>,
-    /// Fins along the silhouette
+    /// Fins along the silhouette; on where the package has them
     #[arg(long, value_enum, value_name = "on|off")]
     pub fins: Option<Switch>,
     /// Where hair is lit
@@ -64,9 +64,7 @@ impl ViewArgs {
         if self.lighting == Lighting::Vertex {
             return not_yet("--lighting vertex");
         }
-        for (option, switch) in
-            [("--self-shadow on", self.self_shadow), ("--soft-shadow on", self.soft_shadow), ("--fins on", self.fins)]
-        {
+        for (option, switch) in [("--self-shadow on", self.self_shadow), ("--soft-shadow on", self.soft_shadow)] {
             if switch == Some(Switch::On) {
                 return not_yet(option);
             }
@@ -307,7 +305,7 @@ mod tests {
 
     #[test]
     fn what_is_not_there_yet_is_refused() {
-        for line in ["--style ink", "--lighting vertex", "--self-shadow on", "--soft-shadow on", "--fins on"] {
+        for line in ["--style ink", "--lighting vertex", "--self-shadow on", "--soft-shadow on"] {
             let error = parse(line).unwrap().check().unwrap_err();
             assert!(error.to_string().contains("not in this version") && error.exit() as u8 == 1, "{line}: {error}");
         }

@@ -14,7 +14,7 @@
 
 mod forces;
 mod locks;
-mod noise;
+pub(crate) mod noise;
 
 use crate::BakeError;
 use crate::recipe::{ColorParams, HairParams, SrgbColor, Style};

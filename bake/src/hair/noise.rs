@@ -13,7 +13,7 @@ pub(super) fn hash(seed: u64, n: u64) -> u64 {
 }
 
 /// Uniform in 0..1 from the hash's top 24 bits, which an f32 holds exactly.
-pub(super) fn uniform(seed: u64, n: u64) -> f32 {
+pub(crate) fn uniform(seed: u64, n: u64) -> f32 {
     (hash(seed, n) >> 40) as f32 / (1 << 24) as f32
 }
 

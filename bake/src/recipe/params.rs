@@ -328,6 +328,17 @@ params! {
     }
 }
 
+params! {
+    /// `[fins]`: quads of hair on the edges of the mesh, which show where the layers are seen on edge.
+    FinParams in fins {
+        /// Whether there are fins. Without them the outline shows the layers' blur and steps.
+        enabled: bool = true;
+        /// Depth of the slab of hair that the fins show, widths of the tile. Left out, it is chosen so that layers and fins together
+        /// cover the outline as much finer layers would. More is denser and crisper there.
+        depth: Option<f32> = None, in 1e-3..=8.0;
+    }
+}
+
 words! {
     /// Texel format of the shell textures.
     ShellFormat {

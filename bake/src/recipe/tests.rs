@@ -22,7 +22,8 @@ fn every_key_is_a_field_and_every_field_a_key() {
     }
     // Optional fields are absent from the serialised default.
     fields.extend(
-        ["surface.tile_size_m", "hair.length_m", "hair.clump_count", "groom.comb", "groom.color"].map(str::to_owned),
+        ["surface.tile_size_m", "hair.length_m", "hair.clump_count", "groom.comb", "groom.color", "fins.depth"]
+            .map(str::to_owned),
     );
     let mut names: Vec<_> = keys().map(|k| k.name.to_owned()).collect();
     fields.sort();
@@ -249,8 +250,9 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         (color(), color(), unit(), any::<bool>()),
         ([0f32..=100.0, 0.0..=100.0, 0.0..=100.0], 0f32..=10_000.0, 0f32..=0.999, 0.001f32..=0.999),
         (4u32..=256, 4u32..=11, 0.25f32..=4.0),
+        (any::<bool>(), prop::option::of(1e-3f32..=8.0)),
     );
-    (hair, pack, rest, grooms()).prop_map(|(hair, pack, (model, color, shading, slice), groom)| Recipe {
+    (hair, pack, rest, grooms()).prop_map(|(hair, pack, (model, color, shading, slice, fins), groom)| Recipe {
         model: ModelParams { unit_m: model.0, bare: model.1 },
         surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
         hair,
@@ -264,6 +266,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             ..ShadingParams::default()
         },
         slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
+        fins: FinParams { enabled: fins.0, depth: fins.1 },
         pack,
     })
 }

@@ -61,7 +61,11 @@ impl Transmittance {
             let texels = levels.iter_mut().flat_map(|(color, ..)| color.chunks_exact_mut(4));
             texels.for_each(|texel| texel.copy_from_slice(&[r, g, b, 255]));
         }
-        fill_empty(&mut levels, texels, self.direction_format);
+        fill_empty(
+            &mut levels,
+            |level| ((texels >> level) as usize, (texels >> level) as usize),
+            self.direction_format,
+        );
         levels.into_iter().map(|(color, direction, _)| (color, direction)).collect()
     }
 }
@@ -150,20 +154,26 @@ fn round_opacity(opacity: f32, exact: f32, stored_outside: f32) -> u8 {
 
 /// Gives texels without hair the direction of the next coarser level, so that bilinear filtering at the edge of a hair
 /// does not mix in anything foreign.
-fn fill_empty(levels: &mut [(Vec<u8>, Vec<u8>, Vec<bool>)], texels: u32, format: TextureFormat) {
+///
+/// `size` gives width and height of a level, powers of two, each half of the one before down to 1.
+pub(super) fn fill_empty(
+    levels: &mut [(Vec<u8>, Vec<u8>, Vec<bool>)],
+    size: impl Fn(usize) -> (usize, usize),
+    format: TextureFormat,
+) {
     if let Some((_, direction, has)) = levels.last_mut()
         && !has[0]
     {
         direction.copy_from_slice(&direction::encode_mean(Vec3::ZERO, format));
     }
     for level in (0..levels.len().saturating_sub(1)).rev() {
-        let n = (texels >> level) as usize;
+        let ((n, _), (columns, rows)) = (size(level), size(level + 1));
         let (fine, coarse) = levels.split_at_mut(level + 1);
         let (Some((_, directions, has)), Some((_, parents, _))) = (fine.last_mut(), coarse.first()) else { return };
         directions.par_chunks_mut(4 * n).zip(has.par_chunks(n)).with_min_len(16).enumerate().for_each(
             |(y, (row, has))| {
                 for (x, texel) in row.chunks_exact_mut(4).enumerate().filter(|(x, _)| !has[*x]) {
-                    let parent = 4 * ((y / 2) * (n / 2) + x / 2);
+                    let parent = 4 * ((y / 2).min(rows - 1) * columns + (x / 2).min(columns - 1));
                     texel.copy_from_slice(&parents[parent..parent + 4]);
                 }
             },

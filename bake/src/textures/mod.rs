@@ -1,18 +1,20 @@
-//! `slice`: strands → shell and direction texture arrays with mips; and the encoding of all textures as .ktx2 files.
+//! `slice`: strands → shell, fin and direction texture arrays with mips; and the encoding of all textures as .ktx2 files.
 //!
 //! [`slice()`] hands out layer after layer, outermost first, so that a volume larger than memory can be written;
-//! [`shell_textures`] joins it to the encoder and is what a bake calls.
+//! [`shell_textures`] joins it to the encoder and is what a bake calls. [`fin_textures`] cuts the same strands from the side.
 
 pub mod direction;
 mod encode;
 mod layer;
 mod shells;
+mod slab;
 mod slice;
 mod splat;
 mod srgb;
 
 pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_groom};
 pub use shells::{ShellTextures, shell_textures};
+pub use slab::{FinTextures, SLABS, Slab, fin_textures, slab_along};
 pub use slice::{Layer, ShellSet, collect_layers, slice};
 pub use splat::EXTINCTION;
 pub use srgb::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};

@@ -22,7 +22,7 @@ pub const EXTINCTION: f32 = 1.5;
 /// A Gaussian is drawn to this many standard deviations; the sum over texels is normalised afterwards.
 const CUTOFF: f32 = 3.0;
 /// Splats along a streak stand this many standard deviations apart; their sum is then even to one in 10⁴.
-const SPACING: f32 = 1.2;
+pub(super) const SPACING: f32 = 1.2;
 /// Segments that one task turns into splats. Fixed, because streaks are merged within a task only.
 const CHUNK: usize = 4096;
 /// Segments whose splats are in memory at once.
@@ -278,7 +278,7 @@ fn span(center: f32, variance: f32) -> (i64, usize) {
 }
 
 /// Fills `out` with the Gaussian at the texel centres from the returned texel on, normalised to a sum of one.
-fn weights(center: f32, variance: f32, out: &mut Vec<f32>) -> i64 {
+pub(super) fn weights(center: f32, variance: f32, out: &mut Vec<f32>) -> i64 {
     let (first, count) = span(center, variance);
     out.clear();
     let scale = -0.5 / variance;

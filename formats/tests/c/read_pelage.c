@@ -198,7 +198,7 @@ static void read_fins(uint64_t at, uint64_t length)
     count = number(at, 4);
     parts = number(at + 4, 4);
     first = align(16 + 4 * parts);
-    if (number(at + 8, 8) != first || first + 20 * count != length || parts != part_count)
+    if (number(at + 8, 8) != first || first + 24 * count != length || parts != part_count)
         fail("the fins' offset and length do not follow from their counts", at);
     printf("fins %" PRIu64 "\n", count);
     for (k = 0; k < parts; k++) {
@@ -209,7 +209,7 @@ static void read_fins(uint64_t at, uint64_t length)
     if (sum != count)
         fail("the parts' fins do not add up", at + 16);
     for (k = 0; k < count; k++) {
-        uint64_t fin = at + first + 20 * k, a = number(fin, 4), b = number(fin + 4, 4), slab = number(fin + 16, 4);
+        uint64_t fin = at + first + 24 * k, a = number(fin, 4), b = number(fin + 4, 4), slab = number(fin + 16, 4);
         if (a == b || slab >= slab_count)
             fail("a fin does not stand on two vertices, or shows no slab", fin);
         printf("fin %" PRIu64 " %" PRIu64 " slab %" PRIu64 "\n", a, b, slab);
@@ -274,8 +274,8 @@ static void read_package(void)
             read_texture(offset, length);
     }
     for (k = 0; k < fin_count; k++)
-        if (number(first_fin + 20 * k, 4) >= vertex_count || number(first_fin + 20 * k + 4, 4) >= vertex_count)
-            fail("a fin stands on a vertex that is not there", first_fin + 20 * k);
+        if (number(first_fin + 24 * k, 4) >= vertex_count || number(first_fin + 24 * k + 4, 4) >= vertex_count)
+            fail("a fin stands on a vertex that is not there", first_fin + 24 * k);
     expect_zero(end, align(end));
     if (align(end) != file_length || number(16, 8) != file_length)
         fail("the file does not end where it must", end);

@@ -208,7 +208,7 @@ pub fn sample_manifest_v1() -> Manifest {
 
 /// Fins that fit [`sample_manifest`] and [`sample_mesh`].
 pub fn sample_fins() -> FinData {
-    let fin = |a, b, start, length, slab| Fin { a, b, start, length, slab };
+    let fin = |a, b, start, length, slab| Fin { a, b, start, length, slab, opacity: 0.5 + 0.5 * start };
     FinData {
         part_counts: vec![2, 1],
         fins: vec![fin(0, 1, 0.0, 0.5, 0), fin(2, 1, 0.25, -1.5, 1), fin(4, 0, 1.0, 3.0, 0)],

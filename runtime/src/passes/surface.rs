@@ -1,10 +1,10 @@
-//! What the skin and shells passes share: bindings, vertex streams and the making of pipelines.
+//! What the skin, fins and shells passes share: bindings, vertex streams and the making of pipelines.
 
 use crate::model::{Model, Part};
 use crate::shared::frame;
 use crate::{RendererOptions, Style};
 use bytemuck::{Pod, Zeroable};
-use pelage_formats::{AttributeVertex, GeometryVertex, Shading};
+use pelage_formats::{AttributeVertex, Fin, GeometryVertex, Shading};
 use std::mem::offset_of;
 use std::num::NonZeroU64;
 use wgpu::util::DeviceExt;
@@ -13,6 +13,7 @@ use wgpu::util::DeviceExt;
 macro_rules! surface_wgsl {
     ($pass:literal) => {
         concat!(
+            include_str!("../../shared/fins.wgsl"),
             include_str!("../../shared/frame.wgsl"),
             include_str!("../../shared/kajiya_kay.wgsl"),
             include_str!("../../shared/opacity.wgsl"),
@@ -88,6 +89,8 @@ pub(crate) struct Variant {
     pub(crate) groom_texture: bool,
     /// There is wet hair to mix in.
     pub(crate) wet: bool,
+    /// Fins are drawn too.
+    pub(crate) beside_fins: bool,
 }
 
 /// How a frame draws an instance, as far as the choice of pipelines goes.
@@ -99,6 +102,8 @@ pub(crate) struct Look {
     pub(crate) mirrored: bool,
     /// Other than the baked number of layers is drawn.
     pub(crate) resampled: bool,
+    /// Fins are drawn.
+    pub(crate) fins: bool,
     /// Constants of the lighting equation.
     pub(crate) shading: Shading,
 }
@@ -109,7 +114,10 @@ impl Look {
         let variant = Variant {
             base_color_texture: part.has_texture,
             cutout: part.cutout,
-            planar_directions: model.planar_directions(),
+            planar_directions: match shader {
+                SurfaceShader::Fins => model.fins().is_some_and(|fins| fins.planar_directions),
+                _ => model.planar_directions(),
+            },
             squared_diffuse: self.shading.diffuse_exponent == 2.0,
             specular: self.shading.specular != [0.0; 3],
             resampled: self.resampled,
@@ -117,14 +125,17 @@ impl Look {
             groom_vertices: model.varies().groom,
             groom_texture: part.has_groom_texture,
             wet: model.manifest().fur.wet.is_some(),
+            beside_fins: self.fins,
         };
         let variant = shader.relevant(variant);
-        SurfaceKey { shader, variant, double_sided: part.double_sided, mirrored: self.mirrored }
+        // Fins are seen from both sides.
+        let fins = shader == SurfaceShader::Fins;
+        SurfaceKey { shader, variant, double_sided: part.double_sided || fins, mirrored: self.mirrored && !fins }
     }
 }
 
 impl Variant {
-    fn constants(self) -> [(&'static str, f64); 10] {
+    fn constants(self) -> [(&'static str, f64); 11] {
         [
             ("BASE_COLOR_TEXTURE", self.base_color_texture),
             ("CUTOUT", self.cutout),
@@ -136,6 +147,7 @@ impl Variant {
             ("GROOM_VERTICES", self.groom_vertices),
             ("GROOM_TEXTURE", self.groom_texture),
             ("WET", self.wet),
+            ("BESIDE_FINS", self.beside_fins),
         ]
         .map(|(name, value)| (name, f64::from(u8::from(value))))
     }
@@ -146,6 +158,7 @@ impl Variant {
 pub(crate) enum SurfaceShader {
     SkinBare,
     SkinFurred,
+    Fins,
     Shells,
     Yardstick,
 }
@@ -157,7 +170,8 @@ impl SurfaceShader {
             Variant { base_color_texture: variant.base_color_texture, cutout: variant.cutout, ..Variant::default() };
         match self {
             Self::SkinBare => base,
-            Self::SkinFurred => Variant { resampled: false, lean: false, ..variant },
+            Self::SkinFurred => Variant { resampled: false, lean: false, beside_fins: false, ..variant },
+            Self::Fins => Variant { resampled: false, beside_fins: false, ..variant },
             Self::Shells => variant,
             Self::Yardstick => Variant { lean: variant.lean, ..Variant::default() },
         }
@@ -168,17 +182,19 @@ impl SurfaceShader {
         match self {
             Self::SkinBare => ("vs_skin", "fs_bare"),
             Self::SkinFurred => ("vs_skin", "fs_furred"),
+            Self::Fins => ("vs_fins", "fs_fins"),
             Self::Shells => ("vs_shells", "fs_shells"),
             Self::Yardstick => ("vs_yardstick", "fs_yardstick"),
         }
     }
 
-    fn is_shells(self) -> bool {
-        matches!(self, Self::Shells | Self::Yardstick)
+    /// Hair over the skin: blended.
+    fn is_blended(self) -> bool {
+        matches!(self, Self::Fins | Self::Shells | Self::Yardstick)
     }
 }
 
-/// Layouts of the three bind groups, and what stands in for a texture that a material does not have.
+/// Layouts of the bind groups, and what stands in for a texture that a material does not have.
 #[derive(Debug)]
 pub(crate) struct SurfaceLayouts {
     /// Group 0: frame, and the instance at a dynamic offset.
@@ -187,6 +203,8 @@ pub(crate) struct SurfaceLayouts {
     material: wgpu::BindGroupLayout,
     /// Group 2.
     fur: wgpu::BindGroupLayout,
+    /// Group 3, of the fins alone: posed vertices, attributes, fins. `None` where vertex shaders have no storage buffers.
+    pub(crate) fins: Option<wgpu::BindGroupLayout>,
     pub(crate) white: wgpu::TextureView,
     white_array: wgpu::TextureView,
 }
@@ -198,6 +216,20 @@ fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEn
         ty: wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset,
+            min_binding_size: NonZeroU64::new(size_of::<T>() as u64),
+        },
+        count: None,
+    }
+}
+
+/// An array of `T` that the vertex shader reads.
+fn storage<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
             min_binding_size: NonZeroU64::new(size_of::<T>() as u64),
         },
         count: None,
@@ -264,6 +296,10 @@ impl SurfaceLayouts {
                 "pelage fur",
                 &[texture(0, D2Array), texture(1, D2Array), sampler(2), texture(3, D2Array), texture(4, D2Array)],
             ),
+            fins: (device.limits().max_storage_buffers_per_shader_stage >= 3).then(|| {
+                let entries = [storage::<GeometryVertex>(0), storage::<AttributeVertex>(1), storage::<Fin>(2)];
+                layout(device, "pelage fins", &entries)
+            }),
             white: white.create_view(&wgpu::TextureViewDescriptor::default()),
             white_array: white
                 .create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2Array), ..Default::default() }),
@@ -326,9 +362,13 @@ impl SurfaceLayouts {
         options: &RendererOptions,
     ) -> wgpu::RenderPipeline {
         let (vertex, fragment) = key.shader.entry_points();
-        let groups = [Some(&self.frame), Some(&self.material), Some(&self.fur)];
-        // A bare skin has no hair textures to bind.
-        let groups = if key.shader == SurfaceShader::SkinBare { &groups[..2] } else { &groups[..] };
+        let groups = [Some(&self.frame), Some(&self.material), Some(&self.fur), self.fins.as_ref()];
+        let groups = match key.shader {
+            // A bare skin has no hair textures to bind.
+            SurfaceShader::SkinBare => &groups[..2],
+            SurfaceShader::Fins => &groups[..],
+            _ => &groups[..3],
+        };
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(fragment),
             bind_group_layouts: groups,
@@ -337,14 +377,14 @@ impl SurfaceLayouts {
         let constants = key.variant.constants();
         let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         // Layers that coincide with the skin (fur of height 0) stay hidden: strictly nearer only.
-        let depth_compare = match (key.shader.is_shells(), options.reversed_depth) {
+        let depth_compare = match (key.shader.is_blended(), options.reversed_depth) {
             (true, false) => wgpu::CompareFunction::Less,
             (true, true) => wgpu::CompareFunction::Greater,
             (false, false) => wgpu::CompareFunction::LessEqual,
             (false, true) => wgpu::CompareFunction::GreaterEqual,
         };
         // The layers hold premultiplied colour.
-        let blend = key.shader.is_shells().then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
+        let blend = key.shader.is_blended().then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment),
             layout: Some(&layout),
@@ -352,18 +392,23 @@ impl SurfaceLayouts {
                 module,
                 entry_point: Some(vertex),
                 compilation_options: compilation_options.clone(),
-                buffers: &[
-                    Some(wgpu::VertexBufferLayout {
-                        array_stride: size_of::<GeometryVertex>() as u64,
-                        step_mode: wgpu::VertexStepMode::Vertex,
-                        attributes: &GEOMETRY_ATTRIBUTES,
-                    }),
-                    Some(wgpu::VertexBufferLayout {
-                        array_stride: size_of::<AttributeVertex>() as u64,
-                        step_mode: wgpu::VertexStepMode::Vertex,
-                        attributes: &ATTRIBUTE_ATTRIBUTES,
-                    }),
-                ],
+                // Fins read their vertices from storage buffers.
+                buffers: if key.shader == SurfaceShader::Fins {
+                    &[]
+                } else {
+                    &[
+                        Some(wgpu::VertexBufferLayout {
+                            array_stride: size_of::<GeometryVertex>() as u64,
+                            step_mode: wgpu::VertexStepMode::Vertex,
+                            attributes: &GEOMETRY_ATTRIBUTES,
+                        }),
+                        Some(wgpu::VertexBufferLayout {
+                            array_stride: size_of::<AttributeVertex>() as u64,
+                            step_mode: wgpu::VertexStepMode::Vertex,
+                            attributes: &ATTRIBUTE_ATTRIBUTES,
+                        }),
+                    ]
+                },
             },
             primitive: wgpu::PrimitiveState {
                 front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
@@ -372,7 +417,7 @@ impl SurfaceLayouts {
             },
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: options.depth_format,
-                depth_write_enabled: Some(true),
+                depth_write_enabled: Some(key.shader != SurfaceShader::Fins),
                 depth_compare: Some(depth_compare),
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),

@@ -1,4 +1,4 @@
-// What the skin and shells passes share: vertex streams, bindings, placing a vertex, lighting a hair.
+// What the skin, fins and shells passes share: vertex streams, bindings, placing a vertex, lighting a hair.
 
 struct Vertex {
     @location(0) position: vec3<f32>,
@@ -57,6 +57,11 @@ override GROOM_VERTICES: bool = true;
 override GROOM_TEXTURE: bool = true;
 // The package has wet hair to mix in.
 override WET: bool = true;
+// Fins are drawn too, to which the shells leave the outline.
+override BESIDE_FINS: bool = true;
+
+// Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
+const LEAST_ALPHA: f32 = 0.5 / 255.0;
 
 fn normal_ws(v: Vertex) -> vec3<f32> {
     let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * v.normal;
@@ -70,6 +75,16 @@ fn position_ws(v: Vertex) -> vec3<f32> {
 fn tile_frame_of(v: Vertex, normal: vec3<f32>) -> TileFrame {
     let tangent = (instance.world_from_model * vec4(v.tangent.xyz, 0.0)).xyz;
     return tile_frame(normal, tangent, v.tangent.w * instance.handedness);
+}
+
+// Place of a vertex at a share of the fur's height, on the hair that grows from it: along the normal, and bent towards the comb
+// direction with the square of the height.
+fn hair_position(v: Vertex, tile: TileFrame, height: f32) -> vec3<f32> {
+    var offset = tile.normal_ws * height;
+    if LEAN {
+        offset += tile.bitangent_ws * lean_offset(v.lean, height);
+    }
+    return position_ws(v) + offset * (v.fur_height * instance.scale);
 }
 
 // Base colour of the material at a point: factor and vertex colour come interpolated as `tint`.

@@ -3,6 +3,8 @@
 //!
 //! Each topic's `WGSL` is plain source without entry points or bindings; join it before your own shader.
 
+/// How much of a fin shows, and of the shells beside it.
+pub mod fins;
 /// Where camera, light and the drawn copy stand: the uniform blocks of every pass.
 pub mod frame;
 /// Yang 2006, eq. (1), and the attenuations of eqs. (2) and (3) that need no map.

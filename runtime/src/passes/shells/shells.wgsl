@@ -12,36 +12,26 @@ struct ShellVarying {
     @location(4) base_uv: vec2<f32>,
     @location(5) @interpolate(flat, either) layer: u32,
     @location(6) @interpolate(flat, either) ambient_share: f32,
+    // Share of the opacity that is left beside fins.
+    @location(7) share: f32,
     @location(8) groom: vec2<f32>,
     // Slope that the lean of the vertex adds to hair at this height.
     @location(9) slope: f32,
 }
-
-// Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
-const LEAST_ALPHA: f32 = 0.5 / 255.0;
 
 // Height of a drawn layer: 0 on the skin, 1 the outermost.
 fn height_of(layer: u32) -> f32 {
     return f32(layer) / f32(instance.drawn_layers - 1u);
 }
 
-// Place of a vertex at a share of the fur's height, on the hair that grows from it: along the normal, and bent towards the comb
-// direction with the square of the height.
-fn shell_position(v: Vertex, tile: TileFrame, height: f32) -> vec3<f32> {
-    var offset = tile.normal_ws * height;
-    if LEAN {
-        offset += tile.bitangent_ws * lean_offset(v.lean, height);
-    }
-    return position_ws(v) + offset * (v.fur_height * instance.scale);
-}
-
 @vertex
 fn vs_shells(v: Vertex, @builtin(instance_index) layer: u32) -> ShellVarying {
     let height = height_of(layer);
     let tile = tile_frame_of(v, normal_ws(v));
-    let position = shell_position(v, tile, height);
+    let position = hair_position(v, tile, height);
     let light = direction_to(frame.light_ws, position);
-    let half = half_vector(light, direction_to(frame.eye_ws, position));
+    let eye = direction_to(frame.eye_ws, position);
+    let half = half_vector(light, eye);
     var out: ShellVarying;
     out.position = frame.clip_from_world * vec4(position, 1.0);
     out.tile_uv = v.tile_uv;
@@ -50,6 +40,7 @@ fn vs_shells(v: Vertex, @builtin(instance_index) layer: u32) -> ShellVarying {
     out.tint = v.color * material.base_color;
     out.base_uv = v.base_uv;
     out.layer = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
+    out.share = shell_share(dot(tile.normal_ws, eye));
     out.ambient_share = ambient_attenuation(height, instance.ambient_floor);
     out.groom = v.groom.xy;
     out.slope = lean_slope(v.lean, height);
@@ -64,6 +55,10 @@ fn fs_shells(in: ShellVarying) -> @location(0) vec4<f32> {
     var texel = hair.color;
     var direction = hair.direction;
     let base = base_color(in.tint, in.base_uv);
+    if BESIDE_FINS {
+        // Fins are of dry hair: where it is wet there are none to leave room for.
+        texel *= select(in.share, mix(in.share, 1.0, groom.y), WET);
+    }
     if texel.a * groom.x < LEAST_ALPHA || is_cut(base.a) {
         discard;
     }
@@ -88,7 +83,7 @@ struct YardstickVarying {
 
 @vertex
 fn vs_yardstick(v: Vertex, @builtin(instance_index) layer: u32) -> YardstickVarying {
-    let position = shell_position(v, tile_frame_of(v, normal_ws(v)), height_of(layer));
+    let position = hair_position(v, tile_frame_of(v, normal_ws(v)), height_of(layer));
     let baked = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
     return YardstickVarying(frame.clip_from_world * vec4(position, 1.0), v.tile_uv, baked);
 }
