@@ -89,7 +89,7 @@ fn slab_depth(strip_m: f32, curvature: f32, height_m: f32) -> f32 {
 }
 
 /// Measured: see `tests/src/silhouette.rs`.
-const DENSITY: f32 = 0.5;
+const DENSITY: f32 = 0.6;
 /// Purpose of the random starts.
 const START: u64 = 0x66_696e;
 

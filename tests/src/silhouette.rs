@@ -5,7 +5,7 @@
 //! the eye takes for density. All pictures are supersampled, so that the sampling of a pixel's middle, which alone makes a difference of 0.07 a
 //! pixel, is no part of the error.
 
-use crate::binary::{test_data, workspace};
+use crate::binary::{data, workspace};
 use crate::pictures::draw_passes;
 use crate::support::headless::Gpu;
 use glam::Vec3;
@@ -159,7 +159,7 @@ pub fn cases() -> Vec<Case> {
         own("torus", "assets/recipes/torus.toml", (200, 200)),
         own("knot", "assets/recipes/knot.toml", (200, 200)),
     ];
-    if let Some(data) = test_data() {
+    if let Some(data) = data() {
         let model = data.join("meshes/static/bunny.obj");
         cases.push(Case { name: "bunny", model, recipe: None, size: (400, 400) });
     }

@@ -315,12 +315,12 @@ fn the_report_names_what_ran_and_why_not() {
     };
     let ran = |report: &[(&str, bool, String)]| report.iter().map(|(_, ran, _)| *ran).collect::<Vec<_>>();
     let furry = report(&front(), &mut plain);
-    assert_eq!(furry.iter().map(|p| p.0).collect::<Vec<_>>(), ["pose", "skin", "shells"]);
-    assert_eq!(ran(&furry), [false, true, true]);
+    assert_eq!(furry.iter().map(|p| p.0).collect::<Vec<_>>(), ["pose", "skin", "fins", "shells"]);
+    assert_eq!(ran(&furry), [false, true, false, true]);
     assert!(furry[0].2.contains("no instance has a skeleton"), "{furry:?}");
     let bare = report(&FrameParams { style: Style::Bare, ..front() }, &mut plain);
-    assert!(!bare[2].1 && bare[2].2.contains("bare"), "{bare:?}");
-    assert_eq!(ran(&report(&front(), &mut skinned)), [true, true, true]);
+    assert!(!bare[3].1 && bare[3].2.contains("bare"), "{bare:?}");
+    assert_eq!(ran(&report(&front(), &mut skinned)), [true, true, false, true]);
     let again = report(&front(), &mut skinned);
     assert!(!again[0].1 && again[0].2.contains("no pose changed"), "{again:?}");
     skinned.invalidate();
