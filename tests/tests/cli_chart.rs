@@ -131,6 +131,28 @@ fn the_surface_chart() {
 }
 
 #[test]
+fn the_stability_table() {
+    let sandbox = Sandbox::new();
+    let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out"]));
+    let rows = object["rows"].as_array().unwrap();
+    assert!(rows.len() >= 10);
+    for row in rows {
+        assert_eq!(row["holds"], true, "{row}");
+        let (safe, bound) = (row["safe"].as_f64().unwrap(), row["bound"].as_f64().unwrap());
+        assert!(safe <= bound && row["naive"].as_f64().is_none_or(|naive| naive > bound), "{row}");
+    }
+    let table = csv(&std::fs::read_to_string(sandbox.path().join("out/stability.csv")).unwrap());
+    assert_eq!(table.len(), rows.len() + 1);
+    assert_eq!(sandbox.files(), ["out/", "out/stability.csv"]);
+    let run = sandbox.run(&["chart", "stability"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    for row in rows {
+        assert!(run.stdout.contains(row["case"].as_str().unwrap()), "{row} is not in {}", run.stdout);
+    }
+    assert!(!run.stdout.contains("BROKEN"));
+}
+
+#[test]
 fn what_cannot_be_charted() {
     let sandbox = Sandbox::new();
     torus(&sandbox);
@@ -138,7 +160,9 @@ fn what_cannot_be_charted() {
     let before = sandbox.files();
     for (args, code, words) in [
         (&["chart"][..], 1, &["TOPIC"][..]),
-        (&["chart", "weather", "-o", "out"], 1, &["weather", "surface"]),
+        (&["chart", "weather", "-o", "out"], 1, &["weather", "surface", "stability"]),
+        (&["chart", "surface"], 1, &["-o DIR"]),
+        (&["chart", "stability", "my torus.obj"], 1, &["neither model nor recipe"]),
         (&["chart", "surface", "no.glb", "-o", "out"], 2, &["no.glb: cannot read"]),
         (&["chart", "surface", "a.pelage", "-o", "out"], 3, &["a.pelage", "a pelage package"]),
         (&["chart", "surface", "my torus.obj", "-o", "a.pelage"], 2, &["a.pelage: cannot create"]),

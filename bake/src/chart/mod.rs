@@ -103,7 +103,7 @@ impl Chart {
         header.extend(["adapter".into(), "default".into()]);
         header.extend(self.front_columns());
         header.push("command".into());
-        let mut out = line(&header);
+        let mut table = vec![header];
         let fronts: Vec<Vec<bool>> = self.panels.iter().map(|p| self.on_front(p)).collect();
         for (i, row) in self.rows.iter().enumerate() {
             let mut fields = vec![row.series.clone()];
@@ -111,9 +111,9 @@ impl Chart {
             fields.extend([self.adapter.clone(), u8::from(row.default).to_string()]);
             fields.extend(fronts.iter().map(|front| u8::from(front[i]).to_string()));
             fields.push(row.command.clone());
-            out.push_str(&line(&fields));
+            table.push(fields);
         }
-        out
+        csv(table)
     }
 
     /// Names of the columns that say what is on a front.
@@ -132,12 +132,12 @@ pub fn front(points: &[Option<(f64, f64)>]) -> Vec<bool> {
     points.iter().map(unbeaten).collect()
 }
 
-fn line(fields: &[String]) -> String {
-    let quoted: Vec<String> = fields
-        .iter()
-        .map(|f| if f.contains([',', '"', '\n', '\r']) { format!("\"{}\"", f.replace('"', "\"\"")) } else { f.clone() })
-        .collect();
-    quoted.join(",") + "\r\n"
+/// Lines of fields as CSV (RFC 4180).
+pub fn csv(table: impl IntoIterator<Item = Vec<String>>) -> String {
+    let quote = |f: &String| {
+        if f.contains([',', '"', '\n', '\r']) { format!("\"{}\"", f.replace('"', "\"\"")) } else { f.clone() }
+    };
+    table.into_iter().map(|fields| fields.iter().map(quote).collect::<Vec<_>>().join(",") + "\r\n").collect()
 }
 
 #[cfg(test)]

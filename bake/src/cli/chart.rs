@@ -9,7 +9,7 @@ use pelage_bake::groom::MapImages;
 use pelage_bake::import::ImportOptions;
 use pelage_bake::mesh::Model;
 use pelage_bake::recipe::Recipe;
-use pelage_bake::{BakeError, io, pipeline};
+use pelage_bake::{BakeError, io, pipeline, stability};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -23,9 +23,9 @@ pub struct ChartArgs {
     /// The model: .glb, .gltf or .obj; by default the built-in hare
     #[arg(value_name = "MODEL")]
     model: Option<PathBuf>,
-    /// Folder for TOPIC.csv and TOPIC.svg; made where it is missing
+    /// Folder for TOPIC.csv and TOPIC.svg, made where it is missing; stability needs none, and draws no picture
     #[arg(long, short, value_name = "DIR")]
-    output: PathBuf,
+    output: Option<PathBuf>,
     #[command(flatten)]
     recipe: RecipeArgs,
 }
@@ -35,12 +35,83 @@ pub struct ChartArgs {
 enum Topic {
     /// Lapped patches: what fewer seams cost in distortion and seconds
     Surface,
+    /// Where methods fail: the naive form's error beside ours and its bound; exit code 7 where a bound is broken
+    Stability,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     match args.topic {
-        Topic::Surface => write(&surface_chart(args, output)?, &args.output, output),
+        Topic::Surface => {
+            let needs = || Failure::Usage("chart surface needs -o DIR, to put table and picture there".into());
+            let folder = args.output.as_deref().ok_or_else(needs)?;
+            write(&surface_chart(args, output)?, folder, output)
+        }
+        Topic::Stability => stability_table(args, output),
+    }
+}
+
+/// The table of `bake/src/stability/`, each row driven here and now.
+fn stability_table(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
+    if args.model.is_some() || args.recipe.recipe.is_some() || !args.recipe.set.is_empty() {
+        return Err(Failure::Usage("chart stability takes neither model nor recipe: its rows bring their own".into()));
+    }
+    let (mut rows, mut lines, mut held) = (Vec::new(), Vec::new(), true);
+    for (i, row) in stability::ROWS.iter().enumerate() {
+        output.progress_of(i, stability::ROWS.len(), row.method);
+        lines.push(format!("{}: {}", row.method, row.cliff));
+        lines.push(format!("  naive: {}; ours: {}", row.naive, row.safe));
+        for f in (row.drive)()? {
+            let (naive, safe) = (Cell::Number(f.naive).text(), Cell::Number(f.safe).text());
+            let word = if f.holds() { "holds" } else { "BROKEN" };
+            lines.push(format!("  {}: {}: naive {naive}, ours {safe}, bound {}: {word}", f.case, f.measure, f.bound));
+            held &= f.holds();
+            let texts =
+                [("series", row.method), ("cliff", row.cliff), ("naive_form", row.naive), ("safe_form", row.safe)];
+            let mut cells: Vec<(&'static str, Cell)> = texts.map(|(name, text)| (name, Cell::Text(text.into()))).into();
+            cells.extend([("case", Cell::Text(f.case.clone())), ("measure", Cell::Text(f.measure.into()))]);
+            cells.extend([("naive", f.naive), ("safe", f.safe), ("bound", f.bound)].map(|(n, x)| (n, Cell::Number(x))));
+            cells.push(("holds", Cell::Number(f64::from(u8::from(f.holds())))));
+            rows.push(cells);
+        }
+    }
+    let mut files = Vec::new();
+    if let Some(folder) = &args.output {
+        create(folder)?;
+        let header = rows.first().into_iter().flatten().map(|(name, _)| (*name).to_owned()).collect();
+        let table =
+            std::iter::once(header).chain(rows.iter().map(|row| row.iter().map(|(_, cell)| cell.text()).collect()));
+        let path = folder.join("stability.csv");
+        io::write_atomic(&path, chart::csv(table).as_bytes())?;
+        files.push(path.display().to_string());
+        lines.push(path.display().to_string());
+    }
+    let object = |row: &Vec<(&'static str, Cell)>| {
+        let mut object: Map<String, Value> = row.iter().map(|(name, cell)| ((*name).into(), value(cell))).collect();
+        let held = object.get("holds").and_then(Value::as_f64) == Some(1.0);
+        object.insert("holds".into(), json!(held));
+        object.insert("command".into(), json!("pelage chart stability"));
+        Value::Object(object)
+    };
+    let rows: Vec<Value> = rows.iter().map(object).collect();
+    let json = json!({ "topic": "stability", "adapter": processor(), "files": files, "rows": rows });
+    output.result(&lines.join("\n"), &json)?;
+    Ok(if held { Exit::Done } else { Exit::Differences })
+}
+
+fn create(folder: &Path) -> Result<(), BakeError> {
+    std::fs::create_dir_all(folder).map_err(|source| BakeError::Io {
+        path: folder.to_owned(),
+        action: "create",
+        source,
+    })
+}
+
+fn value(cell: &Cell) -> Value {
+    match cell {
+        Cell::Number(x) => json!(x),
+        Cell::Text(text) => json!(text),
+        Cell::Empty => Value::Null,
     }
 }
 
@@ -130,11 +201,7 @@ fn processor() -> String {
 /// Writes table and picture, and says where they are.
 fn write(chart: &Chart, folder: &Path, output: &mut Output) -> Result<Exit, Failure> {
     let svg = chart::svg(chart)?;
-    std::fs::create_dir_all(folder).map_err(|source| BakeError::Io {
-        path: folder.to_owned(),
-        action: "create",
-        source,
-    })?;
+    create(folder)?;
     let path = |extension: &str| folder.join(format!("{}.{extension}", chart.topic));
     let files = [(path("csv"), chart.csv()), (path("svg"), svg)];
     for (path, text) in &files {
@@ -157,12 +224,7 @@ fn rows(chart: &Chart) -> Vec<Value> {
         let mut object = Map::new();
         object.insert("series".into(), json!(row.series));
         for (column, cell) in chart.columns.iter().zip(&row.cells) {
-            let value = match cell {
-                Cell::Number(x) => json!(x),
-                Cell::Text(text) => json!(text),
-                Cell::Empty => Value::Null,
-            };
-            object.insert((*column).into(), value);
+            object.insert((*column).into(), value(cell));
         }
         object.insert("default".into(), json!(row.default));
         for (name, front) in &fronts {
