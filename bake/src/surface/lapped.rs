@@ -9,6 +9,7 @@ use super::solve::{FaceFrame, PatchSystem, singular_values};
 use super::topology::{NONE, Topology};
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
+use std::collections::HashSet;
 
 /// Passes over the borders in which neighbours are merged; each at most halves the number of patches, and few go on so long.
 const MERGE_PASSES: usize = 8;
@@ -73,13 +74,7 @@ pub(super) fn lapped_patches(topology: &Topology, frames: &[FaceFrame], params: 
     let grown = members(&grow(topology, frames, &params.reach));
     let (solved, unsolved): (Vec<_>, Vec<_>) = grown.into_par_iter().map(|faces| maker.solve_or_split(faces)).unzip();
     let mut patches: Vec<Solved> = solved.into_iter().flatten().collect();
-    for _ in 0..MERGE_PASSES {
-        let merged;
-        (patches, merged) = maker.merge(patches);
-        if merged == 0 {
-            break;
-        }
-    }
+    maker.merge(&mut patches);
     let mut out = Lapped {
         patch_of: patch_of(topology, &patches),
         patches: patches.len(),
@@ -244,9 +239,44 @@ impl Maker<'_> {
         out
     }
 
-    /// One pass of merging: pairs of neighbours, longest border for their size first, no patch twice. Returns how many merged.
-    fn merge(&self, patches: Vec<Solved>) -> (Vec<Solved>, usize) {
-        let owner = patch_of(self.topology, &patches);
+    /// Merges neighbours where the union is a patch too: the longest border for their size first, in passes in which no patch takes part
+    /// twice, so that a pass runs on all cores. Pairs that were refused are not tried again.
+    fn merge(&self, patches: &mut Vec<Solved>) {
+        // Numbers that stay: a merged patch gets a new one.
+        let mut names: Vec<u32> = (0..patches.len() as u32).collect();
+        let mut next_name = patches.len() as u32;
+        let mut refused: HashSet<[u32; 2]> = HashSet::new();
+        for _ in 0..MERGE_PASSES {
+            let pairs = self.pairs_to_merge(patches, |a, b| refused.contains(&[names[a as usize], names[b as usize]]));
+            if pairs.is_empty() {
+                break;
+            }
+            let union = |[a, b]: &[u32; 2]| {
+                let faces: Vec<u32> = [a, b].into_iter().flat_map(|i| &patches[*i as usize].faces).copied().collect();
+                self.solve(&faces).ok().map(|points| Solved { faces, points })
+            };
+            let unions: Vec<Option<Solved>> = pairs.par_iter().map(union).collect();
+            for ([a, b], union) in pairs.into_iter().zip(unions) {
+                let (a, b) = (a as usize, b as usize);
+                match union {
+                    Some(union) => {
+                        patches[a] = union;
+                        patches[b].faces.clear();
+                        names[a] = next_name;
+                        next_name += 1;
+                    }
+                    None => _ = refused.insert([names[a], names[b]]),
+                }
+            }
+            let mut kept = patches.iter().map(|p| !p.faces.is_empty());
+            names.retain(|_| kept.next().unwrap_or(true));
+            patches.retain(|p| !p.faces.is_empty());
+        }
+    }
+
+    /// Pairs of neighbours, each patch at most once; `refused` pairs are left out.
+    fn pairs_to_merge(&self, patches: &[Solved], refused: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
+        let owner = patch_of(self.topology, patches);
         let mut borders: Vec<([u32; 2], f64)> = Vec::new();
         for h in 0..self.topology.twins.len() as u32 {
             let twin = self.topology.twins[h as usize];
@@ -258,44 +288,22 @@ impl Maker<'_> {
             }
         }
         borders.sort_by_key(|(pair, _)| *pair);
+        let area = |i: u32| -> f64 { patches[i as usize].faces.iter().map(|f| self.topology.areas[*f as usize]).sum() };
+        let areas: Vec<f64> = (0..patches.len() as u32).map(area).collect();
+        let smaller = |[a, b]: [u32; 2]| areas[a as usize].min(areas[b as usize]);
+        let groups = borders.chunk_by(|x, y| x.0 == y.0).filter(|c| !refused(c[0].0[0], c[0].0[1]));
         let mut pairs: Vec<([u32; 2], f64)> =
-            borders.chunk_by(|x, y| x.0 == y.0).map(|c| (c[0].0, c.iter().map(|x| x.1).sum())).collect();
-        let area: Vec<f64> =
-            patches.iter().map(|p| p.faces.iter().map(|f| self.topology.areas[*f as usize]).sum()).collect();
-        for ([a, b], length) in &mut pairs {
-            *length /= area[*a as usize].min(area[*b as usize]).sqrt();
-        }
+            groups.map(|c| (c[0].0, c.iter().map(|x| x.1).sum::<f64>() / smaller(c[0].0).sqrt())).collect();
         pairs.sort_by(|x, y| y.1.total_cmp(&x.1).then(x.0.cmp(&y.0)));
         let mut taken = vec![false; patches.len()];
-        let chosen: Vec<[u32; 2]> = pairs
-            .into_iter()
-            .map(|(pair, _)| pair)
-            .filter(|pair| {
-                let free = pair.iter().all(|i| !taken[*i as usize]);
-                if free {
-                    pair.iter().for_each(|i| taken[*i as usize] = true);
-                }
-                free
-            })
-            .collect();
-        let merged: Vec<Option<Solved>> = chosen
-            .par_iter()
-            .map(|[a, b]| {
-                let faces: Vec<u32> = [a, b].into_iter().flat_map(|i| &patches[*i as usize].faces).copied().collect();
-                let points = self.solve(&faces).ok()?;
-                Some(Solved { faces, points })
-            })
-            .collect();
-        let mut patches: Vec<Option<Solved>> = patches.into_iter().map(Some).collect();
-        let mut count = 0;
-        for ([a, b], union) in chosen.into_iter().zip(merged) {
-            if union.is_some() {
-                patches[a as usize] = union;
-                patches[b as usize] = None;
-                count += 1;
+        let mut out = Vec::new();
+        for (pair, _) in pairs {
+            if pair.iter().all(|i| !taken[*i as usize]) {
+                pair.iter().for_each(|i| taken[*i as usize] = true);
+                out.push(pair);
             }
         }
-        (patches.into_iter().flatten().collect(), count)
+        out
     }
 }
 
