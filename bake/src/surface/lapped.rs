@@ -136,20 +136,24 @@ impl Maker<'_> {
         }
         let rounds = if self.params.comb_weight < 1.0 { ROUNDS } else { 0 };
         let uvs = system.solve(self.params.comb_weight, rounds).ok_or(Refusal::Equations)?;
-        let (mut area, mut odd) = (0.0, 0.0);
-        for (k, f) in faces.iter().enumerate() {
-            let map = system.jacobian(k, &uvs);
-            let (largest, least) = singular_values(map);
-            if least < LEAST_SQUEEZE || largest * LEAST_SQUEEZE > 1.0 {
+        let maps: Vec<(f64, DMat2)> =
+            (0..faces.len()).map(|k| (self.topology.areas[faces[k] as usize], system.jacobian(k, &uvs))).collect();
+        let area: f64 = maps.iter().map(|(area, _)| area).sum();
+        // Where the field turns, gradients average out and least squares shrink the patch: hair would be coarser on curved skin.
+        let scale = (area / maps.iter().map(|(area, map)| area * map.determinant()).sum::<f64>()).sqrt();
+        let mut odd = 0.0;
+        for (face_area, map) in maps {
+            let (largest, least) = singular_values(map * scale);
+            // Written so that NaN is refused.
+            if !(least >= LEAST_SQUEEZE && largest * LEAST_SQUEEZE <= 1.0) {
                 return Err(Refusal::Shape);
             }
-            area += self.topology.areas[*f as usize];
-            odd += if self.params.bounds.allow(map) { 0.0 } else { self.topology.areas[*f as usize] };
+            odd += if self.params.bounds.allow(map * scale) { 0.0 } else { face_area };
         }
         if odd > ODD_SHARE * area {
             Err(Refusal::Shape)
         } else {
-            Ok(system.points().iter().copied().zip(uvs).collect())
+            Ok(system.points().iter().copied().zip(uvs.into_iter().map(|uv| uv * scale)).collect())
         }
     }
 
