@@ -2,7 +2,7 @@
 
 use crate::BakeError;
 use crate::fins;
-use crate::groom::{self, Lay, Lengths, MapImages, Maps, Water};
+use crate::groom::{self, Atlas, Lay, Lengths, MapImages, Maps, Pattern, Water};
 use crate::hair::{self, VolumeParams};
 use crate::mesh::{Image, Model, RestPose};
 use crate::pack::{self, Pieces};
@@ -87,7 +87,7 @@ pub fn bake(
     let mut warnings = model.warnings.clone();
 
     on_stage("surface");
-    let Laid { surface, bounds, furred, lengths, maps } = lay(file, model, recipe, images, &mut warnings)?;
+    let Laid { mut surface, bounds, furred, lengths, maps } = lay(file, model, recipe, images, &mut warnings)?;
 
     on_stage("simulate");
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
@@ -108,9 +108,15 @@ pub fn bake(
     let wet_shells = wet_strands.as_ref().map(slice).transpose()?;
 
     on_stage("groom");
+    let pattern = Pattern::new(&recipe.color, images, &bounds)?;
+    let atlas = pattern.is_some().then(|| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
+    warnings.extend(atlas.as_ref().and_then(Atlas::warning));
     let coat = maps.coat(&surface.mesh)?;
-    let colors = groom::colors(model, &surface.mesh, &maps, &furred, recipe.color.base_color)?;
-    let grooms = maps.textures()?;
+    let mut colors = groom::colors(model, &surface.mesh, &maps, &furred, recipe.color.base_color)?;
+    let mut grooms = maps.textures()?;
+    if let (Some(pattern), Some(atlas)) = (&pattern, &atlas) {
+        pattern.paint(atlas, &furred, &mut surface, &mut colors, &mut grooms);
+    }
 
     on_stage("fins");
     let height_m = strands.height * lengths.tile_size_m;
@@ -150,7 +156,7 @@ pub fn bake(
             ..FurInfo::default()
         },
         shading: if style == Style::Wet { shading.wet() } else { shading },
-        recipe: &resolved(recipe, lengths, depth),
+        recipe: &resolved(recipe, lengths, depth, pattern.as_ref().map(Pattern::width_m)),
         shells: &shells,
         wet_shells: wet_shells.as_ref(),
         fins: fin_textures.as_ref().map(|textures| (&fins, textures)),
@@ -163,10 +169,11 @@ pub fn bake(
 }
 
 /// The recipe with everything that was left open filled in.
-fn resolved(recipe: &Recipe, lengths: Lengths, fin_depth: f32) -> String {
+fn resolved(recipe: &Recipe, lengths: Lengths, fin_depth: f32, pattern_size_m: Option<f32>) -> String {
     let mut recipe = recipe.clone();
     recipe.hair.length_m = Some(lengths.length_m);
     recipe.surface.tile_size_m = Some(lengths.tile_size_m);
     recipe.fins.depth = Some(fin_depth);
+    recipe.color.pattern_size_m = pattern_size_m.or(recipe.color.pattern_size_m);
     recipe.to_toml()
 }

@@ -23,11 +23,12 @@ mod params;
 
 pub use field::SrgbColor;
 pub use guides::GuideParams;
-pub use maps::{Channel, ColorMap, ScalarMap, VectorMap};
+pub use maps::{Channel, ColorMap, ImagePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DirectionFormat, FinParams, GroomParams, HairParams,
-    ModelParams, PackParams, ShadingParams, ShellFormat, SliceParams, Style, SurfaceParams, SurfaceSource,
+    ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat, SliceParams, Style,
+    SurfaceParams, SurfaceSource,
 };
 
 use crate::BakeError;
@@ -228,6 +229,7 @@ impl Recipe {
             named.push((key("comb"), m.comb.as_ref().and_then(VectorMap::image)));
             named.push((key("color"), m.color.as_ref().and_then(ColorMap::image)));
         }
+        named.push(("color.pattern".into(), self.color.pattern.as_ref().map(|path| path.0.as_str())));
         let mut images: Vec<(String, &str)> = Vec::new();
         for (key, path) in named {
             if let Some(path) = path.filter(|path| images.iter().all(|(_, known)| known != path)) {

@@ -14,7 +14,7 @@ use pelage_bake::recipe::Recipe;
 use pelage_tests::assets::{
     charts::{self, ChartReport},
     glb::{Model, Primitive},
-    hare, shapes,
+    hare, patterns, shapes,
 };
 
 fn folder(name: &str) -> PathBuf {
@@ -80,6 +80,23 @@ fn committed_models_are_what_the_code_makes() {
             committed.len(),
             made.len()
         );
+    }
+}
+
+#[test]
+fn committed_patterns_are_what_the_code_makes_and_repeat() {
+    for (name, made) in [("zebra", patterns::zebra()), ("spots", patterns::spots())] {
+        let path = folder("patterns").join(format!("{name}.png"));
+        let committed = image::open(&path).unwrap().into_rgb8();
+        assert!(committed == made, "{} differs from what the code makes; run make_assets", path.display());
+        // Over the border neighbours differ no more than inside.
+        let step = |x0: u32, x1: u32| -> f64 {
+            let rows = (0..patterns::SIDE)
+                .map(|y| (made[(x0, y)][0].abs_diff(made[(x1, y)][0]), made[(y, x0)][0].abs_diff(made[(y, x1)][0])));
+            rows.map(|(a, b)| f64::from(a) + f64::from(b)).sum()
+        };
+        let inside = (1..patterns::SIDE).map(|x| step(x - 1, x)).fold(0.0, f64::max);
+        assert!(step(patterns::SIDE - 1, 0) <= 1.5 * inside, "{name} has a seam");
     }
 }
 

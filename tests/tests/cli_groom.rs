@@ -80,3 +80,35 @@ fn an_image_that_cannot_be_read_is_named_with_recipe_and_key() {
         assert_eq!(sandbox.files(), before, "{recipe} left something behind");
     }
 }
+
+#[test]
+fn a_model_without_texture_coordinates_wears_a_pattern() {
+    let sandbox = Sandbox::new();
+    let glb = std::fs::read(workspace().join("assets/models/knot.glb")).unwrap();
+    // The attribute under another name is nothing that a renderer knows; the length of the JSON stays.
+    let at = glb.windows(10).position(|w| w == b"TEXCOORD_0").unwrap();
+    let mut stripped = glb.clone();
+    stripped[at..at + 10].copy_from_slice(b"_EXCOORD_0");
+    sandbox.write("bare.glb", &stripped);
+    for name in ["patterns/zebra.png", "recipes/zebra.toml"] {
+        sandbox.write(name, std::fs::read(workspace().join("assets").join(name)).unwrap());
+    }
+    let bake = ["bake", "bare.glb", "-o", "b.pelage", "--recipe", "recipes/zebra.toml", "--set", "slice.layers=4"];
+    let quick = ["--set", "pack.base_color_format=rgba8", "--set", "color.pattern_texels=512"];
+    let run = sandbox.run(&[&bake[..], &quick].concat());
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let bytes = std::fs::read(sandbox.path().join("b.pelage")).unwrap();
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let texture = package.base_color_texture(0).unwrap().unwrap();
+    assert_eq!((texture.width, texture.height), (512, 512));
+    let shades: Vec<u8> = texture.level(0).chunks_exact(4).map(|t| t[0]).collect();
+    let (dark, light) = (shades.iter().filter(|s| **s < 60).count(), shades.iter().filter(|s| **s > 220).count());
+    assert!(dark > shades.len() / 6 && light > shades.len() / 6, "{dark} dark and {light} light texels");
+    let uvs: Vec<_> = package.mesh().unwrap().unwrap().attributes().map(|v| v.base_uv).collect();
+    assert!(uvs.iter().flatten().all(|x| (0.0..=1.0).contains(x)) && uvs.iter().any(|uv| *uv != uvs[0]));
+
+    let run = sandbox.run(&[&bake[..], &["--set", "color.pattern_texels=64"]].concat());
+    let small = run.code == Some(0) && run.stderr.contains("gutters") || run.stderr.contains("color.pattern_texels");
+    assert!(small, "{run:?}");
+}

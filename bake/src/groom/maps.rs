@@ -2,7 +2,7 @@
 //! at every vertex and, where it matters, at every texel.
 
 use super::glob;
-use super::sample::bilinear;
+use super::sample::{Encoding, Wrap, bilinear};
 use crate::BakeError;
 use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
 use crate::recipe::{ColorMap, GroomParams, MaterialGroom, ScalarMap, VectorMap};
@@ -247,7 +247,9 @@ impl<'a> Maps<'a> {
         let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
             let uv = Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
-            let [bare, wet] = sources.map(|source| source.map_or(0.0, |(image, channel)| bilinear(image, uv)[channel]));
+            let [bare, wet] = sources.map(|source| {
+                source.map_or(0.0, |(image, channel)| bilinear(image, uv, Wrap::Repeat, Encoding::Linear)[channel])
+            });
             rgba.extend([1.0 - bare, wet, 0.0, 1.0].map(|share| (255.0 * share).round() as u8));
         }
         Ok(Image { width, height, rgba })
@@ -284,7 +286,9 @@ impl<'a> Maps<'a> {
             ScalarMap::Constant(value) => Some(*value),
             ScalarMap::Vertex(channel) => Some(f32::from(mesh.colors[v][channel.index()]) / 255.0),
             ScalarMap::Image { .. } if !part.has_uvs => None,
-            ScalarMap::Image { path, channel } => Some(bilinear(self.images.get(path)?, mesh.uvs[v])[channel.index()]),
+            ScalarMap::Image { path, channel } => {
+                Some(bilinear(self.images.get(path)?, mesh.uvs[v], Wrap::Repeat, Encoding::Linear)[channel.index()])
+            }
         })
     }
 
@@ -305,7 +309,7 @@ impl<'a> Maps<'a> {
             }
             VectorMap::Image { .. } if !part.has_uvs => Vec3::ZERO,
             VectorMap::Image { path, flow } => {
-                let texel = bilinear(self.images.get(path)?, mesh.uvs[v]);
+                let texel = bilinear(self.images.get(path)?, mesh.uvs[v], Wrap::Repeat, Encoding::Linear);
                 let direction = signed(texel.truncate());
                 match axes.get(v).filter(|_| *flow) {
                     Some([right, up]) => *right * direction.x + *up * direction.y,

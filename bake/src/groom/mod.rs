@@ -1,11 +1,16 @@
 //! Where hair grows, how long, and what varies over the model: the `groom` stage. Lengths are metres in the posed rest state.
 
+mod atlas;
+mod charts;
 mod colors;
 mod maps;
+mod pattern;
 mod sample;
 
+pub use atlas::Atlas;
 pub use colors::{Colors, MaterialColor, colors};
 pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
+pub use pattern::Pattern;
 
 use crate::mesh::{Material, RestPose};
 use pelage_formats::Bounds;

@@ -90,6 +90,11 @@ pub enum ColorMap {
     Image(String),
 }
 
+/// The path of an image, from the recipe's folder: relative, so that a recipe means the same wherever its folder lies.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct ImagePath(pub String);
+
 /// A path and what follows its last `#`.
 fn split(text: &str) -> (&str, Option<&str>) {
     text.rsplit_once('#').map_or((text, None), |(path, suffix)| (path, Some(suffix)))
@@ -251,6 +256,29 @@ impl Field for ColorMap {
             Self::Constant(color) => color.to_toml(),
             named => named.name().as_deref().and_then(quoted),
         }
+    }
+}
+
+impl Field for ImagePath {
+    type Range = ();
+
+    fn expected((): &()) -> String {
+        "the relative path of an image".into()
+    }
+
+    fn from_raw(raw: &Raw) -> Option<Self> {
+        match raw {
+            Raw::String(text) => image_path(text).map(Self),
+            _ => None,
+        }
+    }
+
+    fn in_range(&self, (): &()) -> bool {
+        true
+    }
+
+    fn to_toml(&self) -> Option<String> {
+        quoted(&self.0)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Key;
 use super::field::{Field, PowerOfTwo, SrgbColor};
 use super::guides::GuideParams;
-use super::maps::{ColorMap, ScalarMap, VectorMap};
+use super::maps::{ColorMap, ImagePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
 use crate::BakeError;
 use serde::{Deserialize, Serialize};
@@ -279,6 +279,43 @@ params! {
         variation: f32 = 0.35, in 0.0..=1.0;
         /// Whether the model's base colour (factor, texture and vertex colours) multiplies the hair's.
         base_color: bool = true;
+        /// Pattern of the coat: an image laid through the model at rest, which multiplies the hair's colour. It needs no texture
+        /// coordinates. The path is from the recipe's folder.
+        pattern: Option<ImagePath> = None;
+        /// How it is laid: `x`, `y` and `z` project it along that axis, `box` along all three, softly blended by the normal.
+        pattern_projection: PatternProjection = PatternProjection::Box;
+        /// Width of the image on the model, metres. Left out, the image spans the model once.
+        pattern_size_m: Option<f32> = None, in 1e-6..=1e6;
+        /// Beyond its border: `repeat` starts over, `clamp` goes on with the outermost texel.
+        pattern_wrap: PatternWrap = PatternWrap::Repeat;
+        /// Width and height of the texture that the pattern is painted into, texels; at most `pack.base_color_max`.
+        pattern_texels: u32 = 1024, in 64..=8192, as PowerOfTwo;
+    }
+}
+
+words! {
+    /// How a pattern is laid on the model.
+    PatternProjection {
+        /// Along x: y is up on the image.
+        X = "x",
+        /// Along y: z points down on the image.
+        Y = "y",
+        /// Along z: y is up on the image.
+        Z = "z",
+        /// Along all three axes, blended by the normal.
+        #[default]
+        Box = "box",
+    }
+}
+
+words! {
+    /// What lies beyond a pattern's border.
+    PatternWrap {
+        /// The pattern again.
+        #[default]
+        Repeat = "repeat",
+        /// Its outermost texels.
+        Clamp = "clamp",
     }
 }
 

@@ -1,5 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
+use super::field::Field;
 use super::*;
 use proptest::prelude::*;
 
@@ -22,8 +23,17 @@ fn every_key_is_a_field_and_every_field_a_key() {
     }
     // Optional fields are absent from the serialised default.
     fields.extend(
-        ["surface.tile_size_m", "hair.length_m", "hair.clump_count", "groom.comb", "groom.color", "fins.depth"]
-            .map(str::to_owned),
+        [
+            "surface.tile_size_m",
+            "hair.length_m",
+            "hair.clump_count",
+            "groom.comb",
+            "color.pattern",
+            "color.pattern_size_m",
+            "groom.color",
+            "fins.depth",
+        ]
+        .map(str::to_owned),
     );
     let mut names: Vec<_> = keys().map(|k| k.name.to_owned()).collect();
     fields.sort();
@@ -123,9 +133,14 @@ fn maps_are_numbers_vertex_colours_or_images() {
 
     let mut recipe = Recipe::default();
     recipe.set("groom.material=[{ name = \"a\", bare = \"a.png\" }, { name = \"b\", bare = \"a.png\", color = \"c.png\" }]").unwrap();
+    recipe.set("color.pattern=zebra.png").unwrap();
     let images = recipe.images();
     let named: Vec<_> = images.iter().map(|(key, path)| (key.as_str(), *path)).collect();
-    let expected = [("groom.material, table 0, bare", "a.png"), ("groom.material, table 1, color", "c.png")];
+    let expected = [
+        ("groom.material, table 0, bare", "a.png"),
+        ("groom.material, table 1, color", "c.png"),
+        ("color.pattern", "zebra.png"),
+    ];
     assert_eq!(named, expected);
 
     for (set, part) in [
@@ -245,6 +260,10 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             base_color_max: p.3,
             bc_quality: p.4,
         });
+    let coat = (
+        (prop::option::of("[a-z /.]{1,9}".prop_filter_map("a path", |p| ImagePath::from_raw(&Raw::String(p)))),),
+        (prop::sample::select(PatternProjection::ALL), prop::sample::select(PatternWrap::ALL), 6u32..=13),
+    );
     let rest = (
         (1e-6f32..=1e6, prop::collection::vec(any::<String>(), 0..3), prop::option::of(1e-6f32..=1e3)),
         (color(), color(), unit(), any::<bool>()),
@@ -252,23 +271,35 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         (4u32..=256, 4u32..=11, 0.25f32..=4.0),
         (any::<bool>(), prop::option::of(1e-3f32..=8.0)),
     );
-    (hair, pack, rest, grooms()).prop_map(|(hair, pack, (model, color, shading, slice, fins), groom)| Recipe {
-        model: ModelParams { unit_m: model.0, bare: model.1 },
-        surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
-        hair,
-        groom,
-        color: ColorParams { root: color.0, tip: color.1, variation: color.2, base_color: color.3 },
-        shading: ShadingParams {
-            ambient: shading.0,
-            specular_exponent: shading.1,
-            ambient_floor: shading.2,
-            back_light_range: shading.3,
-            ..ShadingParams::default()
+    (hair, pack, rest, (coat, grooms())).prop_map(
+        |(hair, pack, (model, color, shading, slice, fins), (coat, groom))| Recipe {
+            model: ModelParams { unit_m: model.0, bare: model.1 },
+            surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
+            hair,
+            groom,
+            color: ColorParams {
+                root: color.0,
+                tip: color.1,
+                variation: color.2,
+                base_color: color.3,
+                pattern: coat.0.0,
+                pattern_projection: coat.1.0,
+                pattern_size_m: model.2,
+                pattern_wrap: coat.1.1,
+                pattern_texels: 1 << coat.1.2,
+            },
+            shading: ShadingParams {
+                ambient: shading.0,
+                specular_exponent: shading.1,
+                ambient_floor: shading.2,
+                back_light_range: shading.3,
+                ..ShadingParams::default()
+            },
+            slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
+            fins: FinParams { enabled: fins.0, depth: fins.1 },
+            pack,
         },
-        slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
-        fins: FinParams { enabled: fins.0, depth: fins.1 },
-        pack,
-    })
+    )
 }
 
 proptest! {

@@ -182,6 +182,19 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
     })
 }
 
+impl Surface {
+    /// Copies vertex `v` to the end of all streams and returns the copy's number.
+    pub fn copy_vertex(&mut self, v: u32) -> u32 {
+        let at = v as usize;
+        self.rest.positions.push(self.rest.positions[at]);
+        self.rest.normals.push(self.rest.normals[at]);
+        self.input_vertex.push(self.input_vertex[at]);
+        self.tile_uvs.push(self.tile_uvs[at]);
+        self.tangents.push(self.tangents[at]);
+        emit::copy_vertex(&mut self.mesh, at)
+    }
+}
+
 impl SurfaceParams {
     /// What a recipe says, with the tile's width resolved for the model and `furred` for its materials.
     pub fn from_recipe(recipe: &recipe::SurfaceParams, tile_size_m: f32, furred: Vec<bool>) -> Self {

@@ -1,5 +1,5 @@
 //! The project's own models, made from code alone: a hare from an implicit surface, and the torus and torus knot of
-//! Yang 2006, Table 1. `make_assets` writes them into `assets/models`.
+//! Yang 2006, Table 1, and patterns for their coats. `make_assets` writes them into `assets/models` and `assets/patterns`.
 //!
 //! The same source gives the same bytes on every machine: only `+ - * /` and square roots from the processor, sines and
 //! cosines from `libm`, no parallel sums, no hash-map order.
@@ -8,6 +8,7 @@ pub mod charts;
 pub mod glb;
 pub mod hare;
 pub mod hare_rig;
+pub mod patterns;
 pub mod preview;
 pub mod remesh;
 pub mod sdf;

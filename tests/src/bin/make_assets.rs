@@ -1,15 +1,15 @@
 //! Writes the project's own models: `cargo run -p pelage-tests --bin make_assets -- [--out DIR] [--preview DIR]`.
 //!
-//! `--out` (default `assets/models` of this checkout) receives hare.glb, torus.glb and knot.glb; `--preview` also receives a
-//! picture of each. Figures about the models go to stdout.
+//! `--out` (default `assets` of this checkout) receives hare.glb, torus.glb and knot.glb in `models`, zebra.png and spots.png in
+//! `patterns`; `--preview` also receives a picture of each model. Figures about the models go to stdout.
 
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
-use pelage_tests::assets::{charts, glb::Model, hare, preview, shapes};
+use pelage_tests::assets::{charts, glb::Model, hare, patterns, preview, shapes};
 
 fn main() -> anyhow::Result<()> {
-    let mut out = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/models"));
+    let mut out = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../assets"));
     let mut pictures = None;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -22,13 +22,17 @@ fn main() -> anyhow::Result<()> {
     }
     for (name, model) in [("hare", hare::model()?), ("torus", shapes::torus()), ("knot", shapes::knot())] {
         let bytes = model.to_glb()?;
-        let path = out.join(format!("{name}.glb"));
+        let path = out.join("models").join(format!("{name}.glb"));
         std::fs::write(&path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
         print_facts(name, &model, bytes.len());
         if let Some(folder) = &pictures {
             let path = folder.join(format!("{name}.png"));
             preview::draw(&model).save(&path).with_context(|| format!("cannot write {}", path.display()))?;
         }
+    }
+    for (name, picture) in [("zebra", patterns::zebra()), ("spots", patterns::spots())] {
+        let path = out.join("patterns").join(format!("{name}.png"));
+        picture.save(&path).with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(())
 }

@@ -1,0 +1,168 @@
+//! Charts: pieces of the skin whose tile coordinates cover no place twice, so that each can lie flat in one texture.
+//!
+//! The patches of the parameterization are nearly isometric, which is what a texture wants, but they may wind round and come to lie
+//! on themselves. A chart grows over edges inside one patch and takes a triangle only where it overlaps none that is there already.
+
+use crate::mesh::Mesh;
+use glam::Vec2;
+use std::collections::{BTreeMap, VecDeque};
+
+/// Triangles that reach over less than this share of their size into each other touch only: rounding.
+const TOUCH: f32 = 1e-3;
+
+/// The chart of each triangle, from 0 without gaps; `u32::MAX` where `patch_of_triangle` says so. Deterministic: charts grow from the
+/// lowest triangle that is left.
+pub(super) fn charts(mesh: &Mesh, patch_of_triangle: &[u32], uvs: &[Vec2]) -> Vec<u32> {
+    let neighbors = neighbors(mesh, patch_of_triangle);
+    let corners = |t: usize| mesh.triangles[t].map(|v| uvs[v as usize]);
+    let mut chart_of = vec![u32::MAX; mesh.triangles.len()];
+    let mut count = 0;
+    for start in 0..mesh.triangles.len() {
+        if chart_of[start] != u32::MAX || patch_of_triangle[start] == u32::MAX {
+            continue;
+        }
+        let mut grid = Grid::new(corners(start));
+        let mut queue = VecDeque::from([start]);
+        while let Some(t) = queue.pop_front() {
+            if chart_of[t] != u32::MAX || !grid.insert(corners(t)) {
+                continue;
+            }
+            chart_of[t] = count;
+            queue.extend(neighbors[t].iter().flatten().map(|n| *n as usize).filter(|n| chart_of[*n] == u32::MAX));
+        }
+        if chart_of[start] == u32::MAX {
+            // A triangle that overlaps nothing is always taken; one with coordinates that are no numbers makes a chart alone.
+            chart_of[start] = count;
+        }
+        count += 1;
+    }
+    chart_of
+}
+
+/// Per triangle the neighbours of its own patch over its three edges. Of more than two triangles at an edge, pairs are neighbours.
+fn neighbors(mesh: &Mesh, patch_of_triangle: &[u32]) -> Vec<[Option<u32>; 3]> {
+    let mut edges = Vec::new();
+    for (t, triangle) in mesh.triangles.iter().enumerate().filter(|(t, _)| patch_of_triangle[*t] != u32::MAX) {
+        for k in 0..3 {
+            let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
+            edges.push((patch_of_triangle[t], a.min(b), a.max(b), t as u32, k));
+        }
+    }
+    edges.sort_unstable();
+    let mut neighbors = vec![[None; 3]; mesh.triangles.len()];
+    for pair in edges.windows(2) {
+        let [(patch, a, b, t, k), (other_patch, c, d, other, l)] = pair else { continue };
+        if (patch, a, b) == (other_patch, c, d) {
+            neighbors[*t as usize][*k] = Some(*other);
+            neighbors[*other as usize][*l] = Some(*t);
+        }
+    }
+    neighbors
+}
+
+/// Triangles in the plane, found by place.
+struct Grid {
+    cell: f32,
+    triangles: Vec<[Vec2; 3]>,
+    cells: BTreeMap<(i32, i32), Vec<u32>>,
+}
+
+impl Grid {
+    /// An empty grid with cells for triangles like this one.
+    fn new(like: [Vec2; 3]) -> Self {
+        let (min, max) = bounds(&like);
+        let cell = (max - min).max_element();
+        let cell = if cell.is_finite() && cell > 1e-12 { 2.0 * cell } else { 1.0 };
+        Self { cell, triangles: Vec::new(), cells: BTreeMap::new() }
+    }
+
+    /// Takes a triangle that overlaps none of those taken before; `false` for one that does, or is none.
+    fn insert(&mut self, triangle: [Vec2; 3]) -> bool {
+        let (min, max) = bounds(&triangle);
+        let (low, high) = ((min / self.cell).floor(), (max / self.cell).floor());
+        // Beyond that a cell's number is no exact float, nor a cell worth having.
+        let small = (high - low).max_element() < 4096.0 && low.abs().max(high.abs()).max_element() < 1e6;
+        if !(triangle.iter().all(|p| p.is_finite()) && small) {
+            return false;
+        }
+        let range = || (low.y as i32..=high.y as i32).flat_map(|y| (low.x as i32..=high.x as i32).map(move |x| (x, y)));
+        let there = range().filter_map(|cell| self.cells.get(&cell)).flatten();
+        if there.map(|t| &self.triangles[*t as usize]).any(|other| overlap(&triangle, other)) {
+            return false;
+        }
+        let index = self.triangles.len() as u32;
+        range().for_each(|cell| self.cells.entry(cell).or_default().push(index));
+        self.triangles.push(triangle);
+        true
+    }
+}
+
+pub(super) fn bounds(points: &[Vec2]) -> (Vec2, Vec2) {
+    let extend = |(min, max): (Vec2, Vec2), p: &Vec2| (min.min(*p), max.max(*p));
+    points.iter().fold((Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)), extend)
+}
+
+/// Whether the insides of two triangles meet: no edge of either has them on different sides (the separating axis theorem).
+fn overlap(a: &[Vec2; 3], b: &[Vec2; 3]) -> bool {
+    let axes = (0..6).map(|k| {
+        let t = if k < 3 { a } else { b };
+        (t[(k + 1) % 3] - t[k % 3]).perp().normalize_or_zero()
+    });
+    axes.filter(|axis| *axis != Vec2::ZERO).all(|axis| {
+        let span = |t: &[Vec2; 3]| {
+            let d = t.map(|p| p.dot(axis));
+            (d[0].min(d[1]).min(d[2]), d[0].max(d[1]).max(d[2]))
+        };
+        let ((a0, a1), (b0, b1)) = (span(a), span(b));
+        let allowed = TOUCH * (a1 - a0).min(b1 - b0);
+        a1.min(b1) - a0.max(b0) > allowed
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of quads, its uv bent round `turns` times.
+    fn strip(quads: usize, turns: f32) -> (Mesh, Vec<Vec2>) {
+        let mut mesh = Mesh::default();
+        let mut uvs = Vec::new();
+        for i in 0..=quads {
+            let angle = i as f32 / quads as f32 * turns * std::f32::consts::TAU;
+            uvs.extend([1.0, 1.5].map(|r| Vec2::from_angle(angle) * r));
+            if i < quads {
+                let a = 2 * i as u32;
+                mesh.triangles.extend([[a, a + 1, a + 3], [a, a + 3, a + 2]]);
+            }
+        }
+        (mesh, uvs)
+    }
+
+    #[test]
+    fn a_patch_that_lies_on_itself_is_parted() {
+        for (turns, expected) in [(0.4, 1), (0.95, 1), (1.5, 2), (2.5, 3)] {
+            let (mesh, uvs) = strip(60, turns);
+            let charts = charts(&mesh, &vec![0; mesh.triangles.len()], &uvs);
+            assert_eq!(charts.iter().max(), Some(&(expected - 1)), "{turns} turns");
+            let corners = |t: usize| mesh.triangles[t].map(|v| uvs[v as usize]);
+            for (t, o) in (0..charts.len()).flat_map(|t| (0..t).map(move |o| (t, o))) {
+                assert!(charts[t] != charts[o] || !overlap(&corners(t), &corners(o)), "{t} lies on {o}");
+            }
+        }
+    }
+
+    #[test]
+    fn patches_stay_apart_and_bare_triangles_outside() {
+        let (mesh, uvs) = strip(4, 0.4);
+        let charts = charts(&mesh, &[0, 0, 1, 1, u32::MAX, 1, 1, 1], &uvs);
+        assert_eq!(charts, [0, 0, 1, 1, u32::MAX, 2, 2, 2]);
+    }
+
+    #[test]
+    fn what_is_no_triangle_is_a_chart_alone() {
+        let (mesh, mut uvs) = strip(2, 0.3);
+        uvs[0] = Vec2::NAN;
+        let charts = charts(&mesh, &[0; 4], &uvs);
+        assert_eq!(charts, [0, 1, 2, 2]);
+    }
+}
