@@ -43,9 +43,8 @@ fn with_fins(bytes: &[u8], edges: &[(u32, u32)]) -> Vec<u8> {
     writer.texture(texels([60, 60, 60, ALPHA])).texture(texels([128, 128, 255, 255])).finish().unwrap()
 }
 
-/// The plane at z = 0 with a fin across its middle along y: on a diagonal's ends would do, but its corners are all there are.
+/// The plane at z = 0 with one fin, on its edge along y at x = −0.1.
 fn plane_with_a_fin() -> Vec<u8> {
-    // Corners 0 (−, −) and 3 (−, +): an edge along y at x = −0.1.
     with_fins(&plane(4, 0), &[(0, 3)])
 }
 
@@ -85,6 +84,20 @@ fn a_fin_fades_with_the_angle_it_is_seen_at() {
             assert!((covered - height).abs() < 0.03, "at {degrees} degrees: {covered}, expected {height}");
         }
     }
+}
+
+/// While the eye turns, a fin comes and goes without a jump: degree by degree its opacity changes by no more than twice what the cosine does.
+#[test]
+fn fins_do_not_pop() {
+    let Some(gpu) = gpu("fins_do_not_pop") else { return };
+    let model = renderer(gpu).load_bytes(&gpu.device, &gpu.queue, &plane_with_a_fin()).unwrap();
+    let mut instance = Instance::new(&model);
+    let mut most =
+        |degrees: f32| opacities(gpu, &mut instance, &params(degrees), &[PassId::Fins]).into_iter().fold(0.0, f32::max);
+    let turn: Vec<_> = (40..80).map(|degrees| most(degrees as f32)).collect();
+    assert!(turn[0] > 0.2 && turn[39] == 0.0, "{turn:?}");
+    let step = 2.0 * 1f32.to_radians() * f32::from(ALPHA) / 255.0 + 0.002;
+    assert!(turn.windows(2).all(|w| (0.0..step).contains(&(w[0] - w[1]))), "more than {step} at once: {turn:?}");
 }
 
 /// A fin that cannot be seen has no fragments: counted by the device where it can count them.

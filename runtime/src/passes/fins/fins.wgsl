@@ -95,7 +95,7 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
     let half = half_vector(light, direction_to(frame.eye_ws, position));
     var out: FinVarying;
     out.position = frame.clip_from_world * vec4(position, 1.0);
-    if opacity == 0.0 {
+    if opacity < LEAST_ALPHA {
         out.position = vec4(0.0, 0.0, 0.0, 1.0);
     }
     out.slab_uv = vec2(fin.start + select(0.0, fin.length, at_b), height);
