@@ -38,7 +38,7 @@ macro_rules! rows {
     };
 }
 
-rows!(hair_simulation, opacity_product, layers, mip_levels, direction_textures);
+rows!(surface, solver, hair_simulation, opacity_product, layers, mip_levels, direction_textures);
 
 /// What judges the rows must itself be able to fail.
 #[test]

@@ -8,6 +8,8 @@ pub mod hair_simulation;
 pub mod layers;
 pub mod mip_levels;
 pub mod opacity_product;
+pub mod solver;
+pub mod surface;
 
 use crate::BakeError;
 use crate::hair::{Strands, VolumeParams, simulate};
@@ -60,8 +62,15 @@ impl Finding {
 }
 
 /// All rows, in the order of the way through bake.
-pub const ROWS: [Row; 5] =
-    [hair_simulation::ROW, opacity_product::ROW, layers::ROW, mip_levels::ROW, direction_textures::ROW];
+pub const ROWS: [Row; 7] = [
+    surface::ROW,
+    solver::ROW,
+    hair_simulation::ROW,
+    opacity_product::ROW,
+    layers::ROW,
+    mip_levels::ROW,
+    direction_textures::ROW,
+];
 
 /// Strands with default colours in a volume of `height`.
 ///
