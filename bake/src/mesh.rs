@@ -69,6 +69,19 @@ pub struct Material {
     pub double_sided: bool,
 }
 
+impl Default for Material {
+    /// White, opaque, one-sided, without a name: what glTF says of a primitive that names no material.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: [1.0; 4],
+            base_color_image: None,
+            alpha_cutoff: None,
+            double_sided: false,
+        }
+    }
+}
+
 /// A decoded image of a model or a recipe.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {

@@ -24,13 +24,7 @@ fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
             has_uvs: true,
         }],
     };
-    let material = Material {
-        name: "Coat".into(),
-        base_color: [1.0; 4],
-        base_color_image: None,
-        alpha_cutoff: None,
-        double_sided: false,
-    };
+    let material = Material { name: "Coat".into(), ..Material::default() };
     Model { mesh, materials: vec![material], ..Model::default() }
 }
 

@@ -46,13 +46,7 @@ impl Materials {
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
-        let mut material = Material {
-            name: String::new(),
-            base_color: [1.0; 4],
-            base_color_image: None,
-            alpha_cutoff: None,
-            double_sided: false,
-        };
+        let mut material = Material::default();
         let mut coords = TextureCoords { set: None, transform: Affine2::IDENTITY };
         if let Some((_, at)) = &found {
             coords = self.fill(source, at, &mut material)?;

@@ -5,6 +5,8 @@
 
 pub mod direction_textures;
 pub mod hair_simulation;
+#[cfg(feature = "preview")]
+pub mod kajiya_kay;
 pub mod layers;
 pub mod mip_levels;
 pub mod opacity_product;
@@ -61,8 +63,8 @@ impl Finding {
     }
 }
 
-/// All rows, in the order of the way through bake.
-pub const ROWS: [Row; 7] = [
+/// All rows, in the order of the way through bake and a frame. Those of the runtime need the feature `preview`.
+pub const ROWS: &[Row] = &[
     surface::ROW,
     solver::ROW,
     hair_simulation::ROW,
@@ -70,6 +72,8 @@ pub const ROWS: [Row; 7] = [
     layers::ROW,
     mip_levels::ROW,
     direction_textures::ROW,
+    #[cfg(feature = "preview")]
+    kajiya_kay::ROW,
 ];
 
 /// Strands with default colours in a volume of `height`.

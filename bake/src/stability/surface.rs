@@ -40,13 +40,7 @@ pub fn model(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Model {
         }],
         triangles,
     };
-    let material = Material {
-        name: "Coat".into(),
-        base_color: [1.0; 4],
-        base_color_image: None,
-        alpha_cutoff: None,
-        double_sided: false,
-    };
+    let material = Material { name: "Coat".into(), ..Material::default() };
     Model { mesh, materials: vec![material], ..Model::default() }
 }
 

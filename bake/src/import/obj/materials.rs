@@ -121,8 +121,7 @@ impl Library {
             name: name.to_owned(),
             base_color: [r, g, b, 1.0],
             base_color_image,
-            alpha_cutoff: None,
-            double_sided: false,
+            ..Material::default()
         });
         self.numbers.insert(name.to_owned(), self.used.len() - 1);
         self.used.len() - 1
