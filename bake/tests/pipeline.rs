@@ -216,3 +216,37 @@ fn fins_can_be_left_out_and_their_depth_given() {
     given.set("fins.depth=0.5").unwrap();
     assert_eq!(depth_of(&given), Some(0.5));
 }
+
+#[test]
+fn the_groom_says_how_dense_and_which_way_hair_lies() {
+    let baked = |set: &str| {
+        let mut recipe = recipe("torus");
+        if !set.is_empty() {
+            recipe.set(set).unwrap();
+        }
+        let package = bake("torus", &recipe).unwrap().package;
+        let package = Package::open(&package, &Limits::default()).unwrap();
+        let mesh = package.mesh().unwrap().unwrap();
+        let (geometry, attributes): (Vec<_>, Vec<_>) = (mesh.geometry().collect(), mesh.attributes().collect());
+        let indices: Vec<_> = mesh.indices().map(|i| i as usize).collect();
+        // Area in tiles, and the mean of the direction that v runs in, over all triangles.
+        let (mut area, mut along) = (0.0, glam::Vec3::ZERO);
+        for t in indices.chunks_exact(3) {
+            let uv = |k: usize| glam::Vec2::from(attributes[t[k]].tile_uv);
+            let twice = (uv(1) - uv(0)).perp_dot(uv(2) - uv(0)).abs();
+            let v = &geometry[t[0]];
+            let tangent = glam::Vec4::from(v.tangent);
+            area += twice / 2.0;
+            along += glam::Vec3::from(v.normal).cross(tangent.truncate()) * tangent.w * twice;
+        }
+        (area, along.normalize())
+    };
+    let (plain, _) = baked("");
+    let (dense, _) = baked("groom.density=4");
+    let ratio = dense / plain;
+    assert!((3.6..4.4).contains(&ratio), "four times as dense is {ratio} times as many tiles");
+    for comb in [glam::Vec3::Y, glam::Vec3::NEG_Y] {
+        let (_, along) = baked(&format!("groom.comb=[0, {}, 0]", comb.y));
+        assert!(along.dot(comb) > 0.9, "combed along {comb}, lies along {along}");
+    }
+}
