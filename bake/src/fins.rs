@@ -34,8 +34,8 @@ pub struct EdgeFins {
 /// and colours from the first triangle in the order of the mesh. An open border counts as an edge like any other.
 ///
 /// The length of a fin in the texture is the edge's at rest; it begins at random, the same for the same mesh, so that fins of a
-/// row do not repeat (ibid.). How much hair it carries depends on how many fins a look over the outline crosses there: see
-/// [`slab_depth`].
+/// row do not repeat (ibid.). How much hair it carries depends on how many fins a look over the outline crosses there, which follows
+/// from the strip of skin that the edge has to itself and from the curvature.
 pub fn fins(surface: &Surface, furred: &[bool], coat: &Coat, height_m: f32, tile_size_m: f32) -> EdgeFins {
     let place = |vertex: u32| surface.rest.positions[vertex as usize];
     let height_at = |vertex: u32| {
