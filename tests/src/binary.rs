@@ -16,8 +16,9 @@ pub fn pelage() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
         let test = std::env::current_exe().unwrap_or_else(|e| panic!("no path of the test: {e}"));
-        // <target>/<profile>/deps/<test>
-        let folder = test.ancestors().nth(2).unwrap_or_else(|| panic!("{} has no profile folder", test.display()));
+        // <target>/<profile>/deps/<test>, or <target>/<profile>/<chore>
+        let folder = test.ancestors().skip(1).find(|f| f.file_name() != Some(OsStr::new("deps")));
+        let folder = folder.unwrap_or_else(|| panic!("{} has no profile folder", test.display()));
         let profile = match folder.file_name().and_then(OsStr::to_str) {
             Some("debug") | None => "dev",
             Some(name) => name,

@@ -5,9 +5,12 @@
 //! surface stage measured. A model that cannot be baked or drawn ends the run with the binary's own words.
 
 use anyhow::{Context as _, bail, ensure};
-use image::{GenericImage as _, RgbImage};
+use image::{GenericImage as _, Rgb, RgbImage};
 use pelage_tests::binary::{Sandbox, finish};
 use serde_json::Value;
+
+/// Behind the models, and where a row is not full.
+const BACKGROUND: Rgb<u8> = Rgb([204, 209, 217]);
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -24,7 +27,8 @@ fn main() -> anyhow::Result<()> {
         pictures.push(draw(&sandbox, model, size).with_context(|| format!("picture {}: {}", index + 1, model[0]))?);
     }
     let (w, h) = pictures[0].dimensions();
-    let mut sheet = RgbImage::new(w * columns.min(pictures.len()) as u32, h * pictures.len().div_ceil(columns) as u32);
+    let size = (w * columns.min(pictures.len()) as u32, h * pictures.len().div_ceil(columns) as u32);
+    let mut sheet = RgbImage::from_pixel(size.0, size.1, BACKGROUND);
     for (index, picture) in pictures.iter().enumerate() {
         sheet.copy_from(picture, w * (index % columns) as u32, h * (index / columns) as u32)?;
     }
