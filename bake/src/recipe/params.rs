@@ -326,12 +326,12 @@ params! {
         ambient: [f32; 3] = pelage_formats::Shading::default().ambient, in 0.0..=100.0;
         /// kd: diffuse light.
         diffuse: [f32; 3] = pelage_formats::Shading::default().diffuse, in 0.0..=100.0;
-        /// ks: the highlight.
-        specular: [f32; 3] = pelage_formats::Shading::default().specular, in 0.0..=100.0;
+        /// ks: the highlight, white whatever the hair's colour: on combed dark hair much of it looks like dust.
+        specular: [f32; 3] = [0.06; 3], in 0.0..=100.0;
         /// pd: 0 lights all directions alike, higher darkens hair that points to the light.
         diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in 0.0..=10_000.0;
         /// ps: higher is a narrower highlight.
-        specular_exponent: f32 = pelage_formats::Shading::default().specular_exponent, in 0.0..=10_000.0;
+        specular_exponent: f32 = 60.0, in 0.0..=10_000.0;
         /// Share of the ambient light that reaches the skin: 0 black roots, towards 1 flat.
         ambient_floor: f32 = pelage_formats::Shading::default().ambient_floor, in 0.0..=0.999;
         /// How far light creeps past the terminator, as −N·L: small is a hard edge.
