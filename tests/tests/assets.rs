@@ -249,5 +249,5 @@ fn every_recipe_parses_and_names_materials_that_exist() {
         names.push(name);
     }
     names.sort();
-    assert_eq!(names, ["fox.toml", "hare.toml", "knot.toml", "torus.toml"]);
+    assert_eq!(names, ["fox.toml", "hare.toml", "knot.toml", "spots.toml", "torus.toml", "zebra.toml"]);
 }

@@ -3,7 +3,7 @@
 //! Charts are packed on shelves, the highest first. Around each lies a gutter, in which the triangle at its border is continued, so that
 //! bilinear filtering and the coarser mips find there what the chart would go on with.
 
-use super::charts::{bounds, charts};
+use super::charts::{Spacing, bounds, charts};
 use crate::BakeError;
 use crate::mesh::Image;
 use crate::surface::Surface;
@@ -55,7 +55,9 @@ impl Atlas {
     /// # Errors
     /// [`BakeError::Params`] naming `color.pattern_texels` where the charts do not fit.
     pub fn new(surface: &mut Surface, side: u32) -> Result<Self, BakeError> {
-        let chart_of = charts(&surface.mesh, &surface.patch_of_triangle, &surface.tile_uvs);
+        let spacing = spacing(surface, side);
+        let places = &surface.rest.positions;
+        let chart_of = charts(&surface.mesh, &surface.patch_of_triangle, places, &surface.tile_uvs, &spacing);
         let count = chart_of.iter().filter(|c| **c != u32::MAX).max().map_or(0, |c| *c as usize + 1);
         let chart_of_vertex = part_vertices(surface, &chart_of);
         let mut boxes = vec![(Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)); count];
@@ -163,6 +165,24 @@ impl Atlas {
     }
 }
 
+/// Charts leave themselves the gutter that they leave each other. Their scale is only known once they are packed; what the areas give is
+/// a little less than the size of a texel will be.
+fn spacing(surface: &Surface, side: u32) -> Spacing {
+    let (mut tile, mut skin) = (0.0, 0.0);
+    let furred = surface.mesh.triangles.iter().zip(&surface.patch_of_triangle).filter(|(_, patch)| **patch != u32::MAX);
+    for (triangle, _) in furred {
+        let [a, b, c] = triangle.map(|v| surface.tile_uvs[v as usize]);
+        let [p, q, r] = triangle.map(|v| surface.rest.positions[v as usize]);
+        tile += (b - a).perp_dot(c - a).abs() / 2.0;
+        skin += (q - p).cross(r - p).length() / 2.0;
+    }
+    let usable = |v: f32| v.is_finite() && v > 0.0;
+    Spacing {
+        margin: if usable(tile) { tile.sqrt() / side as f32 * GUTTERS[0] as f32 } else { 0.0 },
+        tile_m: if usable(tile) && usable(skin) { (skin / tile).sqrt() } else { 1.0 },
+    }
+}
+
 /// Linear RGBA as an image, sRGB-encoded.
 pub(super) fn srgb_image(side: u32, texels: &[Vec4]) -> Image {
     let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
@@ -177,7 +197,7 @@ pub(super) fn linear_image(side: u32, texels: &[Vec4]) -> Image {
 }
 
 /// Barycentric coordinates; `None` in a triangle without area.
-fn barycentric([a, b, c]: &[Vec2; 3], p: Vec2) -> Option<Vec3> {
+pub(super) fn barycentric([a, b, c]: &[Vec2; 3], p: Vec2) -> Option<Vec3> {
     let area = (*b - *a).perp_dot(*c - *a);
     if area == 0.0 || !area.is_finite() {
         return None;

@@ -1,30 +1,81 @@
 //! Charts: pieces of the skin whose tile coordinates cover no place twice, so that each can lie flat in one texture.
 //!
 //! The patches of the parameterization are nearly isometric, which is what a texture wants, but they may wind round and come to lie
-//! on themselves. A chart grows over edges inside one patch and takes a triangle only where it overlaps none that is there already.
+//! on themselves. A chart grows over edges inside one patch and takes a triangle only where it overlaps none that is there already, and
+//! comes near none that is somewhere else on the skin: filtering would mix the two.
 
+use super::atlas::barycentric;
 use crate::mesh::Mesh;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Triangles that reach over less than this share of their size into each other touch only: rounding.
 const TOUCH: f32 = 1e-3;
 
+/// A triangle in the tile and on the skin.
+#[derive(Clone, Copy)]
+struct Piece {
+    uv: [Vec2; 3],
+    /// Corners on the skin, tiles.
+    places: [Vec3; 3],
+}
+
+impl Piece {
+    /// The place that the triangle's plane has at a point of the tile.
+    fn place_at(&self, p: Vec2) -> Vec3 {
+        let w = barycentric(&self.uv, p).unwrap_or(Vec3::X);
+        self.places[0] * w.x + self.places[1] * w.y + self.places[2] * w.z
+    }
+
+    /// Distance of a point of the tile from the triangle there.
+    fn distance(&self, p: Vec2) -> f32 {
+        if barycentric(&self.uv, p).is_some_and(|w| w.min_element() >= 0.0) {
+            return 0.0;
+        }
+        let to_edge = |k: usize| {
+            let (a, edge) = (self.uv[k], self.uv[(k + 1) % 3] - self.uv[k]);
+            let along = ((p - a).dot(edge) / edge.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+            p.distance(a + edge * along)
+        };
+        to_edge(0).min(to_edge(1)).min(to_edge(2))
+    }
+}
+
+/// How far apart places of the skin must be in a chart, and how long a tile is on the skin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spacing {
+    /// Tiles.
+    pub(super) margin: f32,
+    /// Metres.
+    pub(super) tile_m: f32,
+}
+
 /// The chart of each triangle, from 0 without gaps; `u32::MAX` where `patch_of_triangle` says so. Deterministic: charts grow from the
 /// lowest triangle that is left.
-pub(super) fn charts(mesh: &Mesh, patch_of_triangle: &[u32], uvs: &[Vec2]) -> Vec<u32> {
+///
+/// `positions` and `uvs` have one entry per vertex: places on the skin, metres, and tile coordinates.
+pub(super) fn charts(
+    mesh: &Mesh,
+    patch_of_triangle: &[u32],
+    positions: &[Vec3],
+    uvs: &[Vec2],
+    spacing: &Spacing,
+) -> Vec<u32> {
     let neighbors = neighbors(mesh, patch_of_triangle);
-    let corners = |t: usize| mesh.triangles[t].map(|v| uvs[v as usize]);
+    let piece = |t: usize| {
+        let corners = mesh.triangles[t].map(|v| v as usize);
+        Piece { uv: corners.map(|v| uvs[v]), places: corners.map(|v| positions[v] / spacing.tile_m) }
+    };
     let mut chart_of = vec![u32::MAX; mesh.triangles.len()];
     let mut count = 0;
     for start in 0..mesh.triangles.len() {
         if chart_of[start] != u32::MAX || patch_of_triangle[start] == u32::MAX {
             continue;
         }
-        let mut grid = Grid::new(corners(start));
+        let mut grid = Grid::new(piece(start).uv, spacing.margin);
         let mut queue = VecDeque::from([start]);
         while let Some(t) = queue.pop_front() {
-            if chart_of[t] != u32::MAX || !grid.insert(corners(t)) {
+            if chart_of[t] != u32::MAX || !grid.insert(piece(t)) {
                 continue;
             }
             chart_of[t] = count;
@@ -63,37 +114,47 @@ fn neighbors(mesh: &Mesh, patch_of_triangle: &[u32]) -> Vec<[Option<u32>; 3]> {
 /// Triangles in the plane, found by place.
 struct Grid {
     cell: f32,
-    triangles: Vec<[Vec2; 3]>,
+    margin: f32,
+    triangles: Vec<Piece>,
     cells: BTreeMap<(i32, i32), Vec<u32>>,
 }
 
 impl Grid {
     /// An empty grid with cells for triangles like this one.
-    fn new(like: [Vec2; 3]) -> Self {
+    fn new(like: [Vec2; 3], margin: f32) -> Self {
         let (min, max) = bounds(&like);
-        let cell = (max - min).max_element();
+        let cell = (max - min).max_element().max(margin);
         let cell = if cell.is_finite() && cell > 1e-12 { 2.0 * cell } else { 1.0 };
-        Self { cell, triangles: Vec::new(), cells: BTreeMap::new() }
+        Self { cell, margin, triangles: Vec::new(), cells: BTreeMap::new() }
     }
 
-    /// Takes a triangle that overlaps none of those taken before; `false` for one that does, or is none.
-    fn insert(&mut self, triangle: [Vec2; 3]) -> bool {
-        let (min, max) = bounds(&triangle);
-        let (low, high) = ((min / self.cell).floor(), (max / self.cell).floor());
+    /// Takes a triangle that is in the way of none of those taken before; `false` for one that is, or that is no triangle.
+    fn insert(&mut self, piece: Piece) -> bool {
+        let (min, max) = bounds(&piece.uv);
+        let (low, high) = (((min - self.margin) / self.cell).floor(), ((max + self.margin) / self.cell).floor());
         // Beyond that a cell's number is no exact float, nor a cell worth having.
         let small = (high - low).max_element() < 4096.0 && low.abs().max(high.abs()).max_element() < 1e6;
-        if !(triangle.iter().all(|p| p.is_finite()) && small) {
+        if !(piece.uv.iter().all(|p| p.is_finite()) && small) {
             return false;
         }
         let range = || (low.y as i32..=high.y as i32).flat_map(|y| (low.x as i32..=high.x as i32).map(move |x| (x, y)));
         let there = range().filter_map(|cell| self.cells.get(&cell)).flatten();
-        if there.map(|t| &self.triangles[*t as usize]).any(|other| overlap(&triangle, other)) {
+        if there.map(|t| &self.triangles[*t as usize]).any(|other| self.in_the_way(&piece, other)) {
             return false;
         }
         let index = self.triangles.len() as u32;
         range().for_each(|cell| self.cells.entry(cell).or_default().push(index));
-        self.triangles.push(triangle);
+        self.triangles.push(piece);
         true
+    }
+
+    /// Whether two triangles lie on each other, or so near in the tile that filtering mixes them though they are somewhere else on the skin.
+    fn in_the_way(&self, a: &Piece, b: &Piece) -> bool {
+        let elsewhere = |a: &Piece, b: &Piece| {
+            let near = b.uv.iter().zip(&b.places).filter(|(uv, _)| a.distance(**uv) < self.margin);
+            near.map(|(uv, place)| a.place_at(*uv).distance(*place)).any(|gap| gap > self.margin)
+        };
+        overlap(&a.uv, &b.uv, 0.0) || (overlap(&a.uv, &b.uv, self.margin) && (elsewhere(a, b) || elsewhere(b, a)))
     }
 }
 
@@ -102,8 +163,9 @@ pub(super) fn bounds(points: &[Vec2]) -> (Vec2, Vec2) {
     points.iter().fold((Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)), extend)
 }
 
-/// Whether the insides of two triangles meet: no edge of either has them on different sides (the separating axis theorem).
-fn overlap(a: &[Vec2; 3], b: &[Vec2; 3]) -> bool {
+/// Whether the insides of two triangles meet, or come as near as `margin`: no edge of either has them on different sides (the
+/// separating axis theorem).
+fn overlap(a: &[Vec2; 3], b: &[Vec2; 3], margin: f32) -> bool {
     let axes = (0..6).map(|k| {
         let t = if k < 3 { a } else { b };
         (t[(k + 1) % 3] - t[k % 3]).perp().normalize_or_zero()
@@ -114,7 +176,7 @@ fn overlap(a: &[Vec2; 3], b: &[Vec2; 3]) -> bool {
             (d[0].min(d[1]).min(d[2]), d[0].max(d[1]).max(d[2]))
         };
         let ((a0, a1), (b0, b1)) = (span(a), span(b));
-        let allowed = TOUCH * (a1 - a0).min(b1 - b0);
+        let allowed = if margin > 0.0 { -margin } else { TOUCH * (a1 - a0).min(b1 - b0) };
         a1.min(b1) - a0.max(b0) > allowed
     })
 }
@@ -138,15 +200,33 @@ mod tests {
         (mesh, uvs)
     }
 
+    /// Charts of a skin that lies as its tile coordinates do.
+    fn in_plane(mesh: &Mesh, patches: &[u32], uvs: &[Vec2]) -> Vec<u32> {
+        let positions: Vec<Vec3> = uvs.iter().map(|uv| uv.extend(0.0)).collect();
+        charts(mesh, patches, &positions, uvs, &Spacing { margin: 0.05, tile_m: 1.0 })
+    }
+
+    #[test]
+    fn what_lies_near_in_the_tile_but_not_on_the_skin_is_parted() {
+        // Ends a hundredth of a turn apart in the tile; on the skin the strip runs up a spiral stair.
+        let (mesh, uvs) = strip(60, 0.995);
+        assert_eq!(in_plane(&mesh, &vec![0; mesh.triangles.len()], &uvs).iter().max(), Some(&0));
+        let stair: Vec<Vec3> = uvs.iter().enumerate().map(|(i, uv)| uv.extend(i as f32 / 40.0)).collect();
+        let parted =
+            charts(&mesh, &vec![0; mesh.triangles.len()], &stair, &uvs, &Spacing { margin: 0.05, tile_m: 1.0 });
+        assert_eq!(parted.iter().max(), Some(&1));
+        assert!(parted.iter().filter(|c| **c == 1).count() < 20, "{parted:?}");
+    }
+
     #[test]
     fn a_patch_that_lies_on_itself_is_parted() {
         for (turns, expected) in [(0.4, 1), (0.95, 1), (1.5, 2), (2.5, 3)] {
             let (mesh, uvs) = strip(60, turns);
-            let charts = charts(&mesh, &vec![0; mesh.triangles.len()], &uvs);
+            let charts = in_plane(&mesh, &vec![0; mesh.triangles.len()], &uvs);
             assert_eq!(charts.iter().max(), Some(&(expected - 1)), "{turns} turns");
             let corners = |t: usize| mesh.triangles[t].map(|v| uvs[v as usize]);
             for (t, o) in (0..charts.len()).flat_map(|t| (0..t).map(move |o| (t, o))) {
-                assert!(charts[t] != charts[o] || !overlap(&corners(t), &corners(o)), "{t} lies on {o}");
+                assert!(charts[t] != charts[o] || !overlap(&corners(t), &corners(o), 0.0), "{t} lies on {o}");
             }
         }
     }
@@ -154,7 +234,7 @@ mod tests {
     #[test]
     fn patches_stay_apart_and_bare_triangles_outside() {
         let (mesh, uvs) = strip(4, 0.4);
-        let charts = charts(&mesh, &[0, 0, 1, 1, u32::MAX, 1, 1, 1], &uvs);
+        let charts = in_plane(&mesh, &[0, 0, 1, 1, u32::MAX, 1, 1, 1], &uvs);
         assert_eq!(charts, [0, 0, 1, 1, u32::MAX, 2, 2, 2]);
     }
 
@@ -162,7 +242,7 @@ mod tests {
     fn what_is_no_triangle_is_a_chart_alone() {
         let (mesh, mut uvs) = strip(2, 0.3);
         uvs[0] = Vec2::NAN;
-        let charts = charts(&mesh, &[0; 4], &uvs);
+        let charts = in_plane(&mesh, &[0; 4], &uvs);
         assert_eq!(charts, [0, 1, 2, 2]);
     }
 }

@@ -131,12 +131,13 @@ fn every_point_of_the_skin_shows_the_pattern_at_its_place() {
         let pattern = Pattern::new(&params(projection), &images, &BOUNDS).unwrap().unwrap();
         let painted = paint(&model, &pattern);
         assert_eq!(painted.atlas.gutter, 8, "{projection:?}");
-        // A texel is 2 mm here, over which the waves (period 0.28 m, of box where they blend steeper) change by 0.03 at most.
+        // A texel is 2 mm here, over which the waves (period 0.28 m, of box where they blend steeper) change by 0.03 at most. At the
+        // border of a chart the filter reads the gutter, where the last triangle is continued in a straight line: a bit more there.
         let (worst, mean) = errors(&painted, &pattern, 0);
-        assert!(worst < 0.05 && mean < 0.01, "{projection:?}: worst {worst}, mean {mean}");
-        // Four texels become one: four times that, and nothing of other charts or of the ground between them.
+        assert!(worst < 0.1 && mean < 0.01, "{projection:?}: worst {worst}, mean {mean}");
+        // Four texels become one: four times that at most, and nothing of other charts or of the ground between them.
         let (worst, mean) = errors(&painted, &pattern, 2);
-        assert!(worst < 0.16 && mean < 0.03, "{projection:?} at mip 2: worst {worst}, mean {mean}");
+        assert!(worst < 0.2 && mean < 0.03, "{projection:?} at mip 2: worst {worst}, mean {mean}");
     }
 }
 

@@ -177,7 +177,7 @@ params! {
         /// How far neighbours are asked where the comb is weak or broken, tiles: small keeps every wish, large makes broad strokes.
         comb_smoothing: f32 = 0.5, in 0.01..=100.0;
         /// How strictly patches follow the comb: 1 along it, 0 turns every triangle to what distorts least.
-        comb_weight: f32 = 1.0, in 0.0..=1.0;
+        comb_weight: f32 = 0.5, in 0.0..=1.0;
         /// How far a patch may grow from its seed, tiles. Large has few seams and more distortion.
         patch_size: f32 = 2.0, in 0.05..=1000.0;
         /// Largest angle between a patch's hair and the comb, degrees.

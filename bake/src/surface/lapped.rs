@@ -18,7 +18,7 @@ const ROUNDS: usize = 4;
 /// Share of a patch's area that may break the bounds: single odd triangles shall not tear a good patch apart.
 const ODD_SHARE: f64 = 0.01;
 /// No face at all may be squeezed to less than this share.
-const LEAST_SQUEEZE: f64 = 0.2;
+const LEAST_SQUEEZE: f64 = 0.4;
 
 /// How patches are made.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! From a mesh to hair-tile coordinates and tile frames: the `surface` stage.
 //!
-//! The mesh is repaired ([`repair`](self::repair), never rejected), a comb field is laid over it, and the tile's coordinates come from lapped
+//! The mesh is repaired, never rejected, a comb field is laid over it, and the tile's coordinates come from lapped
 //! patches that follow the field, or from the model's own texture coordinates. What comes out: vertices joined where nothing
 //! tells them apart and split where two sides disagree; per vertex a tile coordinate, a tangent (+u) and a handedness; normals
 //! that agree across seams, so that the shells do not gape; and the measures of the parameterization.
@@ -82,13 +82,13 @@ pub struct PatchParams {
     pub turn_deg: f32,
     /// Largest stretch of a triangle in any direction, and the inverse of the least, 1.01..=4 (default 1.5).
     pub stretch: f32,
-    /// 1 follows the comb, 0 turns each triangle to what distorts least; 0..=1 (default 1).
+    /// 1 follows the comb, 0 turns each triangle to what distorts least; 0..=1 (default 0.5).
     pub comb_weight: f32,
 }
 
 impl Default for PatchParams {
     fn default() -> Self {
-        Self { size: 2.0, turn_deg: 25.0, stretch: 1.5, comb_weight: 1.0 }
+        Self { size: 2.0, turn_deg: 25.0, stretch: 1.5, comb_weight: 0.5 }
     }
 }
 
