@@ -3,53 +3,25 @@
 //!
 //! `cargo bench --workspace --bench surface -- MODEL…` measures models as well; paths are relative to `bake/`.
 
-use glam::{Vec2, vec3};
+use glam::vec3;
 use pelage_bake::groom::{Lengths, bounds};
 use pelage_bake::import::ImportOptions;
 use pelage_bake::io::read_model;
-use pelage_bake::mesh::{Material, Mesh, MeshPart, Model, RestPose};
+use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::recipe;
+use pelage_bake::stability::surface::grid;
 use pelage_bake::surface::{SurfaceParams, parameterize};
-use std::f32::consts::TAU;
 use std::time::Instant;
 
 /// A trefoil tube of `2 * along * around` triangles, with bumps.
 fn knot(along: u32, around: u32) -> Model {
     let center = |t: f32| vec3(t.sin() + 2.0 * (2.0 * t).sin(), t.cos() - 2.0 * (2.0 * t).cos(), -(3.0 * t).sin());
-    let mut mesh = Mesh::default();
-    for i in 0..along {
-        let t = TAU * i as f32 / along as f32;
+    grid(along, around, |t, turn| {
         let tangent = (center(t + 0.01) - center(t - 0.01)).normalize();
         let side = tangent.cross(center(t)).normalize();
-        for j in 0..around {
-            let (sin, cos) = (TAU * j as f32 / around as f32).sin_cos();
-            let outward = side * cos + tangent.cross(side) * sin;
-            mesh.normals.push(outward);
-            mesh.positions.push(center(t) + outward * (0.5 + 0.025 * (9.0 * t).sin() * cos));
-        }
-    }
-    let at = |i: u32, j: u32| i % along * around + j % around;
-    for (i, j) in (0..along).flat_map(|i| (0..around).map(move |j| (i, j))) {
-        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-        mesh.triangles.extend([[a, b, c], [a, c, d]]);
-    }
-    mesh.uvs = vec![Vec2::ZERO; mesh.positions.len()];
-    mesh.colors = vec![[255; 4]; mesh.positions.len()];
-    mesh.parts = vec![MeshPart {
-        source: "knot".into(),
-        material: 0,
-        first_triangle: 0,
-        triangle_count: mesh.triangles.len(),
-        has_uvs: false,
-    }];
-    let material = Material {
-        name: String::new(),
-        base_color: [1.0; 4],
-        base_color_image: None,
-        alpha_cutoff: None,
-        double_sided: false,
-    };
-    Model { mesh, materials: vec![material], ..Model::default() }
+        let (sin, cos) = turn.sin_cos();
+        center(t) + (side * cos + tangent.cross(side) * sin) * (0.5 + 0.025 * (9.0 * t).sin() * cos)
+    })
 }
 
 /// Prints what came out, and returns the median seconds of three runs.

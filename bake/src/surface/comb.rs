@@ -1,7 +1,7 @@
 //! Where the hair is combed to: wishes per face, before they are smoothed into a field.
 
 use super::Skin;
-use super::topology::Topology;
+use super::topology::{Key, Topology};
 use crate::mesh::Mesh;
 use glam::{DVec3, Vec3};
 use std::cmp::Reverse;
@@ -32,13 +32,6 @@ impl Comb {
             Self::Gravity => Vec3::NEG_Y,
             Self::Tangents | Self::PerVertex(_) | Self::Guides(_) | Self::None => Vec3::ZERO,
         }
-    }
-}
-
-impl Default for Comb {
-    /// From nose to tail, a little downward, for an animal that looks along +z as glTF asks.
-    fn default() -> Self {
-        Self::Direction(Vec3::new(0.0, -0.35, -1.0))
     }
 }
 
@@ -120,10 +113,8 @@ fn spread(topology: &Topology, guides: &[Guide], warnings: &mut Vec<String>) -> 
 fn ways_from(topology: &Topology, centers: &[DVec3], start: usize) -> Vec<f64> {
     let mut ways = vec![f64::INFINITY; centers.len()];
     ways[start] = 0.0;
-    // Bits of numbers that are not negative order as the numbers do.
-    let mut heap = BinaryHeap::from([Reverse((0u64, start))]);
-    while let Some(Reverse((bits, f))) = heap.pop() {
-        let way = f64::from_bits(bits);
+    let mut heap = BinaryHeap::from([Reverse((Key(0.0), start))]);
+    while let Some(Reverse((Key(way), f))) = heap.pop() {
         if way > ways[f] {
             continue;
         }
@@ -131,7 +122,7 @@ fn ways_from(topology: &Topology, centers: &[DVec3], start: usize) -> Vec<f64> {
             let next = way + centers[f].distance(centers[g]);
             if next < ways[g] {
                 ways[g] = next;
-                heap.push(Reverse((next.to_bits(), g)));
+                heap.push(Reverse((Key(next), g)));
             }
         }
     }

@@ -5,7 +5,7 @@
 //! rounder than patches that grow one after the other, which leave each other slits and slivers.
 
 use super::solve::FaceFrame;
-use super::topology::{NONE, Topology};
+use super::topology::{Key, NONE, Topology};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -18,24 +18,6 @@ pub(super) struct Reach {
     pub(super) turn_rad: f64,
     /// Whether the frames follow a comb; without one only normals count.
     pub(super) combed: bool,
-}
-
-/// A number that orders a heap. Never NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Key(f64);
-
-impl Eq for Key {}
-
-impl PartialOrd for Key {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Key {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 /// The patch that each face belongs to, from 0 without gaps; each is connected by edges.
@@ -57,7 +39,8 @@ pub(super) fn grow(topology: &Topology, frames: &[FaceFrame], reach: &Reach) -> 
         flood.grow_from(f, seeds, Some);
         seeds += 1;
     }
-    connected_parts(topology, &flood.seed_of)
+    let owner = |h: u32| flood.seed_of[h as usize / 3];
+    topology.regions(|h| owner(h) == owner(topology.twins[h as usize]))
 }
 
 /// Parts a patch that hangs together in two: one grows from its first face, the other from the face that is farthest from it.
@@ -128,28 +111,4 @@ impl<'a> Flood<'a> {
         let trace = a.s.dot(b.s) + a.t.dot(b.t) + self.topology.normals[f].dot(self.topology.normals[g]);
         ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos()
     }
-}
-
-/// Numbers the parts of each owner that hang together by edges, in the order of their first faces.
-pub(super) fn connected_parts(topology: &Topology, owner: &[u32]) -> Vec<u32> {
-    let mut part = vec![NONE; owner.len()];
-    let mut count = 0;
-    let mut stack = Vec::new();
-    for first in 0..owner.len() {
-        if part[first] != NONE {
-            continue;
-        }
-        part[first] = count;
-        stack.push(first);
-        while let Some(f) = stack.pop() {
-            for (_, g) in topology.neighbors(f) {
-                if part[g] == NONE && owner[g] == owner[f] {
-                    part[g] = count;
-                    stack.push(g);
-                }
-            }
-        }
-        count += 1;
-    }
-    part
 }

@@ -98,34 +98,14 @@ fn seams_and_regions(topology: &Topology, corners: &[[DVec2; 3]]) -> (f64, Vec<u
         (offset - offset.round()).abs().max_element() < 1e-3 && (b - c - offset).abs().max_element() < 1e-3
     };
     let mut seams = 0.0;
-    let mut joined = topology.twins.clone();
-    for h in 0..joined.len() as u32 {
-        let twin = topology.twins[h as usize];
-        if twin != NONE && !continuous(h, twin) {
-            joined[h as usize] = NONE;
-            seams += topology.edge_length(h) / 2.0;
+    let mut joined = vec![false; topology.twins.len()];
+    for (h, twin) in topology.twins.iter().enumerate().filter(|(_, twin)| **twin != NONE) {
+        joined[h] = continuous(h as u32, *twin);
+        if !joined[h] {
+            seams += topology.edge_length(h as u32) / 2.0;
         }
     }
-    let mut regions = vec![NONE; corners.len()];
-    let (mut count, mut stack) = (0, Vec::new());
-    for first in 0..regions.len() {
-        if regions[first] != NONE {
-            continue;
-        }
-        regions[first] = count;
-        stack.push(first);
-        while let Some(f) = stack.pop() {
-            for twin in joined[3 * f..3 * f + 3].iter().filter(|t| **t != NONE) {
-                let g = *twin as usize / 3;
-                if regions[g] == NONE {
-                    regions[g] = count;
-                    stack.push(g);
-                }
-            }
-        }
-        count += 1;
-    }
-    (seams, regions)
+    (seams, topology.regions(|h| joined[h as usize]))
 }
 
 #[cfg(test)]

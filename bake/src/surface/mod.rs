@@ -45,16 +45,10 @@ pub struct SurfaceParams {
     pub density: Option<Vec<f32>>,
 }
 
+/// A recipe's, with tiles of 0.1 m and no furred material.
 impl Default for SurfaceParams {
     fn default() -> Self {
-        Self {
-            tile_size_m: 0.1,
-            furred: Vec::new(),
-            source: Source::default(),
-            comb: Comb::default(),
-            comb_smoothing: 0.5,
-            density: None,
-        }
+        Self::from_recipe(&recipe::SurfaceParams::default(), 0.1, Vec::new())
     }
 }
 
@@ -65,12 +59,6 @@ pub enum Source {
     Patches(PatchParams),
     /// The model's own texture coordinates, scaled.
     Model,
-}
-
-impl Default for Source {
-    fn default() -> Self {
-        Self::Patches(PatchParams::default())
-    }
 }
 
 /// How far lapped patches go. Larger patches have fewer seams and more distortion.
@@ -86,9 +74,21 @@ pub struct PatchParams {
     pub comb_weight: f32,
 }
 
+impl From<&recipe::SurfaceParams> for PatchParams {
+    fn from(recipe: &recipe::SurfaceParams) -> Self {
+        Self {
+            size: recipe.patch_size,
+            turn_deg: recipe.patch_turn_deg,
+            stretch: recipe.patch_stretch,
+            comb_weight: recipe.comb_weight,
+        }
+    }
+}
+
+/// A recipe's.
 impl Default for PatchParams {
     fn default() -> Self {
-        Self { size: 2.0, turn_deg: 25.0, stretch: 1.5, comb_weight: 0.5 }
+        Self::from(&recipe::SurfaceParams::default())
     }
 }
 
@@ -136,7 +136,6 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
     emit::keep_sound_triangles(&mut mesh, model.animation.as_ref(), &repaired);
     let furred_triangles = params.furred_triangles(&mesh);
     weld::smooth_normals_over_seams(&mut mesh, &repaired.topology.faces, &furred_triangles);
-    let rest = RestPose::of(&mesh, model.animation.as_ref());
 
     let skin = Skin::new(repaired.topology, &furred_triangles);
     let wishes = comb::wishes(&skin, &mesh, &input_vertex, &params.comb, &mut warnings);
@@ -205,12 +204,7 @@ impl SurfaceParams {
             furred,
             source: match recipe.source {
                 recipe::SurfaceSource::Model => Source::Model,
-                recipe::SurfaceSource::Patches => Source::Patches(PatchParams {
-                    size: recipe.patch_size,
-                    turn_deg: recipe.patch_turn_deg,
-                    stretch: recipe.patch_stretch,
-                    comb_weight: recipe.comb_weight,
-                }),
+                recipe::SurfaceSource::Patches => Source::Patches(recipe.into()),
             },
             comb: match recipe.comb {
                 recipe::CombSource::Direction => Comb::Direction(recipe.comb_direction.into()),

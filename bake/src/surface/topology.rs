@@ -53,12 +53,54 @@ impl Topology {
         self.points[a as usize].distance(self.points[b as usize])
     }
 
+    /// Numbers the regions that hang together, in the order of their first faces. `joined` says of a half-edge whether the faces on its sides
+    /// do; borders of the mesh are not asked.
+    pub(super) fn regions(&self, joined: impl Fn(u32) -> bool) -> Vec<u32> {
+        let mut region = vec![NONE; self.faces.len()];
+        let (mut count, mut stack) = (0, Vec::new());
+        for first in 0..region.len() {
+            if region[first] != NONE {
+                continue;
+            }
+            region[first] = count;
+            stack.push(first);
+            while let Some(f) = stack.pop() {
+                for (h, g) in self.neighbors(f) {
+                    if region[g] == NONE && joined(h) {
+                        region[g] = count;
+                        stack.push(g);
+                    }
+                }
+            }
+            count += 1;
+        }
+        region
+    }
+
     /// The up to three faces across the edges of `face`, with the half-edge of `face` that leads to each.
     pub(super) fn neighbors(&self, face: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
         (3 * face as u32..3 * face as u32 + 3).filter_map(|h| {
             let twin = self.twins[h as usize];
             (twin != NONE).then_some((h, twin as usize / 3))
         })
+    }
+}
+
+/// A number that orders a heap. Never NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Key(pub(super) f64);
+
+impl Eq for Key {}
+
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the skin, fins and shells passes share: bindings, vertex streams and the making of pipelines.
 
 use crate::model::{Model, Part};
+use crate::renderer::Pipelines;
 use crate::shared::frame;
 use crate::{RendererOptions, Style};
 use bytemuck::{Pod, Zeroable};
@@ -132,6 +133,19 @@ impl Look {
         let fins = shader == SurfaceShader::Fins;
         SurfaceKey { shader, variant, double_sided: part.double_sided || fins, mirrored: self.mirrored && !fins }
     }
+}
+
+/// Numbers of the `wanted` parts of a model and the pipelines that draw them.
+pub(crate) fn plan_parts(
+    device: &wgpu::Device,
+    pipelines: &mut Pipelines,
+    model: &Model,
+    look: &Look,
+    shader: SurfaceShader,
+    wanted: impl Fn(&Part) -> bool,
+) -> Vec<(usize, wgpu::RenderPipeline)> {
+    let parts = model.parts().iter().enumerate().filter(|(_, part)| wanted(part));
+    parts.map(|(index, part)| (index, pipelines.surface(device, look.key(shader, model, part)))).collect()
 }
 
 impl Variant {

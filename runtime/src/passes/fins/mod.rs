@@ -3,7 +3,7 @@
 
 use crate::Instance;
 use crate::model::Model;
-use crate::passes::surface::{Look, SurfaceShader, surface_wgsl};
+use crate::passes::surface::{Look, SurfaceShader, plan_parts, surface_wgsl};
 use crate::renderer::Pipelines;
 
 /// The shader.
@@ -28,10 +28,7 @@ pub(crate) fn plan(
     model: &Model,
     look: &Look,
 ) -> Vec<(usize, wgpu::RenderPipeline)> {
-    let with_fins = model.parts().iter().enumerate().filter(|(_, part)| !part.fins.is_empty());
-    with_fins
-        .map(|(index, part)| (index, pipelines.surface(device, look.key(SurfaceShader::Fins, model, part))))
-        .collect()
+    plan_parts(device, pipelines, model, look, SurfaceShader::Fins, |part| !part.fins.is_empty())
 }
 
 /// The draws of an instance whose posed vertices are there; `None` for a model without fins.

@@ -2,7 +2,7 @@
 //! written (Lengyel 2001; Yang 2006, §2).
 
 use crate::model::Model;
-use crate::passes::surface::{Look, SurfaceShader, surface_wgsl};
+use crate::passes::surface::{Look, SurfaceShader, plan_parts, surface_wgsl};
 use crate::renderer::Pipelines;
 
 /// The shader.
@@ -16,8 +16,7 @@ pub(crate) fn plan(
     look: &Look,
 ) -> Vec<(usize, wgpu::RenderPipeline)> {
     let shader = if look.yardstick { SurfaceShader::Yardstick } else { SurfaceShader::Shells };
-    let furred = model.parts().iter().enumerate().filter(|(_, part)| part.furred);
-    furred.map(|(index, part)| (index, pipelines.surface(device, look.key(shader, model, part)))).collect()
+    plan_parts(device, pipelines, model, look, shader, |part| part.furred)
 }
 
 /// Records the draws of one instance; group 0 and the vertex buffers are set.
