@@ -3,18 +3,24 @@
 //! | pass | recorded by | draws | when |
 //! |---|---|---|---|
 //! | `pose` | [`crate::Renderer::prepare`] | compute: posed vertices | an instance's pose changed |
+//! | `layer_shadow` | [`crate::Renderer::prepare`] | transmittance above each layer, seen from the key light | self-shadow on, and light, pose or package changed |
+//! | `shadow_width` | [`crate::Renderer::prepare`] | depth maps, occlusion, shrunk and stretched | soft shadow on, and light, pose or package changed |
 //! | `skin` | [`Frame::draw`] | opaque base mesh, depth written | always |
 //! | `fins` | [`Frame::draw`] | quads of hair along the outline | fur visible, package has fins |
 //! | `shells` | [`Frame::draw`] | layers of hair, inside to outside | fur visible |
 
 use crate::passes::fins::{self, FinDraws};
-use crate::passes::surface::Look;
-use crate::passes::{PassId, pose, shells, skin};
+use crate::light_view::{LightView, Sphere};
+use crate::params::MAX_FILL_LIGHTS;
+use crate::passes::surface::{Look, ShadowLook};
+use crate::passes::{PassId, layer_shadow, pose, shadow_width, shells, skin};
 use crate::renderer::Pipelines;
+use crate::shadow::{Casters, PenumbraForm, ShadowKey, ShadowMaps, SlantForm};
 use crate::shared::{frame as blocks, kajiya_kay, skinning};
-use crate::{FrameParams, Instance, Model, RuntimeError, Style};
+use crate::{FrameParams, Instance, Light, Model, RuntimeError, Style};
 use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::Shading;
+use std::sync::Arc;
 use wgpu::util::DeviceExt;
 
 /// A prepared frame: everything that [`Frame::draw`] needs, held until it is dropped.
@@ -22,6 +28,7 @@ use wgpu::util::DeviceExt;
 pub struct Frame {
     bind_group: wgpu::BindGroup,
     instances: Vec<Drawn>,
+    shadows: Option<Arc<ShadowMaps>>,
     report: FrameReport,
 }
 
@@ -37,6 +44,9 @@ pub(crate) struct Drawn {
     pub(crate) shells: Vec<(usize, wgpu::RenderPipeline)>,
     /// What it draws of its fins.
     fins: Option<FinDraws>,
+    /// Numbers and pipelines of what the key light sees, where the maps are drawn: furred parts by layers, and all parts by depth.
+    pub(crate) layer_shadow: Vec<(usize, wgpu::RenderPipeline)>,
+    pub(crate) casters: [Vec<(usize, wgpu::RenderPipeline)>; 2],
     /// Layers, skin counted.
     pub(crate) layers: u32,
 }
@@ -69,55 +79,145 @@ impl PassReport {
     }
 }
 
+impl Drawn {
+    /// Binds what every pass over the model's triangles reads.
+    pub(crate) fn bind(&self, pass: &mut wgpu::RenderPass<'_>, frame: &wgpu::BindGroup) {
+        pass.set_bind_group(0, frame, &[self.uniform_offset]);
+        pass.set_bind_group(2, self.model.fur(), &[]);
+        pass.set_vertex_buffer(0, self.geometry.slice(..));
+        pass.set_vertex_buffer(1, self.model.attributes().slice(..));
+        pass.set_index_buffer(self.model.indices().slice(..), wgpu::IndexFormat::Uint32);
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "what a frame is made of; the renderer's methods give it shorter forms")]
 pub(crate) fn prepare(
     device: &wgpu::Device,
     encoder: &mut wgpu::CommandEncoder,
     pipelines: &mut Pipelines,
+    shadows: &mut Option<Arc<ShadowMaps>>,
     params: &FrameParams,
     instances: &mut [&mut Instance],
+    casters: Option<&mut Casters<'_>>,
+    mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
 ) -> Result<Frame, RuntimeError> {
-    params.check()?;
+    params.check(&device.limits())?;
+    let clip_from_view = params.camera.check(pipelines.reversed_depth())?;
     instances.iter().try_for_each(|instance| instance.check())?;
-    let (blocks, stride) = uniform_blocks(device, pipelines, params, instances)?;
+    let light_ws = params.light.homogeneous()?;
+    let fills = fill_lights(device, params)?;
     let posed = pose::record(device, encoder, pipelines, instances)?;
+    mark(encoder, PassId::Pose);
 
+    let key = shadow_key(params, instances, casters.as_deref());
+    let redraw = key.as_ref().is_some_and(|key| shadows.as_ref().is_none_or(|maps| maps.key != *key));
+    let stride = block_stride(device);
     let mut drawn = Vec::new();
     for (index, instance) in instances.iter().enumerate() {
-        let layers = drawn_layers(instance.model(), params);
-        let look = look(instance.model(), params, instance.transform);
+        let model = instance.model();
+        let layers = drawn_layers(model, params);
+        let look = look(model, params, instance.transform, key.as_ref());
+        let from_light = look.from_light(model, key.as_ref());
         drawn.push(Drawn {
-            model: instance.model().clone(),
+            model: model.clone(),
             geometry: instance.geometry().clone(),
             uniform_offset: (index as u32 + 1) * stride,
-            skin: skin::plan(device, pipelines, instance.model(), &look),
-            shells: if layers > 1 { shells::plan(device, pipelines, instance.model(), &look) } else { Vec::new() },
+            skin: skin::plan(device, pipelines, model, &look),
+            shells: if layers > 1 { shells::plan(device, pipelines, model, &look) } else { Vec::new() },
             fins: if look.fins { fins::draws(device, pipelines, instance, &look) } else { None },
+            layer_shadow: if redraw && params.self_shadow && layers > 1 {
+                layer_shadow::plan(device, pipelines, model, &from_light)
+            } else {
+                Vec::new()
+            },
+            casters: if redraw && params.soft_shadow {
+                shadow_width::plan(device, pipelines, model, &from_light)
+            } else {
+                Default::default()
+            },
             layers,
         });
     }
-    let report = FrameReport {
-        passes: vec![posed, report_skin(&drawn), report_fins(&drawn, params), report_shells(&drawn, params)],
-    };
 
-    let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("pelage frame"),
-        contents: &blocks,
-        usage: wgpu::BufferUsages::UNIFORM,
-    });
-    let block = |binding, size| wgpu::BindGroupEntry {
-        binding,
-        resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &buffer,
-            offset: 0,
-            size: std::num::NonZeroU64::new(size as u64),
-        }),
+    let view = key.as_ref().map(|key| key.view);
+    let mut frame = blocks::Frame {
+        clip_from_world: (clip_from_view * params.camera.view_from_world).to_cols_array_2d(),
+        eye_ws: params.camera.eye_ws(clip_from_view).to_array(),
+        light_ws: light_ws.to_array(),
+        map_from_world: view.map_or(Mat4::IDENTITY, |view| view.map_from_world).to_cols_array_2d(),
+        soft_shadow: [0.0; 4],
+        last_map_layer: key.as_ref().map_or(0.0, |key| (key.map_layers - 1) as f32),
+        fill_lights: params.fill_lights.len() as u32,
+        reserved0: 0,
+        reserved1: 0,
     };
-    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("pelage frame"),
-        layout: &pipelines.layouts.frame,
-        entries: &[block(0, size_of::<blocks::Frame>()), block(1, size_of::<blocks::Instance>())],
-    });
-    Ok(Frame { bind_group, instances: drawn, report })
+    let upload = |frame: &blocks::Frame, layers: Option<u32>| {
+        let block = |i: &&mut Instance| instance_block(i, params, layers.unwrap_or(drawn_layers(i.model(), params)));
+        upload_blocks(device, stride, frame, instances.iter().map(block))
+    };
+    if let Some(key) = key.filter(|_| redraw) {
+        // Maps that another frame still reads stay as they are.
+        let previous = shadows.take().and_then(|maps| Arc::try_unwrap(maps).ok()).filter(|maps| maps.fits(&key));
+        let maps = match previous {
+            Some(maps) => ShadowMaps { key, ..maps },
+            None => ShadowMaps::new(device, key),
+        };
+        let light_frame = blocks::Frame {
+            clip_from_world: maps.view().clip_from_world.to_cols_array_2d(),
+            eye_ws: light_ws.to_array(),
+            ..frame
+        };
+        let buffer = upload(&light_frame, Some(maps.key.map_layers));
+        let group = pipelines.layouts.frame_bind_group(device, &buffer, &fills, None);
+        layer_shadow::record(device, encoder, pipelines, &maps, &group, &drawn);
+        mark(encoder, PassId::LayerShadow);
+        shadow_width::record(device, encoder, pipelines, &maps, &group, &drawn, casters);
+        mark(encoder, PassId::ShadowWidth);
+        *shadows = Some(Arc::new(maps));
+    } else {
+        mark(encoder, PassId::LayerShadow);
+        mark(encoder, PassId::ShadowWidth);
+    }
+    let maps = shadows.clone().filter(|_| view.is_some());
+    if let Some(maps) = &maps {
+        let s = maps.soft_shadow();
+        frame.soft_shadow = [s.range_m, s.penumbra, s.blur, s.texel];
+    }
+    let report = FrameReport {
+        passes: vec![
+            posed,
+            report_layer_shadow(&drawn, params, maps.as_deref(), redraw),
+            report_shadow_width(&drawn, params, maps.as_deref(), redraw),
+            report_skin(&drawn),
+            report_fins(&drawn, params),
+            report_shells(&drawn, params),
+        ],
+    };
+    let buffer = upload(&frame, None);
+    let bind_group = pipelines.layouts.frame_bind_group(device, &buffer, &fills, maps.as_deref());
+    Ok(Frame { bind_group, instances: drawn, shadows: maps, report })
+}
+
+/// What the shadow maps of a frame depend on; `None` where it needs none.
+fn shadow_key(params: &FrameParams, instances: &[&mut Instance], casters: Option<&Casters<'_>>) -> Option<ShadowKey> {
+    let layers = instances.iter().map(|i| drawn_layers(i.model(), params)).max()?;
+    let self_shadow = params.self_shadow && layers > 1;
+    // A light without light throws no shadow.
+    if !(self_shadow || params.soft_shadow) || params.light.color() == Vec3::ZERO {
+        return None;
+    }
+    let spheres = instances.iter().map(|i| i.sphere()).chain(casters.and_then(|c| c.bounds));
+    let sphere = Sphere::around(spheres)?;
+    Some(ShadowKey {
+        light: params.light,
+        view: LightView::new(&params.light, sphere),
+        params: params.shadows,
+        self_shadow,
+        soft_shadow: params.soft_shadow,
+        map_layers: if self_shadow { params.shadows.map_layers.unwrap_or(layers).min(256) } else { 1 },
+        instances: instances.iter().map(|i| i.shadow_key(drawn_layers(i.model(), params) > 1)).collect(),
+        casters: casters.map(|c| c.revision),
+    })
 }
 
 impl Frame {
@@ -129,12 +229,12 @@ impl Frame {
         self.draw_pass(PassId::Shells, pass);
     }
 
-    /// Records one pass alone, for measuring, or for drawing between skin and shells. [`PassId::Pose`] was recorded by
-    /// [`crate::Renderer::prepare`] and does nothing here.
+    /// Records one pass alone, for measuring, or for drawing between skin and shells. [`PassId::Pose`] and those of the shadows
+    /// were recorded by [`crate::Renderer::prepare`] and do nothing here.
     pub fn draw_pass(&self, id: PassId, pass: &mut wgpu::RenderPass<'_>) {
         for instance in &self.instances {
             let empty = match id {
-                PassId::Pose => true,
+                PassId::Pose | PassId::LayerShadow | PassId::ShadowWidth => true,
                 PassId::Skin => instance.skin.is_empty(),
                 PassId::Fins => instance.fins.is_none(),
                 PassId::Shells => instance.shells.is_empty(),
@@ -142,18 +242,20 @@ impl Frame {
             if empty {
                 continue;
             }
-            pass.set_bind_group(0, &self.bind_group, &[instance.uniform_offset]);
-            pass.set_bind_group(2, instance.model.fur(), &[]);
-            pass.set_vertex_buffer(0, instance.geometry.slice(..));
-            pass.set_vertex_buffer(1, instance.model.attributes().slice(..));
-            pass.set_index_buffer(instance.model.indices().slice(..), wgpu::IndexFormat::Uint32);
+            instance.bind(pass, &self.bind_group);
             match id {
-                PassId::Pose => {}
+                PassId::Pose | PassId::LayerShadow | PassId::ShadowWidth => {}
                 PassId::Skin => skin::record(pass, instance),
                 PassId::Fins => instance.fins.iter().for_each(|fins| fins::record(pass, &instance.model, fins)),
                 PassId::Shells => shells::record(pass, instance),
             }
         }
+    }
+
+    /// The key light's shadow maps, for the application's own geometry to read; `None` where the frame has none. They hold until a
+    /// later frame draws them anew, which the order of submission settles.
+    pub fn shadows(&self) -> Option<&ShadowMaps> {
+        self.shadows.as_deref()
     }
 
     /// Which passes run in this frame, and why the others do not.
@@ -164,7 +266,16 @@ impl Frame {
 
 /// Compiles what a frame with these parameters needs.
 pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &Model, params: &FrameParams) {
-    let look = look(model, params, Mat4::IDENTITY);
+    let key = light_alone(model, params);
+    let look = look(model, params, Mat4::IDENTITY, key.as_ref());
+    let from_light = look.from_light(model, key.as_ref());
+    if params.self_shadow && key.is_some() && drawn_layers(model, params) > 1 {
+        layer_shadow::plan(device, pipelines, model, &from_light);
+    }
+    if params.soft_shadow && key.is_some() {
+        shadow_width::plan(device, pipelines, model, &from_light);
+        pipelines.filter(device);
+    }
     skin::plan(device, pipelines, model, &look);
     if drawn_layers(model, params) > 1 {
         shells::plan(device, pipelines, model, &look);
@@ -177,15 +288,38 @@ pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &
     }
 }
 
-fn look(model: &Model, params: &FrameParams, transform: Mat4) -> Look {
+/// The key of a frame of one model, as far as pipelines depend on it.
+fn light_alone(model: &Model, params: &FrameParams) -> Option<ShadowKey> {
+    let mut instance = Instance::new(model);
+    shadow_key(params, &[&mut instance], None)
+}
+
+fn look(model: &Model, params: &FrameParams, transform: Mat4, shadows: Option<&ShadowKey>) -> Look {
     let manifest = model.manifest();
+    let drawn = drawn_layers(model, params);
     Look {
         style: params.style,
         yardstick: params.yardstick,
         mirrored: skinning::handedness_of(Mat3::from_mat4(transform)) < 0.0,
-        resampled: drawn_layers(model, params) != manifest.fur.layers,
-        fins: params.fins && model.fins().is_some() && drawn_layers(model, params) > 1,
+        resampled: drawn != manifest.fur.layers,
+        fins: params.fins && model.fins().is_some() && drawn > 1,
+        shadows: shadows.map_or_else(ShadowLook::default, |key| ShadowLook {
+            self_shadow: key.self_shadow,
+            slanted: key.self_shadow && key.params.slant == SlantForm::Corrected,
+            maps_between: key.self_shadow && key.map_layers != drawn,
+            soft_shadow: key.soft_shadow,
+            centred: key.soft_shadow && key.params.penumbra_form == PenumbraForm::Centred,
+        }),
+        fill_lights: !params.fill_lights.is_empty(),
         shading: params.shading.unwrap_or(manifest.shading),
+    }
+}
+
+impl Look {
+    /// The same instance as the key light sees it.
+    fn from_light(&self, model: &Model, key: Option<&ShadowKey>) -> Self {
+        let layers = key.map_or(0, |key| key.map_layers);
+        Self { resampled: layers != model.manifest().fur.layers, ..*self }
     }
 }
 
@@ -196,6 +330,57 @@ fn drawn_layers(model: &Model, params: &FrameParams) -> u32 {
         return 1;
     }
     params.layers.unwrap_or(baked)
+}
+
+fn report_layer_shadow(
+    drawn: &[Drawn],
+    params: &FrameParams,
+    maps: Option<&ShadowMaps>,
+    redrawn: bool,
+) -> PassReport {
+    let name = PassId::LayerShadow.name();
+    match maps.filter(|maps| maps.key.self_shadow) {
+        Some(maps) if redrawn => {
+            let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
+            PassReport::ran(name, format!("{layers} maps of {size} x {size}{}", light_inside(maps)))
+        }
+        Some(_) => PassReport::skipped(name, "light, poses and models as in the maps"),
+        None if drawn.is_empty() => PassReport::skipped(name, "no instances"),
+        None if !params.self_shadow => PassReport::skipped(name, "switched off"),
+        None if params.light.color() == Vec3::ZERO => PassReport::skipped(name, "the key light is dark"),
+        None if params.style == Style::Bare => PassReport::skipped(name, "style is bare"),
+        None => PassReport::skipped(name, "no fur is drawn"),
+    }
+}
+
+fn report_shadow_width(
+    drawn: &[Drawn],
+    params: &FrameParams,
+    maps: Option<&ShadowMaps>,
+    redrawn: bool,
+) -> PassReport {
+    let name = PassId::ShadowWidth.name();
+    match maps.filter(|maps| maps.key.soft_shadow) {
+        Some(maps) if redrawn => {
+            let (size, shrink) = (maps.key.params.map_size, maps.key.params.shrink);
+            PassReport::ran(name, format!("{size} x {size}, shrunk {shrink} times{}", light_inside(maps)))
+        }
+        Some(_) => PassReport::skipped(name, "light, poses and models as in the maps"),
+        None if drawn.is_empty() => PassReport::skipped(name, "no instances"),
+        None if !params.soft_shadow => PassReport::skipped(name, "switched off"),
+        None => PassReport::skipped(name, "the key light is dark"),
+    }
+}
+
+/// A light inside what it lights has no view of all of it.
+fn light_inside(maps: &ShadowMaps) -> &'static str {
+    let sphere = maps.view().sphere;
+    match maps.key.light {
+        Light::Point { position, .. } if position.distance(sphere.center) < sphere.radius => {
+            "; the light is inside the scene, the maps cover the side of its centre"
+        }
+        _ => "",
+    }
 }
 
 fn report_skin(drawn: &[Drawn]) -> PassReport {
@@ -245,32 +430,51 @@ fn report_shells(drawn: &[Drawn], params: &FrameParams) -> PassReport {
     )
 }
 
-/// The frame's block, then each instance's, `stride` bytes apart.
-fn uniform_blocks(
-    device: &wgpu::Device,
-    pipelines: &Pipelines,
-    params: &FrameParams,
-    instances: &[&mut Instance],
-) -> Result<(Vec<u8>, u32), RuntimeError> {
-    let clip_from_view = params.camera.check(pipelines.reversed_depth())?;
-    let frame = blocks::Frame {
-        clip_from_world: (clip_from_view * params.camera.view_from_world).to_cols_array_2d(),
-        eye_ws: params.camera.eye_ws(clip_from_view).to_array(),
-        light_ws: params.light.homogeneous()?.to_array(),
-    };
+/// Lights without shadow, as the shaders read them.
+fn fill_lights(device: &wgpu::Device, params: &FrameParams) -> Result<wgpu::Buffer, RuntimeError> {
+    let mut lights = [blocks::FillLight::default(); MAX_FILL_LIGHTS];
+    for (slot, light) in lights.iter_mut().zip(&params.fill_lights) {
+        *slot = blocks::FillLight {
+            light_ws: light.homogeneous()?.to_array(),
+            color: light.color().extend(0.0).to_array(),
+        };
+    }
+    Ok(device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("pelage fill lights"),
+        contents: bytemuck::bytes_of(&lights),
+        usage: wgpu::BufferUsages::UNIFORM,
+    }))
+}
+
+/// Bytes from one block to the next.
+fn block_stride(device: &wgpu::Device) -> u32 {
     let largest = size_of::<blocks::Frame>().max(size_of::<blocks::Instance>()) as u32;
-    let stride = largest.next_multiple_of(device.limits().min_uniform_buffer_offset_alignment);
-    let mut bytes = bytemuck::bytes_of(&frame).to_vec();
-    for (index, instance) in instances.iter().enumerate() {
+    largest.next_multiple_of(device.limits().min_uniform_buffer_offset_alignment)
+}
+
+/// The frame's block, then each instance's, `stride` bytes apart.
+fn upload_blocks(
+    device: &wgpu::Device,
+    stride: u32,
+    frame: &blocks::Frame,
+    instances: impl Iterator<Item = blocks::Instance>,
+) -> wgpu::Buffer {
+    let mut bytes = bytemuck::bytes_of(frame).to_vec();
+    for (index, block) in instances.enumerate() {
         bytes.resize((index + 1) * stride as usize, 0);
-        bytes.extend_from_slice(bytemuck::bytes_of(&instance_block(instance, params)));
+        bytes.extend_from_slice(bytemuck::bytes_of(&block));
     }
     // A bind group without instances still covers one instance block.
     bytes.resize(bytes.len().max(2 * stride as usize), 0);
-    Ok((bytes, stride))
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("pelage frame"),
+        contents: &bytes,
+        usage: wgpu::BufferUsages::UNIFORM,
+    })
 }
 
-fn instance_block(instance: &Instance, params: &FrameParams) -> blocks::Instance {
+/// `drawn`: layers, skin counted; 1 where no fur shows.
+fn instance_block(instance: &Instance, params: &FrameParams, drawn: u32) -> blocks::Instance {
     let manifest = instance.model().manifest();
     let shading = params.shading.unwrap_or(manifest.shading);
     let linear = Mat3::from_mat4(instance.transform);
@@ -278,7 +482,7 @@ fn instance_block(instance: &Instance, params: &FrameParams) -> blocks::Instance
     let cofactor = |a: Vec3, b: Vec3| -> [f32; 4] { (a.cross(b) * handedness).extend(0.0).to_array() };
     let constant = |k: [f32; 3], light: Vec3| (Vec3::from(k) * light).to_array();
     let unit = Shading { specular: [1.0; 3], ..shading };
-    let (baked, drawn) = (manifest.fur.layers, drawn_layers(instance.model(), params));
+    let baked = manifest.fur.layers;
     blocks::Instance {
         world_from_model: instance.transform.to_cols_array_2d(),
         normal_x: cofactor(linear.y_axis, linear.z_axis),
@@ -303,5 +507,7 @@ fn instance_block(instance: &Instance, params: &FrameParams) -> blocks::Instance
         drawn_layers: drawn.max(2),
         wet_specular: unit.wet().specular[0],
         wet_specular_half_exponent: 0.5 * shading.wet().specular_exponent,
+        diffuse_constant: Vec3::from(shading.diffuse).extend(0.0).to_array(),
+        specular_constant: Vec3::from(shading.specular).extend(0.0).to_array(),
     }
 }

@@ -1,5 +1,7 @@
 //! One drawn copy of a model.
 
+use crate::light_view::Sphere;
+use crate::shadow::InstanceKey;
 use crate::{Model, RuntimeError};
 use glam::{Mat3, Mat4};
 use pelage_formats::Pose;
@@ -116,6 +118,19 @@ impl Instance {
     /// The first vertex stream: posed where the model has a skeleton.
     pub(crate) fn geometry(&self) -> &wgpu::Buffer {
         self.posed.as_ref().map_or_else(|| self.model.geometry(), |p| &p.vertices)
+    }
+
+    /// What the shadow maps see of it.
+    pub(crate) fn shadow_key(&self, furry: bool) -> InstanceKey {
+        let motion = self.model.skeleton().map(|_| self.motion.clone());
+        InstanceKey { model: self.model.number(), transform: self.transform, motion, furry }
+    }
+
+    /// About the posed skin and its fur, in world space; the pose is that of the last frame prepared.
+    pub(crate) fn sphere(&self) -> Sphere {
+        // Leaning hair reaches farther than its height.
+        let fur_m = std::f32::consts::SQRT_2 * self.model.manifest().fur.height_m;
+        self.model.extent().sphere(&self.pose.joints, self.transform, fur_m)
     }
 
     pub(crate) fn check(&self) -> Result<(), RuntimeError> {

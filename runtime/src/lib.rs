@@ -22,17 +22,20 @@
 //! Space is right-handed with +Y up, in metres; clip depth is 0..=1, reversed on request. Colours are linear RGB and leave the
 //! shaders premultiplied with opacity: an sRGB target encodes them.
 //!
-//! The hair is the layered volume of Lengyel 2001, lit per pixel as in Yang 2006, eq. (1), with γ of eq. (2) and Attenu_Back of
-//! eq. (3). A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
+//! The hair is the layered volume of Lengyel 2001, lit per pixel as in Yang 2006, eq. (3): hair shadows hair by layer-wise shadow
+//! maps, things throw soft shadows by a shadow-width map. [`Casters`] lets the application's own geometry take part. A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
 
 mod camera;
 mod error;
+mod extent;
 mod frame;
 mod instance;
+mod light_view;
 mod model;
 mod params;
 mod passes;
 mod renderer;
+mod shadow;
 pub mod shared;
 
 #[cfg(test)]
@@ -43,10 +46,12 @@ pub use camera::{Camera, Light, Projection};
 pub use error::RuntimeError;
 pub use frame::{Frame, FrameReport, PassReport};
 pub use instance::{Instance, Motion};
+pub use light_view::{LightView, Sphere};
 pub use model::Model;
-pub use params::{FrameParams, RendererOptions, Style};
+pub use params::{FrameParams, MAX_FILL_LIGHTS, RendererOptions, Style};
 pub use passes::PassId;
 pub use renderer::Renderer;
+pub use shadow::{CasterPass, Casters, PenumbraForm, ShadowMaps, ShadowParams, SlantForm};
 
 pub use glam;
 pub use pelage_formats as formats;

@@ -1,10 +1,12 @@
 //! A package on the GPU.
 
+use crate::extent::Extent;
 use crate::passes::surface::{MaterialUniform, SurfaceLayouts};
 use crate::{RendererOptions, RuntimeError};
 use pelage_formats::{Animation, Clip, FinsView, FurTextures, Manifest, MeshView, Package, TextureFormat, TextureView};
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use wgpu::util::DeviceExt;
 
 /// A package on the GPU: vertices, textures, materials. Cheap to clone; the clones share everything.
@@ -24,8 +26,13 @@ struct Resources {
     planar_directions: bool,
     varies: Varies,
     parts: Vec<Part>,
+    extent: Extent,
+    /// Tells models apart, also from those that are gone.
+    number: u64,
     gpu_bytes: u64,
 }
+
+static LOADED: AtomicU64 = AtomicU64::new(0);
 
 /// Fins of a model.
 #[derive(Debug)]
@@ -122,6 +129,16 @@ impl Model {
 
     pub(crate) fn varies(&self) -> Varies {
         self.0.varies
+    }
+
+    /// How far the skin reaches.
+    pub(crate) fn extent(&self) -> &Extent {
+        &self.0.extent
+    }
+
+    /// Tells models apart, also from those that are gone.
+    pub(crate) fn number(&self) -> u64 {
+        self.0.number
     }
 
     pub(crate) fn parts(&self) -> &[Part] {
@@ -276,6 +293,7 @@ pub(crate) fn load(
     }
 
     let manifest = manifest.clone();
+    let has_skeleton = animation.is_some();
     let resources = Resources {
         manifest,
         animation,
@@ -287,6 +305,8 @@ pub(crate) fn load(
         fins: fin_resources,
         planar_directions,
         varies: Varies::of(&mesh),
+        extent: Extent::of(&mesh, skinned && has_skeleton),
+        number: LOADED.fetch_add(1, Ordering::Relaxed),
         parts,
         gpu_bytes,
     };

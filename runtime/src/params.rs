@@ -1,6 +1,6 @@
 //! What is set once and what is set per frame.
 
-use crate::{Camera, Light, RuntimeError};
+use crate::{Camera, Light, RuntimeError, ShadowParams};
 use glam::Vec3;
 use pelage_formats::Shading;
 
@@ -80,8 +80,10 @@ pub enum Style {
 pub struct FrameParams {
     /// From where the scene is seen.
     pub camera: Camera,
-    /// The key light.
+    /// The key light: the one that throws shadows.
     pub light: Light,
+    /// Other lights, without shadows: at most [`MAX_FILL_LIGHTS`] (default none). Each costs about as much as the key light.
+    pub fill_lights: Vec<Light>,
     /// Light from everywhere, linear RGB, multiplies the package's ambient constant (default 1).
     pub ambient: Vec3,
     /// With fur or without.
@@ -91,6 +93,12 @@ pub struct FrameParams {
     pub layers: Option<u32>,
     /// Whether fins are drawn where the package has them (default true).
     pub fins: bool,
+    /// Whether hair shadows hair, t of Yang 2006, eq. (2), by layer-wise shadow maps (default true).
+    pub self_shadow: bool,
+    /// Whether things throw soft shadows, Attenu_Shadow of Yang 2006, eq. (3), by a shadow-width map (default true).
+    pub soft_shadow: bool,
+    /// How these shadows are made.
+    pub shadows: ShadowParams,
     /// Whether ambient light fades towards the skin, γ of Yang 2006, eq. (2) (default true).
     pub ambient_attenuation: bool,
     /// Whether the light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
@@ -108,10 +116,14 @@ impl FrameParams {
         Self {
             camera,
             light: Light::default(),
+            fill_lights: Vec::new(),
             ambient: Vec3::ONE,
             style: Style::Fur,
             layers: None,
             fins: true,
+            self_shadow: true,
+            soft_shadow: true,
+            shadows: ShadowParams::default(),
             ambient_attenuation: true,
             back_attenuation: true,
             shading: None,
@@ -119,10 +131,14 @@ impl FrameParams {
         }
     }
 
-    pub(crate) fn check(&self) -> Result<(), RuntimeError> {
+    pub(crate) fn check(&self, limits: &wgpu::Limits) -> Result<(), RuntimeError> {
         let fail = |field, found: String, expected: &str| {
             Err(RuntimeError::Params { field, found, expected: expected.into() })
         };
+        self.shadows.check(limits)?;
+        if self.fill_lights.len() > MAX_FILL_LIGHTS {
+            return fail("FrameParams::fill_lights", format!("{} lights", self.fill_lights.len()), "at most 32");
+        }
         if let Some(layers) = self.layers
             && !(1..=MAX_LAYERS).contains(&layers)
         {
@@ -146,3 +162,6 @@ impl FrameParams {
 
 /// More layers than this are a mistake.
 pub(crate) const MAX_LAYERS: u32 = 1024;
+
+/// Most lights without shadow that a frame may have.
+pub const MAX_FILL_LIGHTS: usize = 32;

@@ -1,15 +1,20 @@
 //! What is made once per device and set of options: layouts and pipelines.
 
 use crate::passes::surface::{SurfaceKey, SurfaceLayouts, SurfaceShader};
-use crate::passes::{fins, pose, shells, skin};
+use crate::passes::shadow_width::FilterPipelines;
+use crate::passes::{PassId, fins, layer_shadow, pose, shadow_width, shells, skin};
+use crate::shadow::{Casters, ShadowMaps};
 use crate::{Frame, FrameParams, Instance, Model, RendererOptions, RuntimeError, frame, model};
 use pelage_formats::{Limits, Package};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Draws models into the application's own render pass. One per device and kind of pass.
 #[derive(Debug)]
 pub struct Renderer {
     pipelines: Pipelines,
+    /// Of the last frame that had shadows.
+    shadows: Option<Arc<ShadowMaps>>,
 }
 
 impl Renderer {
@@ -21,12 +26,11 @@ impl Renderer {
             options: options.clone(),
             layouts: SurfaceLayouts::new(device, queue),
             pose: None,
-            skin_module: None,
-            fins_module: None,
-            shells_module: None,
+            filter: None,
+            modules: HashMap::new(),
             surfaces: HashMap::new(),
         };
-        Ok(Self { pipelines })
+        Ok(Self { pipelines, shadows: None })
     }
 
     /// The options it was made with.
@@ -71,7 +75,39 @@ impl Renderer {
         params: &FrameParams,
         instances: &mut [&mut Instance],
     ) -> Result<Frame, RuntimeError> {
-        frame::prepare(device, encoder, &mut self.pipelines, params, instances)
+        self.prepare_marked(device, encoder, params, instances, None, &mut |_, _| ())
+    }
+
+    /// [`Self::prepare`] with geometry of the application's own among the shadows.
+    pub fn prepare_with_casters(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        params: &FrameParams,
+        instances: &mut [&mut Instance],
+        casters: &mut Casters<'_>,
+    ) -> Result<Frame, RuntimeError> {
+        self.prepare_marked(device, encoder, params, instances, Some(casters), &mut |_, _| ())
+    }
+
+    /// [`Self::prepare`] that calls `mark` after each pass it records or skips: how `pelage bench` times them.
+    #[doc(hidden)]
+    pub fn prepare_marked(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        params: &FrameParams,
+        instances: &mut [&mut Instance],
+        casters: Option<&mut Casters<'_>>,
+        mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
+    ) -> Result<Frame, RuntimeError> {
+        frame::prepare(device, encoder, &mut self.pipelines, &mut self.shadows, params, instances, casters, mark)
+    }
+
+    /// Forgets the shadow maps, so that the next frame draws them anew. Needed only after an encoder that a frame was prepared into
+    /// was dropped instead of submitted, and to give their memory back.
+    pub fn invalidate_shadows(&mut self) {
+        self.shadows = None;
     }
 }
 
@@ -81,9 +117,8 @@ pub(crate) struct Pipelines {
     options: RendererOptions,
     pub(crate) layouts: SurfaceLayouts,
     pose: Option<wgpu::ComputePipeline>,
-    skin_module: Option<wgpu::ShaderModule>,
-    fins_module: Option<wgpu::ShaderModule>,
-    shells_module: Option<wgpu::ShaderModule>,
+    filter: Option<FilterPipelines>,
+    modules: HashMap<&'static str, wgpu::ShaderModule>,
     surfaces: HashMap<SurfaceKey, wgpu::RenderPipeline>,
 }
 
@@ -112,16 +147,21 @@ impl Pipelines {
         })
     }
 
+    pub(crate) fn filter(&mut self, device: &wgpu::Device) -> &FilterPipelines {
+        self.filter.get_or_insert_with(|| {
+            FilterPipelines::new(device, &module(device, "pelage shadow width", shadow_width::FILTER_WGSL))
+        })
+    }
+
     pub(crate) fn surface(&mut self, device: &wgpu::Device, key: SurfaceKey) -> wgpu::RenderPipeline {
-        let module = match key.shader {
-            SurfaceShader::SkinBare | SurfaceShader::SkinFurred => {
-                self.skin_module.get_or_insert_with(|| module(device, "pelage skin", skin::WGSL))
-            }
-            SurfaceShader::Fins => self.fins_module.get_or_insert_with(|| module(device, "pelage fins", fins::WGSL)),
-            SurfaceShader::Shells | SurfaceShader::Yardstick => {
-                self.shells_module.get_or_insert_with(|| module(device, "pelage shells", shells::WGSL))
-            }
+        let (label, wgsl) = match key.shader {
+            SurfaceShader::SkinBare | SurfaceShader::SkinFurred => ("pelage skin", skin::WGSL),
+            SurfaceShader::Fins => ("pelage fins", fins::WGSL),
+            SurfaceShader::Shells | SurfaceShader::Yardstick => ("pelage shells", shells::WGSL),
+            SurfaceShader::LayerShadow => ("pelage layer shadow", layer_shadow::WGSL),
+            SurfaceShader::Caster(_) => ("pelage casters", shadow_width::WGSL),
         };
+        let module = self.modules.entry(label).or_insert_with(|| module(device, label, wgsl));
         self.surfaces.entry(key).or_insert_with(|| self.layouts.pipeline(device, module, key, &self.options)).clone()
     }
 }

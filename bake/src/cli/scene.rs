@@ -4,15 +4,15 @@ use super::exit::Failure;
 use super::framing;
 use super::gpu::{COLOR_FORMAT, Canvas, DEPTH_FORMAT, Gpu};
 use super::package_file::PackageFile;
-use super::view_args::{Background, StyleArg, Switch, ViewArgs};
+use super::view_args::{Background, Penumbra, Slant, StyleArg, Switch, ViewArgs};
 use glam::Vec3;
 use pelage_bake::BakeError;
 use pelage_bake::mesh::blend;
 use pelage_bake::textures::srgb_to_linear;
 use pelage_formats::{Animation, GeometryVertex, Package, Pose};
 use pelage_runtime::{
-    Camera, Frame, FrameParams, Instance, Light, Motion, Projection, Renderer, RendererOptions, RuntimeError, Style,
-    wgpu,
+    Camera, Frame, FrameParams, Instance, Light, Motion, PassId, PenumbraForm, Projection, Renderer, RendererOptions, RuntimeError,
+    ShadowParams, SlantForm, Style, wgpu,
 };
 use std::time::{Duration, Instant};
 
@@ -37,8 +37,27 @@ pub struct View {
     pub layers: Option<u32>,
     /// Whether fins are drawn where the package has them.
     pub fins: bool,
+    /// Lights without shadow.
+    pub fill_lights: Vec<Light>,
+    /// Terms of Yang 2006, eq. (3).
+    pub terms: Terms,
+    /// How the key light's shadows are made.
+    pub shadows: ShadowParams,
     /// sRGB-encoded, or `None` for transparent.
     pub background: Option<[u8; 3]>,
+}
+
+/// Which terms of Yang 2006, eq. (3) are taken into account.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Terms {
+    /// γ: ambient light fades towards the skin.
+    pub ambient_attenuation: bool,
+    /// t: hair shadows hair.
+    pub self_shadow: bool,
+    /// Attenu_Back: the light ends behind the body.
+    pub back_attenuation: bool,
+    /// Attenu_Shadow: things throw soft shadows.
+    pub soft_shadow: bool,
 }
 
 impl Default for View {
@@ -48,11 +67,14 @@ impl Default for View {
             samples: 1,
             style: Style::Fur,
             camera: None,
-            light: Light::Directional { towards_light: framing::TOWARDS_LIGHT, color: Vec3::ONE },
+            light: distant(framing::TOWARDS_LIGHT, 1.0),
             clip: None,
             time_s: 0.0,
             layers: None,
             fins: true,
+            fill_lights: Vec::new(),
+            terms: Terms { ambient_attenuation: true, self_shadow: true, back_attenuation: true, soft_shadow: true },
+            shadows: ShadowParams::default(),
             background: None,
         }
     }
@@ -65,7 +87,7 @@ impl TryFrom<&ViewArgs> for View {
         args.check()?;
         let defaults = Self::default();
         let light = match (args.light, args.point_light) {
-            (Some(direction), _) => Light::Directional { towards_light: direction.0, color: Vec3::ONE },
+            (Some(direction), _) => distant(direction.0, 1.0),
             (None, Some(position)) => Light::Point { position: position.0, color: Vec3::ONE },
             (None, None) => defaults.light,
         };
@@ -78,6 +100,27 @@ impl TryFrom<&ViewArgs> for View {
             time_s: args.time,
             layers: args.layers,
             fins: args.fins != Some(Switch::Off),
+            fill_lights: args.fill_light.iter().map(|f| distant(f.direction, f.strength)).collect(),
+            terms: Terms {
+                ambient_attenuation: args.ambient_attenuation == Switch::On,
+                self_shadow: args.self_shadow == Switch::On,
+                back_attenuation: args.back_attenuation == Switch::On,
+                soft_shadow: args.soft_shadow == Switch::On,
+            },
+            shadows: ShadowParams {
+                map_size: args.shadow_map,
+                map_layers: args.shadow_layers,
+                slant: match args.slant {
+                    Slant::Corrected => SlantForm::Corrected,
+                    Slant::Printed => SlantForm::Printed,
+                },
+                penumbra: args.penumbra,
+                penumbra_form: match args.penumbra_form {
+                    Penumbra::Centred => PenumbraForm::Centred,
+                    Penumbra::Inner => PenumbraForm::Inner,
+                },
+                shrink: args.shadow_shrink,
+            },
             background: match args.background {
                 Background::Transparent => None,
                 Background::Color(rgb) => Some(rgb),
@@ -85,6 +128,10 @@ impl TryFrom<&ViewArgs> for View {
             ..defaults
         })
     }
+}
+
+fn distant(towards_light: Vec3, strength: f32) -> Light {
+    Light::Directional { towards_light, color: Vec3::splat(strength) }
 }
 
 /// Everything that is made once for a view of a package.
@@ -150,6 +197,12 @@ impl Scene {
         params.style = view.style;
         params.layers = view.layers;
         params.fins = view.fins;
+        params.fill_lights.clone_from(&view.fill_lights);
+        params.self_shadow = view.terms.self_shadow;
+        params.soft_shadow = view.terms.soft_shadow;
+        params.ambient_attenuation = view.terms.ambient_attenuation;
+        params.back_attenuation = view.terms.back_attenuation;
+        params.shadows = view.shadows;
         let start = Instant::now();
         renderer.prepare_pipelines(&gpu.device, &model, &params);
         let compile = start.elapsed();
@@ -181,6 +234,20 @@ impl Scene {
         // The package was loaded in full before, so what fails now is an argument.
         self.renderer
             .prepare(&self.gpu.device, encoder, &self.params, instances)
+            .map_err(|error| Failure::Usage(error.to_string()))
+    }
+
+    /// Prepares a frame whose shadow maps are drawn anew, and calls `mark` after each of the passes that do it.
+    pub fn prepare_marked(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
+    ) -> Result<Frame, Failure> {
+        self.renderer.invalidate_shadows();
+        self.instance.invalidate();
+        let instances = &mut [&mut self.instance];
+        self.renderer
+            .prepare_marked(&self.gpu.device, encoder, &self.params, instances, None, mark)
             .map_err(|error| Failure::Usage(error.to_string()))
     }
 

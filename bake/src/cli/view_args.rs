@@ -34,12 +34,39 @@ pub struct ViewArgs {
     /// Shell layers to draw, 1 to the package's own count, which is the default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub layers: Option<u32>,
-    /// Hair shadows hair
-    #[arg(long, value_enum, value_name = "on|off")]
-    pub self_shadow: Option<Switch>,
-    /// Soft shadows of an extended light
-    #[arg(long, value_enum, value_name = "on|off")]
-    pub soft_shadow: Option<Switch>,
+    /// Another light, without shadow: direction towards it x,y,z, and its strength (default 1); may be given again
+    #[arg(long, value_name = "X,Y,Z[/S]", allow_hyphen_values = true)]
+    pub fill_light: Vec<FillLight>,
+    /// Hair shadows hair, by layer-wise shadow maps
+    #[arg(long, value_enum, value_name = "on|off", default_value = "on")]
+    pub self_shadow: Switch,
+    /// Soft shadows, by a shadow-width map
+    #[arg(long, value_enum, value_name = "on|off", default_value = "on")]
+    pub soft_shadow: Switch,
+    /// Width of a soft shadow's edge over the distance from what throws it, 0 to 2; 0 is a hard shadow
+    #[arg(long, value_name = "W", default_value_t = 0.15, value_parser = parse_penumbra)]
+    pub penumbra: f32,
+    /// Where a soft shadow's edge lies
+    #[arg(long, value_enum, default_value_t = Penumbra::Centred)]
+    pub penumbra_form: Penumbra,
+    /// How far the shadow-width map is shrunk before it is stretched again
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..=32))]
+    pub shadow_shrink: u32,
+    /// Width and height of the shadow maps, texels
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=8192))]
+    pub shadow_map: u32,
+    /// Layers of the layer-wise shadow maps, skin counted; by default as many as are drawn
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=256))]
+    pub shadow_layers: Option<u32>,
+    /// What the light's slant does to the opacity of a layer: with its longer way, or as printed in Yang 2006
+    #[arg(long, value_enum, default_value_t = Slant::Corrected)]
+    pub slant: Slant,
+    /// Ambient light fades towards the skin
+    #[arg(long, value_enum, value_name = "on|off", default_value = "on")]
+    pub ambient_attenuation: Switch,
+    /// The light ends behind the body
+    #[arg(long, value_enum, value_name = "on|off", default_value = "on")]
+    pub back_attenuation: Switch,
     /// Fins along the silhouette; on where the package has them
     #[arg(long, value_enum, value_name = "on|off")]
     pub fins: Option<Switch>,
@@ -63,11 +90,6 @@ impl ViewArgs {
         }
         if self.lighting == Lighting::Vertex {
             return not_yet("--lighting vertex");
-        }
-        for (option, switch) in [("--self-shadow on", self.self_shadow), ("--soft-shadow on", self.soft_shadow)] {
-            if switch == Some(Switch::On) {
-                return not_yet(option);
-            }
         }
         Ok(())
     }
@@ -125,6 +147,48 @@ pub enum Lighting {
     Pixel,
     /// At the vertices
     Vertex,
+}
+
+/// `--slant`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Slant {
+    /// The light's way through a layer grows with its slant
+    Corrected,
+    /// A layer takes the same at every angle
+    Printed,
+}
+
+/// `--penumbra-form`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Penumbra {
+    /// On both sides of the hard edge
+    Centred,
+    /// Inside the hard edge
+    Inner,
+}
+
+/// `--fill-light`: a direction of length 1, and a strength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FillLight {
+    /// Towards the light.
+    pub direction: Vec3,
+    /// 1 is as strong as the key light.
+    pub strength: f32,
+}
+
+impl FromStr for FillLight {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (direction, strength) = text.split_once('/').unwrap_or((text, "1"));
+        let strength = strength.trim().parse().ok().filter(|s: &f32| (0.0..=1000.0).contains(s));
+        let strength = strength.ok_or("strength: expected a number from 0 to 1000".to_owned())?;
+        Ok(Self { direction: direction.parse::<Direction>()?.0, strength })
+    }
+}
+
+fn parse_penumbra(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|w| (0.0..=2.0).contains(w)).ok_or("expected a number from 0 to 2".into())
 }
 
 /// Three finite numbers.
@@ -256,7 +320,9 @@ mod tests {
     fn every_option_is_read() {
         let view = parse(
             "--size 64X32 --style bare --camera -1,2,3.5/0,0,-1/45 --light 0,3,4 --time 0.25 --clip Walk --layers 8 \
-             --self-shadow off --soft-shadow off --fins off --frames 3 --background 10,20,255",
+             --self-shadow off --soft-shadow off --fins off --frames 3 --background 10,20,255 \
+             --penumbra 0.5 --penumbra-form inner --slant printed --shadow-map 256 --shadow-layers 4 --shadow-shrink 16 \
+             --fill-light -2,0,0/0.25 --fill-light 0,1,0",
         )
         .unwrap();
         assert_eq!(view.size, Size { width: 64, height: 32 });
@@ -267,10 +333,11 @@ mod tests {
         );
         assert_eq!(view.light.unwrap().0, Vec3::new(0.0, 0.6, 0.8));
         assert_eq!((view.time, view.clip.as_deref(), view.layers, view.frames), (0.25, Some("Walk"), Some(8), Some(3)));
-        assert_eq!(
-            (view.self_shadow, view.soft_shadow, view.fins),
-            (Some(Switch::Off), Some(Switch::Off), Some(Switch::Off))
-        );
+        assert_eq!((view.self_shadow, view.soft_shadow, view.fins), (Switch::Off, Switch::Off, Some(Switch::Off)));
+        assert_eq!((view.penumbra, view.penumbra_form, view.slant), (0.5, Penumbra::Inner, Slant::Printed));
+        assert_eq!((view.shadow_map, view.shadow_layers, view.shadow_shrink), (256, Some(4), 16));
+        let fills: Vec<_> = view.fill_light.iter().map(|f| (f.direction, f.strength)).collect();
+        assert_eq!(fills, [(Vec3::NEG_X, 0.25), (Vec3::Y, 1.0)]);
         assert_eq!(view.background, Background::Color([10, 20, 255]));
         assert!(view.check().is_ok());
         assert_eq!(parse("--point-light -1,0,2").unwrap().point_light.unwrap().0, Vec3::new(-1.0, 0.0, 2.0));
@@ -291,6 +358,13 @@ mod tests {
             ("--light NaN,0,1", "three numbers"),
             ("--light 0,1,0 --point-light 0,1,0", "cannot be used with"),
             ("--layers 0", "0 is not in 1.."),
+            ("--penumbra -1", "0 to 2"),
+            ("--penumbra NaN", "0 to 2"),
+            ("--shadow-map 8", "16..=8192"),
+            ("--shadow-layers 1", "2..=256"),
+            ("--shadow-shrink 64", "2..=32"),
+            ("--fill-light 0,0,0", "no length"),
+            ("--fill-light 0,1,0/-1", "0 to 1000"),
             ("--frames 0", "0 is not in 1.."),
             ("--time inf", "number of seconds"),
             ("--background 1,2,300", "0 to 255"),
@@ -305,7 +379,7 @@ mod tests {
 
     #[test]
     fn what_is_not_there_yet_is_refused() {
-        for line in ["--style ink", "--lighting vertex", "--self-shadow on", "--soft-shadow on"] {
+        for line in ["--style ink", "--lighting vertex"] {
             let error = parse(line).unwrap().check().unwrap_err();
             assert!(error.to_string().contains("not in this version") && error.exit() as u8 == 1, "{line}: {error}");
         }

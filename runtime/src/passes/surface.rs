@@ -1,7 +1,9 @@
 //! What the skin, fins and shells passes share: bindings, vertex streams and the making of pipelines.
 
 use crate::model::{Model, Part};
+use crate::params::MAX_FILL_LIGHTS;
 use crate::renderer::Pipelines;
+use crate::shadow::{CasterPass, ShadowMaps};
 use crate::shared::frame;
 use crate::{RendererOptions, Style};
 use bytemuck::{Pod, Zeroable};
@@ -17,8 +19,10 @@ macro_rules! surface_wgsl {
             include_str!("../../shared/fins.wgsl"),
             include_str!("../../shared/frame.wgsl"),
             include_str!("../../shared/kajiya_kay.wgsl"),
+            include_str!("../../shared/layer_shadow.wgsl"),
             include_str!("../../shared/opacity.wgsl"),
             include_str!("../../shared/skinning.wgsl"),
+            include_str!("../../shared/soft_shadow.wgsl"),
             include_str!("../../shared/tile_frame.wgsl"),
             include_str!("../surface.wgsl"),
             include_str!($pass),
@@ -92,6 +96,25 @@ pub(crate) struct Variant {
     pub(crate) wet: bool,
     /// Fins are drawn too.
     pub(crate) beside_fins: bool,
+    /// How the key light's shadows fall.
+    pub(crate) shadows: ShadowLook,
+    /// There are lights without shadow.
+    pub(crate) fill_lights: bool,
+}
+
+/// How the key light's shadows fall, as far as the choice of pipelines goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct ShadowLook {
+    /// Hair shadows hair.
+    pub(crate) self_shadow: bool,
+    /// The light's way through a layer grows with its slant.
+    pub(crate) slanted: bool,
+    /// The layer-wise maps are of other layers than are drawn.
+    pub(crate) maps_between: bool,
+    /// Things throw soft shadows.
+    pub(crate) soft_shadow: bool,
+    /// The penumbra lies on both sides of the hard edge.
+    pub(crate) centred: bool,
 }
 
 /// How a frame draws an instance, as far as the choice of pipelines goes.
@@ -105,6 +128,10 @@ pub(crate) struct Look {
     pub(crate) resampled: bool,
     /// Fins are drawn.
     pub(crate) fins: bool,
+    /// How the key light's shadows fall.
+    pub(crate) shadows: ShadowLook,
+    /// There are lights without shadow.
+    pub(crate) fill_lights: bool,
     /// Constants of the lighting equation.
     pub(crate) shading: Shading,
 }
@@ -127,11 +154,13 @@ impl Look {
             groom_texture: part.has_groom_texture,
             wet: model.manifest().fur.wet.is_some(),
             beside_fins: self.fins,
+            shadows: self.shadows,
+            fill_lights: self.fill_lights,
         };
         let variant = shader.relevant(variant);
-        // Fins are seen from both sides.
-        let fins = shader == SurfaceShader::Fins;
-        SurfaceKey { shader, variant, double_sided: part.double_sided || fins, mirrored: self.mirrored && !fins }
+        // Fins are seen from both sides, and back faces throw shadows too.
+        let both = matches!(shader, SurfaceShader::Fins | SurfaceShader::Caster(CasterPass::Nearest));
+        SurfaceKey { shader, variant, double_sided: part.double_sided || both, mirrored: self.mirrored && !both }
     }
 }
 
@@ -149,7 +178,7 @@ pub(crate) fn plan_parts(
 }
 
 impl Variant {
-    fn constants(self) -> [(&'static str, f64); 11] {
+    fn constants(self) -> [(&'static str, f64); 17] {
         [
             ("BASE_COLOR_TEXTURE", self.base_color_texture),
             ("CUTOUT", self.cutout),
@@ -162,6 +191,12 @@ impl Variant {
             ("GROOM_TEXTURE", self.groom_texture),
             ("WET", self.wet),
             ("BESIDE_FINS", self.beside_fins),
+            ("SELF_SHADOW", self.shadows.self_shadow),
+            ("SLANTED", self.shadows.slanted),
+            ("MAPS_BETWEEN", self.shadows.maps_between),
+            ("SOFT_SHADOW", self.shadows.soft_shadow),
+            ("CENTRED", self.shadows.centred),
+            ("FILL_LIGHTS", self.fill_lights),
         ]
         .map(|(name, value)| (name, f64::from(u8::from(value))))
     }
@@ -175,19 +210,51 @@ pub(crate) enum SurfaceShader {
     Fins,
     Shells,
     Yardstick,
+    /// A layer seen from the key light.
+    LayerShadow,
+    /// The skin seen from the key light.
+    Caster(CasterPass),
+}
+
+/// What a pipeline draws to.
+struct Target {
+    color: Option<wgpu::ColorTargetState>,
+    depth_format: wgpu::TextureFormat,
+    depth_write: bool,
+    depth_compare: wgpu::CompareFunction,
+    sample_count: u32,
 }
 
 impl SurfaceShader {
     /// The variant without what this shader does not look at, so that pipelines are shared.
     fn relevant(self, variant: Variant) -> Variant {
-        let base =
-            Variant { base_color_texture: variant.base_color_texture, cutout: variant.cutout, ..Variant::default() };
+        // Light on a surface without layers of its own.
+        let on_skin = ShadowLook { slanted: false, maps_between: false, ..variant.shadows };
+        let surface = Variant {
+            base_color_texture: variant.base_color_texture,
+            cutout: variant.cutout,
+            ..Variant::default()
+        };
+        // Of the colour only what is cut away matters.
+        let holes = Variant { base_color_texture: variant.base_color_texture && variant.cutout, ..surface };
         match self {
-            Self::SkinBare => base,
-            Self::SkinFurred => Variant { resampled: false, lean: false, beside_fins: false, ..variant },
-            Self::Fins => Variant { resampled: false, beside_fins: false, ..variant },
+            Self::SkinBare => Variant { shadows: on_skin, fill_lights: variant.fill_lights, ..surface },
+            Self::SkinFurred => {
+                Variant { resampled: false, lean: false, beside_fins: false, shadows: on_skin, ..variant }
+            }
+            Self::Fins => Variant { resampled: false, beside_fins: false, shadows: on_skin, ..variant },
             Self::Shells => variant,
             Self::Yardstick => Variant { lean: variant.lean, ..Variant::default() },
+            Self::LayerShadow => Variant {
+                resampled: variant.resampled,
+                lean: variant.lean,
+                groom_vertices: variant.groom_vertices,
+                groom_texture: variant.groom_texture,
+                wet: variant.wet,
+                shadows: ShadowLook { slanted: variant.shadows.slanted, ..ShadowLook::default() },
+                ..holes
+            },
+            Self::Caster(_) => holes,
         }
     }
 
@@ -199,12 +266,46 @@ impl SurfaceShader {
             Self::Fins => ("vs_fins", "fs_fins"),
             Self::Shells => ("vs_shells", "fs_shells"),
             Self::Yardstick => ("vs_yardstick", "fs_yardstick"),
+            Self::LayerShadow => ("vs_layer", "fs_layer"),
+            Self::Caster(_) => ("vs_caster", "fs_caster"),
         }
     }
 
     /// Hair over the skin: blended.
     fn is_blended(self) -> bool {
         matches!(self, Self::Fins | Self::Shells | Self::Yardstick)
+    }
+
+    fn target(self, options: &RendererOptions) -> Target {
+        let maps = |color: Option<wgpu::TextureFormat>, depth_compare| Target {
+            color: color.map(wgpu::ColorTargetState::from),
+            depth_format: ShadowMaps::DEPTH_FORMAT,
+            depth_write: true,
+            depth_compare,
+            sample_count: 1,
+        };
+        match self {
+            Self::LayerShadow => maps(Some(ShadowMaps::LAYER_FORMAT), CasterPass::Nearest.compare()),
+            Self::Caster(pass) => maps(None, pass.compare()),
+            _ => Target {
+                color: Some(wgpu::ColorTargetState {
+                    format: options.color_format,
+                    // The layers hold premultiplied colour.
+                    blend: self.is_blended().then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                    write_mask: wgpu::ColorWrites::ALL,
+                }),
+                depth_format: options.depth_format,
+                depth_write: self != Self::Fins,
+                // Layers that coincide with the skin (fur of height 0) stay hidden: strictly nearer only.
+                depth_compare: match (self.is_blended(), options.reversed_depth) {
+                    (true, false) => wgpu::CompareFunction::Less,
+                    (true, true) => wgpu::CompareFunction::Greater,
+                    (false, false) => wgpu::CompareFunction::LessEqual,
+                    (false, true) => wgpu::CompareFunction::GreaterEqual,
+                },
+                sample_count: options.sample_count,
+            },
+        }
     }
 }
 
@@ -219,8 +320,11 @@ pub(crate) struct SurfaceLayouts {
     fur: wgpu::BindGroupLayout,
     /// Group 3, of the fins alone: posed vertices, attributes, fins. `None` where vertex shaders have no storage buffers.
     pub(crate) fins: Option<wgpu::BindGroupLayout>,
+    /// Group 3, of the layer-wise maps alone: the map above.
+    pub(crate) layer_above: wgpu::BindGroupLayout,
     pub(crate) white: wgpu::TextureView,
     white_array: wgpu::TextureView,
+    map_sampler: wgpu::Sampler,
 }
 
 fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
@@ -298,7 +402,14 @@ impl SurfaceLayouts {
             frame: layout(
                 device,
                 "pelage frame",
-                &[uniform::<frame::Frame>(0, false), uniform::<frame::Instance>(1, true)],
+                &[
+                    uniform::<frame::Frame>(0, false),
+                    uniform::<frame::Instance>(1, true),
+                    uniform::<[frame::FillLight; MAX_FILL_LIGHTS]>(2, false),
+                    texture(3, D2Array),
+                    texture(4, D2),
+                    sampler(5),
+                ],
             ),
             material: layout(
                 device,
@@ -314,10 +425,54 @@ impl SurfaceLayouts {
                 let entries = [storage::<GeometryVertex>(0), storage::<AttributeVertex>(1), storage::<Fin>(2)];
                 layout(device, "pelage fins", &entries)
             }),
+            layer_above: layout(device, "pelage layer above", &[texture(0, D2)]),
+            map_sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("pelage shadow maps"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
             white: white.create_view(&wgpu::TextureViewDescriptor::default()),
             white_array: white
                 .create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2Array), ..Default::default() }),
         }
+    }
+
+    /// Group 0. `maps`: the shadow maps that the frame reads.
+    pub(crate) fn frame_bind_group(
+        &self,
+        device: &wgpu::Device,
+        blocks: &wgpu::Buffer,
+        fill_lights: &wgpu::Buffer,
+        maps: Option<&ShadowMaps>,
+    ) -> wgpu::BindGroup {
+        let block = |binding, size| wgpu::BindGroupEntry {
+            binding,
+            resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: blocks,
+                offset: 0,
+                size: NonZeroU64::new(size as u64),
+            }),
+        };
+        let array = wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        };
+        let layers = maps.and_then(ShadowMaps::layers).map(|t| t.create_view(&array));
+        let width = maps.and_then(ShadowMaps::width).map(|t| t.create_view(&Default::default()));
+        let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("pelage frame"),
+            layout: &self.frame,
+            entries: &[
+                block(0, size_of::<frame::Frame>()),
+                block(1, size_of::<frame::Instance>()),
+                wgpu::BindGroupEntry { binding: 2, resource: fill_lights.as_entire_binding() },
+                view(3, layers.as_ref().unwrap_or(&self.white_array)),
+                view(4, width.as_ref().unwrap_or(&self.white)),
+                wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::Sampler(&self.map_sampler) },
+            ],
+        })
     }
 
     pub(crate) fn material_bind_group(
@@ -376,29 +531,28 @@ impl SurfaceLayouts {
         options: &RendererOptions,
     ) -> wgpu::RenderPipeline {
         let (vertex, fragment) = key.shader.entry_points();
-        let groups = [Some(&self.frame), Some(&self.material), Some(&self.fur), self.fins.as_ref()];
-        let groups = match key.shader {
+        let groups = [Some(&self.frame), Some(&self.material), Some(&self.fur)];
+        let own = match key.shader {
+            SurfaceShader::Fins => self.fins.as_ref(),
+            SurfaceShader::LayerShadow => Some(&self.layer_above),
+            _ => None,
+        };
+        let groups: Vec<_> = match key.shader {
             // A bare skin has no hair textures to bind.
-            SurfaceShader::SkinBare => &groups[..2],
-            SurfaceShader::Fins => &groups[..],
-            _ => &groups[..3],
+            SurfaceShader::SkinBare | SurfaceShader::Caster(_) => groups[..2].to_vec(),
+            _ => groups.into_iter().chain(own.map(Some)).collect(),
         };
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(fragment),
-            bind_group_layouts: groups,
+            bind_group_layouts: &groups,
             immediate_size: 0,
         });
         let constants = key.variant.constants();
         let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-        // Layers that coincide with the skin (fur of height 0) stay hidden: strictly nearer only.
-        let depth_compare = match (key.shader.is_blended(), options.reversed_depth) {
-            (true, false) => wgpu::CompareFunction::Less,
-            (true, true) => wgpu::CompareFunction::Greater,
-            (false, false) => wgpu::CompareFunction::LessEqual,
-            (false, true) => wgpu::CompareFunction::GreaterEqual,
-        };
-        // The layers hold premultiplied colour.
-        let blend = key.shader.is_blended().then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
+        let target = key.shader.target(options);
+        // Depth alone needs no fragment shader, unless there are holes to cut.
+        let has_fragment = target.color.is_some() || key.variant.cutout;
+        let targets = [target.color];
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment),
             layout: Some(&layout),
@@ -430,22 +584,18 @@ impl SurfaceLayouts {
                 ..Default::default()
             },
             depth_stencil: Some(wgpu::DepthStencilState {
-                format: options.depth_format,
-                depth_write_enabled: Some(key.shader != SurfaceShader::Fins),
-                depth_compare: Some(depth_compare),
+                format: target.depth_format,
+                depth_write_enabled: Some(target.depth_write),
+                depth_compare: Some(target.depth_compare),
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),
             }),
-            multisample: wgpu::MultisampleState { count: options.sample_count, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
+            multisample: wgpu::MultisampleState { count: target.sample_count, ..Default::default() },
+            fragment: has_fragment.then_some(wgpu::FragmentState {
                 module,
                 entry_point: Some(fragment),
                 compilation_options,
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: options.color_format,
-                    blend,
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
+                targets: if targets[0].is_some() { &targets } else { &[] },
             }),
             multiview_mask: None,
             cache: None,

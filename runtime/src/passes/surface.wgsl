@@ -22,8 +22,16 @@ struct Material {
     reserved2: f32,
 }
 
+// Lights without shadow.
+const MAX_FILL_LIGHTS: u32 = 32u;
+
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> instance: Instance;
+@group(0) @binding(2) var<uniform> fill_lights: array<FillLight, MAX_FILL_LIGHTS>;
+// Seen from the key light: transmittance of the hair above each map layer, and the soft shadow.
+@group(0) @binding(3) var layer_maps: texture_2d_array<f32>;
+@group(0) @binding(4) var width_map: texture_2d<f32>;
+@group(0) @binding(5) var map_sampler: sampler;
 @group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var base_color_sampler: sampler;
@@ -59,6 +67,18 @@ override GROOM_TEXTURE: bool = true;
 override WET: bool = true;
 // Fins are drawn too, to which the shells leave the outline.
 override BESIDE_FINS: bool = true;
+// Hair shadows hair: t of eq. (3).
+override SELF_SHADOW: bool = true;
+// The light's way through a layer grows with its slant.
+override SLANTED: bool = true;
+// The layer-wise maps are of other layers than are drawn.
+override MAPS_BETWEEN: bool = true;
+// Things throw soft shadows: Attenu_Shadow of eq. (3).
+override SOFT_SHADOW: bool = true;
+// The penumbra lies on both sides of the hard edge.
+override CENTRED: bool = true;
+// There are lights without shadow.
+override FILL_LIGHTS: bool = true;
 
 // Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
 const LEAST_ALPHA: f32 = 0.5 / 255.0;
@@ -132,8 +152,65 @@ fn hair_at(uv: vec2<f32>, layer: u32, wetness: f32) -> Hair {
     return Hair(mix(color, wet_color, wetness), mix(direction, wet, wetness));
 }
 
-// Yang 2006, eq. (3) without the shadows that need maps. Linear in the hair's colour, so `color` may be premultiplied with
-// `alpha`, and the result then is. light and half: towards the light and H in the tile frame, lengths near 1.
+// Place of a point in the shadow maps: (u w, v w, depth, w).
+fn map_place(position: vec3<f32>) -> vec4<f32> {
+    return frame.map_from_world * vec4(position, 1.0);
+}
+
+// Transmittance of the hair above a point between two of the layer-wise maps.
+fn light_between(uv: vec2<f32>, map_layer: f32) -> f32 {
+    let below = floor(map_layer);
+    let above = min(below + 1.0, frame.last_map_layer);
+    return mix(
+        textureSampleLevel(layer_maps, map_sampler, uv, u32(below), 0.0).r,
+        textureSampleLevel(layer_maps, map_sampler, uv, u32(above), 0.0).r,
+        map_layer - below,
+    );
+}
+
+// Share of the key light that the hair above lets through to a point: t of eq. (3). map_layer: 0 on the skin.
+fn light_through_hair(place: vec4<f32>, map_layer: f32, between: bool) -> f32 {
+    if !SELF_SHADOW {
+        return 1.0;
+    }
+    let uv = place.xy / place.w;
+    if between {
+        return light_between(uv, map_layer);
+    }
+    return textureSampleLevel(layer_maps, map_sampler, uv, u32(map_layer + 0.5), 0.0).r;
+}
+
+// Share of the key light that other things let through: Attenu_Shadow of eq. (3).
+fn light_past_things(place: vec4<f32>, n_dot_l: f32) -> f32 {
+    if !SOFT_SHADOW {
+        return 1.0;
+    }
+    let texel = textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0);
+    let s = SoftShadow(frame.soft_shadow.x, frame.soft_shadow.y, frame.soft_shadow.z, frame.soft_shadow.w);
+    return soft_shadow(texel, place.z, place.w, slanted_path(n_dot_l), s, CENTRED);
+}
+
+// sin^pd and sin^ps of eq. (1), the latter as strong as wet and dry hair have it together.
+fn hair_factors(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {
+    var diffuse = sin_squared(direction, light);
+    if !SQUARED_DIFFUSE {
+        diffuse = sin_power(diffuse, instance.diffuse_half_exponent);
+    }
+    if !SPECULAR {
+        return vec2(diffuse, 0.0);
+    }
+    var strength = 1.0;
+    var half_exponent = instance.specular_half_exponent;
+    if WET {
+        strength = mix(1.0, instance.wet_specular, wetness);
+        half_exponent = mix(half_exponent, instance.wet_specular_half_exponent, wetness);
+    }
+    return vec2(diffuse, strength * sin_power(sin_squared(direction, half), half_exponent));
+}
+
+// Yang 2006, eq. (3). Linear in the hair's colour, so `color` may be premultiplied with `alpha`, and the result then is.
+// light and half: towards the light and H in the tile frame, lengths near 1. reach: share of the key light that arrives, which is
+// t Attenu_Shadow.
 fn shade_hair(
     color: vec3<f32>,
     alpha: f32,
@@ -142,22 +219,55 @@ fn shade_hair(
     half: vec3<f32>,
     ambient_share: f32,
     wetness: f32,
+    reach: f32,
 ) -> vec3<f32> {
-    let back = back_attenuation(light.z, instance.back_light_range);
-    var diffuse = sin_squared(direction, light);
-    if !SQUARED_DIFFUSE {
-        diffuse = sin_power(diffuse, instance.diffuse_half_exponent);
+    let arriving = back_attenuation(light.z, instance.back_light_range) * reach;
+    let factors = hair_factors(direction, light, half, wetness) * arriving;
+    let soft = color * (instance.ambient * ambient_share + instance.diffuse * factors.x);
+    return soft + instance.specular * (factors.y * alpha);
+}
+
+// Where a fragment is, for lights that are not known per vertex.
+struct Spot {
+    position_ws: vec3<f32>,
+    normal_ws: vec3<f32>,
+    // Along +u of the tile; handedness.
+    tangent: vec4<f32>,
+}
+
+fn spot_of(v: Vertex, position: vec3<f32>, tile: TileFrame) -> Spot {
+    return Spot(position, tile.normal_ws, vec4(tile.tangent_ws, v.tangent.w * instance.handedness));
+}
+
+// What the lights without shadow add to hair: the terms of eq. (1) and Attenu_Back of each.
+fn fill_hair(color: vec3<f32>, alpha: f32, direction: vec3<f32>, spot: Spot, wetness: f32) -> vec3<f32> {
+    var sum = vec3(0.0);
+    if !FILL_LIGHTS {
+        return sum;
     }
-    let soft = color * (instance.ambient * ambient_share + instance.diffuse * (diffuse * back));
-    if !SPECULAR {
-        return soft;
+    let tile = tile_frame(normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)), spot.tangent.xyz, spot.tangent.w);
+    let eye = direction_to(frame.eye_ws, spot.position_ws);
+    for (var i = 0u; i < frame.fill_lights; i++) {
+        let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
+        let light = to_tile(tile, towards);
+        let factors = hair_factors(direction, light, to_tile(tile, half_vector(towards, eye)), wetness)
+            * back_attenuation(light.z, instance.back_light_range);
+        let lit = color * instance.diffuse_constant.rgb * factors.x + instance.specular_constant.rgb * (factors.y * alpha);
+        sum += lit * fill_lights[i].color.rgb;
     }
-    var strength = back * alpha;
-    var half_exponent = instance.specular_half_exponent;
-    if WET {
-        strength *= mix(1.0, instance.wet_specular, wetness);
-        half_exponent = mix(half_exponent, instance.wet_specular_half_exponent, wetness);
+    return sum;
+}
+
+// What they add to bare skin, by Lambert's law. side: -1 for the back of a double-sided part.
+fn fill_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
+    var sum = vec3(0.0);
+    if !FILL_LIGHTS {
+        return sum;
     }
-    let specular = sin_power(sin_squared(direction, half), half_exponent);
-    return soft + instance.specular * (specular * strength);
+    let normal = normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)) * side;
+    for (var i = 0u; i < frame.fill_lights; i++) {
+        let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
+        sum += color * instance.diffuse_constant.rgb * max(dot(normal, towards), 0.0) * fill_lights[i].color.rgb;
+    }
+    return sum;
 }

@@ -11,6 +11,20 @@ pub(crate) struct Frame {
     pub clip_from_world: [[f32; 4]; 4],
     pub eye_ws: [f32; 4],
     pub light_ws: [f32; 4],
+    pub map_from_world: [[f32; 4]; 4],
+    pub soft_shadow: [f32; 4],
+    pub last_map_layer: f32,
+    pub fill_lights: u32,
+    pub reserved0: u32,
+    pub reserved1: u32,
+}
+
+/// A light without shadow.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct FillLight {
+    pub light_ws: [f32; 4],
+    pub color: [f32; 4],
 }
 
 /// Once per drawn copy and frame. What the fields mean stands in the WGSL.
@@ -35,6 +49,8 @@ pub(crate) struct Instance {
     pub drawn_layers: u32,
     pub wet_specular: f32,
     pub wet_specular_half_exponent: f32,
+    pub diffuse_constant: [f32; 4],
+    pub specular_constant: [f32; 4],
 }
 
 /// Unit vector from `position_ws` towards a light or eye in homogeneous coordinates: w 1 for a place, 0 for a direction.

@@ -1,22 +1,40 @@
 // The uniform blocks of every pass.
 
-// Once per frame. 96 bytes.
+// Once per frame. 192 bytes.
 struct Frame {
     clip_from_world: mat4x4<f32>,
     // Eye position and 1, or for an orthographic camera the direction towards it and 0.
     eye_ws: vec4<f32>,
-    // Light position and 1, or for a directional light the unit direction towards it and 0.
+    // Position of the key light and 1, or for a directional light the unit direction towards it and 0.
     light_ws: vec4<f32>,
+    // World to the shadow maps: (u w, v w, depth, w).
+    map_from_world: mat4x4<f32>,
+    // Soft shadow: metres of depth, penumbra, blur, size of a texel.
+    soft_shadow: vec4<f32>,
+    // Index of the last of the layer-wise maps.
+    last_map_layer: f32,
+    // Number of lights without shadow.
+    fill_lights: u32,
+    reserved0: u32,
+    reserved1: u32,
 }
 
-// Once per drawn copy and frame: where it stands and how its fur is lit. 192 bytes.
+// A light without shadow. 32 bytes.
+struct FillLight {
+    // As Frame.light_ws.
+    light_ws: vec4<f32>,
+    // Linear RGB, 0.
+    color: vec4<f32>,
+}
+
+// Once per drawn copy and frame: where it stands and how its fur is lit. 224 bytes.
 struct Instance {
     world_from_model: mat4x4<f32>,
     // Columns of the matrix for normals: the signed cofactors of world_from_model; w is zero.
     normal_x: vec4<f32>,
     normal_y: vec4<f32>,
     normal_z: vec4<f32>,
-    // ka, kd and ks times the light's colours.
+    // ka, kd and ks times the key light's colours.
     ambient: vec3<f32>,
     // pd / 2
     diffuse_half_exponent: f32,
@@ -40,6 +58,9 @@ struct Instance {
     wet_specular: f32,
     // ps / 2 of wet hair
     wet_specular_half_exponent: f32,
+    // kd and ks alone, for the other lights.
+    diffuse_constant: vec4<f32>,
+    specular_constant: vec4<f32>,
 }
 
 // Unit vector from a point towards a light or eye given as homogeneous coordinates.

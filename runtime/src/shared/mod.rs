@@ -9,9 +9,13 @@ pub mod fins;
 pub mod frame;
 /// Yang 2006, eq. (1), and the attenuations of eqs. (2) and (3) that need no map.
 pub mod kajiya_kay;
+/// Layer-wise shadow maps: what a layer of hair leaves of the light.
+pub mod layer_shadow;
 /// Opacity of a layer when more or fewer layers are drawn than were baked.
 pub mod opacity;
 /// Linear blend skinning: blended matrix, normals, tangents.
 pub mod skinning;
+/// Soft shadows from a shadow-width map.
+pub mod soft_shadow;
 /// The hair tile's frame on the skin, and directions in it.
 pub mod tile_frame;

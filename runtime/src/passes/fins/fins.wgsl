@@ -45,6 +45,10 @@ struct FinVarying {
     @location(7) groom: vec2<f32>,
     // Slope that the lean of the vertex adds to hair at this height.
     @location(8) slope: f32,
+    @location(9) place: vec4<f32>,
+    @location(10) position_ws: vec3<f32>,
+    @location(11) normal_ws: vec3<f32>,
+    @location(12) tangent: vec4<f32>,
 }
 
 // Vertices of a quad: two triangles.
@@ -107,6 +111,11 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
     out.opacity = opacity;
     out.groom = v.groom.xy;
     out.slope = lean_slope(v.lean, height);
+    out.place = map_place(position);
+    let spot = spot_of(v, position, tile);
+    out.position_ws = spot.position_ws;
+    out.normal_ws = spot.normal_ws;
+    out.tangent = spot.tangent;
     return out;
 }
 
@@ -126,6 +135,11 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
         direction = leaned_direction(direction, in.slope);
     }
     let ambient_share = ambient_attenuation(in.slab_uv.y, instance.ambient_floor);
-    let color = shade_hair(texel.rgb * base.rgb, texel.a, direction, in.light_ts, in.half_ts, ambient_share, 0.0);
+    let height = clamp(in.slab_uv.y, 0.0, 1.0);
+    let reach = light_through_hair(in.place, height * frame.last_map_layer, true)
+        * light_past_things(in.place, in.light_ts.z);
+    let tint = texel.rgb * base.rgb;
+    var color = shade_hair(tint, texel.a, direction, in.light_ts, in.half_ts, ambient_share, 0.0, reach);
+    color += fill_hair(tint, texel.a, direction, Spot(in.position_ws, in.normal_ws, in.tangent), 0.0);
     return vec4(color, texel.a);
 }

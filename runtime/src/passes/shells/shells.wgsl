@@ -17,6 +17,12 @@ struct ShellVarying {
     @location(8) groom: vec2<f32>,
     // Slope that the lean of the vertex adds to hair at this height.
     @location(9) slope: f32,
+    @location(10) place: vec4<f32>,
+    // Layer of the layer-wise maps.
+    @location(11) @interpolate(flat, either) map_layer: f32,
+    @location(12) position_ws: vec3<f32>,
+    @location(13) normal_ws: vec3<f32>,
+    @location(14) tangent: vec4<f32>,
 }
 
 // Height of a drawn layer: 0 on the skin, 1 the outermost.
@@ -44,6 +50,12 @@ fn vs_shells(v: Vertex, @builtin(instance_index) layer: u32) -> ShellVarying {
     out.ambient_share = ambient_attenuation(height, instance.ambient_floor);
     out.groom = v.groom.xy;
     out.slope = lean_slope(v.lean, height);
+    out.place = map_place(position);
+    out.map_layer = height * frame.last_map_layer;
+    let spot = spot_of(v, position, tile);
+    out.position_ws = spot.position_ws;
+    out.normal_ws = spot.normal_ws;
+    out.tangent = spot.tangent;
     return out;
 }
 
@@ -70,7 +82,14 @@ fn fs_shells(in: ShellVarying) -> @location(0) vec4<f32> {
         texel *= resampled_opacity(texel.a, instance.opacity_exponent) / texel.a;
     }
     texel *= groom.x;
-    let color = shade_hair(texel.rgb * base.rgb, texel.a, direction, in.light_ts, in.half_ts, in.ambient_share, groom.y);
+    var reach = light_through_hair(in.place, in.map_layer, MAPS_BETWEEN) * light_past_things(in.place, in.light_ts.z);
+    if SELF_SHADOW && SLANTED {
+        // The layer is as thick as the hair between it and the next: on average half of it is above its hair.
+        reach *= layer_transmittance(hair.color.a * groom.x, 0.5 * slanted_path(in.light_ts.z));
+    }
+    let tint = texel.rgb * base.rgb;
+    var color = shade_hair(tint, texel.a, direction, in.light_ts, in.half_ts, in.ambient_share, groom.y, reach);
+    color += fill_hair(tint, texel.a, direction, Spot(in.position_ws, in.normal_ws, in.tangent), groom.y);
     return vec4(color, texel.a);
 }
 

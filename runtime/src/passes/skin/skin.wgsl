@@ -12,6 +12,10 @@ struct SkinVarying {
     // 1 where fur grows, 0 where its height is 0.
     @location(5) coat: f32,
     @location(6) groom: vec2<f32>,
+    @location(7) place: vec4<f32>,
+    @location(8) position_ws: vec3<f32>,
+    @location(9) normal_ws: vec3<f32>,
+    @location(10) tangent: vec4<f32>,
 }
 
 @vertex
@@ -29,12 +33,22 @@ fn vs_skin(v: Vertex) -> SkinVarying {
     out.half_ts = to_tile(tile, half);
     out.coat = select(0.0, 1.0, v.fur_height > 0.0);
     out.groom = v.groom.xy;
+    out.place = map_place(position);
+    let spot = spot_of(v, position, tile);
+    out.position_ws = spot.position_ws;
+    out.normal_ws = spot.normal_ws;
+    out.tangent = spot.tangent;
     return out;
 }
 
 // Lambert's law with the package's constants, so that bare parts are as bright as the fur beside them.
-fn shade_bare(color: vec3<f32>, n_dot_l: f32) -> vec3<f32> {
-    return color * (instance.ambient + instance.diffuse * max(n_dot_l, 0.0));
+fn shade_bare(color: vec3<f32>, n_dot_l: f32, reach: f32) -> vec3<f32> {
+    return color * (instance.ambient + instance.diffuse * (max(n_dot_l, 0.0) * reach));
+}
+
+// The surface seen in front or from behind: the back of a double-sided part is lit by what shines on the back.
+fn side_of(front: bool) -> f32 {
+    return select(-1.0, 1.0, front);
 }
 
 @fragment
@@ -43,8 +57,11 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     if is_cut(base.a) {
         discard;
     }
-    // The back of a double-sided part is lit by what shines on the back.
-    return vec4(shade_bare(base.rgb, select(-in.light_ts.z, in.light_ts.z, front)), 1.0);
+    let side = side_of(front);
+    let n_dot_l = in.light_ts.z * side;
+    let reach = light_through_hair(in.place, 0.0, false) * light_past_things(in.place, n_dot_l);
+    let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
+    return vec4(shade_bare(base.rgb, n_dot_l, reach) + fill_bare(base.rgb, spot, side), 1.0);
 }
 
 @fragment
@@ -55,12 +72,17 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     if is_cut(base.a) {
         discard;
     }
-    let n_dot_l = select(-in.light_ts.z, in.light_ts.z, front);
+    let side = side_of(front);
+    let light = vec3(in.light_ts.xy, in.light_ts.z * side);
+    let reach = light_through_hair(in.place, 0.0, false) * light_past_things(in.place, light.z);
+    let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
     let share = ambient_attenuation(0.0, instance.ambient_floor);
-    let light = vec3(in.light_ts.xy, n_dot_l);
     let color = texel.color;
-    let hair = shade_hair(color.rgb * base.rgb, color.a, texel.direction, light, in.half_ts, share, groom.y);
+    let tint = color.rgb * base.rgb;
+    let hair = shade_hair(tint, color.a, texel.direction, light, in.half_ts, share, groom.y, reach)
+        + fill_hair(tint, color.a, texel.direction, spot, groom.y);
+    let bare = shade_bare(base.rgb, light.z, reach) + fill_bare(base.rgb, spot, side);
     // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
-    let undercoat = hair + (1.0 - color.a) * share * shade_bare(base.rgb, n_dot_l);
-    return vec4(mix(shade_bare(base.rgb, n_dot_l), undercoat, in.coat * groom.x), 1.0);
+    let undercoat = hair + (1.0 - color.a) * share * bare;
+    return vec4(mix(bare, undercoat, in.coat * groom.x), 1.0);
 }

@@ -1,0 +1,20 @@
+// The opaque skin as the key light sees it: depth alone.
+
+struct CasterVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) tint: vec4<f32>,
+    @location(1) base_uv: vec2<f32>,
+}
+
+@vertex
+fn vs_caster(v: Vertex) -> CasterVarying {
+    return CasterVarying(frame.clip_from_world * vec4(position_ws(v), 1.0), v.color * material.base_color, v.base_uv);
+}
+
+// Of parts with holes.
+@fragment
+fn fs_caster(in: CasterVarying) {
+    if is_cut(base_color(in.tint, in.base_uv).a) {
+        discard;
+    }
+}

@@ -1,0 +1,167 @@
+//! `shadow_width`: two depth maps from the key light, then the occlusion between them shrunk and stretched, so that its grey tells how
+//! far the edge of a shadow is (Yang 2006, §4; Kirsch and Döllner 2003).
+//!
+//! The paper draws the model a second time to compare it with the depth map. Here the second drawing is of depth alone, too: the
+//! farthest surface that faces the light. Where it lies behind the nearest, something there is in shadow; the comparison then is one
+//! pass over texels, and the application can add geometry of its own without any shader of ours.
+
+use super::begin_maps;
+use crate::frame::Drawn;
+use crate::model::Model;
+use crate::passes::surface::{Look, SurfaceShader, plan_parts, surface_wgsl};
+use crate::renderer::Pipelines;
+use crate::shadow::{CasterPass, Casters, ShadowMaps, WidthMaps};
+use bytemuck::{Pod, Zeroable};
+use wgpu::util::DeviceExt;
+
+/// The shader that draws depth.
+pub(crate) const WGSL: &str = surface_wgsl!("casters.wgsl");
+/// The shader that goes over texels.
+pub(crate) const FILTER_WGSL: &str = include_str!("filter.wgsl");
+
+/// Constants of the filter.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Filter {
+    pub(crate) near: f32,
+    pub(crate) far: f32,
+    pub(crate) shrink: i32,
+    pub(crate) least_gap: f32,
+}
+
+/// Numbers and pipelines of all parts, for each depth map.
+pub(crate) fn plan(
+    device: &wgpu::Device,
+    pipelines: &mut Pipelines,
+    model: &Model,
+    look: &Look,
+) -> [Vec<(usize, wgpu::RenderPipeline)>; 2] {
+    [CasterPass::Nearest, CasterPass::Farthest]
+        .map(|pass| plan_parts(device, pipelines, model, look, SurfaceShader::Caster(pass), |_| true))
+}
+
+/// The two steps of the filter.
+#[derive(Debug)]
+pub(crate) struct FilterPipelines {
+    shrink: wgpu::RenderPipeline,
+    stretch: wgpu::RenderPipeline,
+}
+
+impl FilterPipelines {
+    pub(crate) fn new(device: &wgpu::Device, module: &wgpu::ShaderModule) -> Self {
+        let pipeline = |fragment| {
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(fragment),
+                layout: None,
+                vertex: wgpu::VertexState {
+                    module,
+                    entry_point: Some("vs_filter"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module,
+                    entry_point: Some(fragment),
+                    compilation_options: Default::default(),
+                    targets: &[Some(ShadowMaps::WIDTH_FORMAT.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        Self { shrink: pipeline("fs_shrink"), stretch: pipeline("fs_stretch") }
+    }
+}
+
+/// Records the maps. `frame`: group 0 with the light's view.
+pub(crate) fn record(
+    device: &wgpu::Device,
+    encoder: &mut wgpu::CommandEncoder,
+    pipelines: &mut Pipelines,
+    maps: &ShadowMaps,
+    frame: &wgpu::BindGroup,
+    instances: &[Drawn],
+    casters: Option<&mut Casters<'_>>,
+) {
+    let Some(textures) = &maps.width else { return };
+    let mut casters = casters;
+    let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+    for (index, (kind, texture)) in
+        [(CasterPass::Nearest, &textures.nearest), (CasterPass::Farthest, &textures.farthest)].into_iter().enumerate()
+    {
+        let depth = view(texture);
+        let mut pass = begin_maps(encoder, "pelage casters", None, Some((&depth, kind)));
+        for instance in instances {
+            instance.bind(&mut pass, frame);
+            for (part, pipeline) in &instance.casters[index] {
+                let part = &instance.model.parts()[*part];
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(1, &part.material, &[]);
+                pass.draw_indexed(part.indices.clone(), 0, 0..1);
+            }
+        }
+        if let Some(casters) = &mut casters {
+            (casters.draw)(&mut pass, maps.view(), kind);
+        }
+    }
+    filter(device, encoder, pipelines, maps, textures);
+}
+
+fn filter(
+    device: &wgpu::Device,
+    encoder: &mut wgpu::CommandEncoder,
+    pipelines: &mut Pipelines,
+    maps: &ShadowMaps,
+    textures: &WidthMaps,
+) {
+    let light = maps.view();
+    let near = light.near_m.unwrap_or(0.0);
+    let params = Filter {
+        near,
+        far: near + light.range_m,
+        shrink: maps.key.params.shrink as i32,
+        // Surfaces that touch are not parted by rounding.
+        least_gap: 1e-3,
+    };
+    let params = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("pelage shadow width"),
+        contents: bytemuck::bytes_of(&params),
+        usage: wgpu::BufferUsages::UNIFORM,
+    });
+    let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let first_layer = wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        array_layer_count: Some(1),
+        ..Default::default()
+    };
+    let hair = maps.layers().map_or_else(|| pipelines.layouts.white.clone(), |layers| layers.create_view(&first_layer));
+    let (nearest, farthest) = (view(&textures.nearest), view(&textures.farthest));
+    let (shrunk, width) = (view(&textures.shrunk), view(&textures.width));
+    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    });
+    let texture = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
+    let constants = wgpu::BindGroupEntry { binding: 0, resource: params.as_entire_binding() };
+    let steps = pipelines.filter(device);
+    let shrink = [constants.clone(), texture(1, &nearest), texture(2, &farthest), texture(3, &hair)];
+    let linear = wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::Sampler(&sampler) };
+    let stretch = [constants, texture(1, &nearest), texture(4, &shrunk), linear];
+    for (pipeline, entries, target) in
+        [(&steps.shrink, &shrink[..], &shrunk), (&steps.stretch, &stretch[..], &width)]
+    {
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("pelage shadow width"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries,
+        });
+        let mut pass = begin_maps(encoder, "pelage shadow width", Some(target), None);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}

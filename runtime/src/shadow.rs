@@ -1,0 +1,274 @@
+//! Shadows of the key light: what is asked for, what is drawn, and when it must be drawn again.
+
+use crate::light_view::{LightView, Sphere};
+use crate::shared::soft_shadow::SoftShadow;
+use crate::{Light, Motion, RuntimeError};
+use glam::Mat4;
+
+/// How the shadows of the key light are made. Set per frame; a change draws the maps anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowParams {
+    /// Width and height of every shadow map, texels, 16..=8192 (default 512, as in Yang 2006, §6).
+    pub map_size: u32,
+    /// Layers of the layer-wise maps, skin counted, 2..=256; `None` (default) for as many as are drawn. Fewer cost less, and
+    /// what lies between two is interpolated.
+    pub map_layers: Option<u32>,
+    /// How much of the light a layer takes (default [`SlantForm::Corrected`]).
+    pub slant: SlantForm,
+    /// Width of the penumbra over the distance between what throws a shadow and where it falls, 0..=2 (default 0.15): 1 / C_scale of
+    /// Yang 2006, §5; 2 tan of the light's angular radius. The sun has 0.009; 0 is a hard shadow.
+    pub penumbra: f32,
+    /// Where the penumbra lies (default [`PenumbraForm::Centred`]).
+    pub penumbra_form: PenumbraForm,
+    /// How far the shadow-width map is shrunk before it is stretched again, 2..=32 (default 8; Yang 2006, §4, has 4): the widest
+    /// penumbra is 4/3 of as many texels.
+    pub shrink: u32,
+}
+
+/// What the light's slant does to the opacity of a layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SlantForm {
+    /// (1 − α)^(1/|N·L|), and half of the receiver's own layer: the light's way through hair grows with its slant.
+    #[default]
+    Corrected,
+    /// 1 − α at every angle, as printed in Yang 2006, §3.1.
+    Printed,
+}
+
+/// Where the penumbra lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum PenumbraForm {
+    /// On both sides of the hard edge, where a round light has it.
+    #[default]
+    Centred,
+    /// Inside the hard edge, as in Yang 2006, §5, after Kirsch and Döllner 2003.
+    Inner,
+}
+
+impl Default for ShadowParams {
+    fn default() -> Self {
+        Self {
+            map_size: 512,
+            map_layers: None,
+            slant: SlantForm::default(),
+            penumbra: 0.15,
+            penumbra_form: PenumbraForm::default(),
+            shrink: 8,
+        }
+    }
+}
+
+impl ShadowParams {
+    pub(crate) fn check(&self, limits: &wgpu::Limits) -> Result<(), RuntimeError> {
+        let fail = |field, found: String, expected: &str| {
+            Err(RuntimeError::Params { field, found, expected: expected.into() })
+        };
+        if !(16..=8192).contains(&self.map_size) {
+            return fail("ShadowParams::map_size", self.map_size.to_string(), "16..=8192");
+        }
+        if self.map_size > limits.max_texture_dimension_2d {
+            return Err(RuntimeError::DeviceLimit {
+                what: "ShadowParams::map_size".into(),
+                found: self.map_size.into(),
+                limit: "max_texture_dimension_2d",
+                allowed: limits.max_texture_dimension_2d.into(),
+            });
+        }
+        if let Some(layers) = self.map_layers
+            && !(2..=256).contains(&layers)
+        {
+            return fail("ShadowParams::map_layers", layers.to_string(), "2..=256");
+        }
+        if !(0.0..=2.0).contains(&self.penumbra) {
+            return fail("ShadowParams::penumbra", self.penumbra.to_string(), "0..=2");
+        }
+        if !(2..=32).contains(&self.shrink) {
+            return fail("ShadowParams::shrink", self.shrink.to_string(), "2..=32");
+        }
+        Ok(())
+    }
+}
+
+/// The application's own geometry among the shadows: it throws shadows on the fur, and the fur on it.
+///
+/// `draw` records the geometry into a pass of depth alone, with a pipeline of the application's own: depth format
+/// [`ShadowMaps::DEPTH_FORMAT`], one sample, no colour target, [`CasterPass::compare`] as its comparison, [`CasterPass::cull_mode`]
+/// for closed things, and positions put through [`LightView::clip_from_world`]. It is called when the maps are drawn, twice.
+pub struct Casters<'a> {
+    /// What must be covered besides the furry things: everything that throws a shadow or receives one. `None` adds nothing.
+    pub bounds: Option<Sphere>,
+    /// Changes whenever the geometry does; the maps are kept while it stays the same.
+    pub revision: u64,
+    /// Records the draws.
+    pub draw: &'a mut dyn FnMut(&mut wgpu::RenderPass<'_>, &LightView, CasterPass),
+}
+
+impl std::fmt::Debug for Casters<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Casters").field("bounds", &self.bounds).field("revision", &self.revision).finish_non_exhaustive()
+    }
+}
+
+/// The two depth maps that casters are drawn into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CasterPass {
+    /// What the light reaches first. Everything that throws shadows.
+    Nearest,
+    /// The farthest surface that faces the light. Everything that receives shadows.
+    Farthest,
+}
+
+impl CasterPass {
+    /// Depth comparison of the pipeline, which writes depth.
+    pub fn compare(self) -> wgpu::CompareFunction {
+        match self {
+            Self::Nearest => wgpu::CompareFunction::LessEqual,
+            Self::Farthest => wgpu::CompareFunction::GreaterEqual,
+        }
+    }
+
+    /// Which faces of closed things to leave out.
+    pub fn cull_mode(self) -> Option<wgpu::Face> {
+        match self {
+            Self::Nearest => None,
+            Self::Farthest => Some(wgpu::Face::Back),
+        }
+    }
+
+    /// What depth is cleared to.
+    pub(crate) fn clear(self) -> f32 {
+        match self {
+            Self::Nearest => 1.0,
+            Self::Farthest => 0.0,
+        }
+    }
+}
+
+/// The key light's shadow maps of a frame. They belong to the renderer and are kept while nothing in them changes.
+#[derive(Debug)]
+pub struct ShadowMaps {
+    pub(crate) key: ShadowKey,
+    pub(crate) layers: Option<wgpu::Texture>,
+    pub(crate) width: Option<WidthMaps>,
+}
+
+/// Textures of the soft shadow.
+#[derive(Debug)]
+pub(crate) struct WidthMaps {
+    pub(crate) nearest: wgpu::Texture,
+    pub(crate) farthest: wgpu::Texture,
+    pub(crate) shrunk: wgpu::Texture,
+    pub(crate) width: wgpu::Texture,
+}
+
+impl ShadowMaps {
+    /// Format of the depth maps that [`Casters::draw`] records into.
+    pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+    /// Format of the layer-wise maps. Not 8 bits: their product stalls there (formulas in [`crate::shared::layer_shadow`]).
+    pub const LAYER_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
+    /// Format of the shadow-width map.
+    pub const WIDTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+    /// Where the maps lie.
+    pub fn view(&self) -> &LightView {
+        &self.key.view
+    }
+
+    /// What the shadow-width map's numbers mean, for [`crate::shared::soft_shadow`].
+    pub fn soft_shadow(&self) -> SoftShadow {
+        let (view, params) = (&self.key.view, &self.key.params);
+        let texel = view.extent / params.map_size as f32;
+        SoftShadow { range_m: view.range_m, penumbra: params.penumbra, blur: blur_texels(params.shrink) * texel, texel }
+    }
+
+    /// The layer-wise maps, [`Self::LAYER_FORMAT`]: array layer k holds the transmittance of the hair above map layer k; layer 0 is what
+    /// reaches the skin, the last is 1. `None` without self-shadow.
+    pub fn layers(&self) -> Option<&wgpu::Texture> {
+        self.layers.as_ref()
+    }
+
+    /// The shadow-width map, [`Self::WIDTH_FORMAT`]; its channels stand in [`crate::shared::soft_shadow`]. `None` without soft shadow.
+    pub fn width(&self) -> Option<&wgpu::Texture> {
+        self.width.as_ref().map(|w| &w.width)
+    }
+
+    /// The depth maps, nearest surface and farthest one that faces the light, [`Self::DEPTH_FORMAT`], depth of
+    /// [`LightView::clip_from_world`]. `None` without soft shadow.
+    pub fn depths(&self) -> Option<[&wgpu::Texture; 2]> {
+        self.width.as_ref().map(|w| [&w.nearest, &w.farthest])
+    }
+
+    /// Bytes on the GPU.
+    pub fn gpu_bytes(&self) -> u64 {
+        let of = |t: &wgpu::Texture| {
+            let texels = u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
+            texels * u64::from(t.format().block_copy_size(None).unwrap_or(4))
+        };
+        let width = self.width.iter().flat_map(|w| [&w.nearest, &w.farthest, &w.shrunk, &w.width]);
+        self.layers.iter().chain(width).map(of).sum()
+    }
+}
+
+/// Half the width of the blur, in texels: what 2·occlusion − 1 is multiplied with to give a distance from the edge. A box of `shrink`
+/// texels stretched by a tent of twice that width has this slope at a straight edge.
+fn blur_texels(shrink: u32) -> f32 {
+    2.0 / 3.0 * shrink as f32
+}
+
+/// Everything that the maps depend on.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ShadowKey {
+    pub(crate) light: Light,
+    pub(crate) view: LightView,
+    pub(crate) params: ShadowParams,
+    pub(crate) self_shadow: bool,
+    pub(crate) soft_shadow: bool,
+    /// Layers of the layer-wise maps, skin counted.
+    pub(crate) map_layers: u32,
+    pub(crate) instances: Vec<InstanceKey>,
+    pub(crate) casters: Option<u64>,
+}
+
+/// What the maps see of an instance.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct InstanceKey {
+    pub(crate) model: u64,
+    pub(crate) transform: Mat4,
+    /// `None` for models without skeleton.
+    pub(crate) motion: Option<Motion>,
+    pub(crate) furry: bool,
+}
+
+impl ShadowMaps {
+    pub(crate) fn new(device: &wgpu::Device, key: ShadowKey) -> Self {
+        let texture = |label, size: u32, layers: u32, format| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                    | wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            })
+        };
+        let size = key.params.map_size;
+        let layers = key.self_shadow.then(|| texture("pelage layer shadow", size, key.map_layers, Self::LAYER_FORMAT));
+        let width = key.soft_shadow.then(|| WidthMaps {
+            nearest: texture("pelage nearest depth", size, 1, Self::DEPTH_FORMAT),
+            farthest: texture("pelage farthest depth", size, 1, Self::DEPTH_FORMAT),
+            shrunk: texture("pelage occlusion", size.div_ceil(key.params.shrink), 1, Self::WIDTH_FORMAT),
+            width: texture("pelage shadow width", size, 1, Self::WIDTH_FORMAT),
+        });
+        Self { key, layers, width }
+    }
+
+    /// Whether its textures fit another key.
+    pub(crate) fn fits(&self, key: &ShadowKey) -> bool {
+        let of = |k: &ShadowKey| (k.self_shadow, k.soft_shadow, k.map_layers, k.params.map_size, k.params.shrink);
+        of(&self.key) == of(key)
+    }
+}

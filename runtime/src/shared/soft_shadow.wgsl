@@ -1,0 +1,54 @@
+// Soft shadows from a shadow-width map (Kirsch and Doellner 2003; Yang 2006, sec. 4).
+//
+// The map is seen from the light. Its texels, read with a linear filter, are
+// x  occlusion, blurred: 0 where nothing near is in shadow, 1 deep in it, 1/2 at the edge
+// y  depth of what throws the shadow, blurred, times x
+// z  depth of the first surface
+// w  transmittance of the hair above it, blurred
+// Depths are 0..=1 over the map's range.
+
+struct SoftShadow {
+    // Metres from depth 0 to depth 1.
+    range_m: f32,
+    // Width of the penumbra over the distance from what throws the shadow: 1 / C_scale of the paper.
+    penumbra: f32,
+    // Half the width of the map's blur, metres at distance 1 from a point light, metres everywhere for a distant one.
+    blur: f32,
+    // Size of a texel, in the same unit.
+    texel: f32,
+}
+
+// Attenu_Shadow in the paper's form, made safe: the penumbra lies inside the hard edge. sd: metres behind what throws the shadow;
+// sw: metres from the edge into the shadow; blur: the width that sw can measure.
+fn inner_attenuation(sd: f32, sw: f32, penumbra: f32, blur: f32) -> f32 {
+    // No penumbra is wider than what can be measured, or its middle would stay lit.
+    let width = clamp(sd * penumbra, 1e-6, blur);
+    return select(clamp(1.0 - sw / width, 0.0, 1.0), 1.0, sd <= 0.0);
+}
+
+// Attenu_Shadow with the penumbra on both sides of the hard edge, where a round light has it. edge: metres from the edge, positive in
+// the shadow.
+fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 {
+    let width = clamp(sd * penumbra, 1e-6, 2.0 * blur);
+    return select(clamp(0.5 - edge / width, 0.0, 1.0), 1.0, sd <= 0.0);
+}
+
+// Attenu_Shadow of eq. (3) at a receiver: 1 lit, 0 dark. z: its depth, 0..=1; distance: from a point light, metres, 1 for a distant
+// one; path: slanted_path there.
+fn soft_shadow(texel: vec4<f32>, z: f32, distance: f32, path: f32, s: SoftShadow, centred: bool) -> f32 {
+    let blur = s.blur * distance;
+    // Within a texel the surface itself covers a range of depths, the wider the more it is slanted.
+    let bias = s.texel * distance * (0.5 + path);
+    let behind_first = (z - texel.z) * s.range_m - bias;
+    let edge = (2.0 * texel.x - 1.0) * blur;
+    if !centred {
+        return inner_attenuation(behind_first, max(edge, 0.0), s.penumbra, blur);
+    }
+    let sd = max((z - texel.y / max(texel.x, 1e-3)) * s.range_m, behind_first);
+    // A first surface beside a shadow is in its outer penumbra only if it lies clearly below what throws it: nearer ones may be the
+    // thrower itself, whose blurred depth is of slanted neighbours.
+    let slack = bias + blur * path;
+    let outside = clamp(sd / slack - 1.0, 0.0, 1.0);
+    let share = select(outside, 1.0, behind_first > 0.0);
+    return mix(1.0, centred_attenuation(sd, edge, s.penumbra, blur), share);
+}
