@@ -118,9 +118,9 @@ const MAX_EXPONENT: f32 = 10_000.0;
 pub struct Shading {
     /// ka, multiplied by the hair's colour (default 0.25 each).
     pub ambient: [f32; 3],
-    /// kd (default 0.9 each).
+    /// kd (default 1.4 each: where hair shadows hair, about half of the light arrives).
     pub diffuse: [f32; 3],
-    /// ks (default 0.12 each).
+    /// ks (default 0.18 each).
     pub specular: [f32; 3],
     /// pd, 0..=10 000 (default 2): 0 lights all directions alike.
     pub diffuse_exponent: f32,
@@ -136,8 +136,8 @@ impl Default for Shading {
     fn default() -> Self {
         Self {
             ambient: [0.25; 3],
-            diffuse: [0.9; 3],
-            specular: [0.12; 3],
+            diffuse: [1.4; 3],
+            specular: [0.18; 3],
             diffuse_exponent: 2.0,
             specular_exponent: 30.0,
             ambient_floor: 0.3,

@@ -9,9 +9,9 @@
 //! | `fins` | [`Frame::draw`] | quads of hair along the outline | fur visible, package has fins |
 //! | `shells` | [`Frame::draw`] | layers of hair, inside to outside | fur visible |
 
-use crate::passes::fins::{self, FinDraws};
 use crate::light_view::{LightView, Sphere};
 use crate::params::MAX_FILL_LIGHTS;
+use crate::passes::fins::{self, FinDraws};
 use crate::passes::surface::{Look, ShadowLook};
 use crate::passes::{PassId, layer_shadow, pose, shadow_width, shells, skin};
 use crate::renderer::Pipelines;
@@ -117,7 +117,7 @@ pub(crate) fn prepare(
         let model = instance.model();
         let layers = drawn_layers(model, params);
         let look = look(model, params, instance.transform, key.as_ref());
-        let from_light = look.from_light(model, key.as_ref());
+        let from_light = look.seen_from_light(model, key.as_ref());
         drawn.push(Drawn {
             model: model.clone(),
             geometry: instance.geometry().clone(),
@@ -268,7 +268,7 @@ impl Frame {
 pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &Model, params: &FrameParams) {
     let key = light_alone(model, params);
     let look = look(model, params, Mat4::IDENTITY, key.as_ref());
-    let from_light = look.from_light(model, key.as_ref());
+    let from_light = look.seen_from_light(model, key.as_ref());
     if params.self_shadow && key.is_some() && drawn_layers(model, params) > 1 {
         layer_shadow::plan(device, pipelines, model, &from_light);
     }
@@ -317,9 +317,9 @@ fn look(model: &Model, params: &FrameParams, transform: Mat4, shadows: Option<&S
 
 impl Look {
     /// The same instance as the key light sees it.
-    fn from_light(&self, model: &Model, key: Option<&ShadowKey>) -> Self {
+    fn seen_from_light(self, model: &Model, key: Option<&ShadowKey>) -> Self {
         let layers = key.map_or(0, |key| key.map_layers);
-        Self { resampled: layers != model.manifest().fur.layers, ..*self }
+        Self { resampled: layers != model.manifest().fur.layers, ..self }
     }
 }
 
@@ -332,12 +332,7 @@ fn drawn_layers(model: &Model, params: &FrameParams) -> u32 {
     params.layers.unwrap_or(baked)
 }
 
-fn report_layer_shadow(
-    drawn: &[Drawn],
-    params: &FrameParams,
-    maps: Option<&ShadowMaps>,
-    redrawn: bool,
-) -> PassReport {
+fn report_layer_shadow(drawn: &[Drawn], params: &FrameParams, maps: Option<&ShadowMaps>, redrawn: bool) -> PassReport {
     let name = PassId::LayerShadow.name();
     match maps.filter(|maps| maps.key.self_shadow) {
         Some(maps) if redrawn => {
@@ -353,12 +348,7 @@ fn report_layer_shadow(
     }
 }
 
-fn report_shadow_width(
-    drawn: &[Drawn],
-    params: &FrameParams,
-    maps: Option<&ShadowMaps>,
-    redrawn: bool,
-) -> PassReport {
+fn report_shadow_width(drawn: &[Drawn], params: &FrameParams, maps: Option<&ShadowMaps>, redrawn: bool) -> PassReport {
     let name = PassId::ShadowWidth.name();
     match maps.filter(|maps| maps.key.soft_shadow) {
         Some(maps) if redrawn => {

@@ -1,8 +1,10 @@
 //! The shaders hold what the Rust side believes about them: all are valid, and the structs agree byte for byte.
 
 use crate::passes::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
-use crate::passes::{fins, pose, shells, skin};
-use crate::shared::{fins as fin_shares, frame, kajiya_kay, opacity, skinning, tile_frame};
+use crate::passes::{fins, layer_shadow, pose, shadow_width, shells, skin};
+use crate::shared::{
+    fins as fin_shares, frame, kajiya_kay, layer_shadow as layers, opacity, skinning, soft_shadow, tile_frame,
+};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
 use pelage_formats::{AttributeVertex, Fin, GeometryVertex, SkinVertex};
@@ -33,7 +35,15 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_wgsl_file_is_valid_and_used() {
-    let passes = [("pose", pose::WGSL), ("skin", skin::WGSL), ("fins", fins::WGSL), ("shells", shells::WGSL)];
+    let passes = [
+        ("pose", pose::WGSL),
+        ("layer_shadow", layer_shadow::WGSL),
+        ("casters", shadow_width::WGSL),
+        ("filter", shadow_width::FILTER_WGSL),
+        ("skin", skin::WGSL),
+        ("fins", fins::WGSL),
+        ("shells", shells::WGSL),
+    ];
     passes.iter().for_each(|(name, source)| drop(parse(name, source)));
     let mut files = Vec::new();
     wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
@@ -46,7 +56,7 @@ fn every_wgsl_file_is_valid_and_used() {
             parse(&file.display().to_string(), &source);
         }
     }
-    assert_eq!(files.len(), 11, "{files:?}");
+    assert_eq!(files.len(), 16, "{files:?}");
 }
 
 /// Offset and size of each member of a struct, and the struct's size.
@@ -71,7 +81,24 @@ macro_rules! fields {
 
 #[test]
 fn uniform_structs_agree() {
-    assert_eq!(members(frame::WGSL, "Frame"), fields!(frame::Frame, clip_from_world, eye_ws, light_ws));
+    assert_eq!(
+        members(frame::WGSL, "Frame"),
+        fields!(
+            frame::Frame,
+            clip_from_world,
+            eye_ws,
+            light_ws,
+            map_from_world,
+            soft_shadow,
+            last_map_layer,
+            fill_lights,
+            reserved0,
+            reserved1,
+        )
+    );
+    assert_eq!(members(frame::WGSL, "FillLight"), fields!(frame::FillLight, light_ws, color));
+    let filter = members(shadow_width::FILTER_WGSL, "Filter");
+    assert_eq!(filter, fields!(shadow_width::Filter, near, far, shrink, least_gap));
     assert_eq!(
         members(frame::WGSL, "Instance"),
         fields!(
@@ -94,6 +121,8 @@ fn uniform_structs_agree() {
             drawn_layers,
             wet_specular,
             wet_specular_half_exponent,
+            diffuse_constant,
+            specular_constant,
         )
     );
     let (members, size) = members(skin::WGSL, "Material");
@@ -159,6 +188,14 @@ fn workgroups_agree() {
     let module = parse("pose", pose::WGSL);
     assert_eq!(module.entry_points[0].workgroup_size, [pose::WORKGROUP, 1, 1]);
     let module = parse("fins", fins::WGSL);
+    let lights = |source| {
+        let module = parse("lights", source);
+        let (_, constant) =
+            module.constants.iter().find(|(_, c)| c.name.as_deref() == Some("MAX_FILL_LIGHTS")).unwrap();
+        module.global_expressions[constant.init].clone()
+    };
+    let naga::Expression::Literal(naga::Literal::U32(found)) = lights(shells::WGSL) else { panic!("not a number") };
+    assert_eq!(found as usize, crate::MAX_FILL_LIGHTS);
     for (name, expected) in [("CORNERS", fins::CORNERS), ("LEANING_ROWS", fins::LEANING_ROWS)] {
         let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
         let naga::Expression::Literal(naga::Literal::U32(found)) = module.global_expressions[constant.init] else {
@@ -174,8 +211,10 @@ fn shared_sources_stand_alone() {
         ("fins", fin_shares::WGSL),
         ("frame", frame::WGSL),
         ("kajiya_kay", kajiya_kay::WGSL),
+        ("layer_shadow", layers::WGSL),
         ("opacity", opacity::WGSL),
         ("skinning", skinning::WGSL),
+        ("soft_shadow", soft_shadow::WGSL),
         ("tile_frame", tile_frame::WGSL),
     ] {
         parse(name, source);

@@ -31,6 +31,10 @@ impl Sphere {
 /// The widest view of a point light's maps, radians: beyond, their texels are more about the border than the middle.
 const MAX_FOV_RAD: f32 = 2.4;
 
+/// A point light this many radii away is seen as a distant one: its rays differ by less than a texel, and distances from it would have
+/// no digits left for the scene.
+const DISTANT: f32 = 500.0;
+
 /// Where the shadow maps of a light lie. They cover a sphere about what casts and receives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightView {
@@ -59,7 +63,10 @@ impl LightView {
         let radius = step.powf((radius.ln() / step.ln()).ceil());
         match *light {
             Light::Directional { towards_light, .. } => Self::distant(towards_light, radius, sphere),
-            Light::Point { position, .. } => Self::near(position, radius, sphere),
+            Light::Point { position, .. } if position.distance(sphere.center) < DISTANT * radius => {
+                Self::near(position, radius, sphere)
+            }
+            Light::Point { position, .. } => Self::distant(position - sphere.center, radius, sphere),
         }
     }
 

@@ -105,7 +105,10 @@ pub struct Casters<'a> {
 
 impl std::fmt::Debug for Casters<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Casters").field("bounds", &self.bounds).field("revision", &self.revision).finish_non_exhaustive()
+        f.debug_struct("Casters")
+            .field("bounds", &self.bounds)
+            .field("revision", &self.revision)
+            .finish_non_exhaustive()
     }
 }
 

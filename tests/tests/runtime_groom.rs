@@ -17,7 +17,9 @@ const OPACITY: u8 = 90;
 /// Straight from above: the plane of 0.2 m fills the picture.
 fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
-    FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection))
+    // Without shadows: what is compared here has other neighbours to shade it.
+    let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
+    FrameParams { self_shadow: false, soft_shadow: false, ..FrameParams::new(camera) }
 }
 
 fn picture(gpu: &Gpu, params: &FrameParams, opacity: u8, shading: Shading, groom: &PlaneGroom) -> Picture {

@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
-use pelage_runtime::shared::{fins, frame, kajiya_kay, opacity, skinning, tile_frame};
+use pelage_runtime::shared::{fins, frame, kajiya_kay, layer_shadow, opacity, skinning, soft_shadow, tile_frame};
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 use pelage_tests::support::sphere::Random;
@@ -414,6 +414,87 @@ fn fins_and_the_shells_beside_them() {
 }
 
 /// The comparer itself: a wrong expression must be caught, and so must a shader that computes nothing.
+#[test]
+fn layer_transmittances() {
+    let mut random = Random(41);
+    let mut cases: Vec<Case<1>> = Vec::new();
+    for alpha in [0.0, 1e-7, 1e-4, 0.5, 0.999, 0.9999, 1.0] {
+        for n_dot_l in [1.0, -1.0, 0.5, 0.26, 0.25, 0.1, 0.0, -0.0] {
+            cases.push([[alpha, n_dot_l, 0.0, 0.0]]);
+        }
+    }
+    cases.extend((0..2000).map(|_| [[random.next_f32(), 2.0 * random.next_f32() - 1.0, 0.0, 0.0]]));
+    three_ways(
+        "layer_transmittances",
+        layer_shadow::WGSL,
+        "vec4(layer_transmittance(in_0.x, slanted_path(in_0.y)), slanted_path(in_0.y), 0.0, 0.0)",
+        &cases,
+        |[c]| {
+            let path = 1.0 / f64::from(c[1]).abs().max(0.25);
+            [(1.0 - f64::from(c[0])).max(1e-4).powf(path), path, 0.0, 0.0]
+        },
+        |[c]| {
+            let path = layer_shadow::slanted_path(c[1]);
+            [layer_shadow::layer_transmittance(c[0], path), path, 0.0, 0.0]
+        },
+        |_, expected| 3e-5 * expected.max(0.02),
+    );
+}
+
+#[test]
+fn soft_shadows() {
+    let mut random = Random(43);
+    let s = soft_shadow::SoftShadow { range_m: 0.5, penumbra: 0.2, blur: 0.004, texel: 0.001 };
+    let mut cases: Vec<Case<2>> = Vec::new();
+    for i in 0..3000 {
+        let w = random.next_f32();
+        let (first, z) = (random.next_f32(), random.next_f32());
+        // The last thousand at a point light's distances and slants; some with nothing near in shadow.
+        let w = if i % 7 == 0 { 0.0 } else { w };
+        let (distance, path) =
+            if i < 2000 { (1.0, 1.0) } else { (0.1 + 3.0 * random.next_f32(), 1.0 + 3.0 * random.next_f32()) };
+        cases.push([[w, w * random.next_f32(), first, 1.0], [z, distance, path, f32::from(u8::from(i % 2 == 0))]]);
+    }
+    let truth = |c: &Case<2>| {
+        let [w, wz, first, z] = [c[0][0], c[0][1], c[0][2], c[1][0]].map(f64::from);
+        let [distance, path] = [c[1][1], c[1][2]].map(f64::from);
+        let (range, penumbra, blur, texel) =
+            (0.5, f64::from(0.2f32), f64::from(0.004f32) * distance, f64::from(0.001f32) * distance);
+        let bias = texel * (0.5 + path);
+        let behind = (z - first) * range - bias;
+        let edge = (2.0 * w - 1.0) * blur;
+        if c[1][3] == 0.0 {
+            let width = (behind * penumbra).clamp(1e-6, blur);
+            return x(if behind <= 0.0 { 1.0 } else { (1.0 - edge.max(0.0) / width).clamp(0.0, 1.0) });
+        }
+        let sd = ((z - wz / w.max(1e-3)) * range).max(behind);
+        let slack = bias + blur * path;
+        let share = if behind > 0.0 { 1.0 } else { (sd / slack - 1.0).clamp(0.0, 1.0) };
+        let width = (sd * penumbra).clamp(1e-6, 2.0 * blur);
+        let lit = if sd <= 0.0 { 1.0 } else { (0.5 - edge / width).clamp(0.0, 1.0) };
+        x(1.0 + (lit - 1.0) * share)
+    };
+    // Where the answer jumps, rounding may fall on either side.
+    let steep = |c: &Case<2>| {
+        let [w, wz, first, z] = [c[0][0], c[0][1], c[0][2], c[1][0]];
+        let bias = 0.001 * c[1][1] * (0.5 + c[1][2]);
+        let behind = (z - first) * 0.5 - bias;
+        let sd = ((z - wz / w.max(1e-3)) * 0.5).max(behind);
+        behind.abs() < 1e-4 || sd.abs() < 1e-4
+    };
+    cases.retain(|c| !steep(c));
+    assert!(cases.len() > 2500, "{}", cases.len());
+    three_ways(
+        "soft_shadows",
+        soft_shadow::WGSL,
+        "vec4(soft_shadow(in_0, in_1.x, in_1.y, in_1.z, SoftShadow(0.5, 0.2, 0.004, 0.001), in_1.w > 0.5), 0.0, 0.0, 0.0)",
+        &cases,
+        truth,
+        |c| xf(soft_shadow::soft_shadow(Vec4::from(c[0]), c[1][0], c[1][1], c[1][2], &s, c[1][3] > 0.5)),
+        |_, _| 2e-3,
+    );
+}
+
 #[test]
 fn a_wrong_shader_is_caught() {
     let Some(gpu) = gpu("a_wrong_shader_is_caught") else { return };

@@ -64,12 +64,19 @@ fn report(
     let frame = Spread::of(times.iter().map(|t| t.frame));
     let yardstick = Spread::of(times.iter().map(|t| t.yardstick));
     let medians: [f64; PASSES.len()] = std::array::from_fn(|i| Spread::of(times.iter().map(|t| t.passes[i])).median);
-    // Posing is a compute pass.
+    let drawn = |id| matches!(id, PassId::Skin | PassId::Fins | PassId::Shells);
     let counts: [Option<u64>; PASSES.len()] =
-        std::array::from_fn(|i| fragments.filter(|_| PASSES[i] != PassId::Pose).map(|f| f[i]));
+        std::array::from_fn(|i| fragments.filter(|_| drawn(PASSES[i])).map(|f| f[i]));
+    let unshadowed = Spread::of(times.iter().map(|t| t.unshadowed));
+    let of = |id| PASSES.iter().position(|p| *p == id).map_or(0.0, |i| medians[i]);
+    let maps_ms = of(PassId::LayerShadow) + of(PassId::ShadowWidth);
+    let shadowed = scene.params.self_shadow || scene.params.soft_shadow;
+    // Ratios of one frame each, so that noise that lasts longer than a frame falls out.
+    let over_unshadowed = Spread::of(times.iter().filter(|_| shadowed).map(|t| t.frame / t.unshadowed));
+    let over_frame = Spread::of(times.iter().filter(|_| shadowed).map(|t| (t.passes[1] + t.passes[2]) / t.frame));
     let shells = medians[PASSES.len() - 1];
     let ratio = (yardstick.median > 0.0).then(|| shells / yardstick.median);
-    let gpu_bytes = model.gpu_bytes() + scene.instance.gpu_bytes();
+    let gpu_bytes = model.gpu_bytes() + scene.instance.gpu_bytes() + scene.shadow_bytes();
     let passes: Vec<_> = (0..PASSES.len())
         .map(|i| json!({ "name": PASSES[i].name(), "median_ms": medians[i], "fragments": counts[i] }))
         .collect();
@@ -80,6 +87,10 @@ fn report(
         "timing": clock,
         "frame_ms": frame,
         "passes": passes,
+        "unshadowed_frame_ms": unshadowed,
+        "frame_over_unshadowed": shadowed.then_some(over_unshadowed.median),
+        "shadow_maps_ms": maps_ms,
+        "shadow_maps_over_frame": shadowed.then_some(over_frame.median),
         "yardstick_ms": yardstick,
         "shells_over_yardstick": ratio,
         "upload_ms": scene.upload.as_secs_f64() * 1e3,
@@ -94,10 +105,18 @@ fn report(
     };
     line(format_args!("{} ({clock:?}, {} frames)", scene.gpu.info.name, times.len()));
     line(format_args!("{triangles} triangles, {layers} layers, {} on the device", human_bytes(gpu_bytes)));
-    line(format_args!("frame      {:9.2} ms  ({:.2} .. {:.2})", frame.median, frame.min, frame.max));
+    line(format_args!("frame          {:9.2} ms  ({:.2} .. {:.2})", frame.median, frame.min, frame.max));
     for i in 0..PASSES.len() {
         let count = counts[i].map_or(String::new(), |n| format!("  {n} fragments"));
-        line(format_args!("  {:8} {:9.2} ms{count}", PASSES[i].name(), medians[i]));
+        line(format_args!("  {:12} {:9.2} ms{count}", PASSES[i].name(), medians[i]));
+    }
+    if shadowed {
+        let (still, maps) = (over_unshadowed.median, over_frame.median);
+        line(format_args!(
+            "with shadows {still:.2} times the frame without, {:.2} ms; while the light stands still",
+            unshadowed.median
+        ));
+        line(format_args!("drawing the shadow maps anew {maps_ms:.2} ms, {maps:.2} of a frame with shadows"));
     }
     if let Some(ratio) = ratio {
         line(format_args!("shells take {ratio:.2} times the same layers with one texture read and no lighting"));

@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::gpu::{Gpu, read_buffer};
 use super::scene::Scene;
-use pelage_runtime::{Frame, PassId, wgpu};
+use pelage_runtime::{PassId, wgpu};
 use std::time::Instant;
 
 /// Where times come from.
@@ -19,16 +19,21 @@ pub enum Clock {
 /// Timed sections of a frame, in milliseconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameTimes {
-    /// Everything in one render pass, as an application draws it.
+    /// Everything in one render pass, as an application draws it. The light stands still: shadow maps are those of the frame before.
     pub frame: f64,
-    /// Each of [`PASSES`] in a pass of its own.
-    pub passes: [f64; 4],
+    /// The same without self-shadow and soft shadow; the same as `frame` where there are none anyway.
+    pub unshadowed: f64,
+    /// Each of [`PASSES`] in a pass of its own, the shadow maps drawn anew.
+    pub passes: [f64; 6],
     /// The shells with one texture read and no lighting.
     pub yardstick: f64,
 }
 
 /// The measured passes, in the order of [`FrameTimes::passes`].
-pub const PASSES: [PassId; 4] = [PassId::Pose, PassId::Skin, PassId::Fins, PassId::Shells];
+pub const PASSES: [PassId; 6] =
+    [PassId::Pose, PassId::LayerShadow, PassId::ShadowWidth, PassId::Skin, PassId::Fins, PassId::Shells];
+/// Those of them that are recorded while a frame is prepared.
+const PREPARED: usize = 3;
 
 /// Measures a scene frame by frame.
 #[derive(Debug)]
@@ -56,20 +61,19 @@ impl Meter {
         self.clock
     }
 
-    /// Draws the scene three times (as a whole, pass by pass, and as the yardstick) and times each.
+    /// Draws the scene four times (as a whole, without shadows, pass by pass, and as the yardstick) and times each.
     ///
-    /// All three in one go, so that what else the machine does falls on all of them alike.
+    /// All in one go, so that what else the machine does falls on all of them alike.
     pub fn measure(&self, scene: &mut Scene) -> Result<FrameTimes, Failure> {
-        let mut times = FrameTimes::default();
-        let [frame] = self.sections(scene, |scene, encoder, _| {
-            let frame = scene.prepare(encoder)?;
-            frame.draw(&mut scene.pass(encoder, "frame", true));
-            Ok(())
-        })?;
-        times.frame = frame;
-
-        // Posing was done for the frame above; the same motion is not posed twice, so ask for it again.
-        scene.instance.invalidate();
+        let mut times = FrameTimes { frame: self.whole(scene)?, ..FrameTimes::default() };
+        let asked = (scene.params.self_shadow, scene.params.soft_shadow);
+        times.unshadowed = times.frame;
+        if asked != (false, false) {
+            (scene.params.self_shadow, scene.params.soft_shadow) = (false, false);
+            let unshadowed = self.whole(scene);
+            (scene.params.self_shadow, scene.params.soft_shadow) = asked;
+            times.unshadowed = unshadowed?;
+        }
         times.passes = self.passes(scene)?;
         scene.params.yardstick = true;
         let yardstick = self.passes(scene);
@@ -78,44 +82,60 @@ impl Meter {
         Ok(times)
     }
 
+    fn whole(&self, scene: &mut Scene) -> Result<f64, Failure> {
+        let [frame] = self.sections(scene, |scene, encoder, mark| {
+            let frame = scene.prepare(encoder)?;
+            frame.draw(&mut scene.pass(encoder, "frame", true));
+            mark(encoder);
+            Ok(())
+        })?;
+        Ok(frame)
+    }
+
     fn passes(&self, scene: &mut Scene) -> Result<[f64; PASSES.len()], Failure> {
-        let mut frame: Option<Frame> = None;
-        self.sections(scene, |scene, encoder, section| {
-            if section == 0 {
-                frame = Some(scene.prepare(encoder)?);
-            } else if let Some(frame) = &frame {
-                let mut pass = scene.pass(encoder, PASSES[section].name(), section == 1);
-                frame.draw_pass(PASSES[section], &mut pass);
+        self.sections(scene, |scene, encoder, mark| {
+            let frame = scene.prepare_marked(encoder, &mut |encoder, _| mark(encoder))?;
+            for (index, id) in PASSES.into_iter().skip(PREPARED).enumerate() {
+                frame.draw_pass(id, &mut scene.pass(encoder, id.name(), index == 0));
+                mark(encoder);
             }
             Ok(())
         })
     }
 
-    /// Records `N` sections, fewer than [`MARKS`], and returns the milliseconds that each took.
+    /// Records `N` sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds that each took.
     fn sections<const N: usize>(
         &self,
         scene: &mut Scene,
-        mut record: impl FnMut(&mut Scene, &mut wgpu::CommandEncoder, usize) -> Result<(), Failure>,
+        record: impl FnOnce(
+            &mut Scene,
+            &mut wgpu::CommandEncoder,
+            &mut dyn FnMut(&mut wgpu::CommandEncoder),
+        ) -> Result<(), Failure>,
     ) -> Result<[f64; N], Failure> {
         let mut times = [0.0; N];
-        let Some(queries) = &self.queries else {
-            for (section, time) in times.iter_mut().enumerate() {
-                let mut encoder = scene.encoder();
-                record(scene, &mut encoder, section)?;
-                let start = Instant::now();
-                scene.gpu.queue.submit([encoder.finish()]);
-                scene.gpu.wait()?;
-                *time = start.elapsed().as_secs_f64() * 1e3;
-            }
-            return Ok(times);
-        };
+        let gpu = scene.gpu.clone();
         let mut encoder = scene.encoder();
+        let Some(queries) = &self.queries else {
+            let (mut section, mut failed) = (0, None);
+            record(scene, &mut encoder, &mut |encoder| {
+                let next = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                let full = std::mem::replace(encoder, next);
+                let start = Instant::now();
+                gpu.queue.submit([full.finish()]);
+                failed = gpu.wait().err().or(failed.take());
+                times[section] = start.elapsed().as_secs_f64() * 1e3;
+                section += 1;
+            })?;
+            return failed.map_or(Ok(times), Err);
+        };
         encoder.write_timestamp(queries, 0);
-        for section in 0..times.len() {
-            record(scene, &mut encoder, section)?;
-            encoder.write_timestamp(queries, section as u32 + 1);
-        }
-        encoder.resolve_query_set(queries, 0..times.len() as u32 + 1, &self.resolve, 0);
+        let mut section = 0;
+        record(scene, &mut encoder, &mut |encoder| {
+            section += 1;
+            encoder.write_timestamp(queries, section);
+        })?;
+        encoder.resolve_query_set(queries, 0..N as u32 + 1, &self.resolve, 0);
         encoder.copy_buffer_to_buffer(&self.resolve, 0, &self.readback, 0, self.readback.size());
         scene.gpu.queue.submit([encoder.finish()]);
         let ticks = read_u64(&scene.gpu, &self.readback)?;
@@ -128,18 +148,18 @@ impl Meter {
     }
 }
 
-/// Fragment shader runs of each of [`PASSES`] in one frame, 0 of those without any; `None` where the device does not count them.
+/// Fragment shader runs of each of [`PASSES`] that draw the picture, 0 of the others; `None` where the device does not count them.
 pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; PASSES.len()]>, Failure> {
     if !scene.gpu.device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY) {
         return Ok(None);
     }
     let kind = wgpu::QueryType::PipelineStatistics(wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS);
-    let count = PASSES.len() as u32 - 1;
+    let count = (PASSES.len() - PREPARED) as u32;
     let queries = query_set(&scene.gpu, kind, count);
     let (resolve, readback) = query_buffers(&scene.gpu, count);
     let mut encoder = scene.encoder();
     let frame = scene.prepare(&mut encoder)?;
-    for (index, id) in PASSES.into_iter().skip(1).enumerate() {
+    for (index, id) in PASSES.into_iter().skip(PREPARED).enumerate() {
         let mut pass = scene.pass(&mut encoder, id.name(), index == 0);
         pass.begin_pipeline_statistics_query(&queries, index as u32);
         frame.draw_pass(id, &mut pass);
@@ -149,8 +169,7 @@ pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; PASSES.len()]>,
     encoder.copy_buffer_to_buffer(&resolve, 0, &readback, 0, readback.size());
     scene.gpu.queue.submit([encoder.finish()]);
     let mut counts = [0; PASSES.len()];
-    // The first pass is compute.
-    counts[1..].iter_mut().zip(read_u64(&scene.gpu, &readback)?).for_each(|(count, found)| *count = found);
+    counts[PREPARED..].iter_mut().zip(read_u64(&scene.gpu, &readback)?).for_each(|(count, found)| *count = found);
     Ok(Some(counts))
 }
 

@@ -11,8 +11,8 @@ use pelage_bake::mesh::blend;
 use pelage_bake::textures::srgb_to_linear;
 use pelage_formats::{Animation, GeometryVertex, Package, Pose};
 use pelage_runtime::{
-    Camera, Frame, FrameParams, Instance, Light, Motion, PassId, PenumbraForm, Projection, Renderer, RendererOptions, RuntimeError,
-    ShadowParams, SlantForm, Style, wgpu,
+    Camera, Frame, FrameParams, Instance, Light, Motion, PassId, PenumbraForm, Projection, Renderer, RendererOptions,
+    RuntimeError, ShadowMaps, ShadowParams, SlantForm, Style, wgpu,
 };
 use std::time::{Duration, Instant};
 
@@ -150,6 +150,7 @@ pub struct Scene {
     /// Time to compile the pipelines of the style.
     pub compile: Duration,
     renderer: Renderer,
+    shadow_bytes: u64,
     clear: [f64; 4],
     clip: Option<(usize, f32)>,
 }
@@ -213,8 +214,18 @@ impl Scene {
             }
             None => [0.0; 4],
         };
-        let mut scene =
-            Self { instance: Instance::new(&model), gpu, canvas, params, upload, compile, renderer, clear, clip };
+        let mut scene = Self {
+            instance: Instance::new(&model),
+            gpu,
+            canvas,
+            params,
+            upload,
+            compile,
+            renderer,
+            shadow_bytes: 0,
+            clear,
+            clip,
+        };
         scene.set_time(view.time_s);
         Ok(scene)
     }
@@ -230,14 +241,10 @@ impl Scene {
 
     /// Prepares a frame into `encoder`.
     pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<Frame, Failure> {
-        let instances = &mut [&mut self.instance];
-        // The package was loaded in full before, so what fails now is an argument.
-        self.renderer
-            .prepare(&self.gpu.device, encoder, &self.params, instances)
-            .map_err(|error| Failure::Usage(error.to_string()))
+        self.record(encoder, &mut |_, _| ())
     }
 
-    /// Prepares a frame whose shadow maps are drawn anew, and calls `mark` after each of the passes that do it.
+    /// Prepares a frame whose pose and shadow maps are made anew, and calls `mark` after each of the passes that do it.
     pub fn prepare_marked(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -245,10 +252,27 @@ impl Scene {
     ) -> Result<Frame, Failure> {
         self.renderer.invalidate_shadows();
         self.instance.invalidate();
+        self.record(encoder, mark)
+    }
+
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
+    ) -> Result<Frame, Failure> {
         let instances = &mut [&mut self.instance];
-        self.renderer
+        // The package was loaded in full before, so what fails now is an argument.
+        let frame = self
+            .renderer
             .prepare_marked(&self.gpu.device, encoder, &self.params, instances, None, mark)
-            .map_err(|error| Failure::Usage(error.to_string()))
+            .map_err(|error| Failure::Usage(error.to_string()))?;
+        self.shadow_bytes = frame.shadows().map_or(self.shadow_bytes, ShadowMaps::gpu_bytes);
+        Ok(frame)
+    }
+
+    /// Bytes of the shadow maps on the device; 0 where no frame had any.
+    pub fn shadow_bytes(&self) -> u64 {
+        self.shadow_bytes
     }
 
     /// Begins a pass on the canvas, cleared to the background or going on from the pass before.

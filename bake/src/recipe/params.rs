@@ -327,7 +327,7 @@ params! {
         /// kd: diffuse light.
         diffuse: [f32; 3] = pelage_formats::Shading::default().diffuse, in 0.0..=100.0;
         /// ks: the highlight, white whatever the hair's colour: on combed dark hair much of it looks like dust.
-        specular: [f32; 3] = [0.06; 3], in 0.0..=100.0;
+        specular: [f32; 3] = [0.09; 3], in 0.0..=100.0;
         /// pd: 0 lights all directions alike, higher darkens hair that points to the light.
         diffuse_exponent: f32 = pelage_formats::Shading::default().diffuse_exponent, in 0.0..=10_000.0;
         /// ps: higher is a narrower highlight.

@@ -29,10 +29,7 @@ pub(crate) fn begin_maps<'e>(
         color_attachments: if colors[0].is_some() { &colors } else { &[] },
         depth_stencil_attachment: depth.map(|(view, kind)| wgpu::RenderPassDepthStencilAttachment {
             view,
-            depth_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Clear(kind.clear()),
-                store: wgpu::StoreOp::Store,
-            }),
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(kind.clear()), store: wgpu::StoreOp::Store }),
             stencil_ops: None,
         }),
         ..Default::default()
@@ -59,8 +56,7 @@ pub enum PassId {
 
 impl PassId {
     /// All of them, in order.
-    pub const ALL: [Self; 6] =
-        [Self::Pose, Self::LayerShadow, Self::ShadowWidth, Self::Skin, Self::Fins, Self::Shells];
+    pub const ALL: [Self; 6] = [Self::Pose, Self::LayerShadow, Self::ShadowWidth, Self::Skin, Self::Fins, Self::Shells];
 
     /// Name in reports.
     pub fn name(self) -> &'static str {

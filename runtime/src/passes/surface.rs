@@ -230,11 +230,8 @@ impl SurfaceShader {
     fn relevant(self, variant: Variant) -> Variant {
         // Light on a surface without layers of its own.
         let on_skin = ShadowLook { slanted: false, maps_between: false, ..variant.shadows };
-        let surface = Variant {
-            base_color_texture: variant.base_color_texture,
-            cutout: variant.cutout,
-            ..Variant::default()
-        };
+        let surface =
+            Variant { base_color_texture: variant.base_color_texture, cutout: variant.cutout, ..Variant::default() };
         // Of the colour only what is cut away matters.
         let holes = Variant { base_color_texture: variant.base_color_texture && variant.cutout, ..surface };
         match self {
@@ -454,10 +451,8 @@ impl SurfaceLayouts {
                 size: NonZeroU64::new(size as u64),
             }),
         };
-        let array = wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        };
+        let array =
+            wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::D2Array), ..Default::default() };
         let layers = maps.and_then(ShadowMaps::layers).map(|t| t.create_view(&array));
         let width = maps.and_then(ShadowMaps::width).map(|t| t.create_view(&Default::default()));
         let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };

@@ -190,6 +190,22 @@ fn light_past_things(place: vec4<f32>, n_dot_l: f32) -> f32 {
     return soft_shadow(texel, place.z, place.w, slanted_path(n_dot_l), s, CENTRED);
 }
 
+// Share of the key light that arrives at skin without hair of its own. The layer-wise maps know the first surface only: where that
+// is another, its hair is not what is above this skin.
+fn light_on_bare(place: vec4<f32>, n_dot_l: f32) -> f32 {
+    let past = light_past_things(place, n_dot_l);
+    if !SELF_SHADOW {
+        return past;
+    }
+    let through = light_through_hair(place, 0.0, false);
+    if !SOFT_SHADOW {
+        return through;
+    }
+    let first = textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0).z;
+    let hidden = (place.z - first) * frame.soft_shadow.x > frame.soft_shadow.w * place.w * (0.5 + slanted_path(n_dot_l));
+    return past * select(through, 1.0, hidden);
+}
+
 // sin^pd and sin^ps of eq. (1), the latter as strong as wet and dry hair have it together.
 fn hair_factors(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {
     var diffuse = sin_squared(direction, light);

@@ -53,8 +53,7 @@ pub(crate) fn record(
             layout: &pipelines.layouts.layer_above,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&above) }],
         });
-        let mut pass =
-            begin_maps(encoder, "pelage layer shadow", Some(&target), Some((&depth, CasterPass::Nearest)));
+        let mut pass = begin_maps(encoder, "pelage layer shadow", Some(&target), Some((&depth, CasterPass::Nearest)));
         for instance in instances.iter().filter(|i| !i.layer_shadow.is_empty()) {
             instance.bind(&mut pass, frame);
             pass.set_bind_group(3, &above_group, &[]);

@@ -151,9 +151,7 @@ fn filter(
     let shrink = [constants.clone(), texture(1, &nearest), texture(2, &farthest), texture(3, &hair)];
     let linear = wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::Sampler(&sampler) };
     let stretch = [constants, texture(1, &nearest), texture(4, &shrunk), linear];
-    for (pipeline, entries, target) in
-        [(&steps.shrink, &shrink[..], &shrunk), (&steps.stretch, &stretch[..], &width)]
-    {
+    for (pipeline, entries, target) in [(&steps.shrink, &shrink[..], &shrunk), (&steps.stretch, &stretch[..], &width)] {
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("pelage shadow width"),
             layout: &pipeline.get_bind_group_layout(0),

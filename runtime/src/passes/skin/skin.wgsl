@@ -59,7 +59,7 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     }
     let side = side_of(front);
     let n_dot_l = in.light_ts.z * side;
-    let reach = light_through_hair(in.place, 0.0, false) * light_past_things(in.place, n_dot_l);
+    let reach = light_on_bare(in.place, n_dot_l);
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
     return vec4(shade_bare(base.rgb, n_dot_l, reach) + fill_bare(base.rgb, spot, side), 1.0);
 }
