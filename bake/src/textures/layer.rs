@@ -43,9 +43,12 @@ impl Transmittance {
     }
 
     /// Turns the `sums` of the next layer inward into texels of every level. With `skin`, the layer is opaque and of that colour,
-    /// and its directions are those of the hair in `sums`.
+    /// and its directions are those of the hair in `sums`, and of their mean where there is none.
     pub(super) fn layer(&mut self, sums: &mut Vec<Sums>, texels: u32, skin: Option<Vec3>) -> Vec<LevelBytes> {
         weigh(sums, &self.levels[0].exact);
+        if skin.is_some() {
+            cover_skin(sums);
+        }
         let mut levels = Vec::with_capacity(self.levels.len());
         let mut coarse: Vec<Sums> = Vec::new();
         for (level, transmittance) in self.levels.iter_mut().enumerate() {
@@ -86,6 +89,28 @@ fn weigh(sums: &mut [Sums], outside: &[f32]) {
             *v *= scale;
         }
         s[0] = w * opacity;
+    });
+}
+
+/// Between the roots the skin is lit as their mean is. Directions of single roots, spread to where no hair is, would show as blocks under
+/// sparse hair.
+fn cover_skin(sums: &mut [Sums]) {
+    let mut mean = [0.0f64; 4];
+    for s in sums.iter() {
+        for (sum, value) in mean.iter_mut().zip([s[0], s[4], s[5], s[6]]) {
+            *sum += f64::from(value);
+        }
+    }
+    if mean[0] <= 0.0 {
+        return;
+    }
+    let mean = [mean[1], mean[2], mean[3]].map(|sum| (sum / mean[0]) as f32);
+    sums.par_iter_mut().with_min_len(1024).for_each(|s| {
+        let bare = s[7] - s[0];
+        for (value, mean) in s[4..7].iter_mut().zip(mean) {
+            *value += bare * mean;
+        }
+        s[0] = s[7];
     });
 }
 
