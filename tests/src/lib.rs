@@ -2,6 +2,7 @@
 
 pub mod assets;
 pub mod binary;
+pub mod chores;
 pub mod compute;
 pub mod gpu;
 pub mod pictures;

@@ -6,8 +6,10 @@ use super::output::{Output, require_parent};
 use super::package_file::PackageFile;
 use super::scene::{Scene, View};
 use super::view_args::ViewArgs;
+use glam::Quat;
+use pelage_bake::textures::srgb_to_linear;
 use pelage_bake::{BakeError, io};
-use pelage_runtime::Frame;
+use pelage_runtime::{Frame, Light};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +28,9 @@ pub struct RenderArgs {
     /// Samples per pixel, 1 or 4: 4 smooths the edges of the skin
     #[arg(long, value_name = "N", default_value = "1", value_parser = ["1", "4"])]
     samples: String,
+    /// The light goes once around the vertical axis while the pictures last, with --frames
+    #[arg(long, requires = "frames")]
+    turn_light: bool,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -35,6 +40,8 @@ pub struct RenderArgs {
 pub struct Picture {
     /// Pixels with any opacity.
     pub covered_pixels: u64,
+    /// Mean luminance of the covered pixels, linear, 0..=1; 0 where none is.
+    pub mean_luminance: f64,
     /// The frame it was drawn from, with its report.
     passes: Vec<serde_json::Value>,
 }
@@ -52,6 +59,9 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     for (index, name) in names.iter().enumerate() {
         output.progress(&format!("picture {} of {}", index + 1, names.len()));
         scene.set_time(view.time_s + index as f32 / args.fps as f32);
+        if args.turn_light {
+            scene.params.light = turned(view.light, std::f32::consts::TAU * index as f32 / names.len() as f32);
+        }
         pictures.push(draw(&mut scene, name)?);
     }
     report(output, &scene, &view, &names, &pictures)?;
@@ -68,7 +78,28 @@ pub fn draw(scene: &mut Scene, path: &Path) -> Result<Picture, Failure> {
         .write_to(&mut png, image::ImageFormat::Png)
         .map_err(|error| BakeError::Internal(format!("encoding PNG: {error}")))?;
     io::write_atomic(path, png.get_ref())?;
-    Ok(Picture { covered_pixels, passes: passes(&frame) })
+    Ok(Picture { covered_pixels, mean_luminance: mean_luminance(&pixels), passes: passes(&frame) })
+}
+
+/// A light carried around the world's vertical axis.
+fn turned(light: Light, angle_rad: f32) -> Light {
+    let turn = Quat::from_rotation_y(angle_rad);
+    match light {
+        Light::Directional { towards_light, color } => {
+            Light::Directional { towards_light: turn * towards_light, color }
+        }
+        Light::Point { position, color } => Light::Point { position: turn * position, color },
+    }
+}
+
+/// Mean luminance (Rec. 709) of the pixels with any opacity.
+fn mean_luminance(pixels: &image::RgbaImage) -> f64 {
+    let covered = || pixels.pixels().filter(|p| p.0[3] > 0);
+    let of = |p: &image::Rgba<u8>| {
+        let [r, g, b, _] = p.0.map(|byte| f64::from(srgb_to_linear(byte)));
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    };
+    covered().map(of).sum::<f64>() / covered().count().max(1) as f64
 }
 
 /// The frame's report as JSON.
@@ -117,6 +148,7 @@ fn report(
         "height": view.size.1,
         "covered_pixels": covered(&pictures[0]),
         "covered_pixels_per_picture": pictures.iter().map(covered).collect::<Vec<_>>(),
+        "mean_luminance_per_picture": pictures.iter().map(|p| p.mean_luminance).collect::<Vec<_>>(),
         "passes": pictures[0].passes,
     });
     output.result(&files.join("\n"), &value)

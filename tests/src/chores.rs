@@ -1,0 +1,85 @@
+//! What the developers' chores do through the real binary: bake a model, draw it, measure it, and put pictures together.
+
+use crate::binary::{Run, Sandbox, finish};
+use anyhow::{Context as _, ensure};
+use image::{GenericImage as _, Rgb, RgbImage};
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// Behind the models, and where a sheet is not full.
+pub const BACKGROUND: Rgb<u8> = Rgb([204, 209, 217]);
+
+/// A folder for packages and pictures on the way.
+#[derive(Debug, Default)]
+pub struct Workshop {
+    sandbox: Sandbox,
+}
+
+/// A baked package, and what the binary said of it.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// The package, in the workshop.
+    pub package: PathBuf,
+    /// `pelage bake --json`.
+    pub report: Value,
+}
+
+impl Workshop {
+    /// Runs the binary; paths in the arguments are those of whoever typed them.
+    ///
+    /// # Errors
+    ///
+    /// The binary's own words where it fails.
+    pub fn run(&self, arguments: &[&str]) -> anyhow::Result<Run> {
+        let mut command = self.sandbox.command(arguments);
+        command.current_dir(std::env::current_dir()?);
+        let run = finish(command);
+        ensure!(run.code == Some(0), "{}", run.stderr.trim());
+        Ok(run)
+    }
+
+    /// Bakes a model with options of `pelage bake`, as plain texels: a software rasteriser reads them many times faster than blocks.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::run`].
+    pub fn bake<S: AsRef<str>>(&self, name: &str, model: &[S]) -> anyhow::Result<Baked> {
+        let package = self.sandbox.path().join(format!("{name}.pelage"));
+        let path = package.display().to_string();
+        let mut arguments = vec!["bake", "-o", &path, "--json", "--quiet"];
+        arguments.extend(["--set", "pack.shell_format=rgba8", "--set", "pack.direction_format=rg8"]);
+        arguments.extend(model.iter().map(AsRef::as_ref));
+        let report = serde_json::from_str(&self.run(&arguments)?.stdout)?;
+        Ok(Baked { package, report })
+    }
+
+    /// Draws a package with options of `pelage render`, over [`BACKGROUND`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::run`].
+    pub fn draw<S: AsRef<str>>(&self, baked: &Baked, size: &str, options: &[S]) -> anyhow::Result<RgbImage> {
+        let picture = self.sandbox.path().join("picture.png").display().to_string();
+        let package = baked.package.display().to_string();
+        let mut arguments = vec!["render", &package, "-o", &picture, "--size", size, "--samples", "4", "--quiet"];
+        arguments.extend(["--background", "204,209,217"]);
+        arguments.extend(options.iter().map(AsRef::as_ref));
+        self.run(&arguments)?;
+        Ok(image::open(&picture)?.to_rgb8())
+    }
+}
+
+/// Pictures of one size row by row.
+///
+/// # Errors
+///
+/// Where there is none, or one is larger than the first.
+pub fn sheet(pictures: &[RgbImage], columns: usize) -> anyhow::Result<RgbImage> {
+    let (w, h) = pictures.first().context("no picture")?.dimensions();
+    let size = (w * columns.min(pictures.len()) as u32, h * pictures.len().div_ceil(columns) as u32);
+    let mut sheet = RgbImage::from_pixel(size.0, size.1, BACKGROUND);
+    for (index, picture) in pictures.iter().enumerate() {
+        sheet.copy_from(picture, w * (index % columns) as u32, h * (index / columns) as u32)?;
+    }
+    Ok(sheet)
+}
