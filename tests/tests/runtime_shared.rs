@@ -126,15 +126,18 @@ fn attenuations() {
     three_ways(
         "attenuations",
         kajiya_kay::WGSL,
-        "vec4(back_attenuation(in_0.x, in_0.y), ambient_attenuation(in_0.z, in_0.w), 0.0, 0.0)",
+        "vec4(back_attenuation(in_0.x, in_0.y), ambient_attenuation(in_0.z, in_0.w), back_slope(in_0.x, 0.3), 0.0)",
         &cases,
         |[c]| {
             let (n_dot_l, r) = (f64::from(c[0]), f64::from(c[1]).max(1e-4));
             let back = if n_dot_l >= 0.0 { 1.0 } else { (n_dot_l + r).clamp(0.0, r) / r };
             let (height, floor) = (f64::from(c[2]), f64::from(c[3]));
-            [back, floor + (1.0 - floor) * height, 0.0, 0.0]
+            [back, floor + (1.0 - floor) * height, n_dot_l / f64::from(0.3f32) + 1.0, 0.0]
         },
-        |[c]| [kajiya_kay::back_attenuation(c[0], c[1]), kajiya_kay::ambient_attenuation(c[2], c[3]), 0.0, 0.0],
+        |[c]| {
+            let back = kajiya_kay::back_attenuation(c[0], c[1]);
+            [back, kajiya_kay::ambient_attenuation(c[2], c[3]), kajiya_kay::back_slope(c[0], 0.3), 0.0]
+        },
         |_, _| 2e-6,
     );
 }

@@ -30,6 +30,8 @@ pub struct SphereParams {
     pub planar_directions: bool,
     /// A base-colour texture of stripes, else a plain colour.
     pub stripes: bool,
+    /// A base-colour texture that is white all over: the same fur by way of another shader.
+    pub white_texture: bool,
     /// Two joints, the upper of which bends in the clip `bend`, else no skeleton.
     pub skeleton: bool,
     /// A bare band around the equator with a material of its own.
@@ -49,6 +51,7 @@ impl Default for SphereParams {
             lean: 0.9,
             planar_directions: true,
             stripes: false,
+            white_texture: false,
             skeleton: false,
             bare_band: false,
         }
@@ -76,8 +79,9 @@ pub fn package(params: &SphereParams) -> Vec<u8> {
     let manifest = manifest(params, mesh.indices.len() as u32, bare);
     let (colors, directions) = hair(params);
     let mut writer = PackageWriter::new(manifest).mesh(&mesh).texture(colors).texture(directions);
-    if params.stripes {
-        let row = |x: u32| if (x / 4).is_multiple_of(2) { [255, 255, 255, 255] } else { [60, 40, 30, 255] };
+    if params.stripes || params.white_texture {
+        let white = |x: u32| params.white_texture || (x / 4).is_multiple_of(2);
+        let row = |x: u32| if white(x) { [255, 255, 255, 255] } else { [60, 40, 30, 255] };
         let texels = (0..64u32 * 64).flat_map(|i| row(i % 64)).collect();
         writer = writer.texture(super::ktx2::write(TextureFormat::Rgba8Srgb, 64, 64, 1, &[texels]));
     }
@@ -94,13 +98,13 @@ pub fn manifest(params: &SphereParams, index_count: u32, bare: u32) -> Manifest 
         name: name.into(),
         base_color,
         groom_texture: None,
-        base_color_texture: (params.stripes && furred).then_some(2),
+        base_color_texture: ((params.stripes || params.white_texture) && furred).then_some(2),
         alpha_cutoff: None,
         furred,
         double_sided: false,
     };
     let mut texture_names = vec!["shell_color", "shell_direction"];
-    if params.stripes {
+    if params.stripes || params.white_texture {
         texture_names.push("stripes");
     }
     let mut parts = vec![Part { material: 0, first_index: 0, index_count: index_count - bare }];

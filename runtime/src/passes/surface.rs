@@ -178,6 +178,12 @@ pub(crate) fn plan_parts(
 }
 
 impl Variant {
+    /// Shells need more than the plain varyings.
+    fn is_mapped(self) -> bool {
+        let material = self.base_color_texture || self.cutout || self.groom_texture;
+        material || self.lean || self.groom_vertices || self.wet || self.resampled || self.shadows.maps_between
+    }
+
     fn constants(self) -> [(&'static str, f64); 17] {
         [
             ("BASE_COLOR_TEXTURE", self.base_color_texture),
@@ -256,11 +262,13 @@ impl SurfaceShader {
     }
 
     /// Vertex and fragment entry point.
-    pub(crate) fn entry_points(self) -> (&'static str, &'static str) {
+    pub(crate) fn entry_points(self, variant: Variant) -> (&'static str, &'static str) {
         match self {
             Self::SkinBare => ("vs_skin", "fs_bare"),
             Self::SkinFurred => ("vs_skin", "fs_furred"),
             Self::Fins => ("vs_fins", "fs_fins"),
+            Self::Shells if variant.fill_lights => ("vs_shells_filled", "fs_shells_filled"),
+            Self::Shells if variant.is_mapped() => ("vs_shells_mapped", "fs_shells_mapped"),
             Self::Shells => ("vs_shells", "fs_shells"),
             Self::Yardstick => ("vs_yardstick", "fs_yardstick"),
             Self::LayerShadow => ("vs_layer", "fs_layer"),
@@ -525,7 +533,7 @@ impl SurfaceLayouts {
         key: SurfaceKey,
         options: &RendererOptions,
     ) -> wgpu::RenderPipeline {
-        let (vertex, fragment) = key.shader.entry_points();
+        let (vertex, fragment) = key.shader.entry_points(key.variant);
         let groups = [Some(&self.frame), Some(&self.material), Some(&self.fur)];
         let own = match key.shader {
             SurfaceShader::Fins => self.fins.as_ref(),

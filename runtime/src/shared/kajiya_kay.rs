@@ -30,7 +30,12 @@ pub fn ambient_attenuation(height: f32, floor: f32) -> f32 {
 ///
 /// A range of 0 cuts at the terminator; [`BACK_ATTENUATION_OFF`] gives 1 everywhere.
 pub fn back_attenuation(n_dot_l: f32, range: f32) -> f32 {
-    (n_dot_l / range.max(1e-4) + 1.0).clamp(0.0, 1.0)
+    back_slope(n_dot_l, range).clamp(0.0, 1.0)
+}
+
+/// [`back_attenuation`] before its clamp: linear in `n_dot_l`, so that it may be interpolated.
+pub fn back_slope(n_dot_l: f32, range: f32) -> f32 {
+    n_dot_l / range.max(1e-4) + 1.0
 }
 
 /// The range that switches [`back_attenuation`] off.

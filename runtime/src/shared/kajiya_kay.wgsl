@@ -22,5 +22,10 @@ fn ambient_attenuation(height: f32, floor: f32) -> f32 {
 // Attenu_Back of eq. (3): 1 where the skin faces the light, falling to 0 at n_dot_l = -range. A range of 0 cuts at the
 // terminator; a range of 1e30 switches it off.
 fn back_attenuation(n_dot_l: f32, range: f32) -> f32 {
-    return clamp(n_dot_l / max(range, 1e-4) + 1.0, 0.0, 1.0);
+    return clamp(back_slope(n_dot_l, range), 0.0, 1.0);
+}
+
+// The same before its clamp: linear in n_dot_l, so that it may be interpolated.
+fn back_slope(n_dot_l: f32, range: f32) -> f32 {
+    return n_dot_l / max(range, 1e-4) + 1.0;
 }
