@@ -15,7 +15,7 @@ use crate::passes::fins::{self, FinDraws};
 use crate::passes::surface::{Look, ShadowLook};
 use crate::passes::{PassId, layer_shadow, pose, shadow_width, shells, skin};
 use crate::renderer::Pipelines;
-use crate::shadow::{Casters, PenumbraForm, ShadowKey, ShadowMaps, SlantForm};
+use crate::shadow::{CasterPass, Casters, PenumbraForm, ShadowKey, ShadowMaps, SlantForm};
 use crate::shared::{frame as blocks, kajiya_kay, skinning};
 use crate::{FrameParams, Instance, Light, Model, RuntimeError, Style};
 use glam::{Mat3, Mat4, Vec3};
@@ -130,7 +130,7 @@ pub(crate) fn prepare(
             } else {
                 Vec::new()
             },
-            casters: if redraw && params.soft_shadow {
+            casters: if redraw {
                 shadow_width::plan(device, pipelines, model, &from_light)
             } else {
                 Default::default()
@@ -169,9 +169,13 @@ pub(crate) fn prepare(
         };
         let buffer = upload(&light_frame, Some(maps.key.map_layers));
         let group = pipelines.layouts.frame_bind_group(device, &buffer, &fills, None);
-        layer_shadow::record(device, encoder, pipelines, &maps, &group, &drawn);
+        let mut casters = casters;
+        let depth = shadow_width::record_depth;
+        depth(encoder, &maps, CasterPass::Nearest, &group, &drawn, casters.as_deref_mut());
+        layer_shadow::record(encoder, &maps, &group, &drawn);
         mark(encoder, PassId::LayerShadow);
-        shadow_width::record(device, encoder, pipelines, &maps, &group, &drawn, casters);
+        depth(encoder, &maps, CasterPass::Farthest, &group, &drawn, casters);
+        shadow_width::record(device, encoder, pipelines, &maps);
         mark(encoder, PassId::ShadowWidth);
         *shadows = Some(Arc::new(maps));
     } else {
@@ -272,8 +276,10 @@ pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &
     if params.self_shadow && key.is_some() && drawn_layers(model, params) > 1 {
         layer_shadow::plan(device, pipelines, model, &from_light);
     }
-    if params.soft_shadow && key.is_some() {
+    if key.is_some() {
         shadow_width::plan(device, pipelines, model, &from_light);
+    }
+    if params.soft_shadow && key.is_some() {
         pipelines.filter(device);
     }
     skin::plan(device, pipelines, model, &look);

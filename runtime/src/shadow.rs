@@ -151,6 +151,7 @@ impl CasterPass {
 #[derive(Debug)]
 pub struct ShadowMaps {
     pub(crate) key: ShadowKey,
+    pub(crate) nearest: wgpu::Texture,
     pub(crate) layers: Option<wgpu::Texture>,
     pub(crate) width: Option<WidthMaps>,
 }
@@ -158,7 +159,6 @@ pub struct ShadowMaps {
 /// Textures of the soft shadow.
 #[derive(Debug)]
 pub(crate) struct WidthMaps {
-    pub(crate) nearest: wgpu::Texture,
     pub(crate) farthest: wgpu::Texture,
     pub(crate) shrunk: wgpu::Texture,
     pub(crate) width: wgpu::Texture,
@@ -198,7 +198,7 @@ impl ShadowMaps {
     /// The depth maps, nearest surface and farthest one that faces the light, [`Self::DEPTH_FORMAT`], depth of
     /// [`LightView::clip_from_world`]. `None` without soft shadow.
     pub fn depths(&self) -> Option<[&wgpu::Texture; 2]> {
-        self.width.as_ref().map(|w| [&w.nearest, &w.farthest])
+        self.width.as_ref().map(|w| [&self.nearest, &w.farthest])
     }
 
     /// Bytes on the GPU.
@@ -207,8 +207,8 @@ impl ShadowMaps {
             let texels = u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
             texels * u64::from(t.format().block_copy_size(None).unwrap_or(4))
         };
-        let width = self.width.iter().flat_map(|w| [&w.nearest, &w.farthest, &w.shrunk, &w.width]);
-        self.layers.iter().chain(width).map(of).sum()
+        let width = self.width.iter().flat_map(|w| [&w.farthest, &w.shrunk, &w.width]);
+        std::iter::once(&self.nearest).chain(&self.layers).chain(width).map(of).sum()
     }
 }
 
@@ -254,19 +254,20 @@ impl ShadowMaps {
                 format,
                 usage: wgpu::TextureUsages::RENDER_ATTACHMENT
                     | wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC,
+                    | wgpu::TextureUsages::COPY_SRC
+                    | wgpu::TextureUsages::COPY_DST,
                 view_formats: &[],
             })
         };
         let size = key.params.map_size;
         let layers = key.self_shadow.then(|| texture("pelage layer shadow", size, key.map_layers, Self::LAYER_FORMAT));
         let width = key.soft_shadow.then(|| WidthMaps {
-            nearest: texture("pelage nearest depth", size, 1, Self::DEPTH_FORMAT),
             farthest: texture("pelage farthest depth", size, 1, Self::DEPTH_FORMAT),
             shrunk: texture("pelage occlusion", size.div_ceil(key.params.shrink), 1, Self::WIDTH_FORMAT),
             width: texture("pelage shadow width", size, 1, Self::WIDTH_FORMAT),
         });
-        Self { key, layers, width }
+        let nearest = texture("pelage nearest depth", size, 1, Self::DEPTH_FORMAT);
+        Self { key, nearest, layers, width }
     }
 
     /// Whether its textures fit another key.

@@ -146,7 +146,14 @@ pub fn sample_manifest() -> Manifest {
             wet: Some(ShellTextures { color_texture: 3, direction_texture: 4 }),
             fins: Some(FinInfo { width: 8, height: 4, slabs: 2, color_texture: 5, direction_texture: 6 }),
         },
-        shading: Shading { ambient: [0.25, 0.5, 0.75], diffuse_exponent: 3.5, ..Shading::default() },
+        // All spelled out: goldens outlive defaults.
+        shading: Shading {
+            ambient: [0.25, 0.5, 0.75],
+            diffuse: [0.9; 3],
+            specular: [0.12; 3],
+            diffuse_exponent: 3.5,
+            ..Shading::default()
+        },
         materials: vec![
             Material {
                 name: "fur".into(),

@@ -10,28 +10,43 @@ pub(crate) mod surface;
 
 use crate::shadow::CasterPass;
 
-/// Begins a pass into the key light's maps: colour cleared to full light, depth to what `CasterPass` starts from.
+/// What a pass into the key light's maps draws to.
+pub(crate) enum MapTarget<'a> {
+    /// Texels, cleared to full light.
+    Light(&'a wgpu::TextureView),
+    /// Texels as they are, where nothing in the depth map is nearer.
+    LightBefore { light: &'a wgpu::TextureView, nearest: &'a wgpu::TextureView },
+    /// Depth, cleared to what the pass starts from.
+    Depth(&'a wgpu::TextureView, CasterPass),
+}
+
+/// Begins a pass into the key light's maps.
 pub(crate) fn begin_maps<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
-    color: Option<&wgpu::TextureView>,
-    depth: Option<(&wgpu::TextureView, CasterPass)>,
+    target: MapTarget<'_>,
 ) -> wgpu::RenderPass<'e> {
-    let color = color.map(|view| wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Store },
-    });
-    let colors = [color];
+    let texels = |view, load| {
+        let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+        [Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })]
+    };
+    // Without operations a depth buffer is only read.
+    let depth = |view, depth_ops| wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None };
+    let white = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
+    let (colors, depth) = match target {
+        MapTarget::Light(view) => (Some(texels(view, white)), None),
+        MapTarget::LightBefore { light, nearest } => {
+            (Some(texels(light, wgpu::LoadOp::Load)), Some(depth(nearest, None)))
+        }
+        MapTarget::Depth(view, pass) => {
+            let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(pass.clear()), store: wgpu::StoreOp::Store };
+            (None, Some(depth(view, Some(ops))))
+        }
+    };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
-        color_attachments: if colors[0].is_some() { &colors } else { &[] },
-        depth_stencil_attachment: depth.map(|(view, kind)| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(kind.clear()), store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
-        }),
+        color_attachments: colors.as_ref().map_or(&[], |c| &c[..]),
+        depth_stencil_attachment: depth,
         ..Default::default()
     })
 }

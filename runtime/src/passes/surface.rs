@@ -184,6 +184,11 @@ impl Variant {
         material || self.lean || self.groom_vertices || self.wet || self.resampled || self.shadows.maps_between
     }
 
+    /// Layers that the key light sees need more than the plain varyings.
+    fn is_mapped_to_light(self) -> bool {
+        self.cutout || self.groom_texture || self.groom_vertices || self.wet
+    }
+
     fn constants(self) -> [(&'static str, f64); 17] {
         [
             ("BASE_COLOR_TEXTURE", self.base_color_texture),
@@ -221,6 +226,16 @@ pub(crate) enum SurfaceShader {
     /// The skin seen from the key light.
     Caster(CasterPass),
 }
+
+/// What is there times what is drawn.
+const MULTIPLIED: wgpu::BlendState = {
+    let times = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Zero,
+        dst_factor: wgpu::BlendFactor::Src,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState { color: times, alpha: wgpu::BlendComponent { dst_factor: wgpu::BlendFactor::SrcAlpha, ..times } }
+};
 
 /// What a pipeline draws to.
 struct Target {
@@ -271,6 +286,7 @@ impl SurfaceShader {
             Self::Shells if variant.is_mapped() => ("vs_shells_mapped", "fs_shells_mapped"),
             Self::Shells => ("vs_shells", "fs_shells"),
             Self::Yardstick => ("vs_yardstick", "fs_yardstick"),
+            Self::LayerShadow if variant.is_mapped_to_light() => ("vs_layer_mapped", "fs_layer_mapped"),
             Self::LayerShadow => ("vs_layer", "fs_layer"),
             Self::Caster(_) => ("vs_caster", "fs_caster"),
         }
@@ -282,16 +298,26 @@ impl SurfaceShader {
     }
 
     fn target(self, options: &RendererOptions) -> Target {
-        let maps = |color: Option<wgpu::TextureFormat>, depth_compare| Target {
-            color: color.map(wgpu::ColorTargetState::from),
-            depth_format: ShadowMaps::DEPTH_FORMAT,
-            depth_write: true,
-            depth_compare,
-            sample_count: 1,
-        };
         match self {
-            Self::LayerShadow => maps(Some(ShadowMaps::LAYER_FORMAT), CasterPass::Nearest.compare()),
-            Self::Caster(pass) => maps(None, pass.compare()),
+            Self::LayerShadow => Target {
+                color: Some(wgpu::ColorTargetState {
+                    format: ShadowMaps::LAYER_FORMAT,
+                    blend: Some(MULTIPLIED),
+                    write_mask: wgpu::ColorWrites::ALL,
+                }),
+                depth_format: ShadowMaps::DEPTH_FORMAT,
+                depth_write: false,
+                // Layers that coincide with the skin take no light.
+                depth_compare: wgpu::CompareFunction::Less,
+                sample_count: 1,
+            },
+            Self::Caster(pass) => Target {
+                color: None,
+                depth_format: ShadowMaps::DEPTH_FORMAT,
+                depth_write: true,
+                depth_compare: pass.compare(),
+                sample_count: 1,
+            },
             _ => Target {
                 color: Some(wgpu::ColorTargetState {
                     format: options.color_format,
@@ -325,8 +351,6 @@ pub(crate) struct SurfaceLayouts {
     fur: wgpu::BindGroupLayout,
     /// Group 3, of the fins alone: posed vertices, attributes, fins. `None` where vertex shaders have no storage buffers.
     pub(crate) fins: Option<wgpu::BindGroupLayout>,
-    /// Group 3, of the layer-wise maps alone: the map above.
-    pub(crate) layer_above: wgpu::BindGroupLayout,
     pub(crate) white: wgpu::TextureView,
     white_array: wgpu::TextureView,
     map_sampler: wgpu::Sampler,
@@ -430,7 +454,6 @@ impl SurfaceLayouts {
                 let entries = [storage::<GeometryVertex>(0), storage::<AttributeVertex>(1), storage::<Fin>(2)];
                 layout(device, "pelage fins", &entries)
             }),
-            layer_above: layout(device, "pelage layer above", &[texture(0, D2)]),
             map_sampler: device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("pelage shadow maps"),
                 mag_filter: wgpu::FilterMode::Linear,
@@ -537,7 +560,6 @@ impl SurfaceLayouts {
         let groups = [Some(&self.frame), Some(&self.material), Some(&self.fur)];
         let own = match key.shader {
             SurfaceShader::Fins => self.fins.as_ref(),
-            SurfaceShader::LayerShadow => Some(&self.layer_above),
             _ => None,
         };
         let groups: Vec<_> = match key.shader {

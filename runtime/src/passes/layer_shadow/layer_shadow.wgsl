@@ -1,53 +1,74 @@
-// A layer of hair as the key light sees it: what it leaves of the light that the layers above left (Yang 2006, sec. 3.1).
+// A layer of hair as the key light sees it: what it leaves of the light (Yang 2006, sec. 3.1). Blending multiplies it with what the layers
+// above left: along the light a ray is one texel.
 
-// The map of the layer above, texel for texel: along the light a ray is one texel.
-@group(3) @binding(0) var above: texture_2d<f32>;
-
+// As in shells.wgsl: no more slots between vertex and fragment than a coat needs.
 struct LayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    @location(0) tile_uv: vec2<f32>,
-    @location(1) tint: vec4<f32>,
-    @location(2) base_uv: vec2<f32>,
-    @location(3) @interpolate(flat, either) layer: u32,
-    @location(4) groom: vec2<f32>,
-    @location(5) n_dot_l: f32,
-    // 1 where fur grows, 0 where its height is 0 and all layers lie on the skin.
-    @location(6) coat: f32,
+    // Tile coordinates; N.L.
+    @location(0) uv_light: vec3<f32>,
+    @location(1) @interpolate(flat, either) layer: u32,
+}
+
+// With what textures and maps of the material need besides.
+struct MappedLayerVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) uv_light: vec3<f32>,
+    @location(1) @interpolate(flat, either) layer: u32,
+    @location(2) base_uv_groom: vec4<f32>,
+    @location(3) tint: vec4<f32>,
+}
+
+fn layer_of(v: Vertex, layer: u32) -> LayerVarying {
+    let height = f32(layer) / f32(instance.drawn_layers - 1u);
+    let tile = tile_frame_of(v, normal_ws(v));
+    let position = hair_position(v, tile, height);
+    let n_dot_l = dot(tile.normal_ws, direction_to(frame.light_ws, position));
+    return LayerVarying(
+        frame.clip_from_world * vec4(position, 1.0),
+        vec3(v.tile_uv, n_dot_l),
+        baked_layer(layer, instance.baked_layers, instance.drawn_layers),
+    );
 }
 
 @vertex
 fn vs_layer(v: Vertex, @builtin(instance_index) layer: u32) -> LayerVarying {
-    let height = f32(layer) / f32(instance.drawn_layers - 1u);
-    let tile = tile_frame_of(v, normal_ws(v));
-    let position = hair_position(v, tile, height);
-    var out: LayerVarying;
-    out.position = frame.clip_from_world * vec4(position, 1.0);
-    out.tile_uv = v.tile_uv;
-    out.tint = v.color * material.base_color;
-    out.base_uv = v.base_uv;
-    out.layer = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
-    out.groom = v.groom.xy;
-    out.n_dot_l = dot(tile.normal_ws, direction_to(frame.light_ws, position));
-    out.coat = select(0.0, 1.0, v.fur_height > 0.0);
-    return out;
+    return layer_of(v, layer);
+}
+
+@vertex
+fn vs_layer_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedLayerVarying {
+    let plain = layer_of(v, layer);
+    return MappedLayerVarying(
+        plain.position, plain.uv_light, plain.layer, vec4(v.base_uv, v.groom.xy), v.color * material.base_color,
+    );
+}
+
+// What is left of the light. kept: share of the layer's hair that is there; wetness: of it.
+fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
+    let uv = in.uv_light.xy;
+    var alpha = textureSample(shell_colors, shell_sampler, uv, in.layer).a;
+    if WET {
+        alpha = mix(alpha, textureSample(wet_colors, shell_sampler, uv, in.layer).a, wetness);
+    }
+    alpha *= kept;
+    if RESAMPLED {
+        alpha = resampled_opacity(alpha, instance.opacity_exponent);
+    }
+    let path = select(1.0, slanted_path(in.uv_light.z), SLANTED);
+    return vec4(layer_transmittance(alpha, path), 0.0, 0.0, 1.0);
 }
 
 @fragment
 fn fs_layer(in: LayerVarying) -> @location(0) vec4<f32> {
-    let groom = groom_at(in.groom, in.base_uv);
-    var alpha = textureSample(shell_colors, shell_sampler, in.tile_uv, in.layer).a;
-    if WET {
-        alpha = mix(alpha, textureSample(wet_colors, shell_sampler, in.tile_uv, in.layer).a, groom.y);
-    }
-    // What is cut away leaves all light, but its texel must still pass on what the layers above took.
-    alpha *= groom.x * in.coat;
+    return light_left(in, 1.0, 0.0);
+}
+
+@fragment
+fn fs_layer_mapped(in: MappedLayerVarying) -> @location(0) vec4<f32> {
+    let groom = groom_at(in.base_uv_groom.zw, in.base_uv_groom.xy);
+    var kept = groom.x;
     if CUTOUT {
-        alpha = select(alpha, 0.0, is_cut(base_color(in.tint, in.base_uv).a));
+        kept = select(kept, 0.0, is_cut(base_color(in.tint, in.base_uv_groom.xy).a));
     }
-    if RESAMPLED {
-        alpha = resampled_opacity(alpha, instance.opacity_exponent);
-    }
-    let path = select(1.0, slanted_path(in.n_dot_l), SLANTED);
-    let left = textureLoad(above, vec2<i32>(in.position.xy), 0).r * layer_transmittance(alpha, path);
-    return vec4(left, 0.0, 0.0, 1.0);
+    return light_left(LayerVarying(in.position, in.uv_light, in.layer), kept, groom.y);
 }

@@ -5,7 +5,7 @@
 //! farthest surface that faces the light. Where it lies behind the nearest, something there is in shadow; the comparison then is one
 //! pass over texels, and the application can add geometry of its own without any shader of ours.
 
-use super::begin_maps;
+use super::{MapTarget, begin_maps};
 use crate::frame::Drawn;
 use crate::model::Model;
 use crate::passes::surface::{Look, SurfaceShader, plan_parts, surface_wgsl};
@@ -76,38 +76,46 @@ impl FilterPipelines {
     }
 }
 
-/// Records the maps. `frame`: group 0 with the light's view.
+/// Records one of the depth maps. `frame`: group 0 with the light's view.
+pub(crate) fn record_depth(
+    encoder: &mut wgpu::CommandEncoder,
+    maps: &ShadowMaps,
+    kind: CasterPass,
+    frame: &wgpu::BindGroup,
+    instances: &[Drawn],
+    casters: Option<&mut Casters<'_>>,
+) {
+    let texture = match (kind, &maps.width) {
+        (CasterPass::Nearest, _) => &maps.nearest,
+        (CasterPass::Farthest, Some(width)) => &width.farthest,
+        (CasterPass::Farthest, None) => return,
+    };
+    let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let mut pass = begin_maps(encoder, "pelage casters", MapTarget::Depth(&depth, kind));
+    for instance in instances {
+        instance.bind(&mut pass, frame);
+        for (part, pipeline) in &instance.casters[usize::from(kind == CasterPass::Farthest)] {
+            let part = &instance.model.parts()[*part];
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(1, &part.material, &[]);
+            pass.draw_indexed(part.indices.clone(), 0, 0..1);
+        }
+    }
+    if let Some(casters) = casters {
+        (casters.draw)(&mut pass, maps.view(), kind);
+    }
+}
+
+/// Records the shadow-width map from depth maps and layer-wise maps that are drawn.
 pub(crate) fn record(
     device: &wgpu::Device,
     encoder: &mut wgpu::CommandEncoder,
     pipelines: &mut Pipelines,
     maps: &ShadowMaps,
-    frame: &wgpu::BindGroup,
-    instances: &[Drawn],
-    casters: Option<&mut Casters<'_>>,
 ) {
-    let Some(textures) = &maps.width else { return };
-    let mut casters = casters;
-    let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-    for (index, (kind, texture)) in
-        [(CasterPass::Nearest, &textures.nearest), (CasterPass::Farthest, &textures.farthest)].into_iter().enumerate()
-    {
-        let depth = view(texture);
-        let mut pass = begin_maps(encoder, "pelage casters", None, Some((&depth, kind)));
-        for instance in instances {
-            instance.bind(&mut pass, frame);
-            for (part, pipeline) in &instance.casters[index] {
-                let part = &instance.model.parts()[*part];
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(1, &part.material, &[]);
-                pass.draw_indexed(part.indices.clone(), 0, 0..1);
-            }
-        }
-        if let Some(casters) = &mut casters {
-            (casters.draw)(&mut pass, maps.view(), kind);
-        }
+    if let Some(textures) = &maps.width {
+        filter(device, encoder, pipelines, maps, textures);
     }
-    filter(device, encoder, pipelines, maps, textures);
 }
 
 fn filter(
@@ -138,7 +146,7 @@ fn filter(
         ..Default::default()
     };
     let hair = maps.layers().map_or_else(|| pipelines.layouts.white.clone(), |layers| layers.create_view(&first_layer));
-    let (nearest, farthest) = (view(&textures.nearest), view(&textures.farthest));
+    let (nearest, farthest) = (view(&maps.nearest), view(&textures.farthest));
     let (shrunk, width) = (view(&textures.shrunk), view(&textures.width));
     let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
         mag_filter: wgpu::FilterMode::Linear,
@@ -157,7 +165,7 @@ fn filter(
             layout: &pipeline.get_bind_group_layout(0),
             entries,
         });
-        let mut pass = begin_maps(encoder, "pelage shadow width", Some(target), None);
+        let mut pass = begin_maps(encoder, "pelage shadow width", MapTarget::Light(target));
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
