@@ -14,6 +14,7 @@ pub mod mesh;
 pub mod pack;
 pub mod pipeline;
 pub mod recipe;
+pub mod reference;
 pub mod stability;
 pub mod surface;
 pub mod textures;

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 /// A well-mixed hash of two numbers: the finaliser of SplitMix64 (Steele, Lea, Flood 2014) over both in turn.
-pub(super) fn hash(seed: u64, n: u64) -> u64 {
+pub(crate) fn hash(seed: u64, n: u64) -> u64 {
     let mix = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -1,0 +1,167 @@
+use super::*;
+
+fn towards(angle_deg: f64, azimuth_deg: f64) -> DVec3 {
+    let (a, b) = (angle_deg.to_radians(), azimuth_deg.to_radians());
+    DVec3::new(a.sin() * b.cos(), a.sin() * b.sin(), a.cos())
+}
+
+/// `layers` layers above the skin with the opacity that `alpha` says of layer (from 1), column and row.
+fn volume(texels: u32, layers: usize, height: f64, alpha: impl Fn(usize, u32, u32) -> f64) -> SampledVolume {
+    let texel = |k: usize, i: u32| alpha(k, i % texels, i / texels);
+    let opacities: Vec<Vec<f64>> = (1..=layers).map(|k| (0..texels * texels).map(|i| texel(k, i)).collect()).collect();
+    SampledVolume::from_opacities(texels, height, &opacities).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Something in which every texel differs.
+fn rough() -> SampledVolume {
+    volume(16, 7, 0.45, |k, x, y| f64::from((x * 7 + y * 13 + k as u32 * 29) % 17) / 20.0)
+}
+
+fn close(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance, "{a} is not {b} within {tolerance}");
+}
+
+#[test]
+fn a_uniform_block_follows_beer_and_lambert() {
+    let (layers, height, alpha) = (15, 0.4, 0.08f64);
+    let block = volume(8, layers, height, |_, _, _| alpha);
+    let tau = -(1.0 - alpha).ln();
+    for angle in [0.0, 30.0, 45.0, 60.0, 75.0, 89.0] {
+        for azimuth in [0.0, 33.0, 90.0, 200.0] {
+            let light = towards(angle, azimuth);
+            for k in 0..=layers {
+                // The skin has all layers before it; a layer half of itself and all above.
+                let crossed = if k == 0 { layers as f64 } else { (layers - k) as f64 + 0.5 };
+                let truth = (-tau * crossed / angle.to_radians().cos()).exp();
+                let z = k as f64 * height / layers as f64;
+                close(block.transmittance(0.3, 0.9, z, light), truth, 1e-12);
+                // The length of the direction does not matter.
+                close(block.transmittance(0.3, 0.9, z, light * 7.0), truth, 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn straight_down_it_is_the_product_of_the_layers() {
+    let volume = rough();
+    for (i, t) in volume.layer_transmittances(0, DVec3::Z).into_iter().enumerate() {
+        let product: f64 = (1..8).map(|k| 1.0 - ((i % 16 * 7 + i / 16 * 13 + k * 29) % 17) as f64 / 20.0).product();
+        close(t, product, 1e-12);
+    }
+}
+
+#[test]
+fn a_single_layer_is_a_tent_of_its_optical_depth() {
+    let (layers, height, alpha) = (9, 0.3, 0.7f64);
+    let single = volume(8, layers, height, |k, _, _| if k == 4 { alpha } else { 0.0 });
+    let (spacing, tau) = (height / layers as f64, -(1.0 - alpha).ln());
+    // The tent reaches one spacing to both sides; from a point within it, what is left of it is ahead.
+    for (z, share) in [(0.0, 1.0), (3.0, 1.0), (3.5, 0.875), (4.0, 0.5), (4.5, 0.125), (5.0, 0.0), (9.7, 0.0)] {
+        for angle in [0.0, 40.0, 75.0] {
+            let truth = (-tau * share / f64::to_radians(angle).cos()).exp();
+            close(single.transmittance(0.1, 0.2, z * spacing, towards(angle, 20.0)), truth, 1e-12);
+        }
+    }
+}
+
+/// A sheet that stands upright across u: a ray along v within it meets nothing but sheet, one along u all of it once a tile.
+#[test]
+fn an_upright_sheet_is_met_by_its_thickness() {
+    let (texels, layers, height, alpha) = (16, 8, 0.5, 0.4f64);
+    let sheet = volume(texels, layers, height, |_, x, _| if x == 5 { alpha } else { 0.0 });
+    let extinction = -(1.0 - alpha).ln() / (height / layers as f64);
+    let middle = 5.5 / 16.0;
+    let light = towards(60.0, 0.0);
+    // Across: a tent of one texel to both sides, so one texel's width of it at sin(60°) to the ray. The ray from the skin runs
+    // 0.5·tan(60°) = 0.87 tiles, and starts at a place from which it passes the sheet once within the upper part of the volume.
+    close(sheet.transmittance(middle - 0.3, 0.4, 0.0, light), (-extinction / 16.0 / light.x).exp(), 1e-12);
+    // Along v, in the sheet's middle plane, it is a solid block; one texel beside it, nothing.
+    let along = towards(60.0, 90.0);
+    close(sheet.transmittance(middle, 0.4, 0.0, along), (-extinction * height / along.z).exp(), 1e-9);
+    close(sheet.transmittance(middle + 1.0 / 16.0, 0.4, 0.0, along), 1.0, 1e-12);
+    close(
+        sheet.transmittance(middle + 0.5 / 16.0, 0.4, 0.0, along),
+        (-0.5 * extinction * height / along.z).exp(),
+        1e-9,
+    );
+}
+
+/// The exact integral against midpoint steps, whose error falls with the square of their length.
+#[test]
+fn steps_converge_to_the_integral() {
+    let volume = rough();
+    let extinction = |p: DVec3| {
+        let (n, q) =
+            (volume.texels as i64, p * DVec3::new(16.0, 16.0, 1.0 / volume.spacing) - DVec3::new(0.5, 0.5, 0.0));
+        if !(0.5..volume.layers as f64 + 0.5).contains(&q.z) {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for corner in 0..8i64 {
+            let step = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let cell = [0, 1, 2].map(|a| q[a].floor() as i64 + step[a]);
+            let weight: f64 = (0..3).map(|a| 1.0 - (q[a] - cell[a] as f64).abs()).product();
+            let layer = cell[2].clamp(1, volume.layers as i64) - 1;
+            let index = (layer * n + cell[1].rem_euclid(n)) * n + cell[0].rem_euclid(n);
+            sum += weight * volume.extinction[index as usize];
+        }
+        sum
+    };
+    for (angle, azimuth) in [(20.0, 10.0), (60.0, 100.0), (75.0, 222.0)] {
+        let light = towards(angle, azimuth);
+        let start = DVec3::new(0.37, 0.61, 2.3 * volume.spacing);
+        let length = ((volume.layers as f64 + 0.5) * volume.spacing - start.z) / light.z;
+        let stepped = |steps: u32| {
+            let step = length / f64::from(steps);
+            let depth: f64 = (0..steps).map(|i| step * extinction(start + light * step * (f64::from(i) + 0.5))).sum();
+            (-depth).exp()
+        };
+        let exact = volume.transmittance(start.x, start.y, start.z, light);
+        let errors = [200, 2_000, 20_000].map(|steps| (stepped(steps) - exact).abs());
+        assert!(errors[2] < 1e-7 && errors[2] < errors[0] / 20.0, "{angle}°: {exact}, errors {errors:?}");
+        assert!(exact > 1e-6, "{angle}°: {exact} says little");
+    }
+}
+
+#[test]
+fn it_repeats_and_stays_within_its_range() {
+    let volume = rough();
+    for i in 0..200 {
+        let f = f64::from(i);
+        let (u, v, z) = ((f * 0.618).fract(), (f * 0.381).fract(), 0.5 * (f * 0.271).fract());
+        let light = towards(89.0 * (f * 0.137).fract(), 360.0 * (f * 0.911).fract());
+        let t = volume.transmittance(u, v, z, light);
+        assert!((0.0..=1.0).contains(&t), "{t}");
+        close(volume.transmittance(u + 3.0, v - 2.0, z, light), t, 1e-9);
+        // Farther up along the ray there is less ahead.
+        assert!(volume.transmittance(u + 0.1 * light.x, v + 0.1 * light.y, z + 0.1 * light.z, light) >= t - 1e-12);
+    }
+    for light in [DVec3::X, -DVec3::Z, DVec3::ZERO, DVec3::NAN, DVec3::new(1.0, 0.0, -1e-9)] {
+        assert_eq!(volume.transmittance(0.5, 0.5, 0.1, light), 0.0, "{light}");
+    }
+    assert_eq!(volume.transmittance(0.5, 0.5, 1.0, towards(60.0, 0.0)), 1.0);
+    // All but level: it meets something, or it is given up.
+    assert!(volume.transmittance(0.5, 0.5, 0.1, DVec3::new(1.0, 0.3, 1e-12)) < 1e-15);
+    let empty = self::volume(4, 2, 0.1, |_, _, _| 0.0);
+    assert_eq!(empty.transmittance(0.5, 0.5, 0.0, towards(80.0, 12.0)), 1.0);
+    assert_eq!(empty.transmittance(0.5, 0.5, 0.01, DVec3::new(1.0, 0.0, 1e-12)), 0.0);
+}
+
+#[test]
+fn opaque_texels_are_capped_and_wrong_lists_refused() {
+    let opaque = volume(2, 1, 0.1, |_, _, _| 1.0);
+    close(opaque.transmittance(0.5, 0.5, 0.0, DVec3::Z), 0.03, 1e-12);
+    for (texels, height, opacities) in [
+        (2, 0.1, vec![]),
+        (2, 0.1, vec![vec![0.0; 3]]),
+        (0, 0.1, vec![vec![]]),
+        (1, 0.0, vec![vec![0.5]]),
+        (1, f64::NAN, vec![vec![0.5]]),
+        (1, 0.1, vec![vec![1.5]]),
+        (1, 0.1, vec![vec![f64::NAN]]),
+    ] {
+        assert!(SampledVolume::from_opacities(texels, height, &opacities).is_err(), "{texels} {height} {opacities:?}");
+    }
+    assert!(SampledVolume::new(&ShellSet::default(), 0.1).is_err());
+}
