@@ -39,7 +39,18 @@ macro_rules! rows {
     };
 }
 
-rows!(surface, solver, hair_simulation, opacity_product, layers, mip_levels, direction_textures, kajiya_kay);
+rows!(
+    surface,
+    solver,
+    hair_simulation,
+    opacity_product,
+    layers,
+    mip_levels,
+    direction_textures,
+    kajiya_kay,
+    layer_shadows,
+    soft_shadow
+);
 
 /// What judges the rows must itself be able to fail.
 #[test]

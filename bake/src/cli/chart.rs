@@ -4,6 +4,7 @@ use super::bake::RecipeArgs;
 use super::built_in::HARE;
 use super::exit::{Exit, Failure};
 use super::output::Output;
+use clap::ValueEnum as _;
 use pelage_bake::chart::{self, Cell, Chart, Row, surface};
 use pelage_bake::groom::MapImages;
 use pelage_bake::import::ImportOptions;
@@ -25,9 +26,23 @@ pub struct ChartArgs {
     model: Option<PathBuf>,
     /// Folder for TOPIC.csv and TOPIC.svg, made where it is missing; stability needs none, and draws no picture
     #[arg(long, short, value_name = "DIR")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
+    /// Measure these rows only, by their number in the whole table, from 1; where a row's command says so, it gives that row again
+    #[arg(long, value_name = "N,N..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    rows: Vec<u32>,
     #[command(flatten)]
     recipe: RecipeArgs,
+}
+
+impl ChartArgs {
+    /// Numbers of the rows to measure, of `count` that there are.
+    pub(super) fn numbers(&self, count: usize) -> Result<impl Iterator<Item = usize> + use<>, Failure> {
+        if let Some(row) = self.rows.iter().find(|row| **row as usize > count) {
+            return Err(Failure::Usage(format!("--rows {row}: the table has {count} rows")));
+        }
+        let rows: Vec<usize> = self.rows.iter().map(|row| *row as usize).collect();
+        Ok((1..=count).filter(move |number| rows.is_empty() || rows.contains(number)))
+    }
 }
 
 /// What can be charted.
@@ -35,26 +50,47 @@ pub struct ChartArgs {
 enum Topic {
     /// Lapped patches: what fewer seams cost in distortion and seconds
     Surface,
+    /// Layer-wise shadow maps: what light they let between hairs, against the true way of the light, and what they cost
+    SelfShadow,
+    /// Shadow-width maps: the soft shadows they make, against a light that is a disc, and what they cost
+    SoftShadow,
     /// Where methods fail: the naive form's error beside ours and its bound; exit code 7 where a bound is broken
     Stability,
 }
 
+/// Measures a topic on a model.
+type Measure = fn(&ChartArgs, &Subject, &mut Output) -> Result<Chart, Failure>;
+
 /// Runs the subcommand.
 pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
-    match args.topic {
-        Topic::Surface => {
-            let needs = || Failure::Usage("chart surface needs -o DIR, to put table and picture there".into());
-            let folder = args.output.as_deref().ok_or_else(needs)?;
-            write(&surface_chart(args, output)?, folder, output)
-        }
-        Topic::Stability => stability_table(args, output),
-    }
+    let measure: Measure = match args.topic {
+        Topic::Stability => return stability_table(args, output),
+        Topic::Surface => surface_chart,
+        #[cfg(feature = "preview")]
+        Topic::SelfShadow => super::chart_light::self_shadow_chart,
+        #[cfg(feature = "preview")]
+        Topic::SoftShadow => super::chart_light::soft_shadow_chart,
+        #[cfg(not(feature = "preview"))]
+        Topic::SelfShadow | Topic::SoftShadow => |_, _, _| {
+            Err(Failure::Usage(
+                "shadows are drawn by the runtime, and this build is without it (feature `preview`)".into(),
+            ))
+        },
+    };
+    let name = args.topic.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
+    let folder = args.output.as_deref().ok_or_else(needs)?;
+    let chart = measure(args, &subject(args)?, output)?;
+    write(&chart, folder, output)
 }
 
 /// The table of `bake/src/stability/`, each row driven here and now.
 fn stability_table(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
-    if args.model.is_some() || args.recipe.recipe.is_some() || !args.recipe.set.is_empty() {
-        return Err(Failure::Usage("chart stability takes neither model nor recipe: its rows bring their own".into()));
+    if args.model.is_some() || args.recipe.recipe.is_some() || !args.recipe.set.is_empty() || !args.rows.is_empty() {
+        return Err(Failure::Usage(
+            "chart stability takes neither model nor recipe: its rows bring their own, and all of them are driven"
+                .into(),
+        ));
     }
     let (mut rows, mut lines, mut held) = (Vec::new(), Vec::new(), true);
     for (i, row) in stability::ROWS.iter().enumerate() {
@@ -115,27 +151,30 @@ fn value(cell: &Cell) -> Value {
     }
 }
 
-/// A model with its recipe, and the `pelage bake` that would read both.
-struct Subject {
-    file: String,
-    name: String,
-    model: Model,
-    recipe: Recipe,
-    images: MapImages,
+/// A model with its recipe, the `pelage bake` that would read both, and what `pelage chart` was given to do so.
+pub(super) struct Subject {
+    pub(super) file: String,
+    pub(super) name: String,
+    pub(super) model: Model,
+    pub(super) recipe: Recipe,
+    pub(super) images: MapImages,
     command: String,
+    pub(super) arguments: String,
 }
 
 fn subject(args: &ChartArgs) -> Result<Subject, Failure> {
+    let sets: String = args.recipe.set.iter().map(|set| format!(" --set {}", shell_word(set))).collect();
     if let Some(path) = &args.model {
         let (recipe, _) = args.recipe.read()?;
         let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m })?;
-        let mut command = format!("pelage bake {}", shell_word(&path.display().to_string()));
+        let mut files = format!(" {}", shell_word(&path.display().to_string()));
         if let Some(recipe) = &args.recipe.recipe {
-            command += &format!(" --recipe {}", shell_word(&recipe.display().to_string()));
+            files += &format!(" --recipe {}", shell_word(&recipe.display().to_string()));
         }
+        let (command, arguments) = (format!("pelage bake{files}"), files + &sets);
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let (file, images) = (path.display().to_string(), args.recipe.images(&recipe)?);
-        return Ok(Subject { file, name, model, recipe, images, command });
+        return Ok(Subject { file, name, model, recipe, images, command, arguments });
     }
     if args.recipe.recipe.is_some() {
         return Err(Failure::Usage("--recipe needs a MODEL: the built-in hare has its own".into()));
@@ -144,11 +183,11 @@ fn subject(args: &ChartArgs) -> Result<Subject, Failure> {
     args.recipe.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
     let command = format!("pelage bake assets/models/{0}.glb --recipe assets/recipes/{0}.toml", HARE.name);
     let (file, name, images) = (HARE.file(), HARE.name.into(), args.recipe.images(&recipe)?);
-    Ok(Subject { file, name, model: HARE.import(&recipe)?, recipe, images, command })
+    Ok(Subject { file, name, model: HARE.import(&recipe)?, recipe, images, command, arguments: sets })
 }
 
 /// A word as a shell reads it.
-fn shell_word(word: &str) -> String {
+pub(super) fn shell_word(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
@@ -157,12 +196,12 @@ fn shell_word(word: &str) -> String {
 const RUNS: usize = 3;
 const LONG_S: f64 = 1.0;
 
-fn surface_chart(args: &ChartArgs, output: &mut Output) -> Result<Chart, Failure> {
-    let subject = subject(args)?;
+fn surface_chart(args: &ChartArgs, subject: &Subject, output: &mut Output) -> Result<Chart, Failure> {
     let configurations = surface::configurations(&subject.recipe, &subject.model)?;
     let mut rows = Vec::new();
-    for (i, configuration) in configurations.iter().enumerate() {
-        output.progress_of(i, configurations.len(), configuration.series);
+    for number in args.numbers(configurations.len())? {
+        let configuration = &configurations[number - 1];
+        output.progress_of(number - 1, configurations.len(), configuration.series);
         let (mut seconds, mut measures) = (Vec::new(), None);
         while seconds.len() < RUNS && seconds.iter().sum::<f64>() < LONG_S {
             let begun = Instant::now();

@@ -173,12 +173,12 @@ pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; PASSES.len()]>,
     Ok(Some(counts))
 }
 
-fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {
+pub(super) fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {
     gpu.device.create_query_set(&wgpu::QuerySetDescriptor { label: Some("pelage bench"), ty, count })
 }
 
 /// Where queries are resolved to, and where they are read from: 8 bytes each.
-fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffer) {
+pub(super) fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffer) {
     let buffer = |usage| {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("pelage bench"),
@@ -191,7 +191,7 @@ fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffer) {
     (resolve, buffer(wgpu::BufferUsages::MAP_READ))
 }
 
-fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, Failure> {
+pub(super) fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, Failure> {
     Ok(read_buffer(gpu, buffer)?.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect())
 }
 

@@ -6,6 +6,8 @@ mod bench;
 mod built_in;
 mod chart;
 #[cfg(feature = "preview")]
+mod chart_light;
+#[cfg(feature = "preview")]
 mod demo;
 mod exit;
 #[cfg(feature = "preview")]

@@ -7,9 +7,13 @@ pub mod direction_textures;
 pub mod hair_simulation;
 #[cfg(feature = "preview")]
 pub mod kajiya_kay;
+#[cfg(feature = "preview")]
+pub mod layer_shadows;
 pub mod layers;
 pub mod mip_levels;
 pub mod opacity_product;
+#[cfg(feature = "preview")]
+pub mod soft_shadow;
 pub mod solver;
 pub mod surface;
 
@@ -74,6 +78,10 @@ pub const ROWS: &[Row] = &[
     direction_textures::ROW,
     #[cfg(feature = "preview")]
     kajiya_kay::ROW,
+    #[cfg(feature = "preview")]
+    layer_shadows::ROW,
+    #[cfg(feature = "preview")]
+    soft_shadow::ROW,
 ];
 
 /// Strands with default colours in a volume of `height`.

@@ -1,0 +1,75 @@
+//! How far values are from their truth, summed up.
+
+/// Sums over pairs of a value and its truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    count: u64,
+    sum: f64,
+    squares: f64,
+    off: u64,
+}
+
+/// Errors above this are counted on their own: about what an eye sees as another shade.
+pub const OFF: f64 = 0.1;
+
+impl Errors {
+    /// Of pairs (value, truth).
+    pub fn of(pairs: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let mut errors = Self::default();
+        for (value, truth) in pairs {
+            let error = value - truth;
+            errors.count += 1;
+            errors.sum += error;
+            errors.squares += error * error;
+            // What is not a number is off, too.
+            errors.off += u64::from(error.abs().partial_cmp(&OFF) != Some(std::cmp::Ordering::Less));
+        }
+        errors
+    }
+
+    /// Of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+            off: self.off + other.off,
+        }
+    }
+
+    /// Root of the mean square; `None` of no pair.
+    pub fn rmse(&self) -> Option<f64> {
+        self.mean_of(self.squares).map(f64::sqrt)
+    }
+
+    /// Mean of value − truth.
+    pub fn mean(&self) -> Option<f64> {
+        self.mean_of(self.sum)
+    }
+
+    /// Share of the pairs that are [`OFF`] or more apart, 0..=1.
+    pub fn off_share(&self) -> Option<f64> {
+        self.mean_of(self.off as f64)
+    }
+
+    fn mean_of(&self, sum: f64) -> Option<f64> {
+        (self.count > 0).then(|| sum / self.count as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_summed() {
+        let errors = Errors::of([(1.0, 0.5), (0.0, 0.5)]);
+        assert_eq!((errors.rmse(), errors.mean(), errors.off_share()), (Some(0.5), Some(0.0), Some(1.0)));
+        let errors = errors.and(Errors::of([(0.25, 0.25), (0.25, 0.25)]));
+        assert_eq!((errors.rmse(), errors.off_share()), (Some(0.125f64.sqrt()), Some(0.5)));
+        assert_eq!(Errors::of([]).rmse(), None);
+        let broken = Errors::of([(f64::NAN, 0.0)]);
+        assert!(broken.rmse().is_some_and(f64::is_nan) && broken.off_share() == Some(1.0));
+    }
+}

@@ -1,0 +1,94 @@
+use super::*;
+use crate::recipe::{HairParams, SliceParams};
+use glam::{Mat4, Vec4};
+use pelage_runtime::shared::soft_shadow::SoftShadow;
+use pelage_runtime::shared::tile_frame::tile_frame;
+use pelage_runtime::{LightView, Sphere};
+
+fn sheet() -> Sheet {
+    let recipe = Recipe {
+        hair: HairParams { density: 60, root_radius: 0.03, tip_radius: 0.02, lean: 0.4, ..HairParams::default() },
+        slice: SliceParams { layers: 6, tile_texels: 16, ..SliceParams::default() },
+        ..Recipe::default()
+    };
+    Sheet::new(&recipe, Lengths { length_m: 0.02, tile_size_m: 0.08 }).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn the_middle_tile_lies_in_the_middle_and_its_frame_is_the_shaders() {
+    let sheet = sheet();
+    let middle = sheet.corner + 0.5 * (sheet.along[0] + sheet.along[1]);
+    assert!(middle.length() < 1e-6, "{middle}");
+    assert!(sheet.along.iter().all(|way| (way.length() - 0.08).abs() < 1e-6), "{:?}", sheet.along);
+    let package = Package::open(&sheet.package, &Limits::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mesh = package.mesh().unwrap_or_else(|e| panic!("{e}")).unwrap_or_else(|| panic!("no mesh")).to_data();
+    for v in &mesh.geometry {
+        let tangent = Vec4::from(v.tangent);
+        let frame = tile_frame(Vec3::from(v.normal), tangent.truncate(), tangent.w);
+        for (light_ts, axis) in
+            [(DVec3::X, frame.tangent_ws), (DVec3::Y, frame.bitangent_ws), (DVec3::Z, frame.normal_ws)]
+        {
+            assert!((sheet.to_world(light_ts) - axis).length() < 1e-5, "{light_ts}: {axis}");
+        }
+        assert!((v.fur_height - sheet.up.length()).abs() < 1e-7);
+    }
+    // A whole number of tiles, of which at least one on each side.
+    let us: Vec<f32> = mesh.attributes.iter().map(|a| a.tile_uv[0]).collect();
+    let (low, high) = us.iter().fold((f32::MAX, f32::MIN), |(l, h), u| (l.min(*u), h.max(*u)));
+    assert!((high - low - (high - low).round()).abs() < 1e-4 && high - low >= 3.0, "{low}..{high}");
+}
+
+/// Maps that hold the truth give the truth, whatever else is between them and the points; others do not.
+#[test]
+fn maps_without_error_have_none() {
+    let sheet = sheet();
+    let slant = Slant { angle: 0, light_ts: DVec3::Z };
+    // Straight down, a map that lies on the tile texel by texel is the product of the layers above.
+    let n = sheet.set.texels;
+    let alpha = |k: usize, i: usize| f32::from(sheet.set.layers[k].color[0][4 * i + 3]) / 255.0;
+    let layers: Vec<Vec<f32>> = (0..6)
+        .map(|k| {
+            (0..(n * n) as usize)
+                .map(|i| (k.max(1) + usize::from(k > 0)..6).map(|j| 1.0 - alpha(j, i)).product())
+                .collect()
+        })
+        .collect();
+    let columns = [sheet.along[0].extend(0.0), sheet.along[1].extend(0.0), Vec4::Y, sheet.corner.extend(1.0)];
+    let view = LightView {
+        clip_from_world: Mat4::IDENTITY,
+        map_from_world: Mat4::from_cols_array_2d(&columns.map(Into::into)).inverse(),
+        range_m: 1.0,
+        extent: 0.08,
+        near_m: None,
+        sphere: Sphere { center: Vec3::ZERO, radius: 1.0 },
+    };
+    let soft = SoftShadow { range_m: 1.0, penumbra: 0.1, blur: 0.1, texel: 0.1 };
+    let mut maps = LightMaps { view, soft, size: n, layers, width: Vec::new(), depths: Default::default() };
+    assert!((sheet.map_texels_per_hair_texel(&maps) - 1.0).abs() < 1e-5);
+    let truth = sheet.truth(&slant);
+    let fast = sheet.fast(&maps, &slant, SlantForm::Corrected);
+    let mut measured = Measured::default();
+    measured.add(&slant, &fast, &truth);
+    // The volume caps opaque texels, the maps do not.
+    let rmse = measured.total(0).rmse().unwrap_or(1.0);
+    assert!(rmse < 0.01, "{rmse}");
+    assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));
+    maps.layers.iter_mut().flatten().for_each(|t| *t = (*t + 0.2).min(1.0));
+    let mut worse = Measured::default();
+    worse.add(&slant, &sheet.fast(&maps, &slant, SlantForm::Corrected), &truth);
+    assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
+}
+
+#[test]
+fn configurations_differ_and_rows_are_full() {
+    let all = configurations(16);
+    assert!(all.len() > 12 && all[0].shadows == ShadowParams::default());
+    for (i, a) in all.iter().enumerate() {
+        assert!(all[..i].iter().all(|b| b.shadows != a.shadows), "{a:?}");
+        let row = cells(&a.shadows, 16, &Measured::default(), 1.0, "", 1.0);
+        assert_eq!(row.len(), COLUMNS.len());
+    }
+    assert!(configurations(2).iter().all(|c| c.shadows.map_layers.is_none()));
+    assert_eq!(slants().len(), 15);
+    assert!(slants().iter().all(|s| s.light_ts.is_normalized()));
+}

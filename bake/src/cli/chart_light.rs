@@ -1,0 +1,315 @@
+//! `pelage chart self-shadow` and `soft-shadow`: the runtime's shadow maps, drawn by the adapter, against the slow truths.
+
+use super::chart::{ChartArgs, Subject};
+use super::exit::Failure;
+use super::gpu::{Gpu, read_buffer};
+use super::measure::{Clock, Spread, query_buffers, query_set, read_u64};
+use super::output::Output;
+use super::package_file::PackageFile;
+use super::scene::{Scene, View};
+use glam::Vec3;
+use pelage_bake::chart::light_maps::LightMaps;
+use pelage_bake::chart::{Chart, Row, self_shadow, soft_shadow};
+use pelage_bake::groom::{self, Lengths};
+use pelage_bake::mesh::RestPose;
+use pelage_bake::pipeline;
+use pelage_bake::recipe::{DirectionFormat, ShellFormat};
+use pelage_runtime::{Frame, Light, PassId, ShadowMaps, ShadowParams, wgpu};
+use std::time::Instant;
+
+/// A configuration as it is measured: errors so far, and the milliseconds of each drawing of its maps.
+struct Trial<C, M> {
+    /// Its number in the table, from 1.
+    number: usize,
+    configuration: C,
+    measured: M,
+    milliseconds: Vec<f64>,
+}
+
+fn trials<C, M: Default>(args: &ChartArgs, configurations: Vec<C>) -> Result<Vec<Trial<C, M>>, Failure> {
+    let numbers: Vec<usize> = args.numbers(configurations.len())?.collect();
+    let trial =
+        |(i, configuration)| Trial { number: i + 1, configuration, measured: M::default(), milliseconds: Vec::new() };
+    let chosen = configurations.into_iter().enumerate().map(trial).filter(|trial| numbers.contains(&trial.number));
+    Ok(chosen.collect())
+}
+
+/// The command that measures one row again.
+fn command(args: &ChartArgs, subject: &Subject, topic: &str, number: usize) -> String {
+    let folder = args.output.as_ref().map_or_else(String::new, |o| o.display().to_string());
+    let folder = super::chart::shell_word(&folder);
+    format!("pelage chart {topic}{} --rows {number} -o {folder} --json", subject.arguments)
+}
+
+/// The topic `self-shadow`.
+pub fn self_shadow_chart(args: &ChartArgs, subject: &Subject, output: &mut Output) -> Result<Chart, Failure> {
+    let bounds = groom::bounds(&RestPose::of(&subject.model.mesh, subject.model.animation.as_ref()));
+    let recipe = &subject.recipe;
+    let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+    let mut trials = trials::<_, self_shadow::Measured>(args, self_shadow::configurations(recipe.slice.layers))?;
+    output.progress("growing a sheet of hair");
+    let sheet = self_shadow::Sheet::new(recipe, lengths)?;
+    let mut bench = LightBench::new("sheet", &sheet.package)?;
+    let mut texels = vec![0.0; trials.len()];
+    let slants = self_shadow::slants();
+    // Light by light and within each all configurations: what else the machine does falls on all of them alike.
+    for (i, slant) in slants.iter().enumerate() {
+        output.progress_of(i, slants.len(), "light on a sheet of hair");
+        let truth = sheet.truth(slant);
+        for (trial, texels) in trials.iter_mut().zip(&mut texels) {
+            let shadows = trial.configuration.shadows;
+            let (maps, ms) = bench.draw(sheet.to_world(slant.light_ts), shadows, PassId::LayerShadow)?;
+            trial.measured.add(slant, &sheet.fast(&maps, slant, shadows.slant), &truth);
+            trial.milliseconds.push(ms);
+            *texels = sheet.map_texels_per_hair_texel(&maps);
+        }
+    }
+    let row = |(trial, texels): (&Trial<self_shadow::Configuration, _>, &f64)| {
+        let ms = Spread::of(trial.milliseconds.iter().copied()).median;
+        let shadows = &trial.configuration.shadows;
+        Row {
+            series: trial.configuration.series.into(),
+            cells: self_shadow::cells(shadows, sheet.layers, &trial.measured, ms, bench.clock_word(), *texels),
+            default: *shadows == ShadowParams::default(),
+            command: command(args, subject, "self-shadow", trial.number),
+        }
+    };
+    let layers = sheet.layers;
+    Ok(Chart {
+        topic: "self-shadow",
+        title: format!(
+            "Hair of {} on a flat sheet, {layers} layers: light between hairs by layer-wise maps",
+            subject.name
+        ),
+        adapter: bench.adapter(),
+        columns: self_shadow::COLUMNS.to_vec(),
+        rows: trials.iter().zip(&texels).map(row).collect(),
+        panels: self_shadow::PANELS.to_vec(),
+    })
+}
+
+/// The topic `soft-shadow`.
+pub fn soft_shadow_chart(args: &ChartArgs, subject: &Subject, output: &mut Output) -> Result<Chart, Failure> {
+    let mut trials = trials::<_, soft_shadow::Measured>(args, soft_shadow::configurations())?;
+    output.progress("baking");
+    let mut recipe = subject.recipe.clone();
+    // Formats that every adapter reads; shadows of the skin do not depend on them.
+    recipe.pack.shell_format = ShellFormat::Rgba8;
+    recipe.pack.direction_format = DirectionFormat::Rg8;
+    let baked = pipeline::bake(&subject.file, &subject.name, &subject.model, &recipe, &subject.images, &mut |_| ())?;
+    let skin = soft_shadow::Skin::new(&subject.model)?;
+    let mut bench = LightBench::new(&subject.name, &baked.package)?;
+    let lights = soft_shadow::lights();
+    for (i, light) in lights.iter().enumerate() {
+        output.progress_of(i, lights.len(), "light on the skin");
+        let mut truths: Vec<(f32, Vec<f64>)> = Vec::new();
+        for trial in &mut trials {
+            let shadows = soft_shadow::runtime_settings(&trial.configuration);
+            let penumbra = shadows.penumbra;
+            if truths.iter().all(|(p, _)| *p != penumbra) {
+                truths.push((penumbra, skin.truth(*light, penumbra)));
+            }
+            let Some((_, truth)) = truths.iter().find(|(p, _)| *p == penumbra) else { continue };
+            let (maps, ms) = bench.draw(*light, shadows, PassId::ShadowWidth)?;
+            let method = trial.configuration.method;
+            let iterated = matches!(method, soft_shadow::Method::Iterated(_));
+            let start = Instant::now();
+            let fast = skin.fast(&maps, *light, method);
+            // Distances that no pass of the runtime makes are made here, and this is what they cost.
+            let ms = if iterated { ms + start.elapsed().as_secs_f64() * 1e3 } else { ms };
+            trial.measured.add(&fast, truth);
+            trial.milliseconds.push(ms);
+        }
+    }
+    let row = |trial: &Trial<soft_shadow::Configuration, soft_shadow::Measured>| {
+        let ms = Spread::of(trial.milliseconds.iter().copied()).median;
+        let method = trial.configuration.method;
+        let iterated = matches!(method, soft_shadow::Method::Iterated(_));
+        let timing = if iterated { format!("{} and CPU", bench.clock_word()) } else { bench.clock_word().into() };
+        Row {
+            series: trial.configuration.series.into(),
+            cells: soft_shadow::cells(&trial.configuration, &trial.measured, ms, &timing),
+            default: trial.configuration == soft_shadow::configurations()[0],
+            command: command(args, subject, "soft-shadow", trial.number),
+        }
+    };
+    let triangles = subject.model.mesh.triangles.len();
+    Ok(Chart {
+        topic: "soft-shadow",
+        title: format!("{}, {triangles} triangles: soft shadows on its skin against a disc light", subject.name),
+        adapter: bench.adapter(),
+        columns: soft_shadow::COLUMNS.to_vec(),
+        rows: trials.iter().map(row).collect(),
+        panels: soft_shadow::PANELS.to_vec(),
+    })
+}
+
+/// A package in the runtime's hands, for the sake of its shadow maps.
+struct LightBench {
+    scene: Scene,
+    queries: Option<wgpu::QuerySet>,
+    resolve: wgpu::Buffer,
+    readback: wgpu::Buffer,
+}
+
+impl LightBench {
+    fn new(name: &str, package: &[u8]) -> Result<Self, Failure> {
+        let file = PackageFile { name: name.into(), bytes: package.to_vec() };
+        let mut scene = Scene::new(&file, &View { size: (16, 16), ..View::default() }, Gpu::open)?;
+        scene.params.fins = false;
+        let needed = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let timestamps = scene.gpu.device.features().contains(needed);
+        let queries = timestamps.then(|| query_set(&scene.gpu, wgpu::QueryType::Timestamp, 2));
+        let (resolve, readback) = query_buffers(&scene.gpu, 2);
+        Ok(Self { scene, queries, resolve, readback })
+    }
+
+    fn adapter(&self) -> String {
+        let build = if cfg!(debug_assertions) { ", debug build" } else { "" };
+        format!("{}{build}", self.scene.gpu.info.name)
+    }
+
+    /// Where the milliseconds come from, as `pelage bench` has it.
+    fn clock_word(&self) -> &'static str {
+        let clock = if self.queries.is_some() { Clock::TimestampQuery } else { Clock::SubmitAndWait };
+        match clock {
+            Clock::TimestampQuery => "timestamp-query",
+            Clock::SubmitAndWait => "submit-and-wait",
+        }
+    }
+
+    /// Draws the maps of `pass` twice and reads them back; the milliseconds are of the second drawing, when pipelines are compiled and
+    /// textures in place.
+    fn draw(&mut self, towards_light: Vec3, shadows: ShadowParams, pass: PassId) -> Result<(LightMaps, f64), Failure> {
+        let params = &mut self.scene.params;
+        params.light = Light::Directional { towards_light, color: Vec3::ONE };
+        params.shadows = shadows;
+        params.self_shadow = pass == PassId::LayerShadow;
+        params.soft_shadow = pass == PassId::ShadowWidth;
+        self.timed(pass)?;
+        let (frame, ms) = self.timed(pass)?;
+        let maps = frame.shadows().ok_or_else(|| super::gpu::lost("no shadow map was drawn"))?;
+        Ok((read_maps(&self.scene.gpu, maps)?, ms))
+    }
+
+    fn timed(&mut self, pass: PassId) -> Result<(Frame, f64), Failure> {
+        let mut encoder = self.scene.encoder();
+        // From the end of the pass before to the end of this one.
+        let before = if pass == PassId::ShadowWidth { PassId::LayerShadow } else { PassId::Pose };
+        let queries = self.queries.clone();
+        let frame = self.scene.prepare_marked(&mut encoder, &mut |encoder, id| {
+            let index = [before, pass].iter().position(|p| *p == id);
+            if let (Some(queries), Some(index)) = (&queries, index) {
+                encoder.write_timestamp(queries, index as u32);
+            }
+        })?;
+        let gpu = &self.scene.gpu;
+        let start = Instant::now();
+        let Some(queries) = &self.queries else {
+            gpu.queue.submit([encoder.finish()]);
+            gpu.wait()?;
+            return Ok((frame, start.elapsed().as_secs_f64() * 1e3));
+        };
+        encoder.resolve_query_set(queries, 0..2, &self.resolve, 0);
+        encoder.copy_buffer_to_buffer(&self.resolve, 0, &self.readback, 0, self.readback.size());
+        gpu.queue.submit([encoder.finish()]);
+        let ticks = read_u64(gpu, &self.readback)?;
+        let elapsed = ticks.get(1).copied().unwrap_or(0).saturating_sub(ticks.first().copied().unwrap_or(0));
+        Ok((frame, elapsed as f64 * f64::from(gpu.queue.get_timestamp_period()) * 1e-6))
+    }
+}
+
+/// Copies the maps of a submitted frame into memory.
+fn read_maps(gpu: &Gpu, maps: &ShadowMaps) -> Result<LightMaps, Failure> {
+    let half = |bytes: &[u8]| half_to_f32(u16::from_le_bytes([bytes[0], bytes[1]]));
+    let single = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    let mut layers = Vec::new();
+    let mut size = 0;
+    if let Some(texture) = maps.layers() {
+        size = texture.width();
+        let count = texture.depth_or_array_layers();
+        for layer in 0..count {
+            let texels = read_texture(gpu, texture, layer, wgpu::TextureAspect::All, 2)?;
+            layers.push(texels.chunks_exact(2).map(half).collect());
+        }
+    }
+    let mut width = Vec::new();
+    if let Some(texture) = maps.width() {
+        size = texture.width();
+        let texels = read_texture(gpu, texture, 0, wgpu::TextureAspect::All, 8)?;
+        let texel = |t: &[u8]| [half(&t[..2]), half(&t[2..4]), half(&t[4..6]), half(&t[6..])];
+        width = texels.chunks_exact(8).map(texel).collect();
+    }
+    let mut depths = [Vec::new(), Vec::new()];
+    for (depths, texture) in depths.iter_mut().zip(maps.depths().into_iter().flatten()) {
+        let texels = read_texture(gpu, texture, 0, wgpu::TextureAspect::DepthOnly, 4)?;
+        *depths = texels.chunks_exact(4).map(single).collect();
+    }
+    Ok(LightMaps { view: *maps.view(), soft: maps.soft_shadow(), size, layers, width, depths })
+}
+
+/// The texels of one array layer, row-major, without padding.
+fn read_texture(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    layer: u32,
+    aspect: wgpu::TextureAspect,
+    texel_bytes: u32,
+) -> Result<Vec<u8>, Failure> {
+    let (width, height) = (texture.width(), texture.height());
+    let row_bytes = width * texel_bytes;
+    let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("map readback"),
+        size: u64::from(padded) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        wgpu::TexelCopyTextureInfo { texture, mip_level: 0, origin: wgpu::Origin3d { x: 0, y: 0, z: layer }, aspect },
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
+        },
+        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+    );
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = read_buffer(gpu, &buffer)?;
+    Ok(bytes.chunks_exact(padded as usize).flat_map(|row| &row[..row_bytes as usize]).copied().collect())
+}
+
+/// IEEE 754 binary16 to binary32, exactly.
+fn half_to_f32(bits: u16) -> f32 {
+    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff));
+    let size = match exponent {
+        0 => fraction * 2f32.powi(-24),
+        31 if fraction == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1024.0 + fraction) * 2f32.powi(exponent - 25),
+    };
+    if bits >> 15 == 0 { size } else { -size }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_are_read() {
+        for (bits, value) in [
+            (0x0000, 0.0),
+            (0x0001, 5.960_464_5e-8),
+            (0x03ff, 6.097_555e-5),
+            (0x0400, 6.103_515_6e-5),
+            (0x3555, 0.333_251_95),
+            (0x3c00, 1.0),
+            (0xc000, -2.0),
+            (0x7bff, 65504.0),
+            (0x7c00, f32::INFINITY),
+        ] {
+            assert_eq!(half_to_f32(bits), value, "{bits:#x}");
+        }
+        assert!(half_to_f32(0x7e00).is_nan());
+    }
+}
