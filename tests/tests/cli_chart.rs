@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
 
@@ -130,6 +131,79 @@ fn the_surface_chart() {
     }
 }
 
+/// Runs `pelage chart` for some rows and returns them.
+fn charted(sandbox: &Sandbox, topic: &str, rows: &str, more: &[&str]) -> Vec<Value> {
+    let args = [&["chart", topic, "-o", "out", "--rows", rows, "--json"], more].concat();
+    let object = json_of(&sandbox.run(&args));
+    assert_eq!(object["topic"], topic);
+    let files = [format!("out/{topic}.csv"), format!("out/{topic}.svg")];
+    assert!(files.iter().all(|f| sandbox.files().contains(f)), "{:?}", sandbox.files());
+    let rows = object["rows"].as_array().unwrap().clone();
+    let table = csv(&std::fs::read_to_string(sandbox.path().join(&files[0])).unwrap());
+    assert_eq!(table.len(), rows.len() + 1);
+    assert!(table.iter().all(|line| line.len() == table[0].len()));
+    rows
+}
+
+/// The row's command gives its errors again, to the last digit: nothing in them is random or depends on what else is measured.
+fn assert_reproduced(sandbox: &Sandbox, row: &Value, errors: &[&str]) {
+    let run = sandbox.run(&words(row["command"].as_str().unwrap())[1..]);
+    let again = json_of(&run)["rows"][0].clone();
+    for name in errors {
+        assert!(row[name].is_number() && row[name] == again[name], "{name}: {} and {}", row[name], again[name]);
+    }
+}
+
+#[test]
+fn the_self_shadow_chart() {
+    if gpu("the_self_shadow_chart").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let small = ["slice.tile_texels=32", "slice.layers=8", "hair.density=100", "hair.root_radius=0.02"];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    // The default, maps of a quarter of the size, and the default's as printed.
+    let rows = charted(&sandbox, "self-shadow", "1,3,9", &sets);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
+    assert_eq!((number(0, "map_size"), number(1, "map_size"), number(2, "map_size")), (512.0, 128.0, 512.0));
+    assert_eq!((rows[0]["form"].as_str(), rows[2]["form"].as_str()), (Some("corrected"), Some("printed")));
+    assert_eq!([0, 1, 2].map(|i| rows[i]["default"] == true), [true, false, false]);
+    for i in 0..3 {
+        assert!(number(i, "milliseconds") > 0.0 && number(i, "map_layers") == 8.0, "{}", rows[i]);
+    }
+    // The default holds what was asked of it; coarse maps and the printed form do not, the latter the less the more the light slants.
+    for (angle, bound) in [(0, 0.04), (30, 0.06), (45, 0.08), (60, 0.10), (75, 0.22)] {
+        let name = format!("rmse_{angle}");
+        assert!(number(0, &name) <= bound, "{angle} degrees: {}", number(0, &name));
+    }
+    assert!(number(1, "rmse") > 1.5 * number(0, "rmse"), "{} {}", rows[0], rows[1]);
+    assert!(number(2, "rmse_75") > 0.25 && number(2, "rmse_75") > 3.0 * number(0, "rmse_75"), "{}", rows[2]);
+    assert_reproduced(&sandbox, &rows[1], &["rmse", "strands_rmse", "off_by_0.1", "rmse_75", "strands_rmse_0"]);
+    let svg = std::fs::read_to_string(sandbox.path().join("out/self-shadow.svg")).unwrap();
+    assert!(
+        ["hare", "8 layers", "map size", "RMSE of t against", "milliseconds"].iter().all(|text| svg.contains(text))
+    );
+}
+
+#[test]
+fn the_soft_shadow_chart() {
+    if gpu("the_soft_shadow_chart").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let rows = charted(&sandbox, "soft-shadow", "1,2,16", &["--set", "slice.layers=4"]);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
+    assert_eq!([0, 1, 2].map(|i| rows[i]["method"].as_str().unwrap()), ["centred", "centred", "printed"]);
+    for i in 0..3 {
+        assert!(number(i, "milliseconds") > 0.0 && number(i, "penumbra_ratio") > 0.0, "{}", rows[i]);
+        assert!(number(i, "rmse_in_shadow") > number(i, "rmse"), "most of the hare is lit: {}", rows[i]);
+    }
+    assert!(number(0, "rmse") < 0.16 && number(0, "leak_in_umbra") < 0.3, "{}", rows[0]);
+    assert!(number(1, "rmse") > 1.2 * number(0, "rmse"), "coarse maps: {} and {}", rows[1], rows[0]);
+    assert!(number(2, "rmse") > 2.0 * number(0, "rmse"), "as printed: {} and {}", rows[2], rows[0]);
+    assert_reproduced(&sandbox, &rows[0], &["rmse", "rmse_in_shadow", "leak_in_umbra", "penumbra_ratio"]);
+}
+
 #[test]
 fn the_stability_table() {
     let sandbox = Sandbox::new();
@@ -163,6 +237,10 @@ fn what_cannot_be_charted() {
         (&["chart", "weather", "-o", "out"], 1, &["weather", "surface", "stability"]),
         (&["chart", "surface"], 1, &["-o DIR"]),
         (&["chart", "stability", "my torus.obj"], 1, &["neither model nor recipe"]),
+        (&["chart", "stability", "--rows", "1"], 1, &["neither model nor recipe"]),
+        (&["chart", "self-shadow"], 1, &["chart self-shadow needs -o DIR"]),
+        (&["chart", "soft-shadow", "-o", "out", "--rows", "1,99"], 1, &["--rows 99", "rows"]),
+        (&["chart", "surface", "-o", "out", "--rows", "0"], 1, &["--rows"]),
         (&["chart", "surface", "no.glb", "-o", "out"], 2, &["no.glb: cannot read"]),
         (&["chart", "surface", "a.pelage", "-o", "out"], 3, &["a.pelage", "a pelage package"]),
         (&["chart", "surface", "my torus.obj", "-o", "a.pelage"], 2, &["a.pelage: cannot create"]),

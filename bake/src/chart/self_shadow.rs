@@ -39,7 +39,7 @@ pub struct Configuration {
 }
 
 /// Columns of the chart.
-pub const COLUMNS: [&str; 23] = [
+pub const COLUMNS: [&str; 24] = [
     "form",
     "map_size",
     "map_layers",
@@ -52,6 +52,7 @@ pub const COLUMNS: [&str; 23] = [
     "milliseconds",
     "timing",
     "map_texels_per_hair_texel",
+    "map_size_on_model",
     "rmse_0",
     "rmse_30",
     "rmse_45",
@@ -177,6 +178,11 @@ impl Sheet {
         f64::from(hair * maps.size as f32 / maps.view.extent)
     }
 
+    /// Size of the maps that would be as fine on something else: on a sphere of that radius, metres.
+    pub fn map_size_on(&self, maps: &LightMaps, radius_m: f32) -> f64 {
+        f64::from(maps.size as f32 * radius_m / maps.view.sphere.radius).round()
+    }
+
     /// The truths at all texels of all layers, the skin first.
     pub fn truth(&self, slant: &Slant) -> Truth {
         let n = self.set.texels as usize;
@@ -249,15 +255,21 @@ impl Measured {
     }
 }
 
-/// The cells of a row, in the order of [`COLUMNS`]. `timing`: where the milliseconds come from.
-pub fn cells(
-    shadows: &ShadowParams,
-    layers: u32,
-    measured: &Measured,
-    milliseconds: f64,
-    timing: &str,
-    texels: f64,
-) -> Vec<Cell> {
+/// What drawing the maps of a configuration took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// All maps, once.
+    pub milliseconds: f64,
+    /// Where the milliseconds come from.
+    pub timing: &'static str,
+    /// [`Sheet::map_texels_per_hair_texel`].
+    pub texels_per_hair_texel: f64,
+    /// [`Sheet::map_size_on`] the model that the hair is of.
+    pub map_size_on_model: f64,
+}
+
+/// The cells of a row, in the order of [`COLUMNS`].
+pub fn cells(shadows: &ShadowParams, layers: u32, measured: &Measured, cost: &Cost) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let form = if shadows.slant == SlantForm::Printed { "printed" } else { "corrected" };
     let totals = [measured.total(0), measured.total(1)];
@@ -267,7 +279,8 @@ pub fn cells(
         Cell::Number(shadows.map_layers.unwrap_or(layers).into()),
     ];
     cells.extend(totals.iter().flat_map(|e| [number(e.rmse()), number(e.mean()), number(e.off_share())]));
-    cells.extend([Cell::Number(milliseconds), Cell::Text(timing.into()), Cell::Number(texels)]);
+    cells.extend([Cell::Number(cost.milliseconds), Cell::Text(cost.timing.into())]);
+    cells.extend([cost.texels_per_hair_texel, cost.map_size_on_model].map(Cell::Number));
     for truth in 0..2 {
         cells.extend(measured.by_angle.iter().map(|errors| number(errors[truth].rmse())));
     }

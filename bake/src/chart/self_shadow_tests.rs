@@ -65,6 +65,7 @@ fn maps_without_error_have_none() {
     let soft = SoftShadow { range_m: 1.0, penumbra: 0.1, blur: 0.1, texel: 0.1 };
     let mut maps = LightMaps { view, soft, size: n, layers, width: Vec::new(), depths: Default::default() };
     assert!((sheet.map_texels_per_hair_texel(&maps) - 1.0).abs() < 1e-5);
+    assert_eq!(sheet.map_size_on(&maps, 2.5), 40.0);
     let truth = sheet.truth(&slant);
     let fast = sheet.fast(&maps, &slant, SlantForm::Corrected);
     let mut measured = Measured::default();
@@ -85,7 +86,7 @@ fn configurations_differ_and_rows_are_full() {
     assert!(all.len() > 12 && all[0].shadows == ShadowParams::default());
     for (i, a) in all.iter().enumerate() {
         assert!(all[..i].iter().all(|b| b.shadows != a.shadows), "{a:?}");
-        let row = cells(&a.shadows, 16, &Measured::default(), 1.0, "", 1.0);
+        let row = cells(&a.shadows, 16, &Measured::default(), &Cost::default());
         assert_eq!(row.len(), COLUMNS.len());
     }
     assert!(configurations(2).iter().all(|c| c.shadows.map_layers.is_none()));

@@ -50,26 +50,28 @@ pub fn self_shadow_chart(args: &ChartArgs, subject: &Subject, output: &mut Outpu
     output.progress("growing a sheet of hair");
     let sheet = self_shadow::Sheet::new(recipe, lengths)?;
     let mut bench = LightBench::new("sheet", &sheet.package)?;
-    let mut texels = vec![0.0; trials.len()];
+    let mut costs = vec![self_shadow::Cost { timing: bench.clock_word(), ..Default::default() }; trials.len()];
     let slants = self_shadow::slants();
     // Light by light and within each all configurations: what else the machine does falls on all of them alike.
     for (i, slant) in slants.iter().enumerate() {
         output.progress_of(i, slants.len(), "light on a sheet of hair");
         let truth = sheet.truth(slant);
-        for (trial, texels) in trials.iter_mut().zip(&mut texels) {
+        for (trial, cost) in trials.iter_mut().zip(&mut costs) {
             let shadows = trial.configuration.shadows;
             let (maps, ms) = bench.draw(sheet.to_world(slant.light_ts), shadows, PassId::LayerShadow)?;
             trial.measured.add(slant, &sheet.fast(&maps, slant, shadows.slant), &truth);
             trial.milliseconds.push(ms);
-            *texels = sheet.map_texels_per_hair_texel(&maps);
+            cost.texels_per_hair_texel = sheet.map_texels_per_hair_texel(&maps);
+            cost.map_size_on_model = sheet.map_size_on(&maps, bounds.radius + lengths.length_m);
         }
     }
-    let row = |(trial, texels): (&Trial<self_shadow::Configuration, _>, &f64)| {
-        let ms = Spread::of(trial.milliseconds.iter().copied()).median;
+    let row = |(trial, cost): (&Trial<self_shadow::Configuration, _>, &self_shadow::Cost)| {
+        let milliseconds = Spread::of(trial.milliseconds.iter().copied()).median;
         let shadows = &trial.configuration.shadows;
+        let cost = self_shadow::Cost { milliseconds, ..*cost };
         Row {
             series: trial.configuration.series.into(),
-            cells: self_shadow::cells(shadows, sheet.layers, &trial.measured, ms, bench.clock_word(), *texels),
+            cells: self_shadow::cells(shadows, sheet.layers, &trial.measured, &cost),
             default: *shadows == ShadowParams::default(),
             command: command(args, subject, "self-shadow", trial.number),
         }
@@ -83,7 +85,7 @@ pub fn self_shadow_chart(args: &ChartArgs, subject: &Subject, output: &mut Outpu
         ),
         adapter: bench.adapter(),
         columns: self_shadow::COLUMNS.to_vec(),
-        rows: trials.iter().zip(&texels).map(row).collect(),
+        rows: trials.iter().zip(&costs).map(row).collect(),
         panels: self_shadow::PANELS.to_vec(),
     })
 }
