@@ -168,8 +168,8 @@ fn the_self_shadow_chart() {
     assert_eq!((number(0, "map_size"), number(1, "map_size"), number(2, "map_size")), (512.0, 128.0, 512.0));
     assert_eq!((rows[0]["form"].as_str(), rows[2]["form"].as_str()), (Some("corrected"), Some("printed")));
     assert_eq!([0, 1, 2].map(|i| rows[i]["default"] == true), [true, false, false]);
-    for i in 0..3 {
-        assert!(number(i, "milliseconds") > 0.0 && number(i, "map_layers") == 8.0, "{}", rows[i]);
+    for (i, row) in rows.iter().enumerate() {
+        assert!(number(i, "milliseconds") > 0.0 && number(i, "map_layers") == 8.0, "{row}");
     }
     // The default holds what was asked of it; coarse maps and the printed form do not, the latter the less the more the light slants.
     for (angle, bound) in [(0, 0.04), (30, 0.06), (45, 0.08), (60, 0.10), (75, 0.22)] {
@@ -194,9 +194,9 @@ fn the_soft_shadow_chart() {
     let rows = charted(&sandbox, "soft-shadow", "1,2,16", &["--set", "slice.layers=4"]);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     assert_eq!([0, 1, 2].map(|i| rows[i]["method"].as_str().unwrap()), ["centred", "centred", "printed"]);
-    for i in 0..3 {
-        assert!(number(i, "milliseconds") > 0.0 && number(i, "penumbra_ratio") > 0.0, "{}", rows[i]);
-        assert!(number(i, "rmse_in_shadow") > number(i, "rmse"), "most of the hare is lit: {}", rows[i]);
+    for (i, row) in rows.iter().enumerate() {
+        assert!(number(i, "milliseconds") > 0.0 && number(i, "penumbra_ratio") > 0.0, "{row}");
+        assert!(number(i, "rmse_in_shadow") > number(i, "rmse"), "most of the hare is lit: {row}");
     }
     assert!(number(0, "rmse") < 0.16 && number(0, "leak_in_umbra") < 0.3, "{}", rows[0]);
     assert!(number(1, "rmse") > 1.2 * number(0, "rmse"), "coarse maps: {} and {}", rows[1], rows[0]);

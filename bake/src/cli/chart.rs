@@ -159,6 +159,10 @@ pub(super) struct Subject {
     pub(super) recipe: Recipe,
     pub(super) images: MapImages,
     command: String,
+    #[cfg_attr(
+        not(feature = "preview"),
+        expect(dead_code, reason = "only charts of the runtime name `pelage chart` in their rows")
+    )]
     pub(super) arguments: String,
 }
 

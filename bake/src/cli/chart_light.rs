@@ -2,8 +2,8 @@
 
 use super::chart::{ChartArgs, Subject};
 use super::exit::Failure;
-use super::gpu::{Gpu, read_buffer};
-use super::measure::{Clock, Spread, query_buffers, query_set, read_u64};
+use super::gpu::{Gpu, lost, read_buffer};
+use super::measure::{Clock, Meter, PASSES, Spread};
 use super::output::Output;
 use super::package_file::PackageFile;
 use super::scene::{Scene, View};
@@ -14,7 +14,7 @@ use pelage_bake::groom::{self, Lengths};
 use pelage_bake::mesh::RestPose;
 use pelage_bake::pipeline;
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
-use pelage_runtime::{Frame, Light, PassId, ShadowMaps, ShadowParams, wgpu};
+use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams, wgpu};
 use std::time::Instant;
 
 /// A configuration as it is measured: errors so far, and the milliseconds of each drawing of its maps.
@@ -149,21 +149,15 @@ pub fn soft_shadow_chart(args: &ChartArgs, subject: &Subject, output: &mut Outpu
 /// A package in the runtime's hands, for the sake of its shadow maps.
 struct LightBench {
     scene: Scene,
-    queries: Option<wgpu::QuerySet>,
-    resolve: wgpu::Buffer,
-    readback: wgpu::Buffer,
+    meter: Meter,
 }
 
 impl LightBench {
     fn new(name: &str, package: &[u8]) -> Result<Self, Failure> {
         let file = PackageFile { name: name.into(), bytes: package.to_vec() };
-        let mut scene = Scene::new(&file, &View { size: (16, 16), ..View::default() }, Gpu::open)?;
-        scene.params.fins = false;
-        let needed = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
-        let timestamps = scene.gpu.device.features().contains(needed);
-        let queries = timestamps.then(|| query_set(&scene.gpu, wgpu::QueryType::Timestamp, 2));
-        let (resolve, readback) = query_buffers(&scene.gpu, 2);
-        Ok(Self { scene, queries, resolve, readback })
+        let scene = Scene::new(&file, &View { size: (16, 16), ..View::default() }, Gpu::open)?;
+        let meter = Meter::new(&scene.gpu);
+        Ok(Self { scene, meter })
     }
 
     fn adapter(&self) -> String {
@@ -173,8 +167,7 @@ impl LightBench {
 
     /// Where the milliseconds come from, as `pelage bench` has it.
     fn clock_word(&self) -> &'static str {
-        let clock = if self.queries.is_some() { Clock::TimestampQuery } else { Clock::SubmitAndWait };
-        match clock {
+        match self.meter.clock() {
             Clock::TimestampQuery => "timestamp-query",
             Clock::SubmitAndWait => "submit-and-wait",
         }
@@ -188,36 +181,11 @@ impl LightBench {
         params.shadows = shadows;
         params.self_shadow = pass == PassId::LayerShadow;
         params.soft_shadow = pass == PassId::ShadowWidth;
-        self.timed(pass)?;
-        let (frame, ms) = self.timed(pass)?;
-        let maps = frame.shadows().ok_or_else(|| super::gpu::lost("no shadow map was drawn"))?;
+        self.meter.prepared(&mut self.scene)?;
+        let (frame, times) = self.meter.prepared(&mut self.scene)?;
+        let maps = frame.shadows().ok_or_else(|| lost("no shadow map was drawn"))?;
+        let ms = PASSES.iter().zip(times).find(|(id, _)| **id == pass).map_or(0.0, |(_, ms)| ms);
         Ok((read_maps(&self.scene.gpu, maps)?, ms))
-    }
-
-    fn timed(&mut self, pass: PassId) -> Result<(Frame, f64), Failure> {
-        let mut encoder = self.scene.encoder();
-        // From the end of the pass before to the end of this one.
-        let before = if pass == PassId::ShadowWidth { PassId::LayerShadow } else { PassId::Pose };
-        let queries = self.queries.clone();
-        let frame = self.scene.prepare_marked(&mut encoder, &mut |encoder, id| {
-            let index = [before, pass].iter().position(|p| *p == id);
-            if let (Some(queries), Some(index)) = (&queries, index) {
-                encoder.write_timestamp(queries, index as u32);
-            }
-        })?;
-        let gpu = &self.scene.gpu;
-        let start = Instant::now();
-        let Some(queries) = &self.queries else {
-            gpu.queue.submit([encoder.finish()]);
-            gpu.wait()?;
-            return Ok((frame, start.elapsed().as_secs_f64() * 1e3));
-        };
-        encoder.resolve_query_set(queries, 0..2, &self.resolve, 0);
-        encoder.copy_buffer_to_buffer(&self.resolve, 0, &self.readback, 0, self.readback.size());
-        gpu.queue.submit([encoder.finish()]);
-        let ticks = read_u64(gpu, &self.readback)?;
-        let elapsed = ticks.get(1).copied().unwrap_or(0).saturating_sub(ticks.first().copied().unwrap_or(0));
-        Ok((frame, elapsed as f64 * f64::from(gpu.queue.get_timestamp_period()) * 1e-6))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Times and fragment counts of the passes: the measuring half of `bench`.
 
 use super::exit::Failure;
-use super::gpu::{Gpu, read_buffer};
+use super::gpu::{Gpu, lost, read_buffer};
 use super::scene::Scene;
-use pelage_runtime::{PassId, wgpu};
+use pelage_runtime::{Frame, PassId, wgpu};
 use std::time::Instant;
 
 /// Where times come from.
@@ -103,6 +103,17 @@ impl Meter {
         })
     }
 
+    /// Prepares a frame whose shadow maps are drawn anew, and has the device do that; with it the milliseconds of pose, layer-wise maps
+    /// and shadow-width map.
+    pub fn prepared(&self, scene: &mut Scene) -> Result<(Frame, [f64; PREPARED]), Failure> {
+        let mut prepared = None;
+        let times = self.sections(scene, |scene, encoder, mark| {
+            prepared = Some(scene.prepare_marked(encoder, &mut |encoder, _| mark(encoder))?);
+            Ok(())
+        })?;
+        Ok((prepared.ok_or_else(|| lost("no frame was prepared"))?, times))
+    }
+
     /// Records `N` sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds that each took.
     fn sections<const N: usize>(
         &self,
@@ -173,12 +184,12 @@ pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; PASSES.len()]>,
     Ok(Some(counts))
 }
 
-pub(super) fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {
+fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {
     gpu.device.create_query_set(&wgpu::QuerySetDescriptor { label: Some("pelage bench"), ty, count })
 }
 
 /// Where queries are resolved to, and where they are read from: 8 bytes each.
-pub(super) fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffer) {
+fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffer) {
     let buffer = |usage| {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("pelage bench"),
@@ -191,7 +202,7 @@ pub(super) fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffe
     (resolve, buffer(wgpu::BufferUsages::MAP_READ))
 }
 
-pub(super) fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, Failure> {
+fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, Failure> {
     Ok(read_buffer(gpu, buffer)?.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect())
 }
 
