@@ -191,12 +191,12 @@ pub(crate) fn load(
         None => None,
         Some(textures) => {
             planar_directions = textures.direction.format.components() == 2;
-            gpu_bytes += textures.color.gpu_bytes() + textures.direction.gpu_bytes();
+            gpu_bytes += uploader.hair_bytes(&textures);
             let hair = &manifest.fur;
             let [color, direction] = uploader.hair(hair.color_texture, hair.direction_texture, &textures)?;
             let wet = match (&hair.wet, package.wet_textures()?) {
                 (Some(wet), Some(textures)) => {
-                    gpu_bytes += textures.color.gpu_bytes() + textures.direction.gpu_bytes();
+                    gpu_bytes += uploader.hair_bytes(&textures);
                     if (textures.direction.format.components() == 2) != planar_directions {
                         let reason = "directions of dry and of wet hair in formats of two and of more components, expected both alike";
                         return Err(uploader.content("fur.wet".into(), reason.into()));
@@ -220,7 +220,7 @@ pub(crate) fn load(
             // The skin's row must not show above the tips.
             let clamp = sampler("pelage fins", wgpu::AddressMode::ClampToEdge, 1);
             let buffer = uploader.buffer("fins", view.fins, Usage::STORAGE)?;
-            gpu_bytes += textures.color.gpu_bytes() + textures.direction.gpu_bytes() + buffer.size();
+            gpu_bytes += uploader.hair_bytes(&textures) + buffer.size();
             Some(Fins {
                 buffer,
                 textures: layouts.fur_bind_group(device, [&color, &direction], None, &clamp),
@@ -353,6 +353,18 @@ impl Uploader<'_> {
         Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(&label), contents, usage }))
     }
 
+    /// Whether texels of two bytes travel as four: software rasterisers fetch those eight at a time and these one by one, which
+    /// makes reading directions a quarter dearer.
+    fn widens(&self, format: TextureFormat) -> bool {
+        format == TextureFormat::Rg8Unorm && self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Bytes of colours and directions on the device.
+    fn hair_bytes(&self, textures: &FurTextures<'_>) -> u64 {
+        let bytes = |view: &TextureView<'_>| view.gpu_bytes().saturating_mul(1 + u64::from(self.widens(view.format)));
+        bytes(&textures.color) + bytes(&textures.direction)
+    }
+
     /// Colours and directions of hair, as array textures.
     fn hair(
         &self,
@@ -399,19 +411,28 @@ impl Uploader<'_> {
                 return Err(self.content(format!("texture {name:?}"), reason));
             }
         }
+        let widens = self.widens(view.format);
+        let format = if widens { TextureFormat::Rgba8Unorm } else { view.format };
         let texture = self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(name),
             size: wgpu::Extent3d { width: view.width, height: view.height, depth_or_array_layers: view.layers },
             mip_level_count: view.levels,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: wgpu_format(view.format),
+            format: wgpu_format(format),
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
         for level in 0..view.levels {
             let (width, height) = view.level_size(level);
             let (columns, rows) = (width.div_ceil(block), height.div_ceil(block));
+            let wide: Vec<u8>;
+            let texels = if widens {
+                wide = view.level(level).chunks_exact(2).flat_map(|t| [t[0], t[1], 0, 255]).collect();
+                &wide
+            } else {
+                view.level(level)
+            };
             self.queue.write_texture(
                 wgpu::TexelCopyTextureInfo {
                     texture: &texture,
@@ -419,10 +440,10 @@ impl Uploader<'_> {
                     origin: wgpu::Origin3d::ZERO,
                     aspect: wgpu::TextureAspect::All,
                 },
-                view.level(level),
+                texels,
                 wgpu::TexelCopyBufferLayout {
                     offset: 0,
-                    bytes_per_row: Some(columns * view.format.block_bytes()),
+                    bytes_per_row: Some(columns * format.block_bytes()),
                     rows_per_image: Some(rows),
                 },
                 // Whole blocks: small levels of compressed textures are stored so.
