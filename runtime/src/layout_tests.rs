@@ -98,7 +98,10 @@ fn uniform_structs_agree() {
     );
     assert_eq!(members(frame::WGSL, "FillLight"), fields!(frame::FillLight, light_ws, color));
     let filter = members(shadow_width::FILTER_WGSL, "Filter");
-    assert_eq!(filter, fields!(shadow_width::Filter, near, far, shrink, least_gap));
+    assert_eq!(
+        filter,
+        fields!(shadow_width::Filter, near, far, shrink, least_gap, clear_gap, reserved0, reserved1, reserved2,)
+    );
     assert_eq!(
         members(frame::WGSL, "Instance"),
         fields!(

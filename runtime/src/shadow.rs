@@ -20,8 +20,8 @@ pub struct ShadowParams {
     pub penumbra: f32,
     /// Where the penumbra lies (default [`PenumbraForm::Centred`]).
     pub penumbra_form: PenumbraForm,
-    /// How far the shadow-width map is shrunk before it is stretched again, 2..=32 (default 8; Yang 2006, §4, has 4): the widest
-    /// penumbra is 4/3 of as many texels.
+    /// How far the shadow-width map is shrunk before it is stretched again, 2..=32 (default 4, as in Yang 2006, §4): the widest
+    /// penumbra is 4/3 of as many texels, and things much thinner throw none.
     pub shrink: u32,
 }
 
@@ -53,7 +53,7 @@ impl Default for ShadowParams {
             slant: SlantForm::default(),
             penumbra: 0.15,
             penumbra_form: PenumbraForm::default(),
-            shrink: 8,
+            shrink: 4,
         }
     }
 }
@@ -160,6 +160,7 @@ pub struct ShadowMaps {
 #[derive(Debug)]
 pub(crate) struct WidthMaps {
     pub(crate) farthest: wgpu::Texture,
+    pub(crate) deepest: wgpu::Texture,
     pub(crate) shrunk: wgpu::Texture,
     pub(crate) width: wgpu::Texture,
 }
@@ -207,7 +208,7 @@ impl ShadowMaps {
             let texels = u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
             texels * u64::from(t.format().block_copy_size(None).unwrap_or(4))
         };
-        let width = self.width.iter().flat_map(|w| [&w.farthest, &w.shrunk, &w.width]);
+        let width = self.width.iter().flat_map(|w| [&w.farthest, &w.deepest, &w.shrunk, &w.width]);
         std::iter::once(&self.nearest).chain(&self.layers).chain(width).map(of).sum()
     }
 }
@@ -263,6 +264,7 @@ impl ShadowMaps {
         let layers = key.self_shadow.then(|| texture("pelage layer shadow", size, key.map_layers, Self::LAYER_FORMAT));
         let width = key.soft_shadow.then(|| WidthMaps {
             farthest: texture("pelage farthest depth", size, 1, Self::DEPTH_FORMAT),
+            deepest: texture("pelage deepest", size.div_ceil(key.params.shrink), 1, Self::WIDTH_FORMAT),
             shrunk: texture("pelage occlusion", size.div_ceil(key.params.shrink), 1, Self::WIDTH_FORMAT),
             width: texture("pelage shadow width", size, 1, Self::WIDTH_FORMAT),
         });

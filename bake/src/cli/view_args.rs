@@ -50,7 +50,7 @@ pub struct ViewArgs {
     #[arg(long, value_enum, default_value_t = Penumbra::Centred)]
     pub penumbra_form: Penumbra,
     /// How far the shadow-width map is shrunk before it is stretched again
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..=32))]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(2..=32))]
     pub shadow_shrink: u32,
     /// Width and height of the shadow maps, texels
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=8192))]

@@ -7,8 +7,12 @@ struct Filter {
     far: f32,
     // Texels of a side of the block that becomes one.
     shrink: i32,
-    // What the depths of two surfaces must differ by, 0..=1.
+    // What the depths of two surfaces in one texel must differ by, 0..=1, and of a texel and its surroundings.
     least_gap: f32,
+    clear_gap: f32,
+    reserved0: f32,
+    reserved1: f32,
+    reserved2: f32,
 }
 
 @group(0) @binding(0) var<uniform> params: Filter;
@@ -34,19 +38,48 @@ fn even_depth(z: f32) -> f32 {
     return (distance - params.near) / (params.far - params.near);
 }
 
-// A texel is in shadow where the farthest surface that faces the light is not the nearest one.
+// Depth of the farthest surface that faces the light in each block, 0 where there is none.
+@fragment
+fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let last = vec2<i32>(textureDimensions(farthest)) - 1;
+    let corner = vec2<i32>(position.xy) * params.shrink;
+    var deepest = 0.0;
+    for (var y = 0; y < params.shrink; y++) {
+        for (var x = 0; x < params.shrink; x++) {
+            deepest = max(deepest, textureLoad(farthest, min(corner + vec2(x, y), last), 0));
+        }
+    }
+    return vec4(even_depth(deepest), 0.0, 0.0, 0.0);
+}
+
+// Blocks to each side where something may lie in the shadow of a texel.
+const REACH: i32 = 1;
+
+// A texel throws a shadow where the farthest surface that faces the light is not the nearest one; and where such a surface lies near by,
+// clearly deeper than a slanted one would get there: a thing reaches beyond the outline of what it shades.
 @fragment
 fn fs_shrink(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let size = vec2<i32>(textureDimensions(nearest));
-    let corner = vec2<i32>(position.xy) * params.shrink;
+    let last = vec2<i32>(textureDimensions(nearest)) - 1;
+    let block = vec2<i32>(position.xy);
+    let last_block = vec2<i32>(textureDimensions(shrunk)) - 1;
+    var around = 0.0;
+    for (var y = -REACH; y <= REACH; y++) {
+        for (var x = -REACH; x <= REACH; x++) {
+            around = max(around, textureLoad(shrunk, clamp(block + vec2(x, y), vec2(0), last_block), 0).r);
+        }
+    }
+    let corner = block * params.shrink;
     var sum = vec4(0.0);
     for (var y = 0; y < params.shrink; y++) {
         for (var x = 0; x < params.shrink; x++) {
-            let at = min(corner + vec2(x, y), size - 1);
-            let near = even_depth(textureLoad(nearest, at, 0));
-            let gap = even_depth(textureLoad(farthest, at, 0)) - near;
+            let at = min(corner + vec2(x, y), last);
+            let z = textureLoad(nearest, at, 0);
+            let near = even_depth(z);
+            let shades = even_depth(textureLoad(farthest, at, 0)) - near > params.least_gap
+                || around - near > params.clear_gap;
             let light = textureLoad(hair, min(at, vec2<i32>(textureDimensions(hair)) - 1), 0).r;
-            sum += vec4(select(vec2(0.0), vec2(1.0, near), gap > params.least_gap), 0.0, light);
+            // Where there is nothing, nothing is known.
+            sum += vec4(select(vec2(0.0), vec2(1.0, near), shades), select(0.0, 1.0, z < 1.0), light);
         }
     }
     return sum / f32(params.shrink * params.shrink);
@@ -56,5 +89,5 @@ fn fs_shrink(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 fn fs_stretch(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let blurred = textureSampleLevel(shrunk, linear_sampler, position.xy / vec2<f32>(textureDimensions(nearest)), 0.0);
     let first = even_depth(textureLoad(nearest, vec2<i32>(position.xy), 0));
-    return vec4(blurred.xy, first, blurred.w);
+    return vec4(blurred.xy / max(blurred.z, 1e-3), first, blurred.w);
 }
