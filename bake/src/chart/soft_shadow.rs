@@ -170,7 +170,10 @@ impl Skin {
     pub fn new(model: &Model) -> Result<Self, BakeError> {
         let rest = RestPose::of(&model.mesh, model.animation.as_ref());
         let triangles = &model.mesh.triangles;
-        Ok(Self { occluder: Occluder::new(&rest.positions, triangles)?, points: spread(&rest, triangles, POINTS) })
+        let occluder = Occluder::new(&rest.positions, triangles)?;
+        let mut points = spread(&rest, triangles, POINTS);
+        points.retain(|p| !is_buried(&occluder, p));
+        Ok(Self { occluder, points })
     }
 
     fn facing(&self, towards_light: Vec3) -> impl Iterator<Item = &Point> {
@@ -210,6 +213,14 @@ impl Skin {
         };
         self.facing(towards_light).map(|p| f64::from(share(p))).collect()
     }
+}
+
+/// Whether nothing is seen from a point: skin inside of other skin, such as the back of an eye, that no one sees either.
+fn is_buried(occluder: &Occluder, p: &Point) -> bool {
+    // A disc that fills the sky up to 14 degrees above the horizon.
+    let (position, normal) = (p.position_ws.as_dvec3(), p.face_ws.as_dvec3());
+    let sky = DiscLight::Directional { towards_light_ws: normal, penumbra: 8.0 };
+    occluder.visible_share(position, normal, &sky, 256) == 0.0
 }
 
 /// `count` points on triangles, one from each of as many pieces of equal area in a row.

@@ -36,6 +36,22 @@ fn distances_grow_from_the_edge_and_end_with_the_passes() {
     assert!((distances[7 * size + 7] - 3.0 * std::f32::consts::SQRT_2).abs() < 1e-5);
 }
 
+#[test]
+fn what_no_one_sees_is_left_out() {
+    let mut model = sphere(24, 48);
+    let outside = Skin::new(&model).unwrap_or_else(|e| panic!("{e}")).points.len();
+    assert_eq!(outside as u32, POINTS);
+    // A smaller ball inside: its area is a quarter of the other's.
+    let inner = model.mesh.clone();
+    let first = model.mesh.positions.len() as u32;
+    model.mesh.positions.extend(inner.positions.iter().map(|p| *p * 0.5));
+    model.mesh.normals.extend(inner.normals);
+    model.mesh.triangles.extend(inner.triangles.iter().map(|t| t.map(|i| i + first)));
+    let seen = Skin::new(&model).unwrap_or_else(|e| panic!("{e}")).points;
+    assert!((f64::from(seen.len() as u32) / f64::from(POINTS) - 0.8).abs() < 0.01, "{}", seen.len());
+    assert!(seen.iter().all(|p| p.position_ws.length() > 0.9));
+}
+
 /// What casts no shadow on itself is all lit; a ring has some of everything.
 #[test]
 fn the_truth_of_a_ball_and_of_a_ring() {
