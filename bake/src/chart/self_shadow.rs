@@ -25,9 +25,13 @@ use rayon::prelude::*;
 pub const ANGLES_DEG: [u32; 5] = [0, 30, 45, 60, 75];
 /// Directions about the normal that the light is slanted towards, degrees from +u: hair leans, and with it and against it are not the same.
 const AZIMUTHS_DEG: [f64; 3] = [20.0, 140.0, 260.0];
-/// Rays of the strand truth from a texel, and points that it is taken at for each light; all others are skipped evenly.
-const RAYS: u32 = 25;
+/// Texels that are judged under each light, and those of them that the strand truth is taken at; all others are skipped evenly.
+const POINTS: usize = 1 << 18;
 const STRAND_POINTS: usize = 6000;
+/// Rays of the strand truth from a texel.
+const RAYS: u32 = 25;
+/// Texels of all layers that are held in memory.
+const MOST_TEXELS: u64 = 1 << 26;
 
 /// A way to make the maps.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,6 +155,15 @@ impl Sheet {
     /// As [`pipeline::bake`].
     pub fn new(recipe: &Recipe, lengths: Lengths) -> Result<Self, BakeError> {
         let recipe = sheet_recipe(recipe, lengths);
+        let texels = u64::from(recipe.slice.tile_texels).pow(2) * u64::from(recipe.slice.layers);
+        if texels > MOST_TEXELS {
+            return Err(BakeError::Params {
+                what: "slice.tile_texels",
+                reason: format!(
+                    "all layers have {texels} texels, expected at most {MOST_TEXELS} where a chart holds them in memory"
+                ),
+            });
+        }
         let height = f64::from(lengths.length_m / lengths.tile_size_m);
         let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
         // Rays that end on the middle tile come from within so many tiles beside it, and a mip level may look one further.
@@ -183,30 +196,35 @@ impl Sheet {
         f64::from(maps.size as f32 * radius_m / maps.view.sphere.radius).round()
     }
 
-    /// The truths at all texels of all layers, the skin first.
+    /// The truths at the texels of all layers.
     pub fn truth(&self, slant: &Slant) -> Truth {
-        let n = self.set.texels as usize;
-        let volume: Vec<f64> =
-            (0..self.layers as usize).flat_map(|k| self.volume.layer_transmittances(k, slant.light_ts)).collect();
-        // An odd step, so that the points do not fall into columns.
-        let step = (volume.len() / STRAND_POINTS).max(1) | 1;
-        let points: Vec<usize> = (0..volume.len()).step_by(step).collect();
-        let texel = 1.0 / n as f64;
-        let ray = |i: usize| {
-            let (u, v) = (((i % n) as f64 + 0.5) * texel, ((i / n % n) as f64 + 0.5) * texel);
-            let z = (i / (n * n)) as f64 * self.volume.spacing();
-            (i, self.field.transmittance(u, v, z, texel, slant.light_ts, RAYS))
+        let texel = 1.0 / f64::from(self.set.texels);
+        let place = |i: usize| {
+            let (x, y, k) = self.texel(i);
+            ((x as f64 + 0.5) * texel, (y as f64 + 0.5) * texel, k as f64 * self.volume.spacing())
         };
-        Truth { volume, strands: points.into_par_iter().map(ray).collect() }
+        let points: Vec<usize> = (0..self.texels()).step_by(stride(self.texels(), POINTS)).collect();
+        let through_volume = |i: &usize| {
+            let (u, v, z) = place(*i);
+            self.volume.transmittance(u, v, z, slant.light_ts)
+        };
+        let volume = points.par_iter().map(through_volume).collect();
+        let some: Vec<usize> = (0..points.len()).step_by(stride(points.len(), STRAND_POINTS)).collect();
+        let past_strands = |p: usize| {
+            let (u, v, z) = place(points[p]);
+            (p, self.field.transmittance(u, v, z, texel, slant.light_ts, RAYS))
+        };
+        let strands = some.into_par_iter().map(past_strands).collect();
+        Truth { points, volume, strands }
     }
 
-    /// t at the same texels as the runtime has it: the map, and of the corrected form half of the own layer.
-    pub fn fast(&self, maps: &LightMaps, slant: &Slant, form: SlantForm) -> Vec<f64> {
+    /// t at the points of a truth as the runtime has it: the map, and of the corrected form half of the own layer.
+    pub fn fast(&self, maps: &LightMaps, slant: &Slant, form: SlantForm, truth: &Truth) -> Vec<f64> {
         let n = self.set.texels as usize;
         let last_map_layer = (maps.layers.len() - 1) as f32;
         let path = slanted_path(slant.light_ts.z as f32);
-        let texel = |i: usize| {
-            let (x, y, k) = (i % n, i / n % n, i / (n * n));
+        let t = |i: &usize| {
+            let (x, y, k) = self.texel(*i);
             let share = k as f32 / (self.layers - 1) as f32;
             let [u, v] = [x, y].map(|x| (x as f32 + 0.5) / n as f32);
             let position = self.corner + self.along[0] * u + self.along[1] * v + self.up * share;
@@ -216,20 +234,38 @@ impl Sheet {
             if form == SlantForm::Printed || k == 0 {
                 return f64::from(t);
             }
-            let alpha = f32::from(self.set.layers[k].color[0][4 * (i % (n * n)) + 3]) / 255.0;
+            let alpha = f32::from(self.set.layers[k].color[0][4 * (y * n + x) + 3]) / 255.0;
             f64::from(t * layer_transmittance(alpha, 0.5 * path))
         };
-        (0..self.layers as usize * n * n).into_par_iter().map(texel).collect()
+        truth.points.par_iter().map(t).collect()
     }
+
+    /// Texels of all layers.
+    fn texels(&self) -> usize {
+        self.layers as usize * (self.set.texels as usize).pow(2)
+    }
+
+    /// Column, row and layer of a texel, the skin being layer 0.
+    fn texel(&self, i: usize) -> (usize, usize, usize) {
+        let n = self.set.texels as usize;
+        (i % n, i / n % n, i / (n * n))
+    }
+}
+
+/// The step that takes about `wanted` of `count`. Odd, so that what is taken does not fall into columns.
+fn stride(count: usize, wanted: usize) -> usize {
+    if count <= wanted { 1 } else { count.div_ceil(wanted) | 1 }
 }
 
 /// Transmittances of both truths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// At every texel of every layer, the skin first.
-    pub volume: Vec<f64>,
-    /// At some of them: index and value.
-    pub strands: Vec<(usize, f64)>,
+    /// The judged texels: all of them, layer after layer from the skin, or evenly some.
+    points: Vec<usize>,
+    /// Through the volume, at each.
+    volume: Vec<f64>,
+    /// Past the strands, at some: index into the points, and value.
+    strands: Vec<(usize, f64)>,
 }
 
 /// Errors of a configuration, light by light.

@@ -67,7 +67,7 @@ fn maps_without_error_have_none() {
     assert!((sheet.map_texels_per_hair_texel(&maps) - 1.0).abs() < 1e-5);
     assert_eq!(sheet.map_size_on(&maps, 2.5), 40.0);
     let truth = sheet.truth(&slant);
-    let fast = sheet.fast(&maps, &slant, SlantForm::Corrected);
+    let fast = sheet.fast(&maps, &slant, SlantForm::Corrected, &truth);
     let mut measured = Measured::default();
     measured.add(&slant, &fast, &truth);
     // The volume caps opaque texels, the maps do not.
@@ -76,7 +76,7 @@ fn maps_without_error_have_none() {
     assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));
     maps.layers.iter_mut().flatten().for_each(|t| *t = (*t + 0.2).min(1.0));
     let mut worse = Measured::default();
-    worse.add(&slant, &sheet.fast(&maps, &slant, SlantForm::Corrected), &truth);
+    worse.add(&slant, &sheet.fast(&maps, &slant, SlantForm::Corrected, &truth), &truth);
     assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
 }
 
@@ -92,4 +92,18 @@ fn configurations_differ_and_rows_are_full() {
     assert!(configurations(2).iter().all(|c| c.shadows.map_layers.is_none()));
     assert_eq!(slants().len(), 15);
     assert!(slants().iter().all(|s| s.light_ts.is_normalized()));
+}
+
+#[test]
+fn what_is_taken_is_spread_and_not_in_columns() {
+    for (count, wanted) in [(0, 10), (10, 10), (11, 10), (65536, 6000), (1 << 20, 1 << 18)] {
+        let step = stride(count, wanted);
+        let taken = (0..count).step_by(step).count();
+        assert!(taken <= wanted && taken * 3 >= count.min(wanted), "{count} {wanted}: {taken}");
+        assert!(step % 2 == 1);
+    }
+    let recipe =
+        Recipe { slice: SliceParams { layers: 256, tile_texels: 1024, ..SliceParams::default() }, ..Recipe::default() };
+    let large = Sheet::new(&recipe, Lengths { length_m: 0.02, tile_size_m: 0.08 });
+    assert!(large.err().is_some_and(|e| e.to_string().contains("slice.tile_texels")));
 }
