@@ -1,14 +1,14 @@
 //! How far a posed model reaches, without looking at its vertices every frame.
 
-use crate::light_view::Sphere;
+use crate::light_view::Hull;
 use glam::{Mat4, Vec3};
 use pelage_formats::MeshView;
 
 /// Extent of a model's skin before its joints move it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Extent {
-    /// Without skeleton: a sphere.
-    Rigid(Sphere),
+    /// Without skeleton: a box.
+    Rigid(Box),
     /// With a skeleton: for each joint the box of the vertices that follow it, in mesh space. A blended vertex lies between where its joints
     /// put it, so the boxes, moved by their joints, hold it.
     Jointed(Vec<(usize, Box)>),
@@ -41,14 +41,7 @@ impl Extent {
     pub(crate) fn of(mesh: &MeshView<'_>, jointed: bool) -> Self {
         let points = || mesh.geometry().map(|v| Vec3::from(v.position));
         if !jointed {
-            let bounds = points().fold(Box::EMPTY, Box::with);
-            let center = 0.5 * (bounds.min + bounds.max);
-            let radius = points().map(|p| p.distance(center)).fold(0.0, f32::max);
-            return Self::Rigid(if center.is_finite() {
-                Sphere { center, radius }
-            } else {
-                Sphere { center: Vec3::ZERO, radius: 0.0 }
-            });
+            return Self::Rigid(points().fold(Box::EMPTY, Box::with));
         }
         let mut boxes: Vec<(usize, Box)> = Vec::new();
         for (point, skin) in points().zip(mesh.skin()) {
@@ -66,23 +59,22 @@ impl Extent {
         Self::Jointed(boxes)
     }
 
-    /// The sphere about the posed skin in world space, grown by `margin_m` of model space.
-    pub(crate) fn sphere(&self, joints: &[Mat4], world_from_model: Mat4, margin_m: f32) -> Sphere {
-        let (center, radius) = match self {
-            Self::Rigid(sphere) => (sphere.center, sphere.radius),
-            Self::Jointed(boxes) => {
-                let moved = boxes.iter().filter_map(|(joint, bounds)| Some((joints.get(*joint)?, bounds)));
-                let corners = moved.flat_map(|(matrix, b)| b.corners().map(|c| matrix.transform_point3(c)));
-                let bounds = corners.filter(|c| c.is_finite()).fold(Box::EMPTY, Box::with);
-                let size = (bounds.max - bounds.min).max(Vec3::ZERO);
-                let center = bounds.min + 0.5 * size;
-                if center.is_finite() { (center, 0.5 * size.length()) } else { (Vec3::ZERO, 0.0) }
-            }
+    /// Adds the posed skin in world space to `hull`, grown by `margin_m` of model space.
+    pub(crate) fn add_to(&self, hull: &mut Hull, joints: &[Mat4], world_from_model: Mat4, margin_m: f32) {
+        let axes = [world_from_model.x_axis, world_from_model.y_axis, world_from_model.z_axis];
+        let scale = axes.map(|axis| axis.truncate().length()).into_iter().fold(0.0, f32::max);
+        let mut add = |matrix: Mat4, bounds: &Box| {
+            let corners = bounds.corners().map(|corner| (world_from_model * matrix).transform_point3(corner));
+            // Of a joint that is not finite nothing is drawn either.
+            hull.0.extend(corners.into_iter().filter(|c| c.is_finite()).map(|c| (c, margin_m * scale)));
         };
-        let scale = [world_from_model.x_axis, world_from_model.y_axis, world_from_model.z_axis]
-            .map(|axis| axis.truncate().length())
-            .into_iter()
-            .fold(0.0, f32::max);
-        Sphere { center: world_from_model.transform_point3(center), radius: (radius + margin_m) * scale }
+        match self {
+            Self::Rigid(bounds) => add(Mat4::IDENTITY, bounds),
+            Self::Jointed(boxes) => {
+                for (joint, bounds) in boxes {
+                    joints.get(*joint).into_iter().for_each(|matrix| add(*matrix, bounds));
+                }
+            }
+        }
     }
 }

@@ -9,7 +9,7 @@
 //! | `fins` | [`Frame::draw`] | quads of hair along the outline | fur visible, package has fins |
 //! | `shells` | [`Frame::draw`] | layers of hair, inside to outside | fur visible |
 
-use crate::light_view::{LightView, Sphere};
+use crate::light_view::{Hull, LightView};
 use crate::params::MAX_FILL_LIGHTS;
 use crate::passes::fins::{self, FinDraws};
 use crate::passes::surface::{Look, ShadowLook};
@@ -210,11 +210,17 @@ fn shadow_key(params: &FrameParams, instances: &[&mut Instance], casters: Option
     if !(self_shadow || params.soft_shadow) || params.light.color() == Vec3::ZERO {
         return None;
     }
-    let spheres = instances.iter().map(|i| i.sphere()).chain(casters.and_then(|c| c.bounds));
-    let sphere = Sphere::around(spheres)?;
+    let mut hull = Hull::default();
+    instances.iter().for_each(|instance| instance.add_to(&mut hull));
+    hull.0.extend(casters.and_then(|c| c.bounds).map(|b| (b.center, b.radius)));
+    // A model that no joint holds yet, as before its first frame, is a point.
+    if hull.0.is_empty() {
+        hull.0.extend(instances.iter().map(|i| (i.transform.w_axis.truncate(), 0.0)));
+    }
+    let sphere = hull.sphere()?;
     Some(ShadowKey {
         light: params.light,
-        view: LightView::new(&params.light, sphere),
+        view: LightView::new(&params.light, &hull, sphere),
         params: params.shadows,
         self_shadow,
         soft_shadow: params.soft_shadow,

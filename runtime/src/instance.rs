@@ -1,6 +1,6 @@
 //! One drawn copy of a model.
 
-use crate::light_view::Sphere;
+use crate::light_view::Hull;
 use crate::shadow::InstanceKey;
 use crate::{Model, RuntimeError};
 use glam::{Mat3, Mat4};
@@ -126,11 +126,11 @@ impl Instance {
         InstanceKey { model: self.model.number(), transform: self.transform, motion, furry }
     }
 
-    /// About the posed skin and its fur, in world space; the pose is that of the last frame prepared.
-    pub(crate) fn sphere(&self) -> Sphere {
+    /// Adds the posed skin and its fur, in world space, to `hull`; the pose is that of the last frame prepared.
+    pub(crate) fn add_to(&self, hull: &mut Hull) {
         // Leaning hair reaches farther than its height.
         let fur_m = std::f32::consts::SQRT_2 * self.model.manifest().fur.height_m;
-        self.model.extent().sphere(&self.pose.joints, self.transform, fur_m)
+        self.model.extent().add_to(hull, &self.pose.joints, self.transform, fur_m);
     }
 
     pub(crate) fn check(&self) -> Result<(), RuntimeError> {
