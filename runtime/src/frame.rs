@@ -323,6 +323,7 @@ fn look(model: &Model, params: &FrameParams, transform: Mat4, shadows: Option<&S
             centred: key.soft_shadow && key.params.penumbra_form == PenumbraForm::Centred,
         }),
         fill_lights: !params.fill_lights.is_empty(),
+        lighting: params.lighting,
         shading: params.shading.unwrap_or(manifest.shading),
     }
 }

@@ -48,7 +48,7 @@ pub use frame::{Frame, FrameReport, PassReport};
 pub use instance::{Instance, Motion};
 pub use light_view::{LightView, Sphere};
 pub use model::Model;
-pub use params::{FrameParams, MAX_FILL_LIGHTS, RendererOptions, Style};
+pub use params::{FrameParams, Lighting, MAX_FILL_LIGHTS, RendererOptions, Style};
 pub use passes::PassId;
 pub use renderer::Renderer;
 pub use shadow::{CasterPass, Casters, PenumbraForm, ShadowMaps, ShadowParams, SlantForm};

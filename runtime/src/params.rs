@@ -75,6 +75,17 @@ pub enum Style {
     Bare,
 }
 
+/// Where the key light's diffuse and specular factors, Yang 2006, eq. (1), are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lighting {
+    /// At every pixel, with the direction of its hair.
+    #[default]
+    Pixel,
+    /// At the vertices, with the mean direction of a layer's hairs, and interpolated, as in Lengyel 2001: the baseline that light per
+    /// pixel is held against. Shadows, Attenu_Back and fill lights stay per pixel.
+    Vertex,
+}
+
 /// Set per frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameParams {
@@ -84,6 +95,8 @@ pub struct FrameParams {
     pub light: Light,
     /// Other lights, without shadows: at most [`MAX_FILL_LIGHTS`] (default none). Each costs about as much as the key light.
     pub fill_lights: Vec<Light>,
+    /// Where the key light is computed (default per pixel).
+    pub lighting: Lighting,
     /// Light from everywhere, linear RGB, multiplies the package's ambient constant (default 1).
     pub ambient: Vec3,
     /// With fur or without.
@@ -117,6 +130,7 @@ impl FrameParams {
             camera,
             light: Light::default(),
             fill_lights: Vec::new(),
+            lighting: Lighting::Pixel,
             ambient: Vec3::ONE,
             style: Style::Fur,
             layers: None,

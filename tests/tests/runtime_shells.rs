@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::glam::Vec3;
-use pelage_runtime::{Camera, FrameParams, Instance, Light, Renderer, RendererOptions};
+use pelage_runtime::{Camera, FrameParams, Instance, Light, Lighting, Renderer, RendererOptions};
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, draw};
 use pelage_tests::support::headless::Gpu;
@@ -48,4 +48,41 @@ fn forms_of_the_varyings_draw_the_same() {
     assert!(largest(&plain, &picture(gpu, &sphere(), &params)) > 8, "a light that is there shows");
     let striped = picture(gpu, &SphereParams { stripes: true, ..sphere() }, &front());
     assert!(largest(&plain, &striped) > 8, "stripes show");
+}
+
+/// Mean over the pixels where every picture is opaque of the luminance, 0..=255, and of its difference to the right-hand neighbour.
+fn luminance_and_contrast(picture: &Picture, opaque: &dyn Fn(usize) -> bool) -> (f64, f64) {
+    let at = |i: usize| {
+        let [r, g, b, _] = picture.rgba[i].map(f64::from);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    };
+    let inside: Vec<usize> = (0..picture.rgba.len() - 1).filter(|i| opaque(*i) && opaque(i + 1)).collect();
+    let n = inside.len() as f64;
+    let mean = |f: &dyn Fn(usize) -> f64| inside.iter().map(|i| f(*i)).sum::<f64>() / n;
+    (mean(&at), mean(&|i| (at(i) - at(i + 1)).abs()))
+}
+
+#[test]
+fn light_at_vertices_is_as_bright_and_more_even() {
+    let Some(gpu) = gpu("light_at_vertices_is_as_bright_and_more_even") else { return };
+    for planar_directions in [true, false] {
+        let sphere = SphereParams { planar_directions, quads: 20, ..sphere() };
+        let mut params = front();
+        let pixel = picture(gpu, &sphere, &params);
+        params.lighting = Lighting::Vertex;
+        let vertex = picture(gpu, &sphere, &params);
+        assert!(largest(&pixel, &vertex) > 8, "only {} of 255 apart", largest(&pixel, &vertex));
+        let opaque = |i: usize| pixel.rgba[i][3] == 255 && vertex.rgba[i][3] == 255;
+        let (bright, sharp) = luminance_and_contrast(&pixel, &opaque);
+        let (bright_at_vertices, sharp_at_vertices) = luminance_and_contrast(&vertex, &opaque);
+        let brightness = bright_at_vertices / bright;
+        assert!((0.95..1.05).contains(&brightness), "{brightness} times as bright");
+        let contrast = sharp_at_vertices / sharp;
+        assert!((0.5..0.97).contains(&contrast), "{contrast} times the contrast");
+        // Where nothing of the key light is left, both are the same.
+        params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
+        let dark = picture(gpu, &sphere, &params);
+        params.lighting = Lighting::Pixel;
+        assert!(largest(&dark, &picture(gpu, &sphere, &params)) <= 1, "without light");
+    }
 }

@@ -4,15 +4,15 @@ use super::exit::Failure;
 use super::framing;
 use super::gpu::{COLOR_FORMAT, Canvas, DEPTH_FORMAT, Gpu};
 use super::package_file::PackageFile;
-use super::view_args::{Background, Penumbra, Slant, StyleArg, Switch, ViewArgs};
+use super::view_args::{Background, LightingArg, Penumbra, Slant, StyleArg, Switch, ViewArgs};
 use glam::Vec3;
 use pelage_bake::BakeError;
 use pelage_bake::mesh::blend;
 use pelage_bake::textures::srgb_to_linear;
 use pelage_formats::{Animation, GeometryVertex, Package, Pose};
 use pelage_runtime::{
-    Camera, Frame, FrameParams, Instance, Light, Motion, PassId, PenumbraForm, Projection, Renderer, RendererOptions,
-    RuntimeError, ShadowMaps, ShadowParams, SlantForm, Style, wgpu,
+    Camera, Frame, FrameParams, Instance, Light, Lighting, Motion, PassId, PenumbraForm, Projection, Renderer,
+    RendererOptions, RuntimeError, ShadowMaps, ShadowParams, SlantForm, Style, wgpu,
 };
 use std::time::{Duration, Instant};
 
@@ -39,6 +39,8 @@ pub struct View {
     pub fins: bool,
     /// Lights without shadow.
     pub fill_lights: Vec<Light>,
+    /// Where the key light is computed.
+    pub lighting: Lighting,
     /// Terms of Yang 2006, eq. (3).
     pub terms: Terms,
     /// How the key light's shadows are made.
@@ -73,6 +75,7 @@ impl Default for View {
             layers: None,
             fins: true,
             fill_lights: Vec::new(),
+            lighting: Lighting::Pixel,
             terms: Terms { ambient_attenuation: true, self_shadow: true, back_attenuation: true, soft_shadow: true },
             shadows: ShadowParams::default(),
             background: None,
@@ -120,6 +123,10 @@ impl TryFrom<&ViewArgs> for View {
                     Penumbra::Inner => PenumbraForm::Inner,
                 },
                 shrink: args.shadow_shrink,
+            },
+            lighting: match args.lighting {
+                LightingArg::Pixel => Lighting::Pixel,
+                LightingArg::Vertex => Lighting::Vertex,
             },
             background: match args.background {
                 Background::Transparent => None,
@@ -199,6 +206,7 @@ impl Scene {
         params.layers = view.layers;
         params.fins = view.fins;
         params.fill_lights.clone_from(&view.fill_lights);
+        params.lighting = view.lighting;
         params.self_shadow = view.terms.self_shadow;
         params.soft_shadow = view.terms.soft_shadow;
         params.ambient_attenuation = view.terms.ambient_attenuation;

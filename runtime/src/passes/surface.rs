@@ -5,7 +5,7 @@ use crate::params::MAX_FILL_LIGHTS;
 use crate::renderer::Pipelines;
 use crate::shadow::{CasterPass, ShadowMaps};
 use crate::shared::frame;
-use crate::{RendererOptions, Style};
+use crate::{Lighting, RendererOptions, Style};
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::{AttributeVertex, Fin, GeometryVertex, Shading};
 use std::mem::offset_of;
@@ -100,6 +100,8 @@ pub(crate) struct Variant {
     pub(crate) shadows: ShadowLook,
     /// There are lights without shadow.
     pub(crate) fill_lights: bool,
+    /// The key light is computed at vertices.
+    pub(crate) vertex_lighting: bool,
 }
 
 /// How the key light's shadows fall, as far as the choice of pipelines goes.
@@ -132,6 +134,8 @@ pub(crate) struct Look {
     pub(crate) shadows: ShadowLook,
     /// There are lights without shadow.
     pub(crate) fill_lights: bool,
+    /// Where the key light is computed.
+    pub(crate) lighting: Lighting,
     /// Constants of the lighting equation.
     pub(crate) shading: Shading,
 }
@@ -156,6 +160,7 @@ impl Look {
             beside_fins: self.fins,
             shadows: self.shadows,
             fill_lights: self.fill_lights,
+            vertex_lighting: self.lighting == Lighting::Vertex,
         };
         let variant = shader.relevant(variant);
         // Fins are seen from both sides, and back faces throw shadows too.
@@ -189,7 +194,7 @@ impl Variant {
         self.cutout || self.groom_texture || self.groom_vertices || self.wet
     }
 
-    fn constants(self) -> [(&'static str, f64); 17] {
+    fn constants(self) -> [(&'static str, f64); 18] {
         [
             ("BASE_COLOR_TEXTURE", self.base_color_texture),
             ("CUTOUT", self.cutout),
@@ -208,6 +213,7 @@ impl Variant {
             ("SOFT_SHADOW", self.shadows.soft_shadow),
             ("CENTRED", self.shadows.centred),
             ("FILL_LIGHTS", self.fill_lights),
+            ("VERTEX_LIGHTING", self.vertex_lighting),
         ]
         .map(|(name, value)| (name, f64::from(u8::from(value))))
     }
@@ -279,8 +285,8 @@ impl SurfaceShader {
     /// Vertex and fragment entry point.
     pub(crate) fn entry_points(self, variant: Variant) -> (&'static str, &'static str) {
         match self {
-            Self::SkinBare => ("vs_skin", "fs_bare"),
-            Self::SkinFurred => ("vs_skin", "fs_furred"),
+            Self::SkinBare => ("vs_bare", "fs_bare"),
+            Self::SkinFurred => ("vs_furred", "fs_furred"),
             Self::Fins => ("vs_fins", "fs_fins"),
             Self::Shells if variant.fill_lights => ("vs_shells_filled", "fs_shells_filled"),
             Self::Shells if variant.is_mapped() => ("vs_shells_mapped", "fs_shells_mapped"),
@@ -396,6 +402,12 @@ fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::Bi
     }
 }
 
+/// Directions of hair: vertices look at them too, where light is computed there.
+fn directions(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    wgpu::BindGroupLayoutEntry { visibility, ..texture(binding, wgpu::TextureViewDimension::D2Array) }
+}
+
 fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
@@ -448,7 +460,7 @@ impl SurfaceLayouts {
             fur: layout(
                 device,
                 "pelage fur",
-                &[texture(0, D2Array), texture(1, D2Array), sampler(2), texture(3, D2Array), texture(4, D2Array)],
+                &[texture(0, D2Array), directions(1), sampler(2), texture(3, D2Array), directions(4)],
             ),
             fins: (device.limits().max_storage_buffers_per_shader_stage >= 3).then(|| {
                 let entries = [storage::<GeometryVertex>(0), storage::<AttributeVertex>(1), storage::<Fin>(2)];

@@ -79,6 +79,8 @@ override SOFT_SHADOW: bool = true;
 override CENTRED: bool = true;
 // There are lights without shadow.
 override FILL_LIGHTS: bool = true;
+// The key light's factors of eq. (1) are computed at vertices.
+override VERTEX_LIGHTING: bool = false;
 
 // Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
 const LEAST_ALPHA: f32 = 0.5 / 255.0;
@@ -224,8 +226,35 @@ fn hair_factors(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness
     return vec2(diffuse, strength * sin_power(sin_squared(direction, half), half_exponent));
 }
 
+// What a vertex hands on for the key light: H, or hair_factors themselves where light is computed at vertices. There all that is known
+// of the hair is the mean direction of its layer, which is the last level of the direction texture, and how the vertex leans it.
+fn half_or_factors(layer: u32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
+    if !VERTEX_LIGHTING {
+        return half;
+    }
+    var direction =
+        decode_direction(textureLoad(shell_directions, vec2(0), layer, textureNumLevels(shell_directions) - 1u), PLANAR_DIRECTIONS);
+    if WET {
+        let last = textureNumLevels(wet_directions) - 1u;
+        let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last), PLANAR_DIRECTIONS);
+        direction = mix(direction, wet, wetness);
+    }
+    if LEAN {
+        direction = leaned_direction(direction, slope);
+    }
+    return vec3(hair_factors(direction, light, half, wetness), 0.0);
+}
+
+// The key light's factors in a fragment.
+fn key_factors(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>, wetness: f32) -> vec2<f32> {
+    if VERTEX_LIGHTING {
+        return half_or_factors.xy;
+    }
+    return hair_factors(direction, light, half_or_factors, wetness);
+}
+
 // Yang 2006, eq. (3). Linear in the hair's colour, so `color` may be premultiplied with `alpha`, and the result then is.
-// light and half: towards the light and H in the tile frame, lengths near 1. reach: share of the key light that arrives, which is
+// light and half: towards the light and H in the tile frame, lengths near 1, or what half_or_factors puts there. reach: share of the key light that arrives, which is
 // t Attenu_Shadow.
 fn shade_hair(
     color: vec3<f32>,
@@ -238,7 +267,7 @@ fn shade_hair(
     reach: f32,
 ) -> vec3<f32> {
     let arriving = back_attenuation(light.z, instance.back_light_range) * reach;
-    let factors = hair_factors(direction, light, half, wetness) * arriving;
+    let factors = key_factors(direction, light, half, wetness) * arriving;
     let soft = color * (instance.ambient * ambient_share + instance.diffuse * factors.x);
     return soft + instance.specular * (factors.y * alpha);
 }

@@ -104,13 +104,13 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
     }
     out.slab_uv = vec2(fin.start + select(0.0, fin.length, at_b), height);
     out.light_ts = to_tile(tile, light);
-    out.half_ts = to_tile(tile, half);
     out.tint = v.color * material.base_color;
     out.base_uv = v.base_uv;
     out.slab = fin.slab;
     out.opacity = opacity;
     out.groom = v.groom.xy;
     out.slope = lean_slope(v.lean, height);
+    out.half_ts = half_or_factors(fin.slab, out.slope, out.light_ts, to_tile(tile, half), 0.0);
     out.place = map_place(position);
     let spot = spot_of(v, position, tile);
     out.position_ws = spot.position_ws;

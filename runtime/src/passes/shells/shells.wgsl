@@ -8,6 +8,7 @@ struct Shell {
     position: vec4<f32>,
     tile_uv: vec2<f32>,
     light_ts: vec3<f32>,
+    // As half_or_factors says.
     half_ts: vec3<f32>,
     // Base colour without its texture; and it times what arrives of the ambient light, and times the diffuse light.
     tint: vec4<f32>,
@@ -25,6 +26,8 @@ struct Shell {
     groom: vec2<f32>,
     // Slope that the lean of the vertex adds to hair at this height.
     slope: f32,
+    // Among the baked layers.
+    layer: u32,
     spot: Spot,
 }
 
@@ -92,7 +95,6 @@ fn shell_of(v: Vertex, layer: u32) -> Shell {
     out.position = frame.clip_from_world * vec4(position, 1.0);
     out.tile_uv = v.tile_uv;
     out.light_ts = to_tile(tile, light);
-    out.half_ts = to_tile(tile, half);
     out.tint = v.color * material.base_color;
     out.ambient = out.tint.rgb * instance.ambient * ambient_attenuation(height, instance.ambient_floor);
     out.diffuse = out.tint.rgb * instance.diffuse;
@@ -103,28 +105,29 @@ fn shell_of(v: Vertex, layer: u32) -> Shell {
     out.base_uv = v.base_uv;
     out.groom = v.groom.xy;
     out.slope = lean_slope(v.lean, height);
+    out.layer = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
+    out.half_ts = half_or_factors(out.layer, out.slope, out.light_ts, to_tile(tile, half), v.groom.y);
     out.spot = spot_of(v, position, tile);
     return out;
 }
 
-fn plain_varying(s: Shell, layer: u32) -> PlainVarying {
+fn plain_varying(s: Shell) -> PlainVarying {
     let specular = bitcast<vec3<u32>>(instance.specular);
-    let baked = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
     return PlainVarying(
         s.position, vec4(s.tile_uv, s.share, s.back), vec4(s.light_ts, s.diffuse.r), vec4(s.half_ts, s.diffuse.g),
-        vec4(s.ambient, s.diffuse.b), s.place, vec4(specular, baked),
+        vec4(s.ambient, s.diffuse.b), s.place, vec4(specular, s.layer),
     );
 }
 
 @vertex
 fn vs_shells(v: Vertex, @builtin(instance_index) layer: u32) -> PlainVarying {
-    return plain_varying(shell_of(v, layer), layer);
+    return plain_varying(shell_of(v, layer));
 }
 
 @vertex
 fn vs_shells_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedVarying {
     let s = shell_of(v, layer);
-    let p = plain_varying(s, layer);
+    let p = plain_varying(s);
     return MappedVarying(
         p.position, p.uv_share_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
         vec4(s.base_uv, s.groom), vec3(s.slope, s.tint.a, s.map_layer),
@@ -134,7 +137,7 @@ fn vs_shells_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedVar
 @vertex
 fn vs_shells_filled(v: Vertex, @builtin(instance_index) layer: u32) -> FilledVarying {
     let s = shell_of(v, layer);
-    let p = plain_varying(s, layer);
+    let p = plain_varying(s);
     return FilledVarying(
         p.position, p.uv_share_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
         vec4(s.base_uv, s.groom), vec3(s.slope, s.tint.a, s.map_layer),
@@ -180,7 +183,7 @@ fn shade_shell(
     }
     let color = texel.rgb * base.rgb;
     // Yang 2006, eq. (3), with all that does not vary within a triangle or only linearly from the vertices.
-    let factors = hair_factors(direction, light, in.half_green.xyz, groom.y) * (clamp(in.uv_share_back.w, 0.0, 1.0) * reach);
+    let factors = key_factors(direction, light, in.half_green.xyz, groom.y) * (clamp(in.uv_share_back.w, 0.0, 1.0) * reach);
     let diffuse = vec3(in.light_red.w, in.half_green.w, in.ambient_blue.w);
     var lit = color * (in.ambient_blue.rgb + diffuse * factors.x);
     if SPECULAR {

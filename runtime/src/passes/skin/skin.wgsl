@@ -7,7 +7,7 @@ struct SkinVarying {
     @location(2) tile_uv: vec2<f32>,
     // Towards the light, in the tile frame.
     @location(3) light_ts: vec3<f32>,
-    // H, in the tile frame.
+    // H, in the tile frame, or as half_or_factors says.
     @location(4) half_ts: vec3<f32>,
     // 1 where fur grows, 0 where its height is 0.
     @location(5) coat: f32,
@@ -18,8 +18,7 @@ struct SkinVarying {
     @location(10) tangent: vec4<f32>,
 }
 
-@vertex
-fn vs_skin(v: Vertex) -> SkinVarying {
+fn skin_varying(v: Vertex) -> SkinVarying {
     let position = position_ws(v);
     let tile = tile_frame_of(v, normal_ws(v));
     let light = direction_to(frame.light_ws, position);
@@ -38,6 +37,19 @@ fn vs_skin(v: Vertex) -> SkinVarying {
     out.position_ws = spot.position_ws;
     out.normal_ws = spot.normal_ws;
     out.tangent = spot.tangent;
+    return out;
+}
+
+// Bare skin has no hair textures to look at.
+@vertex
+fn vs_bare(v: Vertex) -> SkinVarying {
+    return skin_varying(v);
+}
+
+@vertex
+fn vs_furred(v: Vertex) -> SkinVarying {
+    var out = skin_varying(v);
+    out.half_ts = half_or_factors(0u, 0.0, out.light_ts, out.half_ts, v.groom.y);
     return out;
 }
 
