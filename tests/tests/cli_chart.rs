@@ -186,6 +186,32 @@ fn the_self_shadow_chart() {
 }
 
 #[test]
+fn the_lighting_chart() {
+    if gpu("the_lighting_chart").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let small = ["slice.tile_texels=32", "slice.layers=6", "hair.density=200", "pack.direction_format=rg8"];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    // The recipe's own, the same at vertices, and a tile of 16 texels.
+    let rows = charted(&sandbox, "lighting", "1,5,7", &sets);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
+    assert_eq!([0, 1, 2].map(|i| rows[i]["lighting"].as_str().unwrap()), ["pixel", "vertex", "pixel"]);
+    assert_eq!([0, 1, 2].map(|i| rows[i]["pack.direction_format"].as_str().unwrap()), ["rg8"; 3]);
+    assert_eq!([0, 1, 2].map(|i| number(i, "slice.tile_texels")), [32.0, 32.0, 16.0]);
+    assert_eq!([0, 1, 2].map(|i| rows[i]["default"] == true), [true, false, false]);
+    for (i, row) in rows.iter().enumerate() {
+        assert!(number(i, "shells_milliseconds") > 0.0 && number(i, "direction_bytes") > 1000.0, "{row}");
+    }
+    // That is Fig. 1 of the paper in numbers.
+    for error in ["rmse", "direction_error_deg"] {
+        assert!(number(1, error) > 1.2 * number(0, error), "{error}: {} and {}", rows[1], rows[0]);
+        assert!(number(2, error) > number(0, error), "{error}: {} and {}", rows[2], rows[0]);
+    }
+    assert_reproduced(&sandbox, &rows[1], &["rmse", "mean_error", "direction_error_deg", "direction_bytes"]);
+}
+
+#[test]
 fn the_soft_shadow_chart() {
     if gpu("the_soft_shadow_chart").is_none() {
         return;

@@ -50,6 +50,8 @@ impl ChartArgs {
 enum Topic {
     /// Lapped patches: what fewer seams cost in distortion and seconds
     Surface,
+    /// Light per pixel and per vertex: the direction it is computed with against the strand's own, and what that costs
+    Lighting,
     /// Layer-wise shadow maps: what light they let between hairs, against the true way of the light, and what they cost
     SelfShadow,
     /// Shadow-width maps: the soft shadows they make, against a light that is a disc, and what they cost
@@ -67,13 +69,15 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
         Topic::Stability => return stability_table(args, output),
         Topic::Surface => surface_chart,
         #[cfg(feature = "preview")]
+        Topic::Lighting => super::chart_lighting::lighting_chart,
+        #[cfg(feature = "preview")]
         Topic::SelfShadow => super::chart_light::self_shadow_chart,
         #[cfg(feature = "preview")]
         Topic::SoftShadow => super::chart_light::soft_shadow_chart,
         #[cfg(not(feature = "preview"))]
-        Topic::SelfShadow | Topic::SoftShadow => |_, _, _| {
+        Topic::Lighting | Topic::SelfShadow | Topic::SoftShadow => |_, _, _| {
             Err(Failure::Usage(
-                "shadows are drawn by the runtime, and this build is without it (feature `preview`)".into(),
+                "light is drawn by the runtime, and this build is without it (feature `preview`)".into(),
             ))
         },
     };

@@ -35,7 +35,7 @@ fn trials<C, M: Default>(args: &ChartArgs, configurations: Vec<C>) -> Result<Vec
 }
 
 /// The command that measures one row again.
-fn command(args: &ChartArgs, subject: &Subject, topic: &str, number: usize) -> String {
+pub(super) fn command(args: &ChartArgs, subject: &Subject, topic: &str, number: usize) -> String {
     let folder = args.output.as_ref().map_or_else(String::new, |o| o.display().to_string());
     let folder = super::chart::shell_word(&folder);
     format!("pelage chart {topic}{} --rows {number} -o {folder} --json", subject.arguments)

@@ -8,6 +8,8 @@ mod chart;
 #[cfg(feature = "preview")]
 mod chart_light;
 #[cfg(feature = "preview")]
+mod chart_lighting;
+#[cfg(feature = "preview")]
 mod demo;
 mod exit;
 #[cfg(feature = "preview")]
