@@ -116,9 +116,9 @@ const MAX_EXPONENT: f32 = 10_000.0;
 /// Constants of Yang 2006, eqs. (1)–(3). Colours are linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shading {
-    /// ka, multiplied by the hair's colour (default 0.25 each).
+    /// ka, multiplied by the hair's colour (default 0.35 each).
     pub ambient: [f32; 3],
-    /// kd (default 1.4 each: where hair shadows hair, about half of the light arrives).
+    /// kd (default 1.5 each: where hair shadows hair, about half of the light arrives).
     pub diffuse: [f32; 3],
     /// ks (default 0.18 each).
     pub specular: [f32; 3],
@@ -135,8 +135,8 @@ pub struct Shading {
 impl Default for Shading {
     fn default() -> Self {
         Self {
-            ambient: [0.25; 3],
-            diffuse: [1.4; 3],
+            ambient: [0.35; 3],
+            diffuse: [1.5; 3],
             specular: [0.18; 3],
             diffuse_exponent: 2.0,
             specular_exponent: 30.0,

@@ -1,5 +1,5 @@
 //! Many furred models in one picture, to be looked at:
-//! `cargo run --workspace --bin contact_sheet -- OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake options]]…`.
+//! `cargo run --bin contact_sheet -- OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake options]]…`.
 //!
 //! Bakes and draws every model through the real binary, each `WxH` pixels, row by row, and says on stdout which is where and what its
 //! surface stage measured. A model that cannot be baked or drawn ends the run with the binary's own words.

@@ -1,5 +1,5 @@
 //! The pictures of Yang 2006 that show light in fur, redrawn with this project's own models:
-//! `cargo run --release --workspace --bin light_pictures -- FOLDER`.
+//! `cargo run --release --bin light_pictures -- FOLDER`.
 //!
 //! * `light_single_hairs.png`: sparse hair whose single shadows lie on the skin, without and with self-shadow (Fig. 6)
 //! * `light_self_shadow.png`: without and with self-shadow (Fig. 7)
@@ -48,7 +48,7 @@ fn main() -> anyhow::Result<()> {
     let portrait = "--camera 0.42,0.5,0.62/0,0.24,0.02/34";
     gallery.row("light_self_shadow", &hare, "360x400", portrait, &["--self-shadow off", ""])?;
     let back = "--camera -0.62,0.72,-0.35/0,0.22,0/26 --light -0.1,0.75,0.9";
-    let shadows = ["--soft-shadow off", "--penumbra 0", ""];
+    let shadows = ["--soft-shadow off", "--penumbra 0", "--penumbra 0.3 --shadow-shrink 12"];
     gallery.row("light_soft_shadow", &hare, "300x300", back, &shadows)?;
     let behind = "--camera -0.62,0.72,-0.35/0,0.22,0/26 --light 0.7,0.35,0.6 --soft-shadow off";
     gallery.row("light_behind", &hare, "300x300", behind, &["--back-attenuation off", ""])?;

@@ -1,5 +1,5 @@
 //! What shadows cost, as Table 1 of Yang 2006 has it, with the paper's own figures as ratios beside it:
-//! `cargo run --release --workspace --bin shadow_table -- [MODEL [bake options] [+ MODEL [bake options]]…]`.
+//! `cargo run --release --bin shadow_table -- [MODEL [bake options] [+ MODEL [bake options]]…]`.
 //!
 //! Bakes and measures the built-in torus, knot and hare, and the models given, with `pelage bench` at its defaults. Milliseconds are
 //! medians; ratios are medians of frame by frame ratios.
