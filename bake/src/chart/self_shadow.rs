@@ -191,9 +191,9 @@ impl Sheet {
         f64::from(hair * maps.size as f32 / maps.view.extent)
     }
 
-    /// Size of the maps that would be as fine on something else: on a sphere of that radius, metres.
+    /// Size of the maps that would be as fine if they covered a sphere of that radius, metres.
     pub fn map_size_on(&self, maps: &LightMaps, radius_m: f32) -> f64 {
-        f64::from(maps.size as f32 * radius_m / maps.view.sphere.radius).round()
+        f64::from(maps.size as f32 * 2.0 * radius_m / maps.view.extent).round()
     }
 
     /// The truths at the texels of all layers.

@@ -65,7 +65,7 @@ fn maps_without_error_have_none() {
     let soft = SoftShadow { range_m: 1.0, penumbra: 0.1, blur: 0.1, texel: 0.1 };
     let mut maps = LightMaps { view, soft, size: n, layers, width: Vec::new(), depths: Default::default() };
     assert!((sheet.map_texels_per_hair_texel(&maps) - 1.0).abs() < 1e-5);
-    assert_eq!(sheet.map_size_on(&maps, 2.5), 40.0);
+    assert_eq!(sheet.map_size_on(&maps, 0.1), 40.0);
     let truth = sheet.truth(&slant);
     let fast = sheet.fast(&maps, &slant, SlantForm::Corrected, &truth);
     let mut measured = Measured::default();

@@ -34,7 +34,7 @@ const LIT: f64 = 0.999;
 /// How an attenuation is made of the maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// As printed in Yang 2006, §4 and §5.
+    /// As printed in Yang 2006, §4 and §5, with a map as the paper makes it.
     Printed,
     /// The same made safe, with the penumbra inside the hard edge ([`PenumbraForm::Inner`]).
     Inner,
@@ -112,7 +112,7 @@ pub fn configurations() -> Vec<Configuration> {
     for map_size in [128, 256, 1024] {
         add("map size", Method::Centred, ShadowParams { map_size, ..base });
     }
-    for shrink in [2, 4, 16, 32] {
+    for shrink in [2, 4, 8, 16, 32] {
         add("shrink", Method::Centred, ShadowParams { shrink, ..base });
     }
     for penumbra in [0.03, 0.3] {
@@ -191,23 +191,26 @@ impl Skin {
         points.par_iter().map(share).collect()
     }
 
-    /// The same as the runtime has it, from its maps.
-    pub fn fast(&self, maps: &LightMaps, towards_light: Vec3, method: Method) -> Vec<f64> {
-        let distances = match method {
-            Method::Iterated(passes) => {
-                Some((iterated_distances(&occlusion(maps), maps.size as usize, passes), passes))
-            }
-            _ => None,
+    /// The same as a method has it, from the runtime's maps, which were shrunk by `shrink`.
+    pub fn fast(&self, maps: &LightMaps, towards_light: Vec3, method: Method, shrink: u32) -> Vec<f64> {
+        // What the runtime no longer makes as its sources do is made of its depth maps here.
+        let size = maps.size as usize;
+        let blurred = if method == Method::Printed { paper_width(&occlusion(maps), size, shrink) } else { Vec::new() };
+        let distances = if let Method::Iterated(passes) = method {
+            iterated_distances(&occlusion(maps), size, passes)
+        } else {
+            Vec::new()
         };
         let share = |p: &Point| {
             let (place, n_dot_l) = (maps.place(p.position_ws), p.normal_ws.dot(towards_light));
-            if let Some((distances, passes)) = &distances {
-                return iterated(maps, distances, *passes, place, n_dot_l);
-            }
-            if method == Method::Printed {
-                let texel = maps.width_texel(place);
-                let sd = (place.z - texel.z) * maps.soft.range_m;
-                return printed_attenuation(sd, texel.x * maps.soft.blur * place.w, 1.0 / maps.soft.penumbra);
+            let sd = (place.z - maps.bilinear(&maps.depths[0], place)) * maps.soft.range_m;
+            match method {
+                Method::Iterated(passes) => return iterated(maps, &distances, passes, place, sd, n_dot_l),
+                Method::Printed => {
+                    let sw = maps.bilinear(&blurred, place) * maps.soft.blur * place.w;
+                    return printed_attenuation(sd, sw, 1.0 / maps.soft.penumbra);
+                }
+                Method::Inner | Method::Centred => {}
             }
             maps.light_past_things(place, n_dot_l, method == Method::Centred)
         };
@@ -278,13 +281,36 @@ fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
     distances
 }
 
-/// Kirsch's attenuation at a point, with the bias that ours has.
-fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, n_dot_l: f32) -> f32 {
+/// Kirsch's attenuation at a point `sd` metres behind the first surface, with the bias that ours has.
+fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, sd: f32, n_dot_l: f32) -> f32 {
     let texel = maps.soft.texel * place.w;
     let bias = texel * (0.5 + slanted_path(n_dot_l));
-    let sd = (place.z - maps.width_texel(place).z) * maps.soft.range_m - bias;
     let sw = maps.bilinear(distances, place) * texel;
-    inner_attenuation(sd, sw, maps.soft.penumbra, passes as f32 * texel)
+    inner_attenuation(sd - bias, sw, maps.soft.penumbra, passes as f32 * texel)
+}
+
+/// The shadow-width map of the paper: occlusion drawn `shrink` times smaller, and that as large as it was.
+fn paper_width(occluded: &[bool], size: usize, shrink: u32) -> Vec<f32> {
+    let shrink = shrink as usize;
+    let small = size.div_ceil(shrink);
+    let block = |i: usize| {
+        let (x0, y0) = (i % small * shrink, i / small * shrink);
+        let texels = (0..shrink * shrink).map(|j| (x0 + j % shrink, y0 + j / shrink));
+        let inside = texels.filter(|(x, y)| *x < size && *y < size).map(|(x, y)| occluded[y * size + x]);
+        let (count, hit) = inside.fold((0, 0), |(count, hit), o| (count + 1, hit + u32::from(o)));
+        hit as f32 / count.max(1) as f32
+    };
+    let blocks: Vec<f32> = (0..small * small).map(block).collect();
+    let place = |x: usize| {
+        let x = ((x as f32 + 0.5) / shrink as f32 - 0.5).clamp(0.0, small as f32 - 1.0);
+        (x as usize, (x as usize + 1).min(small - 1), x.fract())
+    };
+    let texel = |i: usize| {
+        let ((x0, x1, fx), (y0, y1, fy)) = (place(i % size), place(i / size));
+        let row = |y: usize| blocks[y * small + x0] * (1.0 - fx) + blocks[y * small + x1] * fx;
+        row(y0) * (1.0 - fy) + row(y1) * fy
+    };
+    (0..size * size).into_par_iter().map(texel).collect()
 }
 
 /// Errors of a configuration.

@@ -52,6 +52,19 @@ fn what_no_one_sees_is_left_out() {
     assert!(seen.iter().all(|p| p.position_ws.length() > 0.9));
 }
 
+#[test]
+fn the_papers_map_is_half_at_a_straight_edge() {
+    // An edge between two blocks, and a size that is no multiple of them.
+    let (size, shrink) = (30, 4);
+    let occluded: Vec<bool> = (0..size * size).map(|i| i % size >= 16).collect();
+    let map = paper_width(&occluded, size, shrink);
+    let row = |y: usize| &map[y * size..][..size];
+    assert!((0.5 * (row(10)[15] + row(10)[16]) - 0.5).abs() < 1e-6, "{:?}", row(10));
+    assert!(row(10).is_sorted() && row(10) == row(29));
+    assert_eq!([row(3)[13], row(3)[18], row(3)[29]], [0.0, 1.0, 1.0]);
+    assert!(row(3)[14] > 0.0 && row(3)[17] < 1.0);
+}
+
 /// What casts no shadow on itself is all lit; a ring has some of everything.
 #[test]
 fn the_truth_of_a_ball_and_of_a_ring() {

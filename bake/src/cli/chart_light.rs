@@ -1,6 +1,6 @@
 //! `pelage chart self-shadow` and `soft-shadow`: the runtime's shadow maps, drawn by the adapter, against the slow truths.
 
-use super::chart::{ChartArgs, Subject};
+use super::chart::{ChartArgs, Subject, shell_word};
 use super::exit::Failure;
 use super::gpu::{Gpu, lost, read_buffer};
 use super::measure::{Clock, Meter, PASSES, Spread};
@@ -34,10 +34,10 @@ fn trials<C, M: Default>(args: &ChartArgs, configurations: Vec<C>) -> Result<Vec
     Ok(chosen.collect())
 }
 
-/// The command that measures one row again.
+/// The command that measures one row again, into a folder of its own: the whole table stays.
 pub(super) fn command(args: &ChartArgs, subject: &Subject, topic: &str, number: usize) -> String {
-    let folder = args.output.as_ref().map_or_else(String::new, |o| o.display().to_string());
-    let folder = super::chart::shell_word(&folder);
+    let folder = args.output.clone().unwrap_or_default().join(format!("row-{number}"));
+    let folder = shell_word(&folder.display().to_string());
     format!("pelage chart {topic}{} --rows {number} -o {folder} --json", subject.arguments)
 }
 
@@ -116,7 +116,7 @@ pub fn soft_shadow_chart(args: &ChartArgs, subject: &Subject, output: &mut Outpu
             let method = trial.configuration.method;
             let iterated = matches!(method, soft_shadow::Method::Iterated(_));
             let start = Instant::now();
-            let fast = skin.fast(&maps, *light, method);
+            let fast = skin.fast(&maps, *light, method, shadows.shrink);
             // Distances that no pass of the runtime makes are made here, and this is what they cost.
             let ms = if iterated { ms + start.elapsed().as_secs_f64() * 1e3 } else { ms };
             trial.measured.add(&fast, truth);
