@@ -20,6 +20,7 @@ use crate::shared::{frame as blocks, kajiya_kay, skinning};
 use crate::{FrameParams, Instance, Light, Model, RuntimeError, Style};
 use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::Shading;
+use std::ops::Range;
 use std::sync::Arc;
 use wgpu::util::DeviceExt;
 
@@ -49,6 +50,8 @@ pub(crate) struct Drawn {
     pub(crate) casters: [Vec<(usize, wgpu::RenderPipeline)>; 2],
     /// Layers, skin counted.
     pub(crate) layers: u32,
+    /// The layers that the shells draw.
+    pub(crate) shell_layers: Range<u32>,
 }
 
 /// Which passes ran, and why the others did not.
@@ -136,6 +139,7 @@ pub(crate) fn prepare(
                 Default::default()
             },
             layers,
+            shell_layers: params.only_layer.map_or(1..layers, |k| k..(k + 1).min(layers)),
         });
     }
 

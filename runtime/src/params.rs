@@ -121,6 +121,9 @@ pub struct FrameParams {
     /// Draws the shells with one texture read and no lighting: what `pelage bench` measures their cost against.
     #[doc(hidden)]
     pub yardstick: bool,
+    /// Draws this layer of the shells alone, 1.. : what counting is done with.
+    #[doc(hidden)]
+    pub only_layer: Option<u32>,
 }
 
 impl FrameParams {
@@ -142,6 +145,7 @@ impl FrameParams {
             back_attenuation: true,
             shading: None,
             yardstick: false,
+            only_layer: None,
         }
     }
 

@@ -97,10 +97,39 @@ impl Targets {
                 view: &self.depth,
                 depth_ops: Some(wgpu::Operations {
                     load: wgpu::LoadOp::Clear(if self.reversed_depth { 0.0 } else { 1.0 }),
-                    store: wgpu::StoreOp::Discard,
+                    store: wgpu::StoreOp::Store,
                 }),
                 stencil_ops: None,
             }),
+            ..Default::default()
+        })
+    }
+
+    /// Begins another pass behind [`Self::begin`]'s depth, which it goes on with: colour cleared to transparent, and the samples that pass
+    /// the depth test counted by query 0 of `queries` between `begin_occlusion_query` and its end. One sample per pixel only.
+    #[allow(dead_code, reason = "not every example counts")]
+    pub fn count_behind<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        queries: &'e wgpu::QuerySet,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("count"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            occlusion_query_set: Some(queries),
             ..Default::default()
         })
     }

@@ -26,11 +26,11 @@ pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &crate::frame::D
         // Instances of one draw are drawn in order: all layers at once.
         pass.set_pipeline(pipeline);
         pass.set_bind_group(1, &parts[*part].material, &[]);
-        pass.draw_indexed(parts[*part].indices.clone(), 0, 1..instance.layers);
+        pass.draw_indexed(parts[*part].indices.clone(), 0, instance.shell_layers.clone());
         return;
     }
     // Several parts may overlap where they meet: layer by layer, so that an outer layer of one never hides an inner of another.
-    for layer in 1..instance.layers {
+    for layer in instance.shell_layers.clone() {
         for (part, pipeline) in &instance.shells {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(1, &parts[*part].material, &[]);
