@@ -36,7 +36,13 @@ fn above() -> FrameParams {
 
 fn furry_plane(gpu: &Gpu, renderer: &Renderer, layers: u32, opacity: u8) -> Instance {
     // Upright hair in upright light would be black: here it is lit from all sides alike.
-    let shading = Shading { diffuse_exponent: 0.0, specular: [0.0; 3], ..Shading::default() };
+    let shading = Shading {
+        ambient: [0.2; 3],
+        diffuse: [0.8; 3],
+        diffuse_exponent: 0.0,
+        specular: [0.0; 3],
+        ..Shading::default()
+    };
     let package = groomed_plane(layers, opacity, shading, &PlaneGroom::default());
     Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package).unwrap())
 }
@@ -108,10 +114,10 @@ fn map_layers_keep_the_density() {
     }
     // Coarser maps draw nearly the same picture.
     let fine = draw(gpu, &mut renderer, SIZE, &above(), &mut [&mut plane]);
-    let shadows = ShadowParams { map_layers: Some(5), ..ShadowParams::default() };
+    let shadows = ShadowParams { map_layers: Some(2), ..ShadowParams::default() };
     let coarse = draw(gpu, &mut renderer, SIZE, &FrameParams { shadows, ..above() }, &mut [&mut plane]);
     let found = difference(&fine, &coarse);
-    assert!(found.mean > 0.0 && found.mean < 3.0, "{found:?}");
+    assert!(found.mean > 0.0 && found.mean < 6.0, "{found:?}");
 }
 
 #[test]
@@ -251,7 +257,9 @@ fn things_throw_soft_shadows_on_fur() {
     let mut row = |penumbra: f32, form: PenumbraForm, soft_shadow: bool| -> Vec<u8> {
         let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 0.14 };
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 0.14), Vec3::ZERO, projection);
-        let shadows = ShadowParams { penumbra, penumbra_form: form, ..ShadowParams::default() };
+        // Wide penumbrae need a wide blur.
+        let shadows =
+            ShadowParams { penumbra, penumbra_form: form, map_size: 256, shrink: 16, ..ShadowParams::default() };
         let params = FrameParams { shadows, soft_shadow, camera, self_shadow: false, ..above() };
         let picture = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut plane, &mut ball]);
         picture.rgba[32 * 64..33 * 64].iter().map(|p| p[1]).collect()
