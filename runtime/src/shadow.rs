@@ -245,7 +245,10 @@ pub(crate) struct InstanceKey {
 
 impl ShadowMaps {
     pub(crate) fn new(device: &wgpu::Device, key: ShadowKey) -> Self {
-        let texture = |label, size: u32, layers: u32, format| {
+        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC;
+        let texture = |label, size: u32, layers: u32, format, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
@@ -253,22 +256,24 @@ impl ShadowMaps {
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC
-                    | wgpu::TextureUsages::COPY_DST,
+                usage,
                 view_formats: &[],
             })
         };
         let size = key.params.map_size;
-        let layers = key.self_shadow.then(|| texture("pelage layer shadow", size, key.map_layers, Self::LAYER_FORMAT));
+        let map = |label, size, format| texture(label, size, 1, format, attachment);
+        let small = size.div_ceil(key.params.shrink);
+        // Each layer starts as a copy of the one above.
+        let copied = attachment | wgpu::TextureUsages::COPY_DST;
+        let layers =
+            key.self_shadow.then(|| texture("pelage layer shadow", size, key.map_layers, Self::LAYER_FORMAT, copied));
         let width = key.soft_shadow.then(|| WidthMaps {
-            farthest: texture("pelage farthest depth", size, 1, Self::DEPTH_FORMAT),
-            deepest: texture("pelage deepest", size.div_ceil(key.params.shrink), 1, Self::WIDTH_FORMAT),
-            shrunk: texture("pelage occlusion", size.div_ceil(key.params.shrink), 1, Self::WIDTH_FORMAT),
-            width: texture("pelage shadow width", size, 1, Self::WIDTH_FORMAT),
+            farthest: map("pelage farthest depth", size, Self::DEPTH_FORMAT),
+            deepest: map("pelage deepest", small, Self::WIDTH_FORMAT),
+            shrunk: map("pelage occlusion", small, Self::WIDTH_FORMAT),
+            width: map("pelage shadow width", size, Self::WIDTH_FORMAT),
         });
-        let nearest = texture("pelage nearest depth", size, 1, Self::DEPTH_FORMAT);
+        let nearest = map("pelage nearest depth", size, Self::DEPTH_FORMAT);
         Self { key, nearest, layers, width }
     }
 
