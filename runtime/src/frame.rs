@@ -12,7 +12,7 @@
 use crate::light_view::{Hull, LightView};
 use crate::params::MAX_FILL_LIGHTS;
 use crate::passes::fins::{self, FinDraws};
-use crate::passes::surface::{Look, ShadowLook};
+use crate::passes::key::{Look, ShadowLook};
 use crate::passes::{PassId, layer_shadow, pose, shadow_width, shells, skin};
 use crate::renderer::Pipelines;
 use crate::shadow::{CasterPass, Casters, PenumbraForm, ShadowKey, ShadowMaps, SlantForm};

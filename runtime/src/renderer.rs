@@ -1,7 +1,8 @@
 //! What is made once per device and set of options: layouts and pipelines.
 
+use crate::passes::key::{SurfaceKey, SurfaceShader};
 use crate::passes::shadow_width::FilterPipelines;
-use crate::passes::surface::{SurfaceKey, SurfaceLayouts, SurfaceShader};
+use crate::passes::surface::SurfaceLayouts;
 use crate::passes::{PassId, fins, layer_shadow, pose, shadow_width, shells, skin};
 use crate::shadow::{Casters, ShadowMaps};
 use crate::{Frame, FrameParams, Instance, Model, RendererOptions, RuntimeError, frame, model};

@@ -1,6 +1,7 @@
 //! One pass is one folder: what it needs, its pipelines, and how it is recorded.
 
 pub(crate) mod fins;
+pub(crate) mod key;
 pub(crate) mod layer_shadow;
 pub(crate) mod pose;
 pub(crate) mod shadow_width;

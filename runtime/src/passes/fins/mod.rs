@@ -3,7 +3,8 @@
 
 use crate::Instance;
 use crate::model::Model;
-use crate::passes::surface::{Look, SurfaceShader, plan_parts, surface_wgsl};
+use crate::passes::key::{Look, SurfaceShader, plan_parts};
+use crate::passes::surface::surface_wgsl;
 use crate::renderer::Pipelines;
 
 /// The shader.

@@ -11,7 +11,8 @@
 use super::{MapTarget, begin_maps};
 use crate::frame::Drawn;
 use crate::model::Model;
-use crate::passes::surface::{Look, SurfaceShader, plan_parts, surface_wgsl};
+use crate::passes::key::{Look, SurfaceShader, plan_parts};
+use crate::passes::surface::surface_wgsl;
 use crate::renderer::Pipelines;
 use crate::shadow::ShadowMaps;
 

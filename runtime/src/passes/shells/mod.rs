@@ -2,7 +2,8 @@
 //! written (Lengyel 2001; Yang 2006, §2).
 
 use crate::model::Model;
-use crate::passes::surface::{Look, SurfaceShader, plan_parts, surface_wgsl};
+use crate::passes::key::{Look, SurfaceShader, plan_parts};
+use crate::passes::surface::surface_wgsl;
 use crate::renderer::Pipelines;
 
 /// The shader.

@@ -2,7 +2,8 @@
 
 use crate::Style;
 use crate::model::{Model, Part};
-use crate::passes::surface::{Look, SurfaceShader, surface_wgsl};
+use crate::passes::key::{Look, SurfaceShader};
+use crate::passes::surface::surface_wgsl;
 use crate::renderer::Pipelines;
 
 /// The shader.
