@@ -1,7 +1,7 @@
 //! Topic `self-shadow`: how well layer-wise shadow maps know what light the hair lets through, and what the maps cost.
 //!
-//! The recipe's hair grows on a flat sheet of some tiles, so that the frame of every tile is known and nothing but hair stands in the light; the
-//! middle tile is judged, and slanted rays that end on it never leave the sheet. The maps are the runtime's own, drawn by the adapter and
+//! The recipe's hair grows on a flat sheet, so that the frame of every tile is known and nothing but hair stands in the light; the tile in its
+//! middle is judged, and about it lies as much sheet as the slanted rays that end on it need. The maps are the runtime's own, drawn by the adapter and
 //! read back; the truths are [`SampledVolume`] and [`StrandField`].
 
 use super::errors::Errors;
@@ -166,9 +166,9 @@ impl Sheet {
         }
         let height = f64::from(lengths.length_m / lengths.tile_size_m);
         let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
-        // Rays that end on the middle tile come from within so many tiles beside it, and a mip level may look one further.
-        let tiles = 2 * (1.1 * height * steepest).ceil() as u32 + 1;
-        let model = sheet_model(tiles as f32 * lengths.tile_size_m, tiles as f32);
+        // The middle tile, and on each side as much as the rays run over that end on it. More would only make the maps coarser.
+        let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
+        let model = sheet_model(tiles * lengths.tile_size_m, tiles);
         let baked = pipeline::bake("sheet", "sheet", &model, &recipe, &MapImages::default(), &mut |_| ())?;
         let strands = strands_of(&recipe, lengths)?;
         let format = TextureFormat::from(recipe.pack.direction_format);
@@ -349,13 +349,13 @@ fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
     sheet
 }
 
-/// A square in the plane y = 0 that looks up, with texture coordinates that count tiles.
+/// A square in the plane y = 0 that looks up, with texture coordinates that count tiles; one of them lies in its middle.
 fn sheet_model(width_m: f32, tiles: f32) -> Model {
     let corners = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
     let mesh = Mesh {
         positions: corners.map(|c| vec3(c.x - 0.5, 0.0, 0.5 - c.y) * width_m).to_vec(),
         normals: vec![Vec3::Y; 4],
-        uvs: corners.map(|c: Vec2| c * tiles).to_vec(),
+        uvs: corners.map(|c: Vec2| 0.5 + (c - 0.5) * tiles).to_vec(),
         colors: vec![[255; 4]; 4],
         skin: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],

@@ -32,10 +32,18 @@ fn the_middle_tile_lies_in_the_middle_and_its_frame_is_the_shaders() {
         }
         assert!((v.fur_height - sheet.up.length()).abs() < 1e-7);
     }
-    // A whole number of tiles, of which at least one on each side.
-    let us: Vec<f32> = mesh.attributes.iter().map(|a| a.tile_uv[0]).collect();
-    let (low, high) = us.iter().fold((f32::MAX, f32::MIN), |(l, h), u| (l.min(*u), h.max(*u)));
-    assert!((high - low - (high - low).round()).abs() < 1e-4 && high - low >= 3.0, "{low}..{high}");
+    // To each side of the tile as far as light at 75 degrees runs through the fur.
+    let need = sheet.up.length() / 0.08 * 75f32.to_radians().tan();
+    for axis in 0..2 {
+        let uvs: Vec<f32> = mesh.attributes.iter().map(|a| a.tile_uv[axis]).collect();
+        let (low, high) = uvs.iter().fold((f32::MAX, f32::MIN), |(l, h), u| (l.min(*u), h.max(*u)));
+        let tile = 0.5 * (low + high) - 0.5;
+        assert!((tile - tile.round()).abs() < 1e-4, "{low}..{high}");
+        assert!(
+            tile - low > need && high - tile - 1.0 > need && high - low < 1.3 * (1.0 + 2.0 * need),
+            "{low}..{high}"
+        );
+    }
 }
 
 /// Maps that hold the truth give the truth, whatever else is between them and the points; others do not.
