@@ -118,7 +118,7 @@ const MAX_EXPONENT: f32 = 10_000.0;
 pub struct Shading {
     /// ka, multiplied by the hair's colour (default 0.35 each).
     pub ambient: [f32; 3],
-    /// kd (default 1.5 each: where hair shadows hair, about half of the light arrives).
+    /// kd (default 1.2 each: where hair shadows hair, not all of the light arrives).
     pub diffuse: [f32; 3],
     /// ks (default 0.18 each).
     pub specular: [f32; 3],
@@ -136,7 +136,7 @@ impl Default for Shading {
     fn default() -> Self {
         Self {
             ambient: [0.35; 3],
-            diffuse: [1.5; 3],
+            diffuse: [1.2; 3],
             specular: [0.18; 3],
             diffuse_exponent: 2.0,
             specular_exponent: 30.0,

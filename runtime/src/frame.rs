@@ -152,8 +152,8 @@ pub(crate) fn prepare(
         soft_shadow: [0.0; 4],
         last_map_layer: key.as_ref().map_or(0.0, |key| (key.map_layers - 1) as f32),
         fill_lights: params.fill_lights.len() as u32,
-        reserved0: 0,
-        reserved1: 0,
+        hair_density: params.shadows.density,
+        reserved: 0,
     };
     let upload = |frame: &blocks::Frame, layers: Option<u32>| {
         let block = |i: &&mut Instance| instance_block(i, params, layers.unwrap_or(drawn_layers(i.model(), params)));

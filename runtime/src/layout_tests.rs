@@ -92,8 +92,8 @@ fn uniform_structs_agree() {
             soft_shadow,
             last_map_layer,
             fill_lights,
-            reserved0,
-            reserved1,
+            hair_density,
+            reserved,
         )
     );
     assert_eq!(members(frame::WGSL, "FillLight"), fields!(frame::FillLight, light_ws, color));

@@ -28,10 +28,16 @@ fn towards(direction: Vec3) -> Light {
     Light::Directional { towards_light: direction, color: Vec3::ONE }
 }
 
+/// Shadows as dense as the layers are drawn.
+fn as_drawn() -> ShadowParams {
+    ShadowParams { density: 1.0, ..ShadowParams::default() }
+}
+
 /// Straight from above on the plane at z = 0.
 fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
-    FrameParams { light: towards(Vec3::Z), ..FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection)) }
+    let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
+    FrameParams { light: towards(Vec3::Z), shadows: as_drawn(), ..FrameParams::new(camera) }
 }
 
 fn furry_plane(gpu: &Gpu, renderer: &Renderer, layers: u32, opacity: u8) -> Instance {
@@ -80,7 +86,7 @@ fn maps_hold_the_product_of_the_layers_above() {
     for degrees in [0.0f32, 40.0, 60.0, 70.0] {
         let angle = degrees.to_radians();
         for (slant, path) in [(SlantForm::Corrected, (1.0 / angle.cos()).min(4.0)), (SlantForm::Printed, 1.0)] {
-            let shadows = ShadowParams { slant, ..ShadowParams::default() };
+            let shadows = ShadowParams { slant, ..as_drawn() };
             let light = towards(Vec3::new(angle.sin(), 0.0, angle.cos()));
             let frame = prepare(gpu, &mut renderer, &FrameParams { light, shadows, ..above() }, &mut [&mut plane]);
             let found = transmittances(gpu, frame.shadows().unwrap(), Vec3::ZERO);
@@ -97,6 +103,23 @@ fn maps_hold_the_product_of_the_layers_above() {
     }
 }
 
+#[test]
+fn density_scales_the_optical_depth() {
+    let Some(gpu) = gpu("density_scales_the_optical_depth") else { return };
+    let mut renderer = renderer(gpu);
+    let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
+    let through = (1.0 - f32::from(OPACITY) / 255.0).powi(LAYERS as i32 - 1);
+    let mut greens = Vec::new();
+    for density in [0.0, ShadowParams::STRAND_DENSITY, 1.0, 2.0] {
+        let params = FrameParams { shadows: ShadowParams { density, ..as_drawn() }, ..above() };
+        let frame = prepare(gpu, &mut renderer, &params, &mut [&mut plane]);
+        let found = transmittances(gpu, frame.shadows().unwrap(), Vec3::ZERO)[0];
+        assert!((found - through.powf(density)).abs() < 3e-3, "density {density}: {found}");
+        greens.push(draw(gpu, &mut renderer, SIZE, &params, &mut [&mut plane]).mean(1));
+    }
+    assert!(greens.windows(2).all(|w| w[0] > w[1] + 1.0), "denser is darker: {greens:?}");
+}
+
 /// Fewer or more map layers than are drawn let the same light through to the skin.
 #[test]
 fn map_layers_keep_the_density() {
@@ -105,7 +128,7 @@ fn map_layers_keep_the_density() {
     let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
     let expected = (1.0 - f32::from(OPACITY) / 255.0).powi(LAYERS as i32 - 1);
     for map_layers in [2, 3, 5, LAYERS, 15, 22] {
-        let shadows = ShadowParams { map_layers: Some(map_layers), ..ShadowParams::default() };
+        let shadows = ShadowParams { map_layers: Some(map_layers), ..as_drawn() };
         let frame = prepare(gpu, &mut renderer, &FrameParams { shadows, ..above() }, &mut [&mut plane]);
         let found = transmittances(gpu, frame.shadows().unwrap(), Vec3::ZERO);
         assert_eq!(found.len(), map_layers as usize);
@@ -114,7 +137,7 @@ fn map_layers_keep_the_density() {
     }
     // Coarser maps draw nearly the same picture.
     let fine = draw(gpu, &mut renderer, SIZE, &above(), &mut [&mut plane]);
-    let shadows = ShadowParams { map_layers: Some(2), ..ShadowParams::default() };
+    let shadows = ShadowParams { map_layers: Some(2), ..as_drawn() };
     let coarse = draw(gpu, &mut renderer, SIZE, &FrameParams { shadows, ..above() }, &mut [&mut plane]);
     let found = difference(&fine, &coarse);
     assert!(found.mean > 0.0 && found.mean < 6.0, "{found:?}");
@@ -131,7 +154,7 @@ fn every_map_texel_is_a_share_of_light_from_any_side() {
     let near = Light::Point { position: Vec3::new(0.2, 0.1, 0.0), color: Vec3::ONE };
     let lights = [towards(Vec3::Y), towards(Vec3::NEG_Z), towards(Vec3::new(1.0, 1e-4, 0.0)), near, inside];
     for light in lights {
-        let shadows = ShadowParams { map_size: 128, ..ShadowParams::default() };
+        let shadows = ShadowParams { map_size: 128, ..as_drawn() };
         let frame =
             prepare(gpu, &mut renderer, &FrameParams { light, shadows, ..FrameParams::new(camera) }, &mut [&mut ball]);
         let maps = frame.shadows().unwrap();
@@ -258,8 +281,7 @@ fn things_throw_soft_shadows_on_fur() {
         let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 0.14 };
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 0.14), Vec3::ZERO, projection);
         // Wide penumbrae need a wide blur.
-        let shadows =
-            ShadowParams { penumbra, penumbra_form: form, map_size: 256, shrink: 16, ..ShadowParams::default() };
+        let shadows = ShadowParams { penumbra, penumbra_form: form, map_size: 256, shrink: 16, ..as_drawn() };
         let params = FrameParams { shadows, soft_shadow, camera, self_shadow: false, ..above() };
         let picture = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut plane, &mut ball]);
         picture.rgba[32 * 64..33 * 64].iter().map(|p| p[1]).collect()
@@ -501,6 +523,7 @@ fn what_is_out_of_range_is_named() {
             "map_size is 8, expected 16..=8192",
         ),
         (&|p| p.shadows.map_layers = Some(1), "map_layers is 1, expected 2..=256"),
+        (&|p| p.shadows.density = 5.0, "density is 5, expected 0..=4"),
         (&|p| p.shadows.penumbra = f32::NAN, "penumbra is NaN, expected 0..=2"),
         (&|p| p.shadows.shrink = 64, "shrink is 64, expected 2..=32"),
         (&|p| p.fill_lights = vec![Light::default(); MAX_FILL_LIGHTS + 1], "33 lights, expected at most 32"),

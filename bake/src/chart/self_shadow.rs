@@ -43,8 +43,9 @@ pub struct Configuration {
 }
 
 /// Columns of the chart.
-pub const COLUMNS: [&str; 24] = [
+pub const COLUMNS: [&str; 25] = [
     "form",
+    "density",
     "map_size",
     "map_layers",
     "rmse",
@@ -102,6 +103,10 @@ pub fn configurations(layers: u32) -> Vec<Configuration> {
     for map_size in [64, 128, 256, 512, 1024] {
         add("map size, as printed", ShadowParams { map_size, ..printed });
     }
+    for density in [0.2, 0.3, 0.6, 1.0] {
+        add("density", ShadowParams { density, ..base });
+    }
+    add("density as drawn, as printed", ShadowParams { density: 1.0, ..printed });
     for part in [0.125, 0.25, 0.5, 0.75] {
         let map_layers = Some(((layers - 1) as f32 * part).round() as u32 + 1).filter(|n| (2..layers).contains(n));
         if map_layers.is_some() {
@@ -219,7 +224,7 @@ impl Sheet {
     }
 
     /// t at the points of a truth as the runtime has it: the map, and of the corrected form half of the own layer.
-    pub fn fast(&self, maps: &LightMaps, slant: &Slant, form: SlantForm, truth: &Truth) -> Vec<f64> {
+    pub fn fast(&self, maps: &LightMaps, slant: &Slant, shadows: &ShadowParams, truth: &Truth) -> Vec<f64> {
         let n = self.set.texels as usize;
         let last_map_layer = (maps.layers.len() - 1) as f32;
         let path = slanted_path(slant.light_ts.z as f32);
@@ -231,11 +236,11 @@ impl Sheet {
             let between = maps.layers.len() != self.layers as usize;
             let t = maps.light_through_hair(maps.place(position), share * last_map_layer, between);
             // The skin has no layer of hair of its own.
-            if form == SlantForm::Printed || k == 0 {
+            if shadows.slant == SlantForm::Printed || k == 0 {
                 return f64::from(t);
             }
             let alpha = f32::from(self.set.layers[k].color[0][4 * (y * n + x) + 3]) / 255.0;
-            f64::from(t * layer_transmittance(alpha, 0.5 * path))
+            f64::from(t * layer_transmittance(alpha, 0.5 * shadows.density * path))
         };
         truth.points.par_iter().map(t).collect()
     }
@@ -278,12 +283,14 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Adds what was found under a light.
-    pub fn add(&mut self, slant: &Slant, fast: &[f64], truth: &Truth) {
+    /// Adds what was found under a light. The volume is met at the same `density` as the maps: what is left is the error of the maps;
+    /// whether that density is right, the strands tell.
+    pub fn add(&mut self, slant: &Slant, fast: &[f64], density: f32, truth: &Truth) {
+        let through: Vec<f64> = truth.volume.iter().map(|t| t.powf(density.into())).collect();
         let [volume, strands] = &mut self.by_angle[slant.angle];
-        *volume = volume.and(Errors::of(fast.iter().copied().zip(truth.volume.iter().copied())));
+        *volume = volume.and(Errors::of(fast.iter().copied().zip(through.iter().copied())));
         *strands = strands.and(Errors::of(truth.strands.iter().map(|(i, t)| (fast[*i], *t))));
-        self.volume = self.volume.and(Errors::of(truth.strands.iter().map(|(i, t)| (truth.volume[*i], *t))));
+        self.volume = self.volume.and(Errors::of(truth.strands.iter().map(|(i, t)| (through[*i], *t))));
     }
 
     fn total(&self, truth: usize) -> Errors {
@@ -311,6 +318,7 @@ pub fn cells(shadows: &ShadowParams, layers: u32, measured: &Measured, cost: &Co
     let totals = [measured.total(0), measured.total(1)];
     let mut cells = vec![
         Cell::Text(form.into()),
+        Cell::Number(shadows.density.into()),
         Cell::Number(shadows.map_size.into()),
         Cell::Number(shadows.map_layers.unwrap_or(layers).into()),
     ];

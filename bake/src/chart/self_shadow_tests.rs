@@ -75,16 +75,17 @@ fn maps_without_error_have_none() {
     assert!((sheet.map_texels_per_hair_texel(&maps) - 1.0).abs() < 1e-5);
     assert_eq!(sheet.map_size_on(&maps, 0.1), 40.0);
     let truth = sheet.truth(&slant);
-    let fast = sheet.fast(&maps, &slant, SlantForm::Corrected, &truth);
+    let as_drawn = ShadowParams { density: 1.0, ..ShadowParams::default() };
+    let fast = sheet.fast(&maps, &slant, &as_drawn, &truth);
     let mut measured = Measured::default();
-    measured.add(&slant, &fast, &truth);
+    measured.add(&slant, &fast, 1.0, &truth);
     // The volume caps opaque texels, the maps do not.
     let rmse = measured.total(0).rmse().unwrap_or(1.0);
     assert!(rmse < 0.01, "{rmse}");
     assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));
     maps.layers.iter_mut().flatten().for_each(|t| *t = (*t + 0.2).min(1.0));
     let mut worse = Measured::default();
-    worse.add(&slant, &sheet.fast(&maps, &slant, SlantForm::Corrected, &truth), &truth);
+    worse.add(&slant, &sheet.fast(&maps, &slant, &as_drawn, &truth), 1.0, &truth);
     assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
 }
 

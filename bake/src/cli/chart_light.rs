@@ -59,7 +59,7 @@ pub fn self_shadow_chart(args: &ChartArgs, subject: &Subject, output: &mut Outpu
         for (trial, cost) in trials.iter_mut().zip(&mut costs) {
             let shadows = trial.configuration.shadows;
             let (maps, ms) = bench.draw(sheet.to_world(slant.light_ts), shadows, PassId::LayerShadow)?;
-            trial.measured.add(slant, &sheet.fast(&maps, slant, shadows.slant, &truth), &truth);
+            trial.measured.add(slant, &sheet.fast(&maps, slant, &shadows, &truth), shadows.density, &truth);
             trial.milliseconds.push(ms);
             cost.texels_per_hair_texel = sheet.map_texels_per_hair_texel(&maps);
             cost.map_size_on_model = sheet.map_size_on(&maps, bounds.radius + lengths.length_m);

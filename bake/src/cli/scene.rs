@@ -113,6 +113,7 @@ impl TryFrom<&ViewArgs> for View {
             shadows: ShadowParams {
                 map_size: args.shadow_map,
                 map_layers: args.shadow_layers,
+                density: args.shadow_density,
                 slant: match args.slant {
                     Slant::Corrected => SlantForm::Corrected,
                     Slant::Printed => SlantForm::Printed,

@@ -3,6 +3,7 @@
 use super::exit::Failure;
 use clap::ValueEnum;
 use glam::Vec3;
+use pelage_runtime::ShadowParams;
 use std::str::FromStr;
 
 /// Options of `render` and `bench`.
@@ -58,6 +59,9 @@ pub struct ViewArgs {
     /// Layers of the layer-wise shadow maps, skin counted; by default as many as are drawn
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=256))]
     pub shadow_layers: Option<u32>,
+    /// Share of the layers' optical depth that the key light meets, 0 to 4: by default as among the strands; 1 is as the layers are drawn
+    #[arg(long, value_name = "D", default_value_t = ShadowParams::STRAND_DENSITY, value_parser = parse_density)]
+    pub shadow_density: f32,
     /// What the light's slant does to the opacity of a layer: with its longer way, or as printed in Yang 2006
     #[arg(long, value_enum, default_value_t = Slant::Corrected)]
     pub slant: Slant,
@@ -181,6 +185,10 @@ impl FromStr for FillLight {
         let strength = strength.ok_or("strength: expected a number from 0 to 1000".to_owned())?;
         Ok(Self { direction: direction.parse::<Direction>()?.0, strength })
     }
+}
+
+fn parse_density(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|d| (0.0..=4.0).contains(d)).ok_or("expected a number from 0 to 4".into())
 }
 
 fn parse_penumbra(text: &str) -> Result<f32, String> {
@@ -355,6 +363,7 @@ mod tests {
             ("--light NaN,0,1", "three numbers"),
             ("--light 0,1,0 --point-light 0,1,0", "cannot be used with"),
             ("--layers 0", "0 is not in 1.."),
+            ("--shadow-density 5", "0 to 4"),
             ("--penumbra=-1", "0 to 2"),
             ("--penumbra=NaN", "0 to 2"),
             ("--shadow-map 8", "16..=8192"),

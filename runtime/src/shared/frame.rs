@@ -15,8 +15,8 @@ pub(crate) struct Frame {
     pub soft_shadow: [f32; 4],
     pub last_map_layer: f32,
     pub fill_lights: u32,
-    pub reserved0: u32,
-    pub reserved1: u32,
+    pub hair_density: f32,
+    pub reserved: u32,
 }
 
 /// A light without shadow.

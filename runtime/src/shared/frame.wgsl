@@ -15,8 +15,9 @@ struct Frame {
     last_map_layer: f32,
     // Number of lights without shadow.
     fill_lights: u32,
-    reserved0: u32,
-    reserved1: u32,
+    // Share of the layers' optical depth that the key light meets.
+    hair_density: f32,
+    reserved: u32,
 }
 
 // A light without shadow. 32 bytes.

@@ -54,7 +54,7 @@ fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     if RESAMPLED {
         alpha = resampled_opacity(alpha, instance.opacity_exponent);
     }
-    let path = select(1.0, slanted_path(in.uv_light.z), SLANTED);
+    let path = frame.hair_density * select(1.0, slanted_path(in.uv_light.z), SLANTED);
     return vec4(layer_transmittance(alpha, path), 0.0, 0.0, 1.0);
 }
 

@@ -179,7 +179,7 @@ fn shade_shell(
     var reach = light_through_hair(in.place, slope_alpha_map.z, MAPS_BETWEEN) * light_past_things(in.place, light.z);
     if SELF_SHADOW && SLANTED {
         // The layer is as thick as the hair between it and the next: on average half of it is above its hair.
-        reach *= layer_transmittance(hair.color.a * groom.x, 0.5 * slanted_path(light.z));
+        reach *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * slanted_path(light.z));
     }
     let color = texel.rgb * base.rgb;
     // Yang 2006, eq. (3), with all that does not vary within a triangle or only linearly from the vertices.
