@@ -16,6 +16,7 @@ use crate::passes::key::{Look, ShadowLook};
 use crate::passes::{PassId, layer_shadow, pose, shadow_width, shells, skin};
 use crate::renderer::Pipelines;
 use crate::shadow::{CasterPass, Casters, PenumbraForm, ShadowKey, ShadowMaps, SlantForm};
+use crate::shared::receiver::ShadowReceiver;
 use crate::shared::{frame as blocks, kajiya_kay, skinning};
 use crate::{FrameParams, Instance, Light, Model, RuntimeError, Style};
 use glam::{Mat3, Mat4, Vec3};
@@ -30,6 +31,8 @@ pub struct Frame {
     bind_group: wgpu::BindGroup,
     instances: Vec<Drawn>,
     shadows: Option<Arc<ShadowMaps>>,
+    /// Of the shadow-width map, or a white texel.
+    shadow_map: wgpu::TextureView,
     report: FrameReport,
 }
 
@@ -203,7 +206,9 @@ pub(crate) fn prepare(
     };
     let buffer = upload(&frame, None);
     let bind_group = pipelines.layouts.frame_bind_group(device, &buffer, &fills, maps.as_deref());
-    Ok(Frame { bind_group, instances: drawn, shadows: maps, report })
+    let width = maps.as_deref().and_then(ShadowMaps::width);
+    let shadow_map = width.map_or_else(|| pipelines.layouts.white.clone(), |map| map.create_view(&Default::default()));
+    Ok(Frame { bind_group, instances: drawn, shadows: maps, shadow_map, report })
 }
 
 /// What the shadow maps of a frame depend on; `None` where it needs none.
@@ -266,8 +271,21 @@ impl Frame {
         }
     }
 
-    /// The key light's shadow maps, for the application's own geometry to read; `None` where the frame has none. They hold until a
-    /// later frame draws them anew, which the order of submission settles.
+    /// What the application's own shader needs to receive the key light's shadows, besides [`Self::shadow_map`]: the uniform block of
+    /// [`crate::shared::receiver`]. Without shadow-width map ([`FrameParams::soft_shadow`] off, a dark light, no instance) it
+    /// lights everything, so that one pipeline serves all frames.
+    pub fn shadow_receiver(&self) -> ShadowReceiver {
+        self.shadows().and_then(ShadowMaps::receiver).unwrap_or_default()
+    }
+
+    /// The shadow-width map, [`ShadowMaps::WIDTH_FORMAT`], or one white texel where the frame has none: a filterable two-dimensional
+    /// float texture in either case. It holds as long as [`Self::shadows`].
+    pub fn shadow_map(&self) -> &wgpu::TextureView {
+        &self.shadow_map
+    }
+
+    /// The key light's shadow maps themselves; `None` where the frame has none. They hold until a later frame draws them anew, which
+    /// the order of submission settles: submit what reads them before that frame's encoder.
     pub fn shadows(&self) -> Option<&ShadowMaps> {
         self.shadows.as_deref()
     }

@@ -23,7 +23,8 @@
 //! shaders premultiplied with opacity: an sRGB target encodes them.
 //!
 //! The hair is the layered volume of Lengyel 2001, lit per pixel as in Yang 2006, eq. (3): hair shadows hair by layer-wise shadow
-//! maps, things throw soft shadows by a shadow-width map. [`Casters`] lets the application's own geometry take part. A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
+//! maps, things throw soft shadows by a shadow-width map. [`Casters`] lets the application's own geometry take part in both
+//! directions. A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
 
 mod camera;
 mod error;

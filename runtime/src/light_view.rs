@@ -47,21 +47,24 @@ const MAX_FOV_RAD: f32 = 2.4;
 /// no digits left for the scene.
 const DISTANT: f32 = 500.0;
 
-/// Where the shadow maps of a light lie. They cover what casts and receives.
+/// Where the shadow maps of a light lie. They cover the instances of the frame with their fur, and [`crate::Casters::bounds`]. A point light
+/// sees at most 137° at once: one inside the scene has maps of the side of its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightView {
-    /// World to the clip space that the maps are drawn in; depth 0 is nearest to the light, not reversed.
+    /// World to the clip space that the maps are drawn in: what a caster's vertex shader applies. Depth 0 is nearest to the light,
+    /// whatever [`crate::RendererOptions::reversed_depth`] says.
     pub clip_from_world: Mat4,
-    /// World to (u·w, v·w, z, w): u, v are coordinates in the maps, 0..=1 from the top left; z is the depth, 0..=1 and linear; w is the
-    /// distance from a point light along its axis in metres, 1 for a distant light.
+    /// World to (u·w, v·w, z, w): what a receiver applies. u, v are coordinates in the maps, 0..=1 from the top left, after division by
+    /// w; z is the depth, 0..=1 and linear, and is not divided; w is the distance from a point light along its axis, metres, and
+    /// 1 for a distant light.
     pub map_from_world: Mat4,
     /// Metres from depth 0 to depth 1.
     pub range_m: f32,
-    /// Size of a map, metres at distance 1 from a point light, metres everywhere for a distant one.
+    /// Width and height of what a map covers: metres for a distant light, metres at 1 m from a point light.
     pub extent: f32,
     /// Distance of depth 0 from a point light, metres; `None` for a distant light.
     pub near_m: Option<f32>,
-    /// About what the maps cover.
+    /// A sphere that holds all that the maps were asked to cover.
     pub sphere: Sphere,
 }
 

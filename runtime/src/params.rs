@@ -108,9 +108,10 @@ pub struct FrameParams {
     pub fins: bool,
     /// Whether hair shadows hair, t of Yang 2006, eq. (2), by layer-wise shadow maps (default true).
     pub self_shadow: bool,
-    /// Whether things throw soft shadows, Attenu_Shadow of Yang 2006, eq. (3), by a shadow-width map (default true).
+    /// Whether things throw soft shadows, Attenu_Shadow of Yang 2006, eq. (3), by a shadow-width map (default true): skins on fur, and
+    /// what [`crate::Casters`] brings. Without it [`crate::Frame::shadow_receiver`] lights everything.
     pub soft_shadow: bool,
-    /// How these shadows are made.
+    /// How these shadows are made (default [`ShadowParams::default`]).
     pub shadows: ShadowParams,
     /// Whether ambient light fades towards the skin, γ of Yang 2006, eq. (2) (default true).
     pub ambient_attenuation: bool,

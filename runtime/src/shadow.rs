@@ -1,14 +1,17 @@
 //! Shadows of the key light: what is asked for, what is drawn, and when it must be drawn again.
 
 use crate::light_view::{LightView, Sphere};
+use crate::shared::receiver::ShadowReceiver;
 use crate::shared::soft_shadow::SoftShadow;
 use crate::{Light, Motion, RuntimeError};
 use glam::Mat4;
 
-/// How the shadows of the key light are made. Set per frame; a change draws the maps anew.
+/// How the shadows of the key light are made; [`crate::FrameParams::self_shadow`] and [`crate::FrameParams::soft_shadow`] say which are.
+/// Set per frame; a change draws the maps anew. [`ShadowMaps::gpu_bytes`] tells what they take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowParams {
-    /// Width and height of every shadow map, texels, 16..=8192 (default 512, as in Yang 2006, §6).
+    /// Width and height of every shadow map, texels, 16..=8192 (default 512, as in Yang 2006, §6). One map covers all that is drawn
+    /// and [`Casters::bounds`]: its texels are [`LightView::extent`] / `map_size` wide.
     pub map_size: u32,
     /// Layers of the layer-wise maps, skin counted, 2..=256; `None` (default) for as many as are drawn. Fewer cost less, and
     /// what lies between two is interpolated.
@@ -18,12 +21,13 @@ pub struct ShadowParams {
     /// How much of the light a layer takes (default [`SlantForm::Corrected`]).
     pub slant: SlantForm,
     /// Width of the penumbra over the distance between what throws a shadow and where it falls, 0..=2 (default 0.15): 1 / C_scale of
-    /// Yang 2006, §5; 2 tan of the light's angular radius. The sun has 0.009; 0 is a hard shadow.
+    /// Yang 2006, §5; 2 tan of the light's angular radius. The sun has 0.009; 0 is a hard shadow. `shrink` says how wide it can
+    /// get. The shadow of hair on other things is blurred by `shrink` texels at every distance.
     pub penumbra: f32,
     /// Where the penumbra lies (default [`PenumbraForm::Centred`]).
     pub penumbra_form: PenumbraForm,
     /// How far the shadow-width map is shrunk before it is stretched again, 2..=32 (default 4, as in Yang 2006, §4): the widest
-    /// penumbra is 4/3 of as many texels, and things much thinner throw none.
+    /// penumbra is 4/3 of as many texels (2/3 for [`PenumbraForm::Inner`]), and things much thinner throw no shadow.
     pub shrink: u32,
 }
 
@@ -100,17 +104,39 @@ impl ShadowParams {
     }
 }
 
-/// The application's own geometry among the shadows: it throws shadows on the fur, and the fur on it.
+/// The application's own geometry among the shadows: it throws shadows on the fur, and the fur on it. Give it to
+/// [`crate::Renderer::prepare_with_casters`] in every frame.
 ///
-/// `draw` records the geometry into a pass of depth alone, with a pipeline of the application's own: depth format
-/// [`ShadowMaps::DEPTH_FORMAT`], one sample, no colour target, [`CasterPass::compare`] as its comparison, [`CasterPass::cull_mode`]
-/// for closed things, and positions put through [`LightView::clip_from_world`]. It is called when the maps are drawn, twice.
+/// What only receives, such as a ground, belongs to it as well: the maps must know where a shadow falls. The application's own shader
+/// then reads them with [`crate::shared::receiver`]. `cargo run --example shadows_on_your_ground` shows all of it.
+///
+/// `draw` records the geometry into a pass of depth alone, with pipelines of the application's own, one for each [`CasterPass`]:
+/// depth format [`ShadowMaps::DEPTH_FORMAT`], depth written, [`CasterPass::compare`], [`CasterPass::cull_mode`] with
+/// counter-clockwise fronts, one sample, no colour target, and positions put through [`LightView::clip_from_world`]. It is called
+/// while the frame is prepared, once for each of the maps that are drawn anew, and not at all where they are kept. Keep the matrix
+/// in a buffer made there: one that is written for several frames of one submission would hold the last of them for all.
+///
+/// ```no_run
+/// # use pelage_runtime::{wgpu, *};
+/// # fn f(renderer: &mut Renderer, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, params: &FrameParams,
+/// #      fox: &mut Instance, scene_bounds: Sphere, frames_with_changes: u64,
+/// #      draw_scene_depth: &dyn Fn(&mut wgpu::RenderPass<'_>, glam::Mat4, CasterPass)) -> Result<(), RuntimeError> {
+/// let mut draw = |pass: &mut wgpu::RenderPass<'_>, view: &LightView, which: CasterPass| {
+///     draw_scene_depth(pass, view.clip_from_world, which);
+/// };
+/// let mut casters = Casters { bounds: Some(scene_bounds), revision: frames_with_changes, draw: &mut draw };
+/// let frame = renderer.prepare_with_casters(device, encoder, params, &mut [fox], &mut casters)?;
+/// // For a bind group of the application's own pipeline, whose shader calls `light_received`:
+/// let (uniform, texture) = (frame.shadow_receiver(), frame.shadow_map());
+/// # Ok(()) }
+/// ```
 pub struct Casters<'a> {
-    /// What must be covered besides the furry things: everything that throws a shadow or receives one. `None` adds nothing.
+    /// What the maps must cover besides the furry things: whatever throws a shadow or receives one. What lies beyond throws none
+    /// and is lit; the larger the bounds, the larger the maps' texels. `None` adds nothing.
     pub bounds: Option<Sphere>,
-    /// Changes whenever the geometry does; the maps are kept while it stays the same.
+    /// A number that is another whenever the geometry is; the maps are kept while it stays the same.
     pub revision: u64,
-    /// Records the draws.
+    /// Records the draws, as said above.
     pub draw: &'a mut dyn FnMut(&mut wgpu::RenderPass<'_>, &LightView, CasterPass),
 }
 
@@ -123,12 +149,12 @@ impl std::fmt::Debug for Casters<'_> {
     }
 }
 
-/// The two depth maps that casters are drawn into.
+/// The two depth maps that casters are drawn into. Both get the same geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CasterPass {
-    /// What the light reaches first. Everything that throws shadows.
+    /// What the light reaches first: it throws the shadows.
     Nearest,
-    /// The farthest surface that faces the light. Everything that receives shadows.
+    /// The farthest surface that faces the light: it receives them. Drawn only for soft shadows.
     Farthest,
 }
 
@@ -141,7 +167,7 @@ impl CasterPass {
         }
     }
 
-    /// Which faces of closed things to leave out.
+    /// Which faces of closed things to leave out. Sheets that are seen from both sides leave out none, and receive on both.
     pub fn cull_mode(self) -> Option<wgpu::Face> {
         match self {
             Self::Nearest => None,
@@ -158,7 +184,12 @@ impl CasterPass {
     }
 }
 
-/// The key light's shadow maps of a frame. They belong to the renderer and are kept while nothing in them changes.
+/// The key light's shadow maps of a frame: [`crate::Frame::shadows`]. They belong to the renderer and are kept while nothing in them
+/// changes.
+///
+/// All are square, of [`ShadowParams::map_size`] texels a side, seen from the light as [`LightView`] says, and have the usages
+/// `TEXTURE_BINDING` and `COPY_SRC`. A shader that only wants to know how much light arrives needs none of this:
+/// [`crate::Frame::shadow_receiver`] and [`crate::shared::receiver`] do that.
 #[derive(Debug)]
 pub struct ShadowMaps {
     pub(crate) key: ShadowKey,
@@ -179,7 +210,7 @@ pub(crate) struct WidthMaps {
 impl ShadowMaps {
     /// Format of the depth maps that [`Casters::draw`] records into.
     pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-    /// Format of the layer-wise maps. Not 8 bits: their product stalls there (formulas in [`crate::shared::layer_shadow`]).
+    /// Format of the layer-wise maps. Not 8 bits: a product of many layers that are nearly clear stalls there at the same step.
     pub const LAYER_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
     /// Format of the shadow-width map.
     pub const WIDTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -194,6 +225,16 @@ impl ShadowMaps {
         let (view, params) = (&self.key.view, &self.key.params);
         let texel = view.extent / params.map_size as f32;
         SoftShadow { range_m: view.range_m, penumbra: params.penumbra, blur: blur_texels(params.shrink) * texel, texel }
+    }
+
+    /// The uniform block for [`crate::shared::receiver`]; `None` without soft shadow, where there is no map to read.
+    pub fn receiver(&self) -> Option<ShadowReceiver> {
+        self.width.is_some().then(|| ShadowReceiver {
+            map_from_world: self.key.view.map_from_world,
+            soft_shadow: self.soft_shadow(),
+            centred: u32::from(self.key.params.penumbra_form == PenumbraForm::Centred),
+            reserved: [0; 3],
+        })
     }
 
     /// The layer-wise maps, [`Self::LAYER_FORMAT`]: array layer k holds the transmittance of the hair above map layer k; layer 0 is what

@@ -6,7 +6,9 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
-use pelage_runtime::shared::{fins, frame, kajiya_kay, layer_shadow, opacity, skinning, soft_shadow, tile_frame};
+use pelage_runtime::shared::{
+    fins, frame, kajiya_kay, layer_shadow, opacity, receiver, skinning, soft_shadow, tile_frame,
+};
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 use pelage_tests::support::sphere::Random;
@@ -444,6 +446,35 @@ fn layer_transmittances() {
     );
 }
 
+/// Attenu_Shadow where depth spans 0.5 m, the penumbra is 0.2, the blur 4 mm and a texel 1 mm.
+fn soft_shadow_truth(texel: [f64; 4], z: f64, distance: f64, path: f64, centred: bool) -> f64 {
+    let [w, wz, first, _] = texel;
+    let (range, penumbra, blur, texel) =
+        (0.5, f64::from(0.2f32), f64::from(0.004f32) * distance, f64::from(0.001f32) * distance);
+    let bias = texel * (0.5 + path);
+    let behind = (z - first) * range - bias;
+    let edge = (2.0 * w - 1.0) * blur;
+    if !centred {
+        let width = (behind * penumbra).clamp(1e-6, blur);
+        return if behind <= 0.0 { 1.0 } else { (1.0 - edge.max(0.0) / width).clamp(0.0, 1.0) };
+    }
+    let sd = ((z - wz / w.max(1e-3)) * range).max(behind);
+    let slack = bias + blur * path;
+    let share = if behind > 0.0 { 1.0 } else { (sd / slack - 1.0).clamp(0.0, 1.0) };
+    let width = (sd * penumbra).clamp(1e-6, 2.0 * blur);
+    let lit = if sd <= 0.0 { 1.0 } else { (0.5 - edge / width).clamp(0.0, 1.0) };
+    1.0 + (lit - 1.0) * share
+}
+
+/// Where the answer jumps, rounding may fall on either side.
+fn steep_shadow(texel: [f32; 4], z: f32, distance: f32, path: f32) -> bool {
+    let [w, wz, first, _] = texel;
+    let bias = 0.001 * distance * (0.5 + path);
+    let behind = (z - first) * 0.5 - bias;
+    let sd = ((z - wz / w.max(1e-3)) * 0.5).max(behind);
+    behind.abs() < 1e-4 || sd.abs() < 1e-4
+}
+
 #[test]
 fn soft_shadows() {
     let mut random = Random(43);
@@ -459,32 +490,10 @@ fn soft_shadows() {
         cases.push([[w, w * random.next_f32(), first, 1.0], [z, distance, path, f32::from(u8::from(i % 2 == 0))]]);
     }
     let truth = |c: &Case<2>| {
-        let [w, wz, first, z] = [c[0][0], c[0][1], c[0][2], c[1][0]].map(f64::from);
-        let [distance, path] = [c[1][1], c[1][2]].map(f64::from);
-        let (range, penumbra, blur, texel) =
-            (0.5, f64::from(0.2f32), f64::from(0.004f32) * distance, f64::from(0.001f32) * distance);
-        let bias = texel * (0.5 + path);
-        let behind = (z - first) * range - bias;
-        let edge = (2.0 * w - 1.0) * blur;
-        if c[1][3] == 0.0 {
-            let width = (behind * penumbra).clamp(1e-6, blur);
-            return x(if behind <= 0.0 { 1.0 } else { (1.0 - edge.max(0.0) / width).clamp(0.0, 1.0) });
-        }
-        let sd = ((z - wz / w.max(1e-3)) * range).max(behind);
-        let slack = bias + blur * path;
-        let share = if behind > 0.0 { 1.0 } else { (sd / slack - 1.0).clamp(0.0, 1.0) };
-        let width = (sd * penumbra).clamp(1e-6, 2.0 * blur);
-        let lit = if sd <= 0.0 { 1.0 } else { (0.5 - edge / width).clamp(0.0, 1.0) };
-        x(1.0 + (lit - 1.0) * share)
+        let [z, distance, path, centred] = c[1].map(f64::from);
+        x(soft_shadow_truth(c[0].map(f64::from), z, distance, path, centred > 0.5))
     };
-    // Where the answer jumps, rounding may fall on either side.
-    let steep = |c: &Case<2>| {
-        let [w, wz, first, z] = [c[0][0], c[0][1], c[0][2], c[1][0]];
-        let bias = 0.001 * c[1][1] * (0.5 + c[1][2]);
-        let behind = (z - first) * 0.5 - bias;
-        let sd = ((z - wz / w.max(1e-3)) * 0.5).max(behind);
-        behind.abs() < 1e-4 || sd.abs() < 1e-4
-    };
+    let steep = |c: &Case<2>| steep_shadow(c[0], c[1][0], c[1][1], c[1][2]);
     cases.retain(|c| !steep(c));
     assert!(cases.len() > 2500, "{}", cases.len());
     three_ways(
@@ -494,6 +503,54 @@ fn soft_shadows() {
         &cases,
         truth,
         |c| xf(soft_shadow::soft_shadow(Vec4::from(c[0]), c[1][0], c[1][1], c[1][2], &s, c[1][3] > 0.5)),
+        |_, _| 2e-3,
+    );
+}
+
+#[test]
+fn light_received() {
+    let mut random = Random(47);
+    let soft = soft_shadow::SoftShadow { range_m: 0.5, penumbra: 0.2, blur: 0.004, texel: 0.001 };
+    let receiver = |centred: f32| receiver::ShadowReceiver {
+        soft_shadow: soft,
+        centred: u32::from(centred > 0.5),
+        ..receiver::ShadowReceiver::default()
+    };
+    let path = |n_dot_l: f32| 1.0 / f64::from(n_dot_l).abs().max(0.25);
+    // Texel; place in the maps, a third of which lie beside them and some behind a point light; cosine, form.
+    let mut cases: Vec<Case<3>> = Vec::new();
+    for i in 0..4000 {
+        let w = if i % 7 == 0 { 0.0 } else { random.next_f32() };
+        let texel = [w, w * random.next_f32(), random.next_f32(), random.next_f32()];
+        let distance = if i < 2000 { 1.0 } else { 0.1 + 3.0 * random.next_f32() };
+        let distance = if i % 11 == 0 { -distance } else { distance };
+        let mut along = || (1.25 * random.next_f32() - 0.125) * distance;
+        let place = [along(), along(), random.next_f32(), distance];
+        cases.push([texel, place, [2.0 * random.next_f32() - 1.0, f32::from(u8::from(i % 2 == 0)), 0.0, 0.0]]);
+    }
+    cases.retain(|c| !steep_shadow(c[0], c[1][2], c[1][3], path(c[2][0]) as f32));
+    let inside = |c: &Case<3>| {
+        let [u, v, _, w] = c[1];
+        w > 0.0 && u >= 0.0 && v >= 0.0 && u <= w && v <= w
+    };
+    let share = cases.iter().filter(|c| inside(c)).count() as f64 / cases.len() as f64;
+    assert!(cases.len() > 3300 && (0.4..0.8).contains(&share), "{} cases, {share} of them inside", cases.len());
+    let truth = |c: &Case<3>| {
+        if !inside(c) {
+            return x(1.0);
+        }
+        let [_, _, z, distance] = c[1].map(f64::from);
+        let past = soft_shadow_truth(c[0].map(f64::from), z, distance, path(c[2][0]), c[2][1] > 0.5);
+        x(past * f64::from(c[0][3]))
+    };
+    three_ways(
+        "light_received",
+        receiver::WGSL,
+        "vec4(light_at_place(in_0, in_1, in_2.x, ShadowReceiver(mat4x4<f32>(), SoftShadow(0.5, 0.2, 0.004, 0.001), u32(in_2.y), 0u, 0u, 0u)), 0.0, 0.0, 0.0)",
+        &cases,
+        truth,
+        |c| xf(receiver::light_at_place(Vec4::from(c[0]), Vec4::from(c[1]), c[2][0], &receiver(c[2][1]))),
+        // As soft_shadow itself.
         |_, _| 2e-3,
     );
 }

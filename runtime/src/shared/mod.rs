@@ -13,6 +13,8 @@ pub mod kajiya_kay;
 pub mod layer_shadow;
 /// Opacity of a layer when more or fewer layers are drawn than were baked.
 pub mod opacity;
+/// The key light's shadows on the application's own geometry.
+pub mod receiver;
 /// Linear blend skinning: blended matrix, normals, tangents.
 pub mod skinning;
 /// Soft shadows from a shadow-width map.

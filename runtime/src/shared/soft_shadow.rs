@@ -1,10 +1,12 @@
+use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 
 /// The shader source; needs nothing else.
 pub const WGSL: &str = include_str!("soft_shadow.wgsl");
 
-/// What the map's numbers mean in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What the map's numbers mean in metres. 16 bytes, as the WGSL structure of the same name.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct SoftShadow {
     /// Metres from depth 0 to depth 1.
     pub range_m: f32,

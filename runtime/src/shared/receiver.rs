@@ -1,0 +1,65 @@
+use super::{layer_shadow, soft_shadow};
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3, Vec4};
+
+/// The shader source. Unlike the other topics' it brings what it needs with it, [`layer_shadow::WGSL`] and [`soft_shadow::WGSL`]: do
+/// not join those as well.
+///
+/// Besides the twins of this module it has what an application's fragment shader calls, 0 for dark and 1 for lit:
+///
+/// ```wgsl
+/// fn light_received(
+///     width_map: texture_2d<f32>, // Frame::shadow_map
+///     map_sampler: sampler,       // linear
+///     position_ws: vec3<f32>,
+///     n_dot_l: f32,               // cosine between the normal there and the direction towards the light
+///     receiver: ShadowReceiver,   // Frame::shadow_receiver, from a uniform buffer
+/// ) -> f32
+/// ```
+pub const WGSL: &str =
+    concat!(include_str!("layer_shadow.wgsl"), include_str!("soft_shadow.wgsl"), include_str!("receiver.wgsl"));
+
+/// The uniform block that `light_received` takes: where the shadow maps lie, and what their numbers mean. 96 bytes, as the WGSL
+/// structure of the same name.
+///
+/// [`crate::Frame::shadow_receiver`] fills it. All zero, which is the default, it lights everything.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ShadowReceiver {
+    /// [`crate::LightView::map_from_world`].
+    pub map_from_world: Mat4,
+    /// What the shadow-width map's numbers mean.
+    pub soft_shadow: soft_shadow::SoftShadow,
+    /// 1 where the penumbra lies on both sides of the hard edge, 0 where inside it alone: [`crate::PenumbraForm`].
+    pub centred: u32,
+    /// Zero.
+    pub reserved: [u32; 3],
+}
+
+impl Default for ShadowReceiver {
+    fn default() -> Self {
+        Self::zeroed()
+    }
+}
+
+impl ShadowReceiver {
+    /// Place of a point in world space in the maps, as [`light_at_place`] takes it: (u·w, v·w, depth, w).
+    pub fn place(&self, position_ws: Vec3) -> Vec4 {
+        self.map_from_world * position_ws.extend(1.0)
+    }
+}
+
+/// Share of the key light that arrives at a point, 0..=1: past things, and through the hair above. 1 outside the maps.
+///
+/// * `texel` - of the shadow-width map at `place.xy / place.w`
+/// * `place` - [`ShadowReceiver::place`] of the point
+/// * `n_dot_l` - cosine between its normal and the direction towards the light
+pub fn light_at_place(texel: Vec4, place: Vec4, n_dot_l: f32, receiver: &ShadowReceiver) -> f32 {
+    let inside = place.w > 0.0 && place.x.min(place.y) >= 0.0 && place.x.max(place.y) <= place.w;
+    if !inside {
+        return 1.0;
+    }
+    let path = layer_shadow::slanted_path(n_dot_l);
+    let past = soft_shadow::soft_shadow(texel, place.z, place.w, path, &receiver.soft_shadow, receiver.centred != 0);
+    past * texel.w
+}
