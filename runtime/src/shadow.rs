@@ -132,7 +132,8 @@ impl ShadowParams {
 /// ```
 pub struct Casters<'a> {
     /// What the maps must cover besides the furry things: whatever throws a shadow or receives one. What lies beyond throws none
-    /// and is lit; the larger the bounds, the larger the maps' texels. `None` adds nothing.
+    /// and is lit. Keep them to the fur's surroundings: the larger they are, the larger the maps' texels, and things nearer to what
+    /// they shade than a thousandth of the bounds throw no shadow on it. `None` adds nothing.
     pub bounds: Option<Sphere>,
     /// A number that is another whenever the geometry is; the maps are kept while it stays the same.
     pub revision: u64,
@@ -220,7 +221,7 @@ impl ShadowMaps {
         &self.key.view
     }
 
-    /// What the shadow-width map's numbers mean, for [`crate::shared::soft_shadow`].
+    /// What the shadow-width map's numbers mean in metres, for [`crate::shared::soft_shadow`]; part of [`Self::receiver`].
     pub fn soft_shadow(&self) -> SoftShadow {
         let (view, params) = (&self.key.view, &self.key.params);
         let texel = view.extent / params.map_size as f32;
@@ -243,7 +244,14 @@ impl ShadowMaps {
         self.layers.as_ref()
     }
 
-    /// The shadow-width map, [`Self::WIDTH_FORMAT`]; its channels stand in [`crate::shared::soft_shadow`]. `None` without soft shadow.
+    /// The shadow-width map, [`Self::WIDTH_FORMAT`], for a linear filter; `None` without soft shadow. Channels:
+    ///
+    /// * x - occlusion, blurred: 0 where nothing near is in shadow, 1 deep in it, 1/2 at the edge
+    /// * y - depth of what throws the shadow, blurred, times x
+    /// * z - depth of the first surface
+    /// * w - transmittance of the hair above that surface, blurred; 1 without self-shadow
+    ///
+    /// Depths are those of [`LightView::map_from_world`]; [`crate::shared::soft_shadow`] makes light of x, y and z.
     pub fn width(&self) -> Option<&wgpu::Texture> {
         self.width.as_ref().map(|w| &w.width)
     }

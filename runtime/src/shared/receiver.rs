@@ -49,13 +49,13 @@ impl ShadowReceiver {
     }
 }
 
-/// Share of the key light that arrives at a point, 0..=1: past things, and through the hair above. 1 outside the maps.
+/// Share of the key light that arrives at a point, 0..=1: past things, and through the hair above. 1 beyond the maps, to the sides and in depth.
 ///
 /// * `texel` - of the shadow-width map at `place.xy / place.w`
 /// * `place` - [`ShadowReceiver::place`] of the point
 /// * `n_dot_l` - cosine between its normal and the direction towards the light
 pub fn light_at_place(texel: Vec4, place: Vec4, n_dot_l: f32, receiver: &ShadowReceiver) -> f32 {
-    let inside = place.w > 0.0 && place.x.min(place.y) >= 0.0 && place.x.max(place.y) <= place.w;
+    let inside = place.w > 0.0 && place.min_element() >= 0.0 && place.x.max(place.y) <= place.w && place.z <= 1.0;
     if !inside {
         return 1.0;
     }

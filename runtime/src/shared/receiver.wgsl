@@ -14,9 +14,9 @@ struct ShadowReceiver {
 }
 
 // Share of the key light that arrives at a point of the maps, 0..=1, where the shadow-width map has that texel: past things, and through
-// the hair above. place: map_from_world of the point; n_dot_l: cosine between its normal and the light.
+// the hair above; beyond the maps 1. place: map_from_world of the point; n_dot_l: cosine between its normal and the light.
 fn light_at_place(texel: vec4<f32>, place: vec4<f32>, n_dot_l: f32, receiver: ShadowReceiver) -> f32 {
-    let inside = place.w > 0.0 && all(place.xy >= vec2(0.0)) && all(place.xy <= vec2(place.w));
+    let inside = place.w > 0.0 && all(place.xyz >= vec3(0.0)) && all(place.xyz <= vec3(place.ww, 1.0));
     let past = soft_shadow(texel, place.z, place.w, slanted_path(n_dot_l), receiver.soft_shadow, receiver.centred != 0u);
     return select(1.0, past * texel.w, inside);
 }
