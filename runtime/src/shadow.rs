@@ -249,7 +249,7 @@ impl ShadowMaps {
     /// * x - occlusion, blurred: 0 where nothing near is in shadow, 1 deep in it, 1/2 at the edge
     /// * y - depth of what throws the shadow, blurred, times x
     /// * z - depth of the first surface
-    /// * w - transmittance of the hair above that surface, blurred; 1 without self-shadow
+    /// * w - transmittance of the hair above that surface, blurred but for places beside deeper ones; 1 without self-shadow
     ///
     /// Depths are those of [`LightView::map_from_world`]; [`crate::shared::soft_shadow`] makes light of x, y and z.
     pub fn width(&self) -> Option<&wgpu::Texture> {

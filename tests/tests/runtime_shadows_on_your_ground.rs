@@ -274,6 +274,36 @@ fn the_shader_reads_the_maps_as_its_twin_does() {
     }
 }
 
+/// Hair behind a thing, seen from the light, takes no light from it, though the hair's shadow is blurred.
+#[test]
+fn hair_behind_a_thing_leaves_it_lit() {
+    let Some(gpu) = gpu("hair_behind_a_thing_leaves_it_lit") else { return };
+    let mut stage = Stage::new(gpu);
+    let top = CENTER.y + SKIN + FUR + 0.05;
+    let plate =
+        Cuboid { low: Vec3::new(-0.03, top - 0.005, -0.03), high: Vec3::new(0.03, top, 0.03), color: Vec3::ONE };
+    let casters = Scene::new(&gpu.device, &stage.options, &[slab(), plate]);
+    let (frame, _) = stage.ground(&from_above(sun(Vec3::Y)), &casters, Some(0.35), 0);
+    let map = frame.shadows().unwrap().width().unwrap();
+    let texels = read_map(gpu, map, 0);
+    let receiver = frame.shadow_receiver();
+    let light = |x: f32, z: f32, y: f32| {
+        let place = receiver.place(Vec3::new(x, y, z));
+        let at = [place.y, place.x].map(|v| (v / place.w * map.width() as f32) as usize);
+        light_at_place(Vec4::from(texels[at[0] * map.width() as usize + at[1]]), place, 1.0, &receiver)
+    };
+    for i in -9..=9 {
+        let along = 0.003 * i as f32;
+        for (x, z) in [(along, 0.0), (0.028, along), (along, -0.028)] {
+            assert!(light(x, z, top) > 0.97, "on the plate at {x} {z}: {}", light(x, z, top));
+        }
+    }
+    assert!(
+        light(0.06, 0.0, CENTER.y + (SKIN * SKIN - 0.0036).sqrt()) < 0.3,
+        "beside the plate hair is above the skin"
+    );
+}
+
 #[test]
 fn the_applications_post_darkens_the_fur() {
     let Some(gpu) = gpu("the_applications_post_darkens_the_fur") else { return };

@@ -4,7 +4,7 @@
 // x  occlusion, blurred: 0 where nothing near is in shadow, 1 deep in it, 1/2 at the edge
 // y  depth of what throws the shadow, blurred, times x
 // z  depth of the first surface
-// w  transmittance of the hair above it, blurred
+// w  transmittance of the hair above it, blurred but for places beside deeper ones
 // Depths are 0..=1 over the map's range.
 
 struct SoftShadow {

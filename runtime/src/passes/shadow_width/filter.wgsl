@@ -22,6 +22,7 @@ struct Filter {
 @group(0) @binding(3) var hair: texture_2d<f32>;
 @group(0) @binding(4) var shrunk: texture_2d<f32>;
 @group(0) @binding(5) var linear_sampler: sampler;
+@group(0) @binding(6) var blocks: texture_2d<f32>;
 
 // A triangle over the whole target.
 @vertex
@@ -38,18 +39,23 @@ fn even_depth(z: f32) -> f32 {
     return (distance - params.near) / (params.far - params.near);
 }
 
-// Depth of the farthest surface that faces the light in each block, 0 where there is none.
+// In each block, depth of the farthest surface that faces the light, 0 where there is none, and that of the deepest first surface.
 @fragment
 fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = vec2<i32>(textureDimensions(farthest)) - 1;
     let corner = vec2<i32>(position.xy) * params.shrink;
     var deepest = 0.0;
+    var first = 0.0;
     for (var y = 0; y < params.shrink; y++) {
         for (var x = 0; x < params.shrink; x++) {
-            deepest = max(deepest, textureLoad(farthest, min(corner + vec2(x, y), last), 0));
+            let at = min(corner + vec2(x, y), last);
+            deepest = max(deepest, textureLoad(farthest, at, 0));
+            let z = textureLoad(nearest, at, 0);
+            // Where there is nothing, nothing is hidden.
+            first = max(first, select(0.0, z, z < 1.0));
         }
     }
-    return vec4(even_depth(deepest), 0.0, 0.0, 0.0);
+    return vec4(even_depth(deepest), even_depth(first), 0.0, 0.0);
 }
 
 // Blocks to each side where something may lie in the shadow of a texel.
@@ -87,7 +93,16 @@ fn fs_shrink(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 
 @fragment
 fn fs_stretch(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let blurred = textureSampleLevel(shrunk, linear_sampler, position.xy / vec2<f32>(textureDimensions(nearest)), 0.0);
-    let first = even_depth(textureLoad(nearest, vec2<i32>(position.xy), 0));
-    return vec4(blurred.xy / max(blurred.z, 1e-3), first, blurred.w);
+    let at = vec2<i32>(position.xy);
+    let uv = position.xy / vec2<f32>(textureDimensions(nearest));
+    let blurred = textureSampleLevel(shrunk, linear_sampler, uv, 0.0);
+    let first = even_depth(textureLoad(nearest, at, 0));
+    // What of the hair near by lies over deeper surfaces may be behind this one: there only hair over the texel itself is known to
+    // be above it. A slanted surface is no step: clear_gap is what the steepest one gains over two blocks, and these four reach
+    // one and a half.
+    let firsts = textureGather(1, blocks, linear_sampler, uv);
+    let deeper = max(max(firsts.x, firsts.y), max(firsts.z, firsts.w)) - first;
+    let own = textureLoad(hair, min(at, vec2<i32>(textureDimensions(hair)) - 1), 0).r;
+    let light = mix(blurred.w, own, clamp(4.0 * deeper / params.clear_gap - 2.0, 0.0, 1.0));
+    return vec4(blurred.xy / max(blurred.z, 1e-3), first, light);
 }
