@@ -49,7 +49,8 @@ impl ShadowReceiver {
     }
 }
 
-/// Share of the key light that arrives at a point, 0..=1: past things, and through the hair above. 1 beyond the maps, to the sides and in depth.
+/// Share of the key light that arrives at a point, 0..=1: past things, and through the hair above. Beyond the maps, to their sides and in
+/// depth, 1.
 ///
 /// * `texel` - of the shadow-width map at `place.xy / place.w`
 /// * `place` - [`ShadowReceiver::place`] of the point
