@@ -158,8 +158,12 @@ pub(crate) fn prepare(
         hair_density: params.shadows.density,
         reserved: 0,
     };
-    let upload = |frame: &blocks::Frame, layers: Option<u32>| {
-        let block = |i: &&mut Instance| instance_block(i, params, layers.unwrap_or(drawn_layers(i.model(), params)));
+    let upload = |frame: &blocks::Frame, maps: Option<&ShadowMaps>| {
+        let block = |i: &&mut Instance| {
+            let layers = maps.map_or_else(|| drawn_layers(i.model(), params), |maps| maps.key.map_layers);
+            let map_level = maps.map_or(0.0, |maps| map_level(i, maps));
+            blocks::Instance { map_level, ..instance_block(i, params, layers) }
+        };
         upload_blocks(device, stride, frame, instances.iter().map(block))
     };
     if let Some(key) = key.filter(|_| redraw) {
@@ -174,7 +178,7 @@ pub(crate) fn prepare(
             eye_ws: light_ws.to_array(),
             ..frame
         };
-        let buffer = upload(&light_frame, Some(maps.key.map_layers));
+        let buffer = upload(&light_frame, Some(&maps));
         let group = pipelines.layouts.frame_bind_group(device, &buffer, &fills, None);
         let mut casters = casters;
         let depth = shadow_width::record_depth;
@@ -498,6 +502,16 @@ fn upload_blocks(
     })
 }
 
+/// Mip level of an instance's hair whose texels are as large as those of the maps, whole: one level is read, not two.
+fn map_level(instance: &Instance, maps: &ShadowMaps) -> f32 {
+    let fur = &instance.model().manifest().fur;
+    let scale = Mat3::from_mat4(instance.transform).determinant().abs().cbrt();
+    let hair_m = scale * fur.tile_size_m / fur.tile_texels.max(1) as f32;
+    let level = (maps.texel_m() / hair_m).log2().round();
+    // Of hair without a size there is no level.
+    if level.is_finite() { level.max(0.0) } else { 0.0 }
+}
+
 /// `drawn`: layers, skin counted; 1 where no fur shows.
 fn instance_block(instance: &Instance, params: &FrameParams, drawn: u32) -> blocks::Instance {
     let manifest = instance.model().manifest();
@@ -532,7 +546,8 @@ fn instance_block(instance: &Instance, params: &FrameParams, drawn: u32) -> bloc
         drawn_layers: drawn.max(2),
         wet_specular: unit.wet().specular[0],
         wet_specular_half_exponent: 0.5 * shading.wet().specular_exponent,
-        diffuse_constant: Vec3::from(shading.diffuse).extend(0.0).to_array(),
+        diffuse_constant: shading.diffuse,
+        map_level: 0.0,
         specular_constant: Vec3::from(shading.specular).extend(0.0).to_array(),
     }
 }

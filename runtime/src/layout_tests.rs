@@ -126,6 +126,7 @@ fn uniform_structs_agree() {
             wet_specular,
             wet_specular_half_exponent,
             diffuse_constant,
+            map_level,
             specular_constant,
         )
     );

@@ -262,6 +262,13 @@ impl ShadowMaps {
         self.width.as_ref().map(|w| [&self.nearest, &w.farthest])
     }
 
+    /// Size of a texel, metres; of a point light's maps in the middle of their range.
+    pub(crate) fn texel_m(&self) -> f32 {
+        let view = &self.key.view;
+        let distance = view.near_m.map_or(1.0, |near| near + 0.5 * view.range_m);
+        view.extent / self.key.params.map_size as f32 * distance
+    }
+
     /// Bytes on the GPU.
     pub fn gpu_bytes(&self) -> u64 {
         let of = |t: &wgpu::Texture| {

@@ -297,7 +297,7 @@ fn fill_hair(color: vec3<f32>, alpha: f32, direction: vec3<f32>, spot: Spot, wet
         let light = to_tile(tile, towards);
         let factors = hair_factors(direction, light, to_tile(tile, half_vector(towards, eye)), wetness)
             * back_attenuation(light.z, instance.back_light_range);
-        let lit = color * instance.diffuse_constant.rgb * factors.x + instance.specular_constant.rgb * (factors.y * alpha);
+        let lit = color * instance.diffuse_constant * factors.x + instance.specular_constant.rgb * (factors.y * alpha);
         sum += lit * fill_lights[i].color.rgb;
     }
     return sum;
@@ -312,7 +312,7 @@ fn fill_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
     let normal = normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)) * side;
     for (var i = 0u; i < frame.fill_lights; i++) {
         let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
-        sum += color * instance.diffuse_constant.rgb * max(dot(normal, towards), 0.0) * fill_lights[i].color.rgb;
+        sum += color * instance.diffuse_constant * max(dot(normal, towards), 0.0) * fill_lights[i].color.rgb;
     }
     return sum;
 }

@@ -49,7 +49,8 @@ pub(crate) struct Instance {
     pub drawn_layers: u32,
     pub wet_specular: f32,
     pub wet_specular_half_exponent: f32,
-    pub diffuse_constant: [f32; 4],
+    pub diffuse_constant: [f32; 3],
+    pub map_level: f32,
     pub specular_constant: [f32; 4],
 }
 

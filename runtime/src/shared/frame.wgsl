@@ -60,7 +60,9 @@ struct Instance {
     // ps / 2 of wet hair
     wet_specular_half_exponent: f32,
     // kd and ks alone, for the other lights.
-    diffuse_constant: vec4<f32>,
+    diffuse_constant: vec3<f32>,
+    // Mip level of the hair whose texels are as large as those of the shadow maps.
+    map_level: f32,
     specular_constant: vec4<f32>,
 }
 

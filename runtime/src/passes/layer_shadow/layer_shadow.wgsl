@@ -46,9 +46,10 @@ fn vs_layer_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedLaye
 // What is left of the light. kept: share of the layer's hair that is there; wetness: of it.
 fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     let uv = in.uv_light.xy;
-    var alpha = textureSample(shell_colors, shell_sampler, uv, in.layer).a;
+    // One level for all: levels by slant and triangle cost twice the reads, and blur what the maps could hold.
+    var alpha = textureSampleLevel(shell_colors, shell_sampler, uv, in.layer, instance.map_level).a;
     if WET {
-        alpha = mix(alpha, textureSample(wet_colors, shell_sampler, uv, in.layer).a, wetness);
+        alpha = mix(alpha, textureSampleLevel(wet_colors, shell_sampler, uv, in.layer, instance.map_level).a, wetness);
     }
     alpha *= kept;
     if RESAMPLED {

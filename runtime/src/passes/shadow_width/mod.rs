@@ -143,9 +143,6 @@ fn filter(
 ) {
     let light = maps.view();
     let near = light.near_m.unwrap_or(0.0);
-    // Of a point light, in the middle of the scene.
-    let distance = light.near_m.map_or(1.0, |near| near + 0.5 * light.range_m);
-    let texel_m = maps.soft_shadow().texel * distance;
     let params = Filter {
         near,
         far: near + light.range_m,
@@ -153,7 +150,7 @@ fn filter(
         // Surfaces that touch are not parted by rounding.
         least_gap: 1e-3,
         // From a texel to the far side of the next block.
-        clear_gap: STEEPEST * 2.0 * maps.key.params.shrink as f32 * texel_m / light.range_m,
+        clear_gap: STEEPEST * 2.0 * maps.key.params.shrink as f32 * maps.texel_m() / light.range_m,
         reserved0: 0.0,
         reserved1: 0.0,
         reserved2: 0.0,
