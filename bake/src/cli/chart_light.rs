@@ -2,7 +2,7 @@
 
 use super::chart::{ChartArgs, Subject, shell_word};
 use super::exit::Failure;
-use super::gpu::{Gpu, lost, read_buffer};
+use super::gpu::{Gpu, lost, read_texture};
 use super::measure::{Clock, Meter, PASSES, Spread};
 use super::output::Output;
 use super::package_file::PackageFile;
@@ -14,7 +14,7 @@ use pelage_bake::groom::{self, Lengths};
 use pelage_bake::mesh::RestPose;
 use pelage_bake::pipeline;
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
-use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams, wgpu};
+use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams};
 use std::time::Instant;
 
 /// A configuration as it is measured: errors so far, and the milliseconds of each drawing of its maps.
@@ -209,54 +209,23 @@ fn read_maps(gpu: &Gpu, maps: &ShadowMaps) -> Result<LightMaps, Failure> {
         size = texture.width();
         let count = texture.depth_or_array_layers();
         for layer in 0..count {
-            let texels = read_texture(gpu, texture, layer, wgpu::TextureAspect::All, 2)?;
+            let texels = read_texture(gpu, texture, layer)?;
             layers.push(texels.chunks_exact(2).map(half).collect());
         }
     }
     let mut width = Vec::new();
     if let Some(texture) = maps.width() {
         size = texture.width();
-        let texels = read_texture(gpu, texture, 0, wgpu::TextureAspect::All, 8)?;
+        let texels = read_texture(gpu, texture, 0)?;
         let texel = |t: &[u8]| [half(&t[..2]), half(&t[2..4]), half(&t[4..6]), half(&t[6..])];
         width = texels.chunks_exact(8).map(texel).collect();
     }
     let mut depths = [Vec::new(), Vec::new()];
     for (depths, texture) in depths.iter_mut().zip(maps.depths().into_iter().flatten()) {
-        let texels = read_texture(gpu, texture, 0, wgpu::TextureAspect::DepthOnly, 4)?;
+        let texels = read_texture(gpu, texture, 0)?;
         *depths = texels.chunks_exact(4).map(single).collect();
     }
     Ok(LightMaps { view: *maps.view(), soft: maps.soft_shadow(), size, layers, width, depths })
-}
-
-/// The texels of one array layer, row-major, without padding.
-fn read_texture(
-    gpu: &Gpu,
-    texture: &wgpu::Texture,
-    layer: u32,
-    aspect: wgpu::TextureAspect,
-    texel_bytes: u32,
-) -> Result<Vec<u8>, Failure> {
-    let (width, height) = (texture.width(), texture.height());
-    let row_bytes = width * texel_bytes;
-    let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("map readback"),
-        size: u64::from(padded) * u64::from(height),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    encoder.copy_texture_to_buffer(
-        wgpu::TexelCopyTextureInfo { texture, mip_level: 0, origin: wgpu::Origin3d { x: 0, y: 0, z: layer }, aspect },
-        wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
-        },
-        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-    );
-    gpu.queue.submit([encoder.finish()]);
-    let bytes = read_buffer(gpu, &buffer)?;
-    Ok(bytes.chunks_exact(padded as usize).flat_map(|row| &row[..row_bytes as usize]).copied().collect())
 }
 
 /// IEEE 754 binary16 to binary32, exactly.

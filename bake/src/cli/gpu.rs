@@ -121,29 +121,7 @@ impl Canvas {
 
     /// Reads the canvas back: `width * height` RGBA8, sRGB-encoded, straight alpha, rows from the top; as PNG wants it.
     pub fn read(&self, gpu: &Gpu) -> Result<image::RgbaImage, Failure> {
-        let row_bytes = self.width * 4;
-        let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("canvas readback"),
-            size: u64::from(padded) * u64::from(self.height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_texture_to_buffer(
-            self.color.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
-            },
-            self.color.size(),
-        );
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = read_buffer(gpu, &buffer)?;
-        let mut pixels = Vec::new();
-        for row in bytes.chunks_exact(padded as usize) {
-            pixels.extend_from_slice(&row[..row_bytes as usize]);
-        }
+        let mut pixels = read_texture(gpu, &self.color, 0)?;
         pixels.chunks_exact_mut(4).for_each(unpremultiply);
         image::RgbaImage::from_raw(self.width, self.height, pixels)
             .ok_or_else(|| lost("the canvas was read back short"))
@@ -164,6 +142,32 @@ pub fn read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, Failure>
     let bytes = buffer.slice(..).get_mapped_range().map_err(lost)?.to_vec();
     buffer.unmap();
     Ok(bytes)
+}
+
+/// The texels of one array layer of an uncompressed texture with `COPY_SRC`, row-major, without padding.
+pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Result<Vec<u8>, Failure> {
+    let (width, height) = (texture.width(), texture.height());
+    let texel_bytes = texture.format().block_copy_size(None).ok_or_else(|| lost("a texture without a texel size"))?;
+    let row_bytes = width * texel_bytes;
+    let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("texture readback"),
+        size: u64::from(padded) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: 0, z: layer }, ..texture.as_image_copy() },
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
+        },
+        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+    );
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = read_buffer(gpu, &buffer)?;
+    Ok(bytes.chunks_exact(padded as usize).flat_map(|row| &row[..row_bytes as usize]).copied().collect())
 }
 
 /// Premultiplied, sRGB-encoded bytes to straight ones. The product with alpha was taken on linear light, so it is undone there.
