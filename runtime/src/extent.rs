@@ -9,9 +9,9 @@ use pelage_formats::MeshView;
 pub(crate) enum Extent {
     /// Without skeleton: a box.
     Rigid(Box),
-    /// With a skeleton: for each joint the box of the vertices that follow it, in mesh space. A blended vertex lies between where its joints
-    /// put it, so the boxes, moved by their joints, hold it.
-    Jointed(Vec<(usize, Box)>),
+    /// With a skeleton: for each joint the box of the vertices that follow it, in mesh space, empty where none does. A blended vertex lies
+    /// between where its joints put it, so the boxes, moved by their joints, hold it.
+    Jointed(Vec<Box>),
 }
 
 /// An axis-aligned box.
@@ -43,17 +43,12 @@ impl Extent {
         if !jointed {
             return Self::Rigid(points().fold(Box::EMPTY, Box::with));
         }
-        let mut boxes: Vec<(usize, Box)> = Vec::new();
+        let mut boxes = Vec::new();
         for (point, skin) in points().zip(mesh.skin()) {
-            for (joint, weight) in skin.joints.into_iter().zip(skin.weights) {
-                if weight <= 0.0 {
-                    continue;
-                }
+            for (joint, _) in skin.joints.into_iter().zip(skin.weights).filter(|(_, weight)| *weight > 0.0) {
                 let joint = usize::from(joint);
-                match boxes.iter_mut().find(|(j, _)| *j == joint) {
-                    Some((_, bounds)) => *bounds = bounds.with(point),
-                    None => boxes.push((joint, Box::EMPTY.with(point))),
-                }
+                boxes.resize(boxes.len().max(joint + 1), Box::EMPTY);
+                boxes[joint] = boxes[joint].with(point);
             }
         }
         Self::Jointed(boxes)
@@ -65,16 +60,12 @@ impl Extent {
         let scale = axes.map(|axis| axis.truncate().length()).into_iter().fold(0.0, f32::max);
         let mut add = |matrix: Mat4, bounds: &Box| {
             let corners = bounds.corners().map(|corner| (world_from_model * matrix).transform_point3(corner));
-            // Of a joint that is not finite nothing is drawn either.
+            // An empty box has no corners; of a joint that is not finite nothing is drawn either.
             hull.0.extend(corners.into_iter().filter(|c| c.is_finite()).map(|c| (c, margin_m * scale)));
         };
         match self {
             Self::Rigid(bounds) => add(Mat4::IDENTITY, bounds),
-            Self::Jointed(boxes) => {
-                for (joint, bounds) in boxes {
-                    joints.get(*joint).into_iter().for_each(|matrix| add(*matrix, bounds));
-                }
-            }
+            Self::Jointed(boxes) => joints.iter().zip(boxes).for_each(|(matrix, bounds)| add(*matrix, bounds)),
         }
     }
 }

@@ -134,44 +134,16 @@ pub fn compare_golden(name: &str, actual: &Picture) -> Result<(), String> {
 ///
 /// Panics on formats that no shadow map has.
 pub fn read_map(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Vec<[f32; 4]> {
-    let (width, height) = (texture.width(), texture.height());
-    let (texel, halves) = match texture.format() {
-        wgpu::TextureFormat::R16Float => (2, true),
-        wgpu::TextureFormat::Rgba16Float => (8, true),
-        wgpu::TextureFormat::Depth32Float => (4, false),
-        other => panic!("{other:?} is no format of a shadow map"),
-    };
-    let row = width * texel;
-    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: u64::from(padded * height),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    encoder.copy_texture_to_buffer(
-        wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: 0, z: layer }, ..texture.as_image_copy() },
-        wgpu::TexelCopyBufferInfo {
-            buffer: &staging,
-            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
-        },
-        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-    );
-    gpu.queue.submit([encoder.finish()]);
-    let bytes = gpu.map(&staging);
-    let mut texels = Vec::new();
-    for line in bytes.chunks_exact(padded as usize) {
-        for bytes in line[..row as usize].chunks_exact(texel as usize) {
-            let mut channels = [0.0; 4];
-            if halves {
-                let pairs = bytes.chunks_exact(2).map(|b| half_to_f32([b[0], b[1]]));
-                channels.iter_mut().zip(pairs).for_each(|(channel, value)| *channel = value);
-            } else {
-                channels[0] = bytemuck::pod_read_unaligned(bytes);
-            }
-            texels.push(channels);
+    let half = |bytes: &[u8]| half_to_f32([bytes[0], bytes[1]]);
+    let texels = gpu.texels(texture, layer);
+    match texture.format() {
+        wgpu::TextureFormat::R16Float => texels.chunks_exact(2).map(|t| [half(t), 0.0, 0.0, 0.0]).collect(),
+        wgpu::TextureFormat::Rgba16Float => {
+            texels.chunks_exact(8).map(|t| [half(t), half(&t[2..]), half(&t[4..]), half(&t[6..])]).collect()
         }
+        wgpu::TextureFormat::Depth32Float => {
+            texels.chunks_exact(4).map(|t| [bytemuck::pod_read_unaligned(t), 0.0, 0.0, 0.0]).collect()
+        }
+        other => panic!("{other:?} is no format of a shadow map"),
     }
-    texels
 }

@@ -13,7 +13,7 @@ use crate::reference::{DiscLight, Occluder};
 use crate::stability::soft_shadow::printed_attenuation;
 use glam::{Vec3, Vec4};
 use pelage_runtime::shared::layer_shadow::slanted_path;
-use pelage_runtime::shared::soft_shadow::inner_attenuation;
+use pelage_runtime::shared::soft_shadow::{depth_bias, inner_attenuation};
 use pelage_runtime::{PenumbraForm, ShadowParams};
 use rayon::prelude::*;
 
@@ -284,7 +284,7 @@ fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
 /// Kirsch's attenuation at a point `sd` metres behind the first surface, with the bias that ours has.
 fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, sd: f32, n_dot_l: f32) -> f32 {
     let texel = maps.soft.texel * place.w;
-    let bias = texel * (0.5 + slanted_path(n_dot_l));
+    let bias = depth_bias(place.w, slanted_path(n_dot_l), &maps.soft);
     let sw = maps.bilinear(distances, place) * texel;
     inner_attenuation(sd - bias, sw, maps.soft.penumbra, passes as f32 * texel)
 }

@@ -45,7 +45,7 @@ pub struct ViewArgs {
     #[arg(long, value_enum, value_name = "on|off", default_value = "on")]
     pub soft_shadow: Switch,
     /// Width of a soft shadow's edge over the distance from what throws it, 0 to 2; 0 is a hard shadow
-    #[arg(long, value_name = "W", default_value_t = 0.15, value_parser = parse_penumbra)]
+    #[arg(long, value_name = "W", default_value_t = 0.15, value_parser = |text: &str| parse_up_to(text, 2.0))]
     pub penumbra: f32,
     /// Where a soft shadow's edge lies
     #[arg(long, value_enum, default_value_t = Penumbra::Centred)]
@@ -60,7 +60,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=256))]
     pub shadow_layers: Option<u32>,
     /// Share of the layers' optical depth that the key light meets, 0 to 4: by default as among the strands; 1 is as the layers are drawn
-    #[arg(long, value_name = "D", default_value_t = ShadowParams::STRAND_DENSITY, value_parser = parse_density)]
+    #[arg(long, value_name = "D", default_value_t = ShadowParams::STRAND_DENSITY, value_parser = |text: &str| parse_up_to(text, 4.0))]
     pub shadow_density: f32,
     /// What the light's slant does to the opacity of a layer: with its longer way, or as printed in Yang 2006
     #[arg(long, value_enum, default_value_t = Slant::Corrected)]
@@ -181,18 +181,14 @@ impl FromStr for FillLight {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (direction, strength) = text.split_once('/').unwrap_or((text, "1"));
-        let strength = strength.trim().parse().ok().filter(|s: &f32| (0.0..=1000.0).contains(s));
-        let strength = strength.ok_or("strength: expected a number from 0 to 1000".to_owned())?;
+        let strength = parse_up_to(strength, 1000.0).map_err(|e| format!("strength: {e}"))?;
         Ok(Self { direction: direction.parse::<Direction>()?.0, strength })
     }
 }
 
-fn parse_density(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|d| (0.0..=4.0).contains(d)).ok_or("expected a number from 0 to 4".into())
-}
-
-fn parse_penumbra(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|w| (0.0..=2.0).contains(w)).ok_or("expected a number from 0 to 2".into())
+fn parse_up_to(text: &str, most: f32) -> Result<f32, String> {
+    let number = text.trim().parse().ok().filter(|x| (0.0..=most).contains(x));
+    number.ok_or_else(|| format!("expected a number from 0 to {most}"))
 }
 
 /// Three finite numbers.

@@ -43,12 +43,34 @@ impl Gpu {
         self.wait();
         staging.slice(..).get_mapped_range().unwrap().to_vec()
     }
+
+    /// Reads the texels of one array layer of a texture with `COPY_SRC`, row-major from the top.
+    pub fn texels(&self, texture: &wgpu::Texture, layer: u32) -> Vec<u8> {
+        let row = texture.width() * texture.format().block_copy_size(None).unwrap();
+        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(padded * texture.height()),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: 0, z: layer }, ..texture.as_image_copy() },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &staging,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
+            },
+            wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() },
+        );
+        self.queue.submit([encoder.finish()]);
+        let data = self.map(&staging);
+        data.chunks_exact(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect()
+    }
 }
 
 /// Off-screen targets as an application would own them: colour, depth, and with several samples a resolved picture.
 pub struct Targets {
-    /// Width and height, pixels.
-    pub size: (u32, u32),
     color: wgpu::TextureView,
     resolved: Option<wgpu::TextureView>,
     depth: wgpu::TextureView,
@@ -80,7 +102,7 @@ impl Targets {
         } else {
             (view(&picture), None)
         };
-        Self { size, color, resolved, depth, picture, reversed_depth: options.reversed_depth }
+        Self { color, resolved, depth, picture, reversed_depth: options.reversed_depth }
     }
 
     /// Begins the application's pass: colour cleared to `clear`, depth to the far end.
@@ -136,25 +158,6 @@ impl Targets {
 
     /// Reads the picture back: `width * height` texels of the colour format, row-major from the top.
     pub fn read(&self, gpu: &Gpu) -> Vec<u8> {
-        let row = self.size.0 * self.picture.format().block_copy_size(None).unwrap();
-        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(padded * self.size.1),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.copy_texture_to_buffer(
-            self.picture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &staging,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
-            },
-            self.picture.size(),
-        );
-        gpu.queue.submit([encoder.finish()]);
-        let data = gpu.map(&staging);
-        data.chunks_exact(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect()
+        gpu.texels(&self.picture, 0)
     }
 }

@@ -9,7 +9,21 @@ pub(crate) mod shells;
 pub(crate) mod skin;
 pub(crate) mod surface;
 
+use crate::model::Part;
 use crate::shadow::CasterPass;
+use std::ops::Range;
+
+/// Draws a part's triangles, once for each of `layers`; groups 0 and 2 and the vertex buffers are set.
+pub(crate) fn draw_part(
+    pass: &mut wgpu::RenderPass<'_>,
+    part: &Part,
+    pipeline: &wgpu::RenderPipeline,
+    layers: Range<u32>,
+) {
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(1, &part.material, &[]);
+    pass.draw_indexed(part.indices.clone(), 0, layers);
+}
 
 /// What a pass into the key light's maps draws to.
 pub(crate) enum MapTarget<'a> {

@@ -72,7 +72,7 @@ pub(crate) struct SurfaceLayouts {
     pub(crate) fins: Option<wgpu::BindGroupLayout>,
     pub(crate) white: wgpu::TextureView,
     white_array: wgpu::TextureView,
-    map_sampler: wgpu::Sampler,
+    pub(crate) map_sampler: wgpu::Sampler,
 }
 
 fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {

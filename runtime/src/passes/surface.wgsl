@@ -85,6 +85,11 @@ override VERTEX_LIGHTING: bool = false;
 // Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
 const LEAST_ALPHA: f32 = 0.5 / 255.0;
 
+// Height of a drawn layer: 0 on the skin, 1 the outermost.
+fn height_of(layer: u32) -> f32 {
+    return f32(layer) / f32(instance.drawn_layers - 1u);
+}
+
 fn normal_ws(v: Vertex) -> vec3<f32> {
     let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * v.normal;
     return normalize_or(n, vec3(0.0, 1.0, 0.0));
@@ -182,30 +187,34 @@ fn light_through_hair(place: vec4<f32>, map_layer: f32, between: bool) -> f32 {
     return textureSampleLevel(layer_maps, map_sampler, uv, u32(map_layer + 0.5), 0.0).r;
 }
 
+fn soft_shadow_of_frame() -> SoftShadow {
+    return SoftShadow(frame.soft_shadow.x, frame.soft_shadow.y, frame.soft_shadow.z, frame.soft_shadow.w);
+}
+
+fn width_texel(place: vec4<f32>) -> vec4<f32> {
+    return textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0);
+}
+
 // Share of the key light that other things let through: Attenu_Shadow of eq. (3).
 fn light_past_things(place: vec4<f32>, n_dot_l: f32) -> f32 {
     if !SOFT_SHADOW {
         return 1.0;
     }
-    let texel = textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0);
-    let s = SoftShadow(frame.soft_shadow.x, frame.soft_shadow.y, frame.soft_shadow.z, frame.soft_shadow.w);
-    return soft_shadow(texel, place.z, place.w, slanted_path(n_dot_l), s, CENTRED);
+    return soft_shadow(width_texel(place), place.z, place.w, slanted_path(n_dot_l), soft_shadow_of_frame(), CENTRED);
 }
 
 // Share of the key light that arrives at skin without hair of its own. The layer-wise maps know the first surface only: where that
 // is another, its hair is not what is above this skin.
 fn light_on_bare(place: vec4<f32>, n_dot_l: f32) -> f32 {
-    let past = light_past_things(place, n_dot_l);
-    if !SELF_SHADOW {
-        return past;
-    }
     let through = light_through_hair(place, 0.0, false);
     if !SOFT_SHADOW {
         return through;
     }
-    let first = textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0).z;
-    let hidden = (place.z - first) * frame.soft_shadow.x > frame.soft_shadow.w * place.w * (0.5 + slanted_path(n_dot_l));
-    return past * select(through, 1.0, hidden);
+    let texel = width_texel(place);
+    let s = soft_shadow_of_frame();
+    let path = slanted_path(n_dot_l);
+    let hidden = (place.z - texel.z) * s.range_m > depth_bias(place.w, path, s);
+    return soft_shadow(texel, place.z, place.w, path, s, CENTRED) * select(through, 1.0, hidden);
 }
 
 // sin^pd and sin^ps of eq. (1), the latter as strong as wet and dry hair have it together.

@@ -36,6 +36,11 @@ pub fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 
     if sd <= 0.0 { 1.0 } else { (0.5 - edge / width).clamp(0.0, 1.0) }
 }
 
+/// Metres that a surface may lie behind the first one and still be it; arguments as of [`soft_shadow()`].
+pub fn depth_bias(distance: f32, path: f32, s: &SoftShadow) -> f32 {
+    s.texel * distance * (0.5 + path)
+}
+
 /// Attenu_Shadow of Yang 2006, eq. (3), at a receiver: 1 lit, 0 dark.
 ///
 /// * `texel` - of the shadow-width map: blurred occlusion, depth of what throws the shadow times that, depth of the first surface
@@ -45,7 +50,7 @@ pub fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 
 /// * `centred` - the penumbra lies on both sides of the hard edge, not inside it alone
 pub fn soft_shadow(texel: Vec4, z: f32, distance: f32, path: f32, s: &SoftShadow, centred: bool) -> f32 {
     let blur = s.blur * distance;
-    let bias = s.texel * distance * (0.5 + path);
+    let bias = depth_bias(distance, path, s);
     let behind_first = (z - texel.z) * s.range_m - bias;
     let edge = (2.0 * texel.x - 1.0) * blur;
     if !centred {

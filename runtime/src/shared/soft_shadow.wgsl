@@ -33,12 +33,17 @@ fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 {
     return select(clamp(0.5 - edge / width, 0.0, 1.0), 1.0, sd <= 0.0);
 }
 
+// Metres that a surface may lie behind the first one and still be it: within a texel the surface itself covers a range of depths, the
+// wider the more it is slanted.
+fn depth_bias(distance: f32, path: f32, s: SoftShadow) -> f32 {
+    return s.texel * distance * (0.5 + path);
+}
+
 // Attenu_Shadow of eq. (3) at a receiver: 1 lit, 0 dark. z: its depth, 0..=1; distance: from a point light, metres, 1 for a distant
 // one; path: slanted_path there.
 fn soft_shadow(texel: vec4<f32>, z: f32, distance: f32, path: f32, s: SoftShadow, centred: bool) -> f32 {
     let blur = s.blur * distance;
-    // Within a texel the surface itself covers a range of depths, the wider the more it is slanted.
-    let bias = s.texel * distance * (0.5 + path);
+    let bias = depth_bias(distance, path, s);
     let behind_first = (z - texel.z) * s.range_m - bias;
     let edge = (2.0 * texel.x - 1.0) * blur;
     if !centred {

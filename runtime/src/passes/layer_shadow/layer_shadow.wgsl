@@ -19,7 +19,7 @@ struct MappedLayerVarying {
 }
 
 fn layer_of(v: Vertex, layer: u32) -> LayerVarying {
-    let height = f32(layer) / f32(instance.drawn_layers - 1u);
+    let height = height_of(layer);
     let tile = tile_frame_of(v, normal_ws(v));
     let position = hair_position(v, tile, height);
     let n_dot_l = dot(tile.normal_ws, direction_to(frame.light_ws, position));

@@ -8,7 +8,7 @@
 //! thing's skin shades what is behind it, and no layer needs a depth buffer of its own, which was a fifth of the cost on a software
 //! rasteriser.
 
-use super::{MapTarget, begin_maps};
+use super::{MapTarget, begin_maps, draw_part};
 use crate::frame::Drawn;
 use crate::model::Model;
 use crate::passes::key::{Look, SurfaceShader, plan_parts};
@@ -64,10 +64,7 @@ pub(crate) fn record(
         for instance in instances.iter().filter(|i| !i.layer_shadow.is_empty()) {
             instance.bind(&mut pass, frame);
             for (part, pipeline) in &instance.layer_shadow {
-                let part = &instance.model.parts()[*part];
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(1, &part.material, &[]);
-                pass.draw_indexed(part.indices.clone(), 0, layer..layer + 1);
+                draw_part(&mut pass, &instance.model.parts()[*part], pipeline, layer..layer + 1);
             }
         }
     }

@@ -12,13 +12,13 @@
 //! The fourth channel, the hair above the first surface, is for the application's own geometry and blurred likewise. Over a step to a deeper
 //! surface it is not: the hair there may lie behind the nearer thing, which would lose light at its edges.
 
-use super::{MapTarget, begin_maps};
+use super::{MapTarget, begin_maps, draw_part};
 use crate::frame::Drawn;
 use crate::model::Model;
 use crate::passes::key::{Look, SurfaceShader, plan_parts};
 use crate::passes::surface::surface_wgsl;
 use crate::renderer::Pipelines;
-use crate::shadow::{CasterPass, Casters, ShadowMaps, WidthMaps};
+use crate::shadow::{CasterPass, Casters, ShadowMaps};
 use bytemuck::{Pod, Zeroable};
 use wgpu::util::DeviceExt;
 
@@ -51,11 +51,13 @@ pub(crate) fn plan(
     model: &Model,
     look: &Look,
 ) -> [Vec<(usize, wgpu::RenderPipeline)>; 2] {
+    // Hair among itself needs the nearest skin alone.
+    let wanted = |pass| pass == CasterPass::Nearest || look.shadows.soft_shadow;
     [CasterPass::Nearest, CasterPass::Farthest]
-        .map(|pass| plan_parts(device, pipelines, model, look, SurfaceShader::Caster(pass), |_| true))
+        .map(|pass| plan_parts(device, pipelines, model, look, SurfaceShader::Caster(pass), |_| wanted(pass)))
 }
 
-/// The two steps of the filter.
+/// The steps of the filter.
 #[derive(Debug)]
 pub(crate) struct FilterPipelines {
     deepest: wgpu::RenderPipeline,
@@ -111,10 +113,7 @@ pub(crate) fn record_depth(
     for instance in instances {
         instance.bind(&mut pass, frame);
         for (part, pipeline) in &instance.casters[usize::from(kind == CasterPass::Farthest)] {
-            let part = &instance.model.parts()[*part];
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(1, &part.material, &[]);
-            pass.draw_indexed(part.indices.clone(), 0, 0..1);
+            draw_part(&mut pass, &instance.model.parts()[*part], pipeline, 0..1);
         }
     }
     if let Some(casters) = casters {
@@ -129,18 +128,7 @@ pub(crate) fn record(
     pipelines: &mut Pipelines,
     maps: &ShadowMaps,
 ) {
-    if let Some(textures) = &maps.width {
-        filter(device, encoder, pipelines, maps, textures);
-    }
-}
-
-fn filter(
-    device: &wgpu::Device,
-    encoder: &mut wgpu::CommandEncoder,
-    pipelines: &mut Pipelines,
-    maps: &ShadowMaps,
-    textures: &WidthMaps,
-) {
+    let Some(textures) = &maps.width else { return };
     let light = maps.view();
     let near = light.near_m.unwrap_or(0.0);
     let params = Filter {
@@ -169,11 +157,7 @@ fn filter(
     let hair = maps.layers().map_or_else(|| pipelines.layouts.white.clone(), |layers| layers.create_view(&first_layer));
     let (nearest, farthest) = (view(&maps.nearest), view(&textures.farthest));
     let (deepest, shrunk, width) = (view(&textures.deepest), view(&textures.shrunk), view(&textures.width));
-    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    });
+    let sampler = pipelines.layouts.map_sampler.clone();
     let texture = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
     let constants = wgpu::BindGroupEntry { binding: 0, resource: params.as_entire_binding() };
     let steps = pipelines.filter(device);

@@ -1,6 +1,7 @@
 //! `shells`: layers 1.. of the hair, inside to outside, blended into the application's colour target with depth tested and
 //! written (Lengyel 2001; Yang 2006, §2).
 
+use super::draw_part;
 use crate::model::Model;
 use crate::passes::key::{Look, SurfaceShader, plan_parts};
 use crate::passes::surface::surface_wgsl;
@@ -25,17 +26,13 @@ pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &crate::frame::D
     let parts = instance.model.parts();
     if let [(part, pipeline)] = &instance.shells[..] {
         // Instances of one draw are drawn in order: all layers at once.
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(1, &parts[*part].material, &[]);
-        pass.draw_indexed(parts[*part].indices.clone(), 0, instance.shell_layers.clone());
+        draw_part(pass, &parts[*part], pipeline, instance.shell_layers.clone());
         return;
     }
     // Several parts may overlap where they meet: layer by layer, so that an outer layer of one never hides an inner of another.
     for layer in instance.shell_layers.clone() {
         for (part, pipeline) in &instance.shells {
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(1, &parts[*part].material, &[]);
-            pass.draw_indexed(parts[*part].indices.clone(), 0, layer..layer + 1);
+            draw_part(pass, &parts[*part], pipeline, layer..layer + 1);
         }
     }
 }

@@ -79,11 +79,6 @@ struct FilledVarying {
     @location(11) blue: f32,
 }
 
-// Height of a drawn layer: 0 on the skin, 1 the outermost.
-fn height_of(layer: u32) -> f32 {
-    return f32(layer) / f32(instance.drawn_layers - 1u);
-}
-
 fn shell_of(v: Vertex, layer: u32) -> Shell {
     let height = height_of(layer);
     let tile = tile_frame_of(v, normal_ws(v));

@@ -1,5 +1,6 @@
 //! `skin`: the opaque base mesh, bare parts included, into the application's colour target with depth written.
 
+use super::draw_part;
 use crate::Style;
 use crate::model::{Model, Part};
 use crate::passes::key::{Look, SurfaceShader};
@@ -24,8 +25,6 @@ pub(crate) fn plan(
 /// Records the draws of one instance; group 0 and the vertex buffers are set.
 pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &crate::frame::Drawn) {
     for (part, pipeline) in instance.model.parts().iter().zip(&instance.skin) {
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(1, &part.material, &[]);
-        pass.draw_indexed(part.indices.clone(), 0, 0..1);
+        draw_part(pass, part, pipeline, 0..1);
     }
 }
