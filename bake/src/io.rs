@@ -4,6 +4,7 @@ use crate::BakeError;
 use crate::groom::MapImages;
 use crate::import::{ImportOptions, MAX_TEXELS, decode_image, import, input_record};
 use crate::mesh::Model;
+use crate::picture::Picture;
 use crate::recipe::Recipe;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -67,6 +68,16 @@ pub fn read_map_images(file: &str, folder: &Path, recipe: &Recipe) -> Result<Map
         read.images.insert(name.to_owned(), image);
     }
     Ok(read)
+}
+
+/// Reads a picture, PNG or EXR.
+///
+/// # Errors
+///
+/// [`BakeError::Io`], and [`BakeError::Input`] for what is no such picture.
+pub fn read_picture(path: &Path) -> Result<Picture, BakeError> {
+    let fail = |(place, reason)| BakeError::Input { file: path.display().to_string(), place, reason };
+    Picture::decode(&read_file(path)?).map_err(fail)
 }
 
 /// The path that a relative URI names, or why there is none.

@@ -4,6 +4,7 @@
 //! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.
 
 pub mod chart;
+pub mod compare;
 pub mod error;
 pub mod fins;
 pub mod groom;
@@ -12,6 +13,7 @@ pub mod import;
 pub mod io;
 pub mod mesh;
 pub mod pack;
+pub mod picture;
 pub mod pipeline;
 pub mod recipe;
 pub mod reference;

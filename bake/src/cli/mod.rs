@@ -9,6 +9,7 @@ mod chart;
 mod chart_light;
 #[cfg(feature = "preview")]
 mod chart_lighting;
+mod compare;
 #[cfg(feature = "preview")]
 mod demo;
 mod exit;
@@ -77,6 +78,7 @@ enum Command {
     #[cfg(feature = "preview")]
     Bench(bench::BenchArgs),
     Chart(chart::ChartArgs),
+    Compare(compare::CompareArgs),
 }
 
 impl Command {
@@ -94,6 +96,7 @@ impl Command {
             #[cfg(feature = "preview")]
             Self::Bench(args) => bench::run(&args, output),
             Self::Chart(args) => chart::run(&args, output),
+            Self::Compare(args) => compare::run(&args, output),
         }
     }
 }

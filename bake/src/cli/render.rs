@@ -7,8 +7,9 @@ use super::package_file::PackageFile;
 use super::scene::{Scene, View};
 use super::view_args::ViewArgs;
 use glam::Quat;
+use pelage_bake::io;
+use pelage_bake::picture::encode_png;
 use pelage_bake::textures::srgb_to_linear;
-use pelage_bake::{BakeError, io};
 use pelage_runtime::{Frame, Light};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -73,11 +74,7 @@ pub fn draw(scene: &mut Scene, path: &Path) -> Result<Picture, Failure> {
     let frame = scene.draw()?;
     let pixels = scene.canvas.read(&scene.gpu)?;
     let covered_pixels = pixels.pixels().filter(|p| p.0[3] > 0).count() as u64;
-    let mut png = std::io::Cursor::new(Vec::new());
-    pixels
-        .write_to(&mut png, image::ImageFormat::Png)
-        .map_err(|error| BakeError::Internal(format!("encoding PNG: {error}")))?;
-    io::write_atomic(path, png.get_ref())?;
+    io::write_atomic(path, &encode_png(&pixels)?)?;
     Ok(Picture { covered_pixels, mean_luminance: mean_luminance(&pixels), passes: passes(&frame) })
 }
 

@@ -1,5 +1,6 @@
 //! What `render` and `bench` share: the picture, the camera, the light and what is drawn.
 
+use super::compare::Rgb;
 use super::exit::Failure;
 use clap::ValueEnum;
 use glam::Vec3;
@@ -280,11 +281,8 @@ impl FromStr for Background {
         if text == "transparent" {
             return Ok(Self::Transparent);
         }
-        let numbers: Option<Vec<u8>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
-        match numbers.as_deref() {
-            Some([r, g, b]) => Ok(Self::Color([*r, *g, *b])),
-            _ => Err("expected transparent, or red,green,blue of 0 to 255 each".into()),
-        }
+        let color = text.parse::<Rgb>().map(|rgb| Self::Color(rgb.0));
+        color.map_err(|_| "expected transparent, or red,green,blue of 0 to 255 each".into())
     }
 }
 

@@ -149,18 +149,30 @@ pub(crate) fn decode(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
         }
     };
     let format = png_or_jpeg.map_err(|found| format!("is {found}, expected PNG or JPEG"))?;
+    let (pixels, width, height) = bounded_reader(bytes, format)?;
+    if u64::from(width) * u64::from(height) > texels_left {
+        return Err(format!("of {width} x {height} texels takes the images of the model past {MAX_TEXELS} texels"));
+    }
+    let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
+    Ok(Image { width, height, rgba })
+}
+
+fn broken(error: image::ImageError) -> String {
+    format!("cannot be decoded: {error}")
+}
+
+type Reader<'a> = image::ImageReader<Cursor<&'a [u8]>>;
+
+/// A decoder that takes no more memory than an image may, with the image's width and height; else says why not, as [`decode`] does.
+pub(crate) fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reader<'_>, u32, u32), String> {
     let side = Limits::default().texture_size;
     let reader = || image::ImageReader::with_format(Cursor::new(bytes), format);
-    let broken = |e: image::ImageError| format!("cannot be decoded: {e}");
     // Only the header is read for this; the limits of the decoder would say less than the messages below.
     let mut header = reader();
     header.no_limits();
     let (width, height) = header.into_dimensions().map_err(broken)?;
     if width == 0 || height == 0 || width > side || height > side {
         return Err(format!("is {width} x {height} texels, expected 1..={side} each way"));
-    }
-    if u64::from(width) * u64::from(height) > texels_left {
-        return Err(format!("of {width} x {height} texels takes the images of the model past {MAX_TEXELS} texels"));
     }
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(side);
@@ -169,6 +181,5 @@ pub(crate) fn decode(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
     limits.max_alloc = Some(8 * MAX_TEXELS);
     let mut pixels = reader();
     pixels.limits(limits);
-    let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
-    Ok(Image { width, height, rgba })
+    Ok((pixels, width, height))
 }

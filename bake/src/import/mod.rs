@@ -34,7 +34,7 @@ mod skin;
 mod source;
 mod weights;
 
-pub(crate) use material::{MAX_TEXELS, decode as decode_image};
+pub(crate) use material::{MAX_TEXELS, bounded_reader, decode as decode_image};
 
 use crate::BakeError;
 use crate::mesh::Model;
