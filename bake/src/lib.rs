@@ -5,6 +5,7 @@
 
 pub mod chart;
 pub mod compare;
+pub mod decide;
 pub mod error;
 pub mod fins;
 pub mod groom;

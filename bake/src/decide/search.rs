@@ -1,0 +1,181 @@
+//! The search: which setting to measure next, when to stop, and what the measurements say.
+
+use super::model::{Model, models};
+use super::{Decision, Figure, Judge, Limits, Measured, Setting, Space, Trial};
+
+/// A gain of less than this share of the objective is not worth a measurement.
+const WORTH: f64 = 0.02;
+
+/// Looks for the setting that the limits ask for: the cheapest frame where the error is limited, else the least error. Returns the best that
+/// meets all limits, or the nearest to them where none does.
+///
+/// # Errors
+///
+/// Those of the judge.
+pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
+    let mut search = Search { space, limits, trials: Vec::new(), models: models() };
+    search.measure(space.start, judge)?;
+    while let Some(setting) = search.next() {
+        search.measure(setting, judge)?;
+    }
+    let chosen = search.best();
+    // Evidence on both sides of the choice, so that the user sees what a little more and a little less would be.
+    for side in [Side::Better, Side::Cheaper] {
+        if search.neighbour(chosen, side).is_none()
+            && let Some(setting) = search.predicted_neighbour(chosen, side)
+        {
+            search.measure(setting, judge)?;
+        }
+    }
+    Ok(search.decision())
+}
+
+/// On which side of a setting another one lies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Better,
+    Cheaper,
+}
+
+struct Search<'a> {
+    space: &'a Space,
+    limits: &'a Limits,
+    trials: Vec<(Setting, Measured)>,
+    models: [Model; 3],
+}
+
+impl Search<'_> {
+    fn measure<J: Judge>(&mut self, setting: Setting, judge: &mut J) -> Result<(), J::Error> {
+        self.trials.push((setting, judge.measure(&setting)?));
+        let figures: [fn(&Measured) -> f64; 3] = [|m| m.error, |m| m.frame_ms, |m| m.bytes as f64];
+        for (model, figure) in self.models.iter_mut().zip(figures) {
+            model.fit(&self.trials, figure);
+        }
+        Ok(())
+    }
+
+    fn predict(&self, setting: &Setting) -> [f64; 3] {
+        self.models.each_ref().map(|model| model.predict(setting))
+    }
+
+    fn excess(&self, trial: usize) -> f64 {
+        self.limits.excess(self.trials[trial].1.figures())
+    }
+
+    /// What is minimised, of a trial.
+    fn objective(&self, trial: usize) -> f64 {
+        self.trials[trial].1.figures()[self.limits.objective() as usize]
+    }
+
+    /// The best trial that meets the limits, or the nearest.
+    fn best(&self) -> usize {
+        let rank = |i: &usize| {
+            let excess = self.excess(*i);
+            if excess <= 0.0 { (0.0, self.objective(*i)) } else { (excess, f64::INFINITY) }
+        };
+        let order = |a: &usize, b: &usize| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        };
+        (0..self.trials.len()).min_by(order).unwrap_or_default()
+    }
+
+    fn is_measured(&self, setting: &Setting) -> bool {
+        self.trials.iter().any(|(known, _)| known == setting)
+    }
+
+    /// Whether a measurement of the same tile and fins shows that this setting breaks a limit, or is no gain: with fewer layers the error is no
+    /// smaller, with more the frame is no shorter and the package no smaller.
+    fn is_ruled_out(&self, setting: &Setting) -> bool {
+        let beside = |(known, _): &&(Setting, Measured)| known.is_beside(setting);
+        self.trials.iter().filter(beside).any(|(known, measured)| {
+            let broken = |figure: Figure| self.limits.broken(measured).any(|f| f == figure);
+            let too_coarse = known.layers >= setting.layers && broken(Figure::Error);
+            let too_dear = known.layers <= setting.layers && (broken(Figure::FrameMs) || broken(Figure::Bytes));
+            let meets = self.limits.excess(measured.figures()) <= 0.0;
+            let no_gain = match self.limits.objective() {
+                Figure::Error => meets && known.layers >= setting.layers,
+                Figure::FrameMs | Figure::Bytes => meets && known.layers <= setting.layers,
+            };
+            too_coarse || too_dear || no_gain
+        })
+    }
+
+    /// The setting to measure next; `None` when none is likely to be worth it.
+    fn next(&self) -> Option<Setting> {
+        let best = self.best();
+        let found = self.excess(best) <= 0.0;
+        let objective = self.limits.objective() as usize;
+        let promising = |setting: &&Setting| {
+            let beside = self.trials.iter().any(|(known, _)| known.is_beside(setting));
+            let optimistic = self.models.each_ref().map(|model| model.optimistic(setting, beside));
+            let gains = !found || optimistic[objective] < (1.0 - WORTH) * self.objective(best);
+            gains && self.limits.excess(optimistic) <= 0.0
+        };
+        // First what should meet the limits, the best of it first; then what comes nearest to them.
+        let rank = |setting: &Setting| {
+            let predicted = self.predict(setting);
+            (self.limits.excess(predicted).max(0.0), predicted[objective])
+        };
+        let order = |a: &&Setting, b: &&Setting| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        };
+        let unmeasured = || self.space.settings.iter().filter(|s| !self.is_measured(s) && !self.is_ruled_out(s));
+        let next = unmeasured().filter(promising).min_by(order);
+        // What fins do to an animal, the model cannot know before it has seen it with and without.
+        let here = self.trials[best].0;
+        let other = Setting { fins: !here.fins, ..here };
+        let unseen = self.trials.iter().all(|(s, _)| s.fins == here.fins) && self.space.settings.contains(&other);
+        let next = next.copied().or(unseen.then_some(other));
+        if next.is_some() || found {
+            return next;
+        }
+        // Nothing seems to meet the limits. The nearest is to be named, so what seems nearer than all that was measured is worth a look.
+        let nearer = |s: &&Setting| self.limits.excess(self.predict(s)) < (1.0 - WORTH) * self.excess(best);
+        unmeasured().filter(nearer).min_by(order).copied()
+    }
+
+    /// The nearest measured setting on one side of `chosen` that nothing measured beats.
+    fn neighbour(&self, chosen: usize, side: Side) -> Option<usize> {
+        let of = |i: usize| self.trials[i].1;
+        let beyond = |i: &usize| match side {
+            Side::Better => of(*i).error < of(chosen).error,
+            Side::Cheaper => of(*i).frame_ms < of(chosen).frame_ms,
+        };
+        let order = |a: &usize, b: &usize| match side {
+            Side::Better => of(*a).frame_ms.total_cmp(&of(*b).frame_ms),
+            Side::Cheaper => of(*a).error.total_cmp(&of(*b).error),
+        };
+        (0..self.trials.len()).filter(beyond).min_by(order)
+    }
+
+    /// The same among those that were not measured, as the model sees them.
+    fn predicted_neighbour(&self, chosen: usize, side: Side) -> Option<Setting> {
+        let here = self.predict(&self.trials[chosen].0);
+        let figure = if side == Side::Better { Figure::Error } else { Figure::FrameMs } as usize;
+        let other = if side == Side::Better { Figure::FrameMs } else { Figure::Error } as usize;
+        let beyond = |s: &&Setting| !self.is_measured(s) && self.predict(s)[figure] < (1.0 - WORTH) * here[figure];
+        let order = |a: &&Setting, b: &&Setting| self.predict(a)[other].total_cmp(&self.predict(b)[other]);
+        self.space.settings.iter().filter(beyond).min_by(order).copied()
+    }
+
+    fn decision(self) -> Decision {
+        let chosen = self.best();
+        let meets = self.excess(chosen) <= 0.0;
+        let (next_better, next_cheaper) = (self.neighbour(chosen, Side::Better), self.neighbour(chosen, Side::Cheaper));
+        let beyond = if self.limits.objective() == Figure::Error { next_better } else { next_cheaper };
+        let subject = if meets { beyond } else { Some(chosen) };
+        let worst = |a: &Figure, b: &Figure| {
+            let excess = |f: &Figure| {
+                let figures = subject.map_or([0.0; 3], |i| self.trials[i].1.figures());
+                self.limits.of(*f).map_or(0.0, |limit| figures[*f as usize] / limit)
+            };
+            excess(a).total_cmp(&excess(b))
+        };
+        let binding = subject.and_then(|i| self.limits.broken(&self.trials[i].1).max_by(worst));
+        let trials =
+            self.trials.iter().map(|(setting, measured)| Trial { setting: *setting, measured: *measured }).collect();
+        Decision { trials, chosen, meets, next_better, next_cheaper, binding }
+    }
+}

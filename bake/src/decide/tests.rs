@@ -1,0 +1,163 @@
+use super::*;
+use std::convert::Infallible;
+
+/// An animal made up: how its figures follow from a setting, with more bends than the model knows of.
+#[derive(Clone, Copy)]
+struct Animal {
+    floor: f64,
+    layered: f64,
+    texel: f64,
+    power: f64,
+    outline: f64,
+    layer_ms: f64,
+    /// Relative noise of the frame's time.
+    noise: f64,
+}
+
+impl Judge for Animal {
+    type Error = Infallible;
+
+    fn measure(&mut self, s: &Setting) -> Result<Measured, Infallible> {
+        let (n, t) = (f64::from(s.layers - 1), f64::from(s.tile_texels));
+        let fins = f64::from(u8::from(s.fins));
+        let error = self.floor + self.layered * n.powf(-self.power) + self.texel * (20.0 / t).powf(self.power)
+            - self.outline * fins * (0.5 + 0.5 / n.sqrt());
+        // A made-up machine is as noisy every time in the same way.
+        let wobble = (f64::from(s.layers * 7 + s.tile_texels * 13 + u32::from(s.fins))).sin();
+        let frame_ms = (8.0 + self.layer_ms * n.powf(0.95) * (1.0 + 0.02 * (t / 32.0).log2().powi(2)) + 7.0 * fins)
+            * (1.0 + self.noise * wobble);
+        let bytes = 200e3 + f64::from(s.layers) * t * t * 8.0 / 3.0 + fins * (20e3 + 3.0 * t * t);
+        Ok(Measured { error, frame_ms, bytes: bytes as u64 })
+    }
+}
+
+const ANIMALS: [Animal; 4] = [
+    Animal { floor: 0.03, layered: 0.2, texel: 0.02, power: 1.0, outline: 0.005, layer_ms: 3.5, noise: 0.0 },
+    Animal { floor: 0.01, layered: 0.1, texel: 0.05, power: 0.7, outline: 0.0, layer_ms: 1.0, noise: 0.02 },
+    Animal { floor: 0.05, layered: 0.4, texel: 0.01, power: 1.3, outline: 0.01, layer_ms: 8.0, noise: 0.04 },
+    Animal { floor: 0.002, layered: 0.05, texel: 0.1, power: 0.5, outline: -0.001, layer_ms: 2.0, noise: 0.02 },
+];
+
+fn exhaustive(space: &Space, limits: &Limits, mut judge: Animal) -> Option<Trial> {
+    let figure = limits.objective() as usize;
+    let trial = |s: &Setting| match judge.measure(s) {
+        Ok(measured) => Trial { setting: *s, measured },
+    };
+    let meets = |t: &Trial| limits.excess(t.measured.figures()) <= 0.0;
+    let order = |a: &Trial, b: &Trial| a.measured.figures()[figure].total_cmp(&b.measured.figures()[figure]);
+    space.settings().iter().map(trial).filter(meets).min_by(order)
+}
+
+fn found(space: &Space, limits: &Limits, mut judge: Animal) -> Decision {
+    match decide(space, limits, &mut judge) {
+        Ok(decision) => decision,
+    }
+}
+
+fn limits() -> Vec<Limits> {
+    let mut all = Vec::new();
+    for max_error in [Some(0.05), Some(0.08), Some(0.15), None] {
+        for max_frame_ms in [Some(25.0), Some(60.0), None] {
+            for max_bytes in [Some(500_000), Some(3_000_000), None] {
+                all.push(Limits { max_error, max_frame_ms, max_bytes });
+            }
+        }
+    }
+    all.retain(|limits| !limits.is_empty());
+    all
+}
+
+#[test]
+fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
+    let space = Space::around(&Recipe::default());
+    let (mut measured, mut searches, mut met) = (0, 0, 0);
+    for animal in ANIMALS {
+        for limits in limits() {
+            let decision = found(&space, &limits, animal);
+            measured += decision.trials.len();
+            searches += 1;
+            let best = exhaustive(&space, &limits, animal);
+            assert_eq!(decision.meets, best.is_some(), "{limits:?}: {decision:?}");
+            let Some(best) = best else { continue };
+            met += 1;
+            let figure = limits.objective() as usize;
+            let (ours, least) = (decision.chosen().measured.figures(), best.measured.figures());
+            assert!(limits.excess(ours) <= 0.0, "{limits:?}");
+            assert!(ours[figure] <= 1.1 * least[figure], "{limits:?}: {:?} instead of {best:?}", decision.chosen());
+        }
+    }
+    assert!(met > searches / 3 && met < searches, "{met} of {searches} can be met: the limits ask nothing");
+    // The point of the model: most settings need not be measured.
+    println!("{measured} measurements in {searches} searches");
+    assert!(4 * measured < searches * space.settings().len(), "{measured} measurements in {searches} searches");
+}
+
+#[test]
+fn an_impossible_wish_ends_with_the_nearest() {
+    let space = Space::around(&Recipe::default());
+    for animal in ANIMALS {
+        let limits =
+            Limits { max_error: Some(0.5 * (animal.floor - animal.outline.max(0.0)).max(1e-4)), ..Limits::default() };
+        let decision = found(&space, &limits, animal);
+        assert!(!decision.meets);
+        assert_eq!(decision.binding, Some(Figure::Error));
+        let least = space.settings().iter().map(|s| match animal.clone().measure(s) {
+            Ok(m) => m.error,
+        });
+        let least = least.fold(f64::INFINITY, f64::min);
+        assert!(decision.chosen().measured.error <= 1.05 * least, "{:?}, least {least}", decision.chosen());
+    }
+}
+
+#[test]
+fn both_sides_of_the_choice_are_measured() {
+    let space = Space::around(&Recipe::default());
+    let decision = found(&space, &Limits { max_error: Some(0.06), ..Limits::default() }, ANIMALS[0]);
+    let figures = |i: Option<usize>| i.map(|i| decision.trials[i].measured).expect("a neighbour");
+    let (better, cheaper, chosen) =
+        (figures(decision.next_better), figures(decision.next_cheaper), decision.chosen().measured);
+    assert!(better.error < chosen.error && better.frame_ms > chosen.frame_ms);
+    assert!(cheaper.frame_ms < chosen.frame_ms && cheaper.error > 0.06, "{cheaper:?}");
+    assert_eq!(decision.binding, Some(Figure::Error));
+    assert_eq!(decision.trials[0].setting, Setting::of(&Recipe::default()));
+}
+
+#[test]
+fn a_limit_that_nothing_reaches_does_not_bind() {
+    let space = Space::around(&Recipe::default());
+    let limits = Limits { max_error: Some(1.0), max_bytes: Some(1 << 40), ..Limits::default() };
+    let decision = found(&space, &limits, ANIMALS[0]);
+    assert!(decision.meets && decision.binding.is_none() && decision.next_cheaper.is_none());
+    assert_eq!(decision.chosen().setting.layers, 4);
+}
+
+#[test]
+fn the_binding_limit_is_the_one_that_the_next_setting_breaks() {
+    let space = Space::around(&Recipe::default());
+    let bound = |limits| found(&space, &limits, ANIMALS[0]).binding;
+    assert_eq!(bound(Limits { max_frame_ms: Some(40.0), ..Limits::default() }), Some(Figure::FrameMs));
+    assert_eq!(bound(Limits { max_bytes: Some(600_000), ..Limits::default() }), Some(Figure::Bytes));
+    let both = Limits { max_frame_ms: Some(1e6), max_bytes: Some(600_000), ..Limits::default() };
+    assert_eq!(bound(both), Some(Figure::Bytes));
+}
+
+#[test]
+fn a_setting_is_what_its_words_say() {
+    let mut recipe = Recipe::default();
+    let setting = Setting { layers: 24, tile_texels: 128, fins: false };
+    for word in setting.words() {
+        recipe.set(&word).expect("a recipe key");
+    }
+    assert_eq!(Setting::of(&recipe), setting);
+    assert_eq!(setting.applied_to(&Recipe::default()), recipe);
+    assert!(Space::around(&recipe).settings().iter().all(|s| !s.fins), "a recipe without fins gets none");
+}
+
+#[test]
+fn limits_are_positive_numbers() {
+    assert!(Limits { max_error: Some(0.05), ..Limits::default() }.validate().is_ok());
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let error = Limits { max_frame_ms: Some(bad), ..Limits::default() }.validate().unwrap_err().to_string();
+        assert!(error.contains("--max-frame-ms"), "{error}");
+    }
+}
