@@ -20,6 +20,7 @@ mod guides;
 mod maps;
 mod material_groom;
 mod params;
+mod views;
 
 pub use field::SrgbColor;
 pub use guides::GuideParams;
@@ -27,9 +28,10 @@ pub use maps::{Channel, ColorMap, ImagePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DirectionFormat, FinParams, GroomParams, HairParams,
-    ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat, SliceParams, Style,
-    SurfaceParams, SurfaceSource,
+    JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat, SliceParams,
+    Style, SurfaceParams, SurfaceSource,
 };
+pub use views::{CameraView, parse_vec3};
 
 use crate::BakeError;
 use field::{Raw, describe_raw};
@@ -58,6 +60,8 @@ pub struct Recipe {
     pub fins: FinParams,
     /// Texture formats of the package.
     pub pack: PackParams,
+    /// The pictures that a bake with limits is judged by.
+    pub judge: JudgeParams,
 }
 
 /// One recipe key, for help texts and documentation.
@@ -95,6 +99,7 @@ pub const KEYS: &[&[Key]] = &[
     SliceParams::KEYS,
     FinParams::KEYS,
     PackParams::KEYS,
+    JudgeParams::KEYS,
 ];
 
 /// Every key of a recipe in order, without the sections.
@@ -252,7 +257,8 @@ impl Recipe {
         self.shading.validate()?;
         self.slice.validate()?;
         self.fins.validate()?;
-        self.pack.validate()
+        self.pack.validate()?;
+        self.judge.validate()
     }
 }
 

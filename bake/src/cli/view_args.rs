@@ -4,6 +4,7 @@ use super::compare::Rgb;
 use super::exit::Failure;
 use clap::ValueEnum;
 use glam::Vec3;
+use pelage_bake::recipe::{CameraView, parse_vec3};
 use pelage_runtime::ShadowParams;
 use std::str::FromStr;
 
@@ -20,7 +21,7 @@ pub struct ViewArgs {
     ///
     /// Without it the camera frames the model from the front left.
     #[arg(long, value_name = "EYE/TARGET/FOV", allow_hyphen_values = true)]
-    pub camera: Option<CameraArg>,
+    pub camera: Option<CameraView>,
     /// Direction towards a distant light: x,y,z of any length
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with = "point_light")]
     pub light: Option<Direction>,
@@ -192,52 +193,8 @@ fn parse_up_to(text: &str, most: f32) -> Result<f32, String> {
     number.ok_or_else(|| format!("expected a number from 0 to {most}"))
 }
 
-/// Three finite numbers.
-fn parse_vec3(text: &str) -> Result<Vec3, String> {
-    let numbers: Option<Vec<f32>> =
-        text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect();
-    match numbers.as_deref() {
-        Some([x, y, z]) => Ok(Vec3::new(*x, *y, *z)),
-        _ => Err("expected three numbers x,y,z".into()),
-    }
-}
-
 fn parse_seconds(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|s: &f32| s.is_finite()).ok_or("expected a number of seconds".into())
-}
-
-/// `--camera`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraArg {
-    /// Metres.
-    pub eye: Vec3,
-    /// Metres; apart from `eye`.
-    pub target: Vec3,
-    /// Height of the view, degrees, 1..=170.
-    pub fov_deg: f32,
-}
-
-impl FromStr for CameraArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parts: Vec<_> = text.split('/').collect();
-        let [eye, target, fov] = parts[..] else {
-            return Err("expected ex,ey,ez/tx,ty,tz/fov_deg, such as 0,1,3/0,0.5,0/40".into());
-        };
-        let (eye, target) = (
-            parse_vec3(eye).map_err(|e| format!("eye: {e}"))?,
-            parse_vec3(target).map_err(|e| format!("target: {e}"))?,
-        );
-        let fov_deg: f32 = fov.trim().parse().map_err(|_| "field of view: expected degrees".to_owned())?;
-        if !(1.0..=170.0).contains(&fov_deg) {
-            return Err("field of view: expected 1 to 170 degrees".into());
-        }
-        if eye == target {
-            return Err("eye and target are the same point, expected them apart".into());
-        }
-        Ok(Self { eye, target, fov_deg })
-    }
 }
 
 /// `--light`: a direction of length 1.

@@ -5,6 +5,7 @@ use super::field::{Field, PowerOfTwo, SrgbColor};
 use super::guides::GuideParams;
 use super::maps::{ColorMap, ImagePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
+use super::views::CameraView;
 use crate::BakeError;
 use serde::{Deserialize, Serialize};
 
@@ -437,5 +438,21 @@ params! {
         base_color_max: u32 = 1024, in 4..=16_384;
         /// Effort of the block encoders.
         bc_quality: BcQuality = BcQuality::Basic;
+    }
+}
+
+params! {
+    /// `[judge]`: the pictures that a bake with limits (`--max-error`, `--max-frame-ms`, `--max-bytes`) is judged by. Show what the scene shows: a
+    /// model that stays small on the screen needs less.
+    JudgeParams in judge {
+        /// From where: each `"ex,ey,ez/tx,ty,tz/fov_deg"`, metres and degrees, the model at rest. Left empty, two that frame the model, from its
+        /// front left and from its back right.
+        views: Vec<CameraView> = Vec::new();
+        /// Width of each picture, pixels.
+        width: u32 = 834, in 16..=4096;
+        /// Height of each picture, pixels.
+        height: u32 = 424, in 16..=4096;
+        /// Rays through each pixel of the true pictures. Few leave noise in them, which counts as error of the bake.
+        samples: u32 = 64, in 1..=65_536;
     }
 }

@@ -260,6 +260,12 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             base_color_max: p.3,
             bc_quality: p.4,
         });
+    let view = ([-1e3f32..=1e3, -1e3..=1e3, -1e3..=1e3], 1f32..=170.0).prop_map(|(eye, fov_deg)| CameraView {
+        eye: eye.into(),
+        target: glam::Vec3::from(eye) + 1.0,
+        fov_deg,
+    });
+    let judge = (prop::collection::vec(view, 0..3), 16u32..=4096, 1u32..=65_536);
     let coat = (
         (prop::option::of("[a-z /.]{1,9}".prop_filter_map("a path", |p| ImagePath::from_raw(&Raw::String(p)))),),
         (prop::sample::select(PatternProjection::ALL), prop::sample::select(PatternWrap::ALL), 6u32..=13),
@@ -271,8 +277,8 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         (4u32..=256, 4u32..=11, 0.25f32..=4.0),
         (any::<bool>(), prop::option::of(1e-3f32..=8.0)),
     );
-    (hair, pack, rest, (coat, grooms())).prop_map(
-        |(hair, pack, (model, color, shading, slice, fins), (coat, groom))| Recipe {
+    (hair, pack, rest, (coat, grooms(), judge)).prop_map(
+        |(hair, pack, (model, color, shading, slice, fins), (coat, groom, judge))| Recipe {
             model: ModelParams { unit_m: model.0, bare: model.1 },
             surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
             hair,
@@ -298,6 +304,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
             fins: FinParams { enabled: fins.0, depth: fins.1 },
             pack,
+            judge: JudgeParams { views: judge.0, width: judge.1, height: judge.1, samples: judge.2 },
         },
     )
 }
