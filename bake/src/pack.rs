@@ -118,6 +118,9 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
         textures: textures.entries,
         quality: quality(surface),
         warnings: pieces.warnings.to_vec(),
+        coat: None,
+        detail: Vec::new(),
+        choice: None,
     };
     let mut writer = PackageWriter::new(manifest).mesh(&mesh_data(pieces));
     if let Some(animation) = &model.animation {

@@ -6,7 +6,7 @@ use std::fmt;
 /// The first eight bytes of every package. The high bit, and the line feed at the end, make damage by text-mode transfer visible.
 pub const MAGIC: [u8; 8] = *b"\x89PELAGE\n";
 /// The version of the format that this crate writes, and the newest it reads. It reads, and on request writes, all older ones.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
 
 /// Bytes of the fixed header.
 pub(crate) const HEADER_BYTES: usize = 32;

@@ -31,7 +31,9 @@
 compile_error!("pelage-formats needs a little-endian target: packages hold vertex data that is uploaded in place");
 
 mod animation;
+mod choice;
 mod container;
+mod detail;
 mod direction;
 mod encoding;
 mod error;
@@ -39,13 +41,16 @@ mod fins;
 mod limits;
 mod manifest;
 mod manifest_v1;
+mod manifest_v2;
 mod mesh;
 mod package;
 mod sampling;
 mod texture;
 
 pub use animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
+pub use choice::{Choice, ChoiceLimits, Trial};
 pub use container::{FORMAT_VERSION, MAGIC, Section, Tag};
+pub use detail::{CoatInfo, DetailLevel};
 pub use direction::{decode_direction, encode_direction};
 pub use error::FormatError;
 pub use fins::{Fin, FinData, FinsView};

@@ -1,5 +1,7 @@
 //! What a package says about itself. The order of the fields is the order of the bytes: see `FORMAT.md`, "MANI".
 
+use crate::choice::Choice;
+use crate::detail::{self, CoatInfo, DetailLevel};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -32,6 +34,13 @@ pub struct Manifest {
     pub quality: Vec<QualityFigure>,
     /// What bake had to repair, leave out or guess.
     pub warnings: Vec<String>,
+    /// The far coat, from version 3 on, as what follows: all layers above the skin seen from above, one more array layer of the shell
+    /// textures, dry and wet, behind the outermost.
+    pub coat: Option<CoatInfo>,
+    /// Levels of detail, finest first; empty where all layers are drawn at any distance.
+    pub detail: Vec<DetailLevel>,
+    /// How the settings were chosen, where a bake was told limits instead.
+    pub choice: Option<Choice>,
 }
 
 /// One input file of a bake.
@@ -208,6 +217,11 @@ pub struct QualityFigure {
 }
 
 impl Manifest {
+    /// Array layers of the shell textures: the shells, and the coat where there is one.
+    pub fn shell_texture_layers(&self) -> u32 {
+        self.fur.layers.saturating_add(u32::from(self.coat.is_some()))
+    }
+
     /// Checks that every number is finite and in its range and every index points into its list; what a reader may rely on.
     ///
     /// Returns the path of the faulty field with what was found and expected.
@@ -269,8 +283,8 @@ impl Manifest {
                     f.tile_size_m, f.height_m
                 ));
             }
-        } else if f.wet.is_some() || f.fins.is_some() {
-            return Err("fur.layers is 0 beside fur.wet or fur.fins, expected neither without fur".into());
+        } else if f.wet.is_some() || f.fins.is_some() || self.coat.is_some() {
+            return Err("fur.layers is 0 beside fur.wet, fur.fins or a coat, expected none of them without fur".into());
         }
         if let Some(wet) = &f.wet {
             texture("fur.wet.color_texture".into(), wet.color_texture)?;
@@ -283,6 +297,13 @@ impl Manifest {
                 let (w, h, n) = (fins.width, fins.height, fins.slabs);
                 return Err(format!("fur.fins is {w}x{h} texels in {n} slabs, expected at least 1 of each"));
             }
+        }
+        if let Some(coat) = &self.coat {
+            coat.check()?;
+        }
+        detail::check(self)?;
+        if let Some(choice) = &self.choice {
+            choice.check()?;
         }
         for (i, m) in self.materials.iter().enumerate() {
             finite(&format!("materials[{i}].base_color"), &m.base_color)?;

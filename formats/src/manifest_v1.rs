@@ -1,8 +1,9 @@
-//! The manifest of version 1: the same as today's without wet hair, fins and groom textures. Kept for ever, so that packages of
-//! version 1 stay readable; nothing here may change.
+//! The manifest of version 1: the same as version 2's without wet hair, fins and groom textures. Kept for ever, so that packages of
+//! version 1 stay readable; the order of the fields here may not change.
 
 use crate::Manifest;
 use crate::manifest::{Bounds, FurInfo, InputRecord, Material, Part, QualityFigure, Shading, TextureEntry};
+use crate::manifest_v2;
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]
@@ -61,8 +62,7 @@ impl From<ManifestV1> for Manifest {
                 patches: fur.patches,
                 color_texture: fur.color_texture,
                 direction_texture: fur.direction_texture,
-                wet: None,
-                fins: None,
+                ..FurInfo::default()
             },
             shading: old.shading,
             materials: old
@@ -82,6 +82,7 @@ impl From<ManifestV1> for Manifest {
             textures: old.textures,
             quality: old.quality,
             warnings: old.warnings,
+            ..Self::default()
         }
     }
 }
@@ -93,6 +94,9 @@ impl TryFrom<&Manifest> for ManifestV1 {
     fn try_from(new: &Manifest) -> Result<Self, String> {
         let fur = &new.fur;
         let refuse = |what: &str| Err(format!("{what} is given, expected none in version 1 of the format"));
+        if let Some(what) = manifest_v2::beyond(new) {
+            return refuse(what);
+        }
         if fur.wet.is_some() {
             return refuse("fur.wet");
         }

@@ -5,6 +5,7 @@ use crate::container::{self, FORMAT_VERSION, Section, Tag};
 use crate::encoding::{decode_section, encode_section};
 use crate::fins::{Fin, FinData, FinsView};
 use crate::manifest_v1::ManifestV1;
+use crate::manifest_v2;
 use crate::mesh::{MeshData, MeshView};
 use crate::texture::TextureView;
 use crate::{FormatError, Limits, Manifest};
@@ -62,6 +63,7 @@ impl<'a> Package<'a> {
         let manifest = package.section_bytes(0)?;
         package.manifest = match version {
             1 => decode_section::<ManifestV1>(Tag::MANIFEST, first.offset, manifest)?.into(),
+            2 => manifest_v2::decode(first.offset, manifest)?,
             _ => decode_section(Tag::MANIFEST, first.offset, manifest)?,
         };
         package.manifest.check().map_err(|reason| FormatError::Content {
@@ -240,14 +242,14 @@ impl<'a> Package<'a> {
 
     /// The two shell textures; `None` for a package without fur.
     ///
-    /// Fails where one of them is damaged or not as [`crate::FurInfo`] says: `layers` array layers, `tile_texels` square, colour with
-    /// four components, directions in a format that is not sRGB.
+    /// Fails where one of them is damaged or not as [`crate::FurInfo`] says: an array layer for each of `layers` and for the
+    /// coat, `tile_texels` square, colour with four components, directions in a format that is not sRGB.
     pub fn fur_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
         let fur = &self.manifest.fur;
         if fur.layers == 0 {
             return Ok(None);
         }
-        let size = (fur.tile_texels, fur.tile_texels, fur.layers);
+        let size = (fur.tile_texels, fur.tile_texels, self.manifest.shell_texture_layers());
         self.hair_textures("fur", size, fur.color_texture, fur.direction_texture).map(Some)
     }
 
@@ -255,7 +257,7 @@ impl<'a> Package<'a> {
     pub fn wet_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
         let fur = &self.manifest.fur;
         let Some(wet) = &fur.wet else { return Ok(None) };
-        let size = (fur.tile_texels, fur.tile_texels, fur.layers);
+        let size = (fur.tile_texels, fur.tile_texels, self.manifest.shell_texture_layers());
         self.hair_textures("fur.wet", size, wet.color_texture, wet.direction_texture).map(Some)
     }
 
@@ -452,15 +454,10 @@ impl<'a> PackageWriter<'a> {
         if let Some(error) = self.error {
             return Err(error);
         }
+        let no_place = |reason| FormatError::Content { tag: Tag::MANIFEST, offset: 0, reason };
         let manifest = match self.version {
-            1 => {
-                let old = ManifestV1::try_from(&self.manifest).map_err(|reason| FormatError::Content {
-                    tag: Tag::MANIFEST,
-                    offset: 0,
-                    reason,
-                })?;
-                encode_section(Tag::MANIFEST, &old)?
-            }
+            1 => encode_section(Tag::MANIFEST, &ManifestV1::try_from(&self.manifest).map_err(no_place)?)?,
+            2 => manifest_v2::encode(&self.manifest)?,
             _ => encode_section(Tag::MANIFEST, &self.manifest)?,
         };
         let mut sections = vec![(Tag::MANIFEST, Cow::Owned(manifest))];

@@ -152,14 +152,38 @@ fn version_1_keeps_its_reserved_bytes() {
     assert!(fins.contains("fur.fins is given, expected none in version 1"), "{fins}");
     assert!(old(|m| m.fur.wet = Some(ShellTextures::default())).contains("fur.wet is given"));
     assert!(old(|m| m.materials[1].groom_texture = Some(0)).contains("materials[1].groom_texture is given"));
-    // To it the tag of the fins is any tag.
+    assert!(old(|m| m.coat = Some(CoatInfo::default())).contains("coat is given, expected none in version 1"));
+    let before_3 = |change: fn(&mut Manifest)| {
+        let mut manifest = common::sample_manifest_v2();
+        change(&mut manifest);
+        PackageWriter::new(manifest).version(2).finish().unwrap_err().to_string()
+    };
+    let coat = before_3(|m| m.coat = Some(CoatInfo::default()));
+    assert!(coat.contains("coat is given, expected none in version 2"), "{coat}");
+    assert!(before_3(|m| m.detail = sample_manifest().detail).contains("detail is given"));
+    assert!(before_3(|m| m.choice = sample_manifest().choice).contains("choice is given"));
+    // Nor does a reader take for a coat what stands behind the warnings of version 2.
+    let plain = PackageWriter::new(Manifest::default()).version(2).finish().unwrap();
+    let at = section(&plain, Tag::MANIFEST);
+    let mut coat = plain[at.offset as usize..(at.offset + at.length) as usize].to_vec();
+    coat.extend([1].into_iter().chain([0; 15]));
+    let mut longer = plain[..at.offset as usize].to_vec();
+    longer.extend(&coat);
+    longer.resize(longer.len().next_multiple_of(16), 0);
+    let length = longer.len() as u64;
+    put(&mut longer, 16, &length.to_le_bytes());
+    put(&mut longer, 32 + 16, &(coat.len() as u64).to_le_bytes());
+    reseal(&mut longer);
+    let error = Package::open(&longer, &LIMITS()).unwrap_err().to_string();
+    assert!(error.contains("bytes of coat behind the manifest of version 2"), "{error}");
+    // To version 1 the tag of the fins is any tag.
     let any =
         PackageWriter::new(Manifest::default()).version(1).section(Tag::FINS, &b"x"[..]).section(Tag::FINS, &b""[..]);
     let bytes = any.finish().unwrap();
     assert!(Package::open(&bytes, &LIMITS()).unwrap().fins().unwrap().is_none());
-    for version in [0, 3] {
+    for version in [0, 4] {
         let error = PackageWriter::new(Manifest::default()).version(version).finish().unwrap_err().to_string();
-        assert!(error.contains(&format!("version {version}")) || error.contains("is 0, expected 1..=2"), "{error}");
+        assert!(error.contains(&format!("version {version}")) || error.contains("is 0, expected 1..=3"), "{error}");
     }
 }
 
@@ -221,18 +245,18 @@ fn trailing_bytes_are_an_error() {
 #[test]
 fn a_newer_version_is_named_whatever_follows() {
     let mut bytes = sample_package();
-    put(&mut bytes, 8, &3u32.to_le_bytes());
-    let newer = |found| FormatError::Version { found, supported: 2 };
-    assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err(), newer(3));
+    put(&mut bytes, 8, &4u32.to_le_bytes());
+    let newer = |found| FormatError::Version { found, supported: 3 };
+    assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err(), newer(4));
     // The rest of a later version may look like anything, or be hardly there.
     let mut garbage = b"\x89PELAGE\n\xff\xff\xff\xff".to_vec();
     assert_eq!(Package::open(&garbage, &LIMITS()).unwrap_err(), newer(u32::MAX));
     garbage.extend_from_slice(&[0xee; 999]);
     assert_eq!(Package::open(&garbage, &LIMITS()).unwrap_err(), newer(u32::MAX));
-    assert!(newer(3).to_string().contains("newer than this reader"));
+    assert!(newer(4).to_string().contains("newer than this reader"));
     // There never was a version 0.
     put(&mut bytes, 8, &0u32.to_le_bytes());
-    assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err().to_string(), "version at byte 8 is 0, expected 1..=2");
+    assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err().to_string(), "version at byte 8 is 0, expected 1..=3");
 }
 
 #[test]
@@ -342,7 +366,7 @@ fn limits_are_kept() {
         ("index count", Tag::MESH, Limits { indices: 11, ..LIMITS() }),
         ("fin count", Tag::FINS, Limits { fins: 2, ..LIMITS() }),
         ("texture width", Tag::TEXTURE, Limits { texture_size: 7, ..LIMITS() }),
-        ("texture layers", Tag::TEXTURE, Limits { texture_layers: 1, ..LIMITS() }),
+        ("texture layers", Tag::TEXTURE, Limits { texture_layers: 2, ..LIMITS() }),
     ];
     for (name, tag, limits) in cases {
         let faults = Package::validate(&bytes, &limits);
@@ -358,7 +382,7 @@ fn limits_are_kept() {
         indices: 12,
         fins: 3,
         texture_size: 8,
-        texture_layers: 2,
+        texture_layers: 3,
     };
     assert_eq!(Package::validate(&bytes, &tight), [], "exactly at the limits");
 }
@@ -389,7 +413,37 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.fur.wet.as_mut().unwrap().direction_texture = 8), "fur.wet.direction_texture is 8");
     refused(with(|m| m.fur.fins.as_mut().unwrap().color_texture = 8), "fur.fins.color_texture is 8");
     refused(with(|m| m.fur.fins.as_mut().unwrap().slabs = 0), "fur.fins is 8x4 texels in 0 slabs");
-    refused(with(|m| m.fur.layers = 0), "fur.layers is 0 beside fur.wet or fur.fins");
+    refused(with(|m| m.fur.layers = 0), "fur.layers is 0 beside fur.wet, fur.fins or a coat");
+    refused(with(|m| m.coat.as_mut().unwrap().height = f32::NAN), "coat.height is NaN, expected 0..=1");
+    refused(with(|m| m.coat.as_mut().unwrap().light_slanted = 0.75), "coat.light_slanted is 0.75, expected 0..=0.5");
+    refused(with(|m| m.coat = None), "detail[2].step is 0, expected a coat beside it");
+    refused(with(|m| m.detail[0].step = 2), "detail[0].step is 2, expected 1");
+    refused(with(|m| m.detail[1].step = 4), "detail[1].step is 4, expected 2");
+    refused(with(|m| m.detail[1].step = 0), "detail[1].step is 0, expected 2");
+    refused(with(|m| m.detail.truncate(2)), "detail[1].full_px is 12, expected it and gone_px to be 0 in the last");
+    refused(with(|m| m.detail[1].full_px = 20.0), "detail[1].full_px is 20, expected more than 0 and at most 18");
+    refused(with(|m| m.detail[0].full_px = f32::INFINITY), "detail[0].full_px is inf");
+    refused(with(|m| m.detail[0].gone_px = 25.0), "detail[0].gone_px is 25, expected 0 to full_px, 24");
+    refused(with(|m| m.detail[1].fins = 1.5), "detail[1].fins is 1.5");
+    refused(
+        Manifest { detail: sample_manifest().detail, ..Manifest::default() },
+        "detail has 3 levels, expected none without fur",
+    );
+    let choice = |change: fn(&mut Choice)| {
+        let mut manifest = sample_manifest();
+        change(manifest.choice.as_mut().unwrap());
+        manifest
+    };
+    refused(choice(|c| c.limits = ChoiceLimits::default()), "choice.limits has none, expected at least one");
+    refused(choice(|c| c.limits.max_frame_ms = Some(-1.0)), "choice.limits.max_frame_ms is -1");
+    refused(
+        choice(|c| c.binding = "max_frame_ms".into()),
+        "choice.binding is \"max_frame_ms\", expected it empty or one of [\"max_error\"",
+    );
+    refused(choice(|c| c.height = 0), "choice is of 640x0 pixels");
+    refused(choice(|c| c.trials[1].error = Some(f64::NAN)), "choice.trials[1].error is NaN");
+    refused(choice(|c| c.chosen = 2), "choice.chosen is 2, expected less than the 2 trials");
+    refused(choice(|c| c.next_better = Some(9)), "choice.next_better is 9");
     refused(with(|m| m.materials[1].alpha_cutoff = Some(f32::NAN)), "materials[1].alpha_cutoff is NaN");
     refused(with(|m| m.parts[0].material = 2), "parts[0].material is 2");
     refused(with(|m| m.parts[1].first_index = 6), "parts[1] is 3 indices from 6");
@@ -398,7 +452,8 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.textures[2].name = "Shell_Color".into()), "is taken");
     refused(with(|m| m.quality[0].value = f64::NAN), "\"angle_distortion\" is NaN");
     refused(with(|_| ()), "names 8 textures, the package holds 0");
-    refused(Manifest { textures: Vec::new(), fur: FurInfo::default(), ..with(|m| m.materials.clear()) }, "parts[0]");
+    let bald = Manifest { textures: Vec::new(), fur: FurInfo::default(), ..common::sample_manifest_v2() };
+    refused(Manifest { materials: Vec::new(), ..bald }, "parts[0]");
 }
 
 #[test]
@@ -429,8 +484,8 @@ fn parts_need_a_mesh_and_skin_needs_a_skeleton() {
 fn textures_must_fit_their_use() {
     use TextureFormat::*;
     let good = |k: usize| match k {
-        0 | 3 => ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0),
-        1 | 4 => ktx2_file(Rg8Unorm, 4, 4, 2, 1, 0),
+        0 | 3 => ktx2_file(Bc7Srgb, 4, 4, 3, 1, 0),
+        1 | 4 => ktx2_file(Rg8Unorm, 4, 4, 3, 1, 0),
         5 => ktx2_file(Bc7Srgb, 8, 4, 2, 1, 0),
         6 => ktx2_file(Bc5Unorm, 8, 4, 2, 1, 0),
         7 => ktx2_file(Rg8Unorm, 5, 3, 0, 3, 0),
@@ -444,20 +499,20 @@ fn textures_must_fit_their_use() {
     };
     finish(0, good(0)).unwrap();
     for format in [Rgba8Unorm, Bc7Unorm, Rg8Unorm, Bc5Unorm] {
-        finish(1, ktx2_file(format, 4, 4, 2, 1, 0)).unwrap();
+        finish(1, ktx2_file(format, 4, 4, 3, 1, 0)).unwrap();
     }
     for (k, texture, expected) in [
-        (0, ktx2_file(Bc7Srgb, 4, 4, 3, 1, 0), "\"shell_color\" is 4x4 texels in 3 layers, expected 4x4 in 2"),
-        (0, ktx2_file(Bc7Srgb, 8, 4, 2, 1, 0), "\"shell_color\" is 8x4 texels"),
-        (1, ktx2_file(Rg8Unorm, 2, 2, 2, 1, 0), "\"shell_direction\" is 2x2 texels"),
-        (0, ktx2_file(Rg8Unorm, 4, 4, 2, 1, 0), "\"shell_color\" is rg8unorm, expected four components"),
+        (0, ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0), "\"shell_color\" is 4x4 texels in 2 layers, expected 4x4 in 3"),
+        (0, ktx2_file(Bc7Srgb, 8, 4, 3, 1, 0), "\"shell_color\" is 8x4 texels"),
+        (1, ktx2_file(Rg8Unorm, 2, 2, 3, 1, 0), "\"shell_direction\" is 2x2 texels"),
+        (0, ktx2_file(Rg8Unorm, 4, 4, 3, 1, 0), "\"shell_color\" is rg8unorm, expected four components"),
         (
             1,
-            ktx2_file(Rgba8Srgb, 4, 4, 2, 1, 0),
+            ktx2_file(Rgba8Srgb, 4, 4, 3, 1, 0),
             "\"shell_direction\" is rgba8unorm-srgb, expected a format that is not",
         ),
-        (3, ktx2_file(Bc7Srgb, 4, 4, 3, 1, 0), "\"wet_color\" is 4x4 texels in 3 layers, expected 4x4 in 2"),
-        (4, ktx2_file(Rgba8Srgb, 4, 4, 2, 1, 0), "\"wet_direction\" is rgba8unorm-srgb"),
+        (3, ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0), "\"wet_color\" is 4x4 texels in 2 layers, expected 4x4 in 3"),
+        (4, ktx2_file(Rgba8Srgb, 4, 4, 3, 1, 0), "\"wet_direction\" is rgba8unorm-srgb"),
         (5, ktx2_file(Bc7Srgb, 8, 4, 1, 1, 0), "\"fin_color\" is 8x4 texels in 1 layers, expected 8x4 in 2"),
         (5, ktx2_file(Bc5Unorm, 8, 4, 2, 1, 0), "\"fin_color\" is bc5-rg-unorm, expected four components"),
         (6, ktx2_file(Rgba8Srgb, 8, 4, 2, 1, 0), "\"fin_direction\" is rgba8unorm-srgb"),

@@ -10,6 +10,7 @@ use std::path::Path;
 fn golden(version: u32) -> (Vec<u8>, Vec<u8>) {
     let written = match version {
         1 => common::sample_package_v1(),
+        2 => common::sample_package_v2(),
         _ => common::sample_package(),
     };
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/v{version}.pelage"));
@@ -52,10 +53,16 @@ fn golden_packages_say_what_they_always_said() {
         let fur = package.fur_textures().unwrap().unwrap();
         let color = fur.color;
         assert_eq!((color.format, color.width, color.height), (TextureFormat::Rgba8Srgb, 4, 4));
-        assert_eq!((color.layers, color.levels, color.gpu_bytes()), (2, 3, 128 + 32 + 8));
-        assert_eq!(color.level(1), (1..33).collect::<Vec<u8>>());
+        // Two shells, and from version 3 on the coat.
+        let layers = if version < 3 { 2 } else { 3 };
+        assert_eq!((color.layers, color.levels), (layers, 3));
+        assert_eq!(color.gpu_bytes(), u64::from(layers) * (64 + 16 + 4));
+        assert_eq!(color.level(1), (1..=16 * layers as u8).collect::<Vec<u8>>());
         assert_eq!(color.level(3), []);
-        assert_eq!((fur.direction.format, fur.direction.level(0).len()), (TextureFormat::Bc5Unorm, 32));
+        assert_eq!(
+            (fur.direction.format, fur.direction.level(0).len()),
+            (TextureFormat::Bc5Unorm, 16 * layers as usize)
+        );
         let base = package.base_color_texture(0).unwrap().unwrap();
         assert_eq!((base.format, base.layers, base.levels), (TextureFormat::Bc7Srgb, 1, 2));
         assert!(package.base_color_texture(1).unwrap().is_none());
@@ -64,7 +71,7 @@ fn golden_packages_say_what_they_always_said() {
 
 /// What version 1 cannot say reads as: no extra lean, no groom, no wet hair, no fins.
 #[test]
-fn version_1_reads_as_version_2() {
+fn version_1_reads_as_todays() {
     let (bytes, _) = golden(1);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert_eq!(package.manifest(), &common::sample_manifest_v1());
@@ -81,7 +88,7 @@ fn version_1_reads_as_version_2() {
 fn version_2_has_lean_groom_wet_hair_and_fins() {
     let (bytes, _) = golden(2);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
-    assert_eq!(package.manifest(), &common::sample_manifest());
+    assert_eq!(package.manifest(), &common::sample_manifest_v2());
     assert_eq!(package.mesh().unwrap().unwrap().to_data(), common::sample_mesh(true));
     let fins = package.fins().unwrap().unwrap();
     assert_eq!((fins.count, fins.fins.len(), fins.to_data()), (3, 72, common::sample_fins()));
@@ -92,14 +99,29 @@ fn version_2_has_lean_groom_wet_hair_and_fins() {
     assert!(package.groom_texture(1).unwrap().is_none());
 }
 
+#[test]
+fn version_3_has_levels_of_detail_a_coat_and_a_choice() {
+    let (bytes, _) = golden(3);
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let manifest = package.manifest();
+    assert_eq!(manifest, &common::sample_manifest());
+    assert_eq!(manifest.detail.iter().map(|l| l.step).collect::<Vec<_>>(), [1, 2, 0]);
+    let choice = manifest.choice.as_ref().unwrap();
+    assert_eq!((choice.trials.len(), choice.chosen, choice.next_better), (2, 1, None));
+    assert_eq!((manifest.fur.layers, manifest.shell_texture_layers()), (2, 3));
+    let wet = package.wet_textures().unwrap().unwrap();
+    assert_eq!((wet.color.layers, wet.direction.layers), (3, 3), "the coat has its wet form");
+    assert_eq!(package.fins().unwrap().unwrap().to_data(), common::sample_fins());
+}
+
 /// The bytes that a reader in another language stands on, spelled out. If this fails, `FORMAT.md` is wrong too.
 #[test]
 fn header_and_table_lie_where_the_specification_says() {
-    let (bytes, _) = golden(2);
+    let (bytes, _) = golden(3);
     let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     let u64_at = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
     assert_eq!(bytes[..8], *b"\x89PELAGE\n");
-    assert_eq!((u32_at(8), u32_at(12), u64_at(16), u32_at(28)), (2, 13, bytes.len() as u64, 0));
+    assert_eq!((u32_at(8), u32_at(12), u64_at(16), u32_at(28)), (3, 13, bytes.len() as u64, 0));
     let mut head = bytes[..24].to_vec();
     head.extend_from_slice(&bytes[28..32 + 13 * 32]);
     assert_eq!(u32_at(24), crc32fast::hash(&head));

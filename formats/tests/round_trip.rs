@@ -145,6 +145,7 @@ prop_compose! {
         let first = 3 * cut.index(mesh.indices.len() / 3 + 1) as u32;
         let parts = [(0, first), (first, indices - first)]
             .map(|(first_index, index_count)| Part { material: (first_index > 0).into(), first_index, index_count });
+        let warnings_count = warnings.len();
         let manifest = Manifest {
             generator: texts[0].clone(),
             model: texts[1].clone(),
@@ -164,6 +165,16 @@ prop_compose! {
             textures: (0..textures.len()).map(|k| TextureEntry { name: format!("texture-{k}") }).collect(),
             quality: figures.into_iter().map(|(name, value, unit)| QualityFigure { name, value, unit }).collect(),
             warnings,
+            coat: None,
+            detail: Vec::new(),
+            choice: (warnings_count % 2 == 1).then(|| Choice {
+                limits: ChoiceLimits { max_bytes: Some(1), ..ChoiceLimits::default() },
+                width: 1,
+                height: 1,
+                views: vec![texts[3].clone()],
+                trials: vec![Trial { settings: texts[4..].to_vec(), ..Trial::default() }],
+                ..Choice::default()
+            }),
         };
         let unknown = unknown
             .into_iter()
@@ -230,7 +241,7 @@ proptest! {
     }
 
     #[test]
-    fn no_byte_string_makes_the_reader_panic(bytes in vec(any::<u8>(), 0..200), magic: bool, version in 1u32..=2) {
+    fn no_byte_string_makes_the_reader_panic(bytes in vec(any::<u8>(), 0..200), magic: bool, version in 1u32..=3) {
         let bytes = if magic { [&MAGIC[..], &version.to_le_bytes(), &bytes].concat() } else { bytes };
         prop_assert!(!Package::validate(&bytes, &Limits::default()).is_empty());
     }
@@ -266,7 +277,7 @@ fn debug_output_is_short() {
     let bytes = common::sample_package();
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let texture = format!("{:?}", package.texture(0).unwrap());
-    assert!(texture.starts_with("TextureView(rgba8unorm-srgb 4x4, 2 layers, 3 levels, "), "{texture}");
+    assert!(texture.starts_with("TextureView(rgba8unorm-srgb 4x4, 3 layers, 3 levels, "), "{texture}");
     assert_eq!(format!("{:?}", package.mesh().unwrap().unwrap()), "MeshView(5 vertices, 12 indices, skin)");
     assert!(!format!("{package:?}").contains("137, 80"), "the magic's bytes");
 }

@@ -7,7 +7,8 @@ mod common;
 
 use common::Random;
 
-const GOLDEN: [&[u8]; 2] = [include_bytes!("golden/v1.pelage"), include_bytes!("golden/v2.pelage")];
+const GOLDEN: [&[u8]; 3] =
+    [include_bytes!("golden/v1.pelage"), include_bytes!("golden/v2.pelage"), include_bytes!("golden/v3.pelage")];
 
 /// One to four changes of the kinds that a fuzzer makes.
 fn mutate(golden: &[u8], random: &mut Random) -> Vec<u8> {

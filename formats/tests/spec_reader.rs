@@ -55,6 +55,22 @@ fn describe(bytes: &[u8]) -> String {
                 }
                 manifest.textures.iter().for_each(|t| writeln!(out, "texture {}", t.name).unwrap());
                 manifest.warnings.iter().for_each(|w| writeln!(out, "warning {w}").unwrap());
+                if let Some(coat) = &manifest.coat {
+                    writeln!(out, "coat height bits {}", coat.height.to_bits()).unwrap();
+                }
+                for level in &manifest.detail {
+                    writeln!(out, "detail step {} full bits {}", level.step, level.full_px.to_bits()).unwrap();
+                }
+                if let Some(choice) = &manifest.choice {
+                    writeln!(out, "choice binding {}", choice.binding).unwrap();
+                    writeln!(out, "choice of {} by {}", choice.width, choice.height).unwrap();
+                    choice.views.iter().for_each(|v| writeln!(out, "view {v}").unwrap());
+                    for trial in &choice.trials {
+                        trial.settings.iter().for_each(|s| writeln!(out, "setting {s}").unwrap());
+                        writeln!(out, "trial bytes {} predicted {}", trial.bytes, u32::from(trial.predicted)).unwrap();
+                    }
+                    writeln!(out, "chosen {}", choice.chosen).unwrap();
+                }
             }
             Tag::MESH => {
                 let mesh = package.mesh().unwrap().unwrap();
@@ -94,10 +110,10 @@ fn a_reader_written_from_the_specification_agrees() {
         Command::new(&program).arg(&file).output().unwrap()
     };
 
-    let golden = include_bytes!("golden/v2.pelage");
-    let old = include_bytes!("golden/v1.pelage");
+    let golden = include_bytes!("golden/v3.pelage");
+    let old = [&include_bytes!("golden/v1.pelage")[..], include_bytes!("golden/v2.pelage")];
     let bald = PackageWriter::new(Manifest::default()).section(Tag(*b"NONE"), Vec::new()).finish().unwrap();
-    for bytes in [&golden[..], &old[..], &bald] {
+    for bytes in [&golden[..], old[0], old[1], &bald] {
         let output = run(bytes);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         assert_eq!(String::from_utf8(output.stdout).unwrap(), describe(bytes));

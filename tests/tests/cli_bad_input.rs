@@ -57,7 +57,7 @@ fn packages() {
     sandbox.write("short.pelage", &good[..5]);
     sandbox.write("cut.pelage", &good[..good.len() / 2]);
     sandbox.write("header.pelage", &good[..20]);
-    sandbox.write("future.pelage", with_u32(&good, 8, 3));
+    sandbox.write("future.pelage", with_u32(&good, 8, 4));
     sandbox.write("sections.pelage", with_u32(&good, 12, u32::MAX));
     // The length field of the second section, 4 GiB.
     sandbox.write("long.pelage", with_u32(&with_u32(&good, 32 + 32 + 16, 0), 32 + 32 + 20, 1));
@@ -73,7 +73,7 @@ fn packages() {
         ("empty.pelage", 3, 3, &["empty.pelage: not a pelage package", "byte 0"]),
         ("other.pelage", 3, 3, &["other.pelage: not a pelage package", "byte 0"]),
         ("short.pelage", 3, 3, &["short.pelage", "cut short", "byte 0"]),
-        ("future.pelage", 3, 3, &["future.pelage", "version 3 at byte 8 is newer", "update pelage"]),
+        ("future.pelage", 3, 3, &["future.pelage", "version 4 at byte 8 is newer", "update pelage"]),
         ("header.pelage", 3, 7, &["header.pelage", "cut short", "at byte 0 needs 32 bytes, 20 are left"]),
         ("cut.pelage", 3, 7, &["cut.pelage", "cut short"]),
         ("sections.pelage", 3, 7, &["section count at byte 12 is 4294967295", "limit"]),
@@ -142,7 +142,7 @@ fn unpacked_folders() {
     // Each case spoils one file and names the words that must appear.
     type Spoil = fn(&mut Value);
     let manifests: &[(Spoil, &[&str])] = &[
-        (|m| m["pelage_unpacked"] = json!(1), &["/pelage_unpacked", "found 1, expected 2"]),
+        (|m| m["pelage_unpacked"] = json!(1), &["/pelage_unpacked", "found 1, expected 3"]),
         (|m| m["manifest"]["generatr"] = json!("x"), &["/manifest/generatr: unknown key", "\"generator\""]),
         (|m| m["manifest"]["fur"]["layer"] = json!(1), &["/manifest/fur/layer: unknown key", "\"layers\""]),
         (|m| m["manifest"]["fur"]["layers"] = json!("two"), &["/manifest/fur/layers", "u32"]),

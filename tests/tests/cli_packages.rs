@@ -34,7 +34,7 @@ fn inspect_tells_what_is_inside() {
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     let object = json(&run, "inspect");
     for (pointer, expected) in [
-        ("/version", "2"),
+        ("/version", "3"),
         ("/triangles", "4"),
         ("/vertices", "5"),
         ("/patches", "3"),
@@ -56,6 +56,12 @@ fn inspect_tells_what_is_inside() {
     assert_eq!(text.code, Some(0));
     for word in ["4 triangles", "bc5-rg-unorm", "breathe", "XTRA", "angle_distortion", "3 triangles without area"] {
         assert!(text.stdout.contains(word), "{word}: {}", text.stdout);
+    }
+    // What version 3 knows.
+    for words in
+        ["0.75 of the height", "1 layer in 2, 50 % of the fins", "the coat alone", "max_error binds", "next cheaper"]
+    {
+        assert!(text.stdout.contains(words), "{words}: {}", text.stdout);
     }
 }
 

@@ -82,11 +82,35 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
         "clips": clips,
         "materials": materials,
         "gpu_bytes": gpu_bytes,
+        "coat": manifest.coat,
+        "detail": manifest.detail,
+        "choice": manifest.choice,
         "quality": quality,
         "warnings": manifest.warnings,
         "inputs": inputs,
         "recipe": manifest.recipe,
     }))
+}
+
+/// What a bake was told, what it tried, and what it took.
+fn choice_rows(choice: &Value, row: &mut dyn FnMut(&str, String)) {
+    let Some(trials) = choice["trials"].as_array() else { return };
+    let limits = choice["limits"].as_object().into_iter().flatten().filter(|(_, limit)| !limit.is_null());
+    let limits: Vec<_> = limits.map(|(name, limit)| format!("{name} {limit}")).collect();
+    let binding = choice["binding"].as_str().filter(|b| !b.is_empty()).unwrap_or("none");
+    row("limits", format!("{}; {binding} binds", limits.join(", ")));
+    let marks = [("chosen", "chosen"), ("next_better", "next better"), ("next_cheaper", "next cheaper")];
+    for (i, trial) in trials.iter().enumerate() {
+        let settings: Vec<_> = trial["settings"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let mut figures = vec![human_bytes(trial["bytes"].as_u64().unwrap_or(0))];
+        figures.extend(trial["error"].as_f64().map(|e| format!("error {e:.4}")));
+        figures.extend(trial["frame_ms"].as_f64().map(|ms| format!("{ms:.2} ms")));
+        if trial["predicted"] == true {
+            figures.push("predicted".into());
+        }
+        figures.extend(marks.iter().filter(|(key, _)| choice[*key] == i).map(|(_, mark)| (*mark).to_owned()));
+        row("trial", format!("{}: {}", settings.join(" "), figures.join(", ")));
+    }
 }
 
 /// The same for people. Everything comes from the JSON, so that the two cannot disagree.
@@ -129,6 +153,22 @@ fn table(name: &str, object: &Value) -> String {
     for s in list("sections") {
         row("section", format!("{}, {}", text(&s["tag"]), human_bytes(number(&s["bytes"]))));
     }
+    let decimals = |v: &Value, n: usize| format!("{:.n$}", v.as_f64().unwrap_or(0.0));
+    if let coat @ Value::Object(_) = &object["coat"] {
+        let (height, straight) = (decimals(&coat["height"], 2), decimals(&coat["light_straight"], 2));
+        row("coat", format!("at {height} of the height, {straight} of the key light reaches it"));
+    }
+    for level in list("detail") {
+        let drawn = match number(&level["step"]) {
+            0 => "the coat alone".to_owned(),
+            1 => "every layer".to_owned(),
+            step => format!("1 layer in {step}"),
+        };
+        let (full, gone, fins) = (&level["full_px"], &level["gone_px"], 100.0 * level["fins"].as_f64().unwrap_or(0.0));
+        let range = format!("from {} px of fur, gone at {} px", decimals(full, 2), decimals(gone, 2));
+        row("detail", format!("{drawn}, {fins:.0} % of the fins, {range}"));
+    }
+    choice_rows(&object["choice"], &mut row);
     row("GPU memory", human_bytes(number(&object["gpu_bytes"])));
     for q in list("quality") {
         let unit = text(&q["unit"]);

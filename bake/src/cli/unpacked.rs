@@ -22,7 +22,7 @@ const MESH: &str = "mesh.glb";
 const ANIMATION: &str = "animation.json";
 const FINS: &str = "fins.bin";
 /// Key and value that mark the folder's form.
-const FORM: (&str, u64) = ("pelage_unpacked", 2);
+const FORM: (&str, u64) = ("pelage_unpacked", 3);
 /// Key of the package's version, so that a package of an older version is packed as one again.
 const VERSION: &str = "format_version";
 
@@ -251,8 +251,8 @@ fn manifest_to_json(manifest: &Manifest) -> serde_json::Result<Value> {
     if let Some(object) = value.as_object_mut() {
         object.remove("recipe");
         for (key, field) in object.iter_mut() {
-            // The quality figures are 64-bit numbers; everything else is 32-bit.
-            if key != "quality" {
+            // Quality figures and the evidence of a choice are 64-bit numbers; everything else is 32-bit.
+            if key != "quality" && key != "choice" {
                 shorten_floats(field);
             }
         }

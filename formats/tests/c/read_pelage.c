@@ -1,4 +1,4 @@
-/* Reads a .pelage package, version 1 or 2, written from FORMAT.md alone: header, table, checksums, the manifest's texture names,
+/* Reads a .pelage package, version 1 to 3, written from FORMAT.md alone: header, table, checksums, the manifest's texture names,
  * mesh counts, fins and texture sizes. Prints one line for each and exits with 1, saying where, if something is wrong.
  *
  *     cc -std=c99 -o read_pelage read_pelage.c && ./read_pelage fox.pelage
@@ -100,6 +100,38 @@ static void print_string(const char *name, struct cursor *c)
     printf("\n");
 }
 
+static void skip_option(struct cursor *c, int bytes)
+{
+    if (flag(c))
+        skip(c, (uint64_t)bytes);
+}
+
+static void read_choice(struct cursor *c)
+{
+    uint64_t n, k, bytes;
+    skip_option(c, 8); /* limits */
+    skip_option(c, 8);
+    skip_option(c, 8);
+    print_string("choice binding", c);
+    skip_string(c); /* adapter */
+    printf("choice of %" PRIu64, take(c, 4));
+    printf(" by %" PRIu64 "\n", take(c, 4));
+    skip(c, 4); /* samples */
+    for (n = take(c, 8); n > 0; n--)
+        print_string("view", c);
+    for (n = take(c, 8); n > 0; n--) { /* trials */
+        for (k = take(c, 8); k > 0; k--)
+            print_string("setting", c);
+        skip_option(c, 8); /* error */
+        skip_option(c, 8); /* time */
+        bytes = take(c, 8);
+        printf("trial bytes %" PRIu64 " predicted %d\n", bytes, flag(c));
+    }
+    printf("chosen %" PRIu64 "\n", take(c, 4));
+    skip_option(c, 4); /* next better */
+    skip_option(c, 4); /* next cheaper */
+}
+
 static void read_manifest(struct cursor c)
 {
     uint64_t n;
@@ -152,6 +184,19 @@ static void read_manifest(struct cursor c)
     }
     for (n = take(&c, 8); n > 0; n--) /* warnings */
         print_string("warning", &c);
+    if (version > 2) {
+        if (flag(&c)) { /* coat */
+            printf("coat height bits %" PRIu64 "\n", take(&c, 4));
+            skip(&c, 4 + 4 + 4);
+        }
+        for (n = take(&c, 8); n > 0; n--) { /* levels of detail */
+            printf("detail step %" PRIu64, take(&c, 4));
+            printf(" full bits %" PRIu64 "\n", take(&c, 4));
+            skip(&c, 4 + 4);
+        }
+        if (flag(&c))
+            read_choice(&c);
+    }
     if (c.at != c.end)
         fail("bytes follow the manifest", c.at);
 }
@@ -174,7 +219,7 @@ static void read_mesh(uint64_t at, uint64_t length)
     if (number(at + 16, 8) != 64 || number(at + 24, 8) != attributes || number(at + 32, 8) != skin ||
         number(at + 40, 8) != index || index + 4 * indices != length)
         fail("the mesh's offsets do not follow from its counts", at + 16);
-    /* What version 1 reserves in each vertex; of version 2's groom half has no meaning yet. */
+    /* What version 1 reserves in each vertex; of the groom of later ones half has no meaning yet. */
     for (k = 0; k < vertices; k++) {
         if (version == 1)
             expect_zero(at + 64 + 48 * k + 28, at + 64 + 48 * k + 32);
@@ -236,8 +281,8 @@ static void read_package(void)
     if (file_length < 12 || memcmp(file, "\x89PELAGE\n", 8) != 0)
         fail("not a pelage package", 0);
     version = number(8, 4);
-    if (version < 1 || version > 2)
-        fail("not version 1 or 2", 8);
+    if (version < 1 || version > 3)
+        fail("not version 1 to 3", 8);
     count = number(12, 4);
     end = 32 + 32 * count;
     if (end > file_length)

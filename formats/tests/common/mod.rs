@@ -192,7 +192,50 @@ pub fn sample_manifest() -> Manifest {
         .to_vec(),
         quality: vec![QualityFigure { name: "angle_distortion".into(), value: 0.0625, unit: "1".into() }],
         warnings: vec!["3 triangles without area were left out".into()],
+        coat: Some(CoatInfo { height: 0.75, ambient_height: 0.625, light_straight: 0.5, light_slanted: 0.25 }),
+        detail: vec![
+            DetailLevel { step: 1, full_px: 24.0, gone_px: 18.0, fins: 1.0 },
+            DetailLevel { step: 2, full_px: 12.0, gone_px: 8.0, fins: 0.5 },
+            DetailLevel { step: 0, full_px: 0.0, gone_px: 0.0, fins: 0.0 },
+        ],
+        choice: Some(Choice {
+            limits: ChoiceLimits { max_error: Some(0.1), max_frame_ms: None, max_bytes: Some(1 << 40) },
+            binding: "max_error".into(),
+            adapter: "an adapter".into(),
+            width: 640,
+            height: 480,
+            samples: 64,
+            views: vec!["--camera front".into(), "--camera 45,10".into()],
+            trials: vec![
+                Trial {
+                    settings: vec!["slice.layers=8".into()],
+                    error: Some(0.125),
+                    frame_ms: None,
+                    bytes: 4096,
+                    predicted: true,
+                },
+                Trial {
+                    settings: vec!["slice.layers=16".into(), "slice.tile_texels=64".into()],
+                    error: Some(0.0625),
+                    frame_ms: Some(3.5),
+                    bytes: 65_536,
+                    predicted: false,
+                },
+            ],
+            chosen: 1,
+            next_better: None,
+            next_cheaper: Some(0),
+        }),
     }
+}
+
+/// The manifest of [`sample_manifest`] as version 2 could say it: that of the golden package of version 2.
+pub fn sample_manifest_v2() -> Manifest {
+    let mut manifest = sample_manifest();
+    manifest.coat = None;
+    manifest.detail.clear();
+    manifest.choice = None;
+    manifest
 }
 
 /// The mesh of [`sample_mesh`] as version 1 could say it.
@@ -205,7 +248,7 @@ pub fn sample_mesh_v1(skinned: bool) -> MeshData {
 
 /// The manifest of [`sample_manifest`] as version 1 could say it: that of the golden package of version 1.
 pub fn sample_manifest_v1() -> Manifest {
-    let mut manifest = sample_manifest();
+    let mut manifest = sample_manifest_v2();
     manifest.fur.wet = None;
     manifest.fur.fins = None;
     manifest.materials[0].groom_texture = None;
@@ -224,27 +267,37 @@ pub fn sample_fins() -> FinData {
 
 /// A package of version 1 with every kind of section, one of an unknown tag among them.
 pub fn sample_package_v1() -> Vec<u8> {
-    first_sections(PackageWriter::new(sample_manifest_v1()).version(1).mesh(&sample_mesh_v1(true))).finish().unwrap()
+    let writer = PackageWriter::new(sample_manifest_v1()).version(1).mesh(&sample_mesh_v1(true));
+    first_sections(writer, 2).finish().unwrap()
 }
 
-/// A package with every kind of section, one of an unknown tag among them. It begins with the sections of version 1.
+/// A package of version 2 with every kind of section. It begins with the sections of version 1.
+pub fn sample_package_v2() -> Vec<u8> {
+    let writer = PackageWriter::new(sample_manifest_v2()).version(2).mesh(&sample_mesh(true));
+    all_sections(writer, 2).finish().unwrap()
+}
+
+/// A package with every kind of section, one of an unknown tag among them: the sections of version 2, and the coat in the shell
+/// textures.
 pub fn sample_package() -> Vec<u8> {
-    first_sections(PackageWriter::new(sample_manifest()).mesh(&sample_mesh(true)))
+    all_sections(PackageWriter::new(sample_manifest()).mesh(&sample_mesh(true)), 3).finish().unwrap()
+}
+
+fn all_sections(writer: PackageWriter<'_>, shell_layers: u32) -> PackageWriter<'_> {
+    first_sections(writer, shell_layers)
         .fins(&sample_fins())
-        .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 4))
-        .texture(ktx2_file(TextureFormat::Rg8Unorm, 4, 4, 2, 3, 5))
+        .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, shell_layers, 3, 4))
+        .texture(ktx2_file(TextureFormat::Rg8Unorm, 4, 4, shell_layers, 3, 5))
         .texture(ktx2_file(TextureFormat::Bc7Srgb, 8, 4, 2, 1, 6))
         .texture(ktx2_file(TextureFormat::Rgba8Unorm, 8, 4, 2, 1, 7))
         .texture(ktx2_file(TextureFormat::Rg8Unorm, 3, 2, 0, 1, 8))
-        .finish()
-        .unwrap()
 }
 
-fn first_sections(writer: PackageWriter<'_>) -> PackageWriter<'_> {
+fn first_sections(writer: PackageWriter<'_>, shell_layers: u32) -> PackageWriter<'_> {
     writer
         .animation(&sample_animation())
-        .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 1))
-        .texture(ktx2_file(TextureFormat::Bc5Unorm, 4, 4, 2, 1, 2))
+        .texture(ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, shell_layers, 3, 1))
+        .texture(ktx2_file(TextureFormat::Bc5Unorm, 4, 4, shell_layers, 1, 2))
         .section(Tag(*b"XTRA"), &b"a section of a later version"[..])
         .texture(ktx2_file(TextureFormat::Bc7Srgb, 8, 4, 0, 2, 3))
 }

@@ -124,8 +124,7 @@ pub fn manifest(params: &SphereParams, index_count: u32, bare: u32) -> Manifest 
             patches: 6,
             color_texture: 0,
             direction_texture: 1,
-            wet: None,
-            fins: None,
+            ..FurInfo::default()
         },
         shading: Shading::default(),
         materials: vec![material("fur", [1.0; 4], true), material("band", [0.1, 0.2, 0.6, 1.0], false)],

@@ -1,0 +1,100 @@
+//! The evidence of a bake that chose its settings.
+
+use serde::{Deserialize, Serialize};
+
+/// How a bake chose its settings: the limits that it was told, what it tried, and what it took.
+///
+/// Times depend on the machine, so that the same inputs need not give the same bytes where `limits` holds one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Choice {
+    /// What was asked for; at least one of them.
+    pub limits: ChoiceLimits,
+    /// The limit that keeps the settings from being cheaper, or better: `max_error`, `max_frame_ms` or `max_bytes`, one that was given;
+    /// empty where none does.
+    pub binding: String,
+    /// Adapter that frames were timed on; empty where none was.
+    pub adapter: String,
+    /// Width of the pictures that were compared and timed, pixels, at least 1.
+    pub width: u32,
+    /// Height of them, pixels, at least 1.
+    pub height: u32,
+    /// Samples per pixel of the true pictures; 0 where nothing was compared.
+    pub samples: u32,
+    /// The views, as arguments of `pelage render`.
+    pub views: Vec<String>,
+    /// All settings that were looked at.
+    pub trials: Vec<Trial>,
+    /// Index into `trials` of the settings that the package has.
+    pub chosen: u32,
+    /// Index into `trials` of the cheapest settings with less error.
+    pub next_better: Option<u32>,
+    /// Index into `trials` of the most exact settings that cost less.
+    pub next_cheaper: Option<u32>,
+}
+
+/// Limits of a [`Choice`]; `None` was not given. Each is at least 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChoiceLimits {
+    /// Greatest mean difference from the true pictures (FLIP, 0..=1).
+    pub max_error: Option<f64>,
+    /// Longest time of a frame, milliseconds.
+    pub max_frame_ms: Option<f64>,
+    /// Greatest size of the package, bytes.
+    pub max_bytes: Option<u64>,
+}
+
+/// Settings that a [`Choice`] looked at.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// What it set in the recipe, `key=value` each, as for `pelage bake --set`.
+    pub settings: Vec<String>,
+    /// Mean difference from the true pictures (FLIP, 0..=1); `None` where nothing was compared.
+    pub error: Option<f64>,
+    /// Time of a frame, milliseconds, at least 0; `None` where nothing was timed.
+    pub frame_ms: Option<f64>,
+    /// Size of the package, bytes.
+    pub bytes: u64,
+    /// Whether the figures come from a model of them and were not measured.
+    pub predicted: bool,
+}
+
+impl Choice {
+    /// Checks that every number is in its range and every index points into the trials.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let number = |what: String, value: Option<f64>| match value.filter(|v| !(v.is_finite() && *v >= 0.0)) {
+            Some(v) => Err(format!("choice.{what} is {v}, expected a finite number, at least 0")),
+            None => Ok(()),
+        };
+        let limits = &self.limits;
+        number("limits.max_error".into(), limits.max_error)?;
+        number("limits.max_frame_ms".into(), limits.max_frame_ms)?;
+        let given = [
+            ("max_error", limits.max_error.is_some()),
+            ("max_frame_ms", limits.max_frame_ms.is_some()),
+            ("max_bytes", limits.max_bytes.is_some()),
+        ];
+        if !given.iter().any(|(_, given)| *given) {
+            return Err("choice.limits has none, expected at least one".into());
+        }
+        if !self.binding.is_empty() && !given.contains(&(self.binding.as_str(), true)) {
+            let names: Vec<_> = given.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
+            return Err(format!("choice.binding is {:?}, expected it empty or one of {names:?}", self.binding));
+        }
+        if self.width == 0 || self.height == 0 {
+            return Err(format!("choice is of {}x{} pixels, expected at least 1 of each", self.width, self.height));
+        }
+        for (i, trial) in self.trials.iter().enumerate() {
+            number(format!("trials[{i}].error"), trial.error)?;
+            number(format!("trials[{i}].frame_ms"), trial.frame_ms)?;
+        }
+        let trials = self.trials.len();
+        let indices =
+            [("chosen", Some(self.chosen)), ("next_better", self.next_better), ("next_cheaper", self.next_cheaper)];
+        match indices.iter().find(|(_, index)| index.is_some_and(|i| i as usize >= trials)) {
+            Some((what, index)) => {
+                Err(format!("choice.{what} is {}, expected less than the {trials} trials", index.unwrap_or_default()))
+            }
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Levels of detail: what is drawn of fur that is small on screen.
+
+use crate::Manifest;
+use serde::{Deserialize, Serialize};
+
+/// The far coat: where it lies and how it is lit, all as means over the hair that is seen from above.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CoatInfo {
+    /// Share of the fur's height at which a skin drawn with it covers as wide an outline as the layers do, 0..=1.
+    pub height: f32,
+    /// Share of the fur's height whose ambient attenuation γ is the mean of the visible hair's, 0..=1.
+    pub ambient_height: f32,
+    /// Mean share of the key light that reaches the visible hair where light comes along the normal, 0..=1: t of Yang 2006, eq. (2).
+    pub light_straight: f32,
+    /// The same where the way through each layer is four times as long, 0..=[`CoatInfo::light_straight`].
+    pub light_slanted: f32,
+}
+
+/// One level of detail: what is drawn where the fur is so many pixels high on screen.
+///
+/// Between `full_px` and `gone_px` a level and the next are cross-faded; `full_px` falls from level to level, and each level is gone
+/// where the next begins to fade or before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DetailLevel {
+    /// Every `step`-th layer from the outermost inwards is drawn, each for the `step` layers that it stands for: a power of two, 1 in
+    /// the first level, and twice that of the level before. 0, in the last level alone: no layers, the coat on the skin.
+    pub step: u32,
+    /// Height of the fur on screen, pixels, from which on the level is drawn as it is; 0 in the last level.
+    pub full_px: f32,
+    /// Height of the fur on screen, pixels, up to which the next level is drawn alone, at most `full_px`; 0 in the last level.
+    pub gone_px: f32,
+    /// Share of the fins' opacity, 0..=1; with 0 they are not drawn.
+    pub fins: f32,
+}
+
+impl CoatInfo {
+    /// Checks that every share is one.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        for (what, value, max) in [
+            ("height", self.height, 1.0),
+            ("ambient_height", self.ambient_height, 1.0),
+            ("light_straight", self.light_straight, 1.0),
+            ("light_slanted", self.light_slanted, self.light_straight),
+        ] {
+            // Not a number is in no range.
+            if !(0.0..=max).contains(&value) {
+                return Err(format!("coat.{what} is {value}, expected 0..={max}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Checks that the levels are a chain from all layers down to what the package has.
+pub(crate) fn check(manifest: &Manifest) -> Result<(), String> {
+    let levels = &manifest.detail;
+    if !levels.is_empty() && manifest.fur.layers == 0 {
+        return Err(format!("detail has {} levels, expected none without fur", levels.len()));
+    }
+    let mut step = 1;
+    let mut ceiling = f32::MAX;
+    for (i, level) in levels.iter().enumerate() {
+        let last = i + 1 == levels.len();
+        let fail = |field: &str, found: f32, expected: String| {
+            Err(format!("detail[{i}].{field} is {found}, expected {expected}"))
+        };
+        let coat = last && i > 0 && level.step == 0;
+        if coat && manifest.coat.is_none() {
+            return Err(format!("detail[{i}].step is 0, expected a coat beside it"));
+        }
+        if !coat && level.step != step {
+            return Err(format!("detail[{i}].step is {}, expected {step}, or 0 in the last level", level.step));
+        }
+        // 2^32 is no step, and far beyond every number of layers: the chain ends before.
+        step = step.checked_mul(2).unwrap_or(0);
+        if last && (level.full_px != 0.0 || level.gone_px != 0.0) {
+            return fail("full_px", level.full_px, "it and gone_px to be 0 in the last level".into());
+        }
+        // Not a number is in no range.
+        let falls = level.full_px > 0.0 && level.full_px <= ceiling;
+        if !last && !falls {
+            return fail(
+                "full_px",
+                level.full_px,
+                format!("more than 0 and at most {ceiling}, where the level before is gone"),
+            );
+        }
+        if !(level.gone_px >= 0.0 && level.gone_px <= level.full_px) {
+            return fail("gone_px", level.gone_px, format!("0 to full_px, {}", level.full_px));
+        }
+        if !(0.0..=1.0).contains(&level.fins) {
+            return fail("fins", level.fins, "0..=1".into());
+        }
+        ceiling = level.gone_px;
+    }
+    Ok(())
+}
