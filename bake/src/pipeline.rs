@@ -2,11 +2,11 @@
 
 use crate::BakeError;
 use crate::fins;
-use crate::groom::{self, Atlas, Lay, Lengths, MapImages, Maps, Pattern, Water};
-use crate::hair::{self, VolumeParams};
+use crate::groom::{self, Atlas, Lay, Lengths, MapImages, Maps, Pattern};
+use crate::hair::TileHair;
 use crate::mesh::{Image, Model, RestPose};
 use crate::pack::{self, Pieces};
-use crate::recipe::{HairParams, PackParams, Recipe, Style, SurfaceSource};
+use crate::recipe::{PackParams, Recipe, Style, SurfaceSource};
 use crate::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::textures;
 use pelage_formats::{Bounds, FurInfo, Shading};
@@ -90,17 +90,7 @@ pub fn bake(
     let Laid { mut surface, bounds, furred, lengths, maps } = lay(file, model, recipe, images, &mut warnings)?;
 
     on_stage("simulate");
-    let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
-    let style = if maps.water() == Water::Wet { Style::Wet } else { recipe.hair.style };
-    let grow = |style| hair::simulate(&HairParams { style, ..recipe.hair.clone() }, &recipe.color, &volume);
-    let mut strands = grow(style)?;
-    let mut wet_strands =
-        if maps.water() == Water::Mixed && style != Style::Wet { Some(grow(Style::Wet)?) } else { None };
-    if let Some(wet) = &mut wet_strands {
-        // Layers that are mixed lie at the same heights.
-        strands.height = strands.height.max(wet.height);
-        wet.height = strands.height;
-    }
+    let TileHair { strands, wet: wet_strands, style } = TileHair::grow(recipe, lengths, maps.water())?;
 
     on_stage("slice");
     let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack);

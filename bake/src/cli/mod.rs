@@ -25,9 +25,13 @@ mod output;
 mod pack;
 mod package_file;
 #[cfg(feature = "preview")]
+mod reference;
+#[cfg(feature = "preview")]
 mod render;
 #[cfg(feature = "preview")]
 mod scene;
+#[cfg(feature = "preview")]
+mod truth;
 mod unpack;
 mod unpacked;
 mod validate;
@@ -77,6 +81,8 @@ enum Command {
     Render(render::RenderArgs),
     #[cfg(feature = "preview")]
     Bench(bench::BenchArgs),
+    #[cfg(feature = "preview")]
+    Reference(reference::ReferenceArgs),
     Chart(chart::ChartArgs),
     Compare(compare::CompareArgs),
 }
@@ -95,6 +101,8 @@ impl Command {
             Self::Render(args) => render::run(&args, output),
             #[cfg(feature = "preview")]
             Self::Bench(args) => bench::run(&args, output),
+            #[cfg(feature = "preview")]
+            Self::Reference(args) => reference::run(&args, output),
             Self::Chart(args) => chart::run(&args, output),
             Self::Compare(args) => compare::run(&args, output),
         }

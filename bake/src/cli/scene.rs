@@ -198,10 +198,9 @@ impl Scene {
         let upload = start.elapsed();
 
         let canvas = Canvas::new(&gpu, width, height, view.samples);
-        let mut params = FrameParams::new(match view.camera {
-            Some(camera) => look(camera, view),
-            None => look(framed(file, package, model.skeleton(), view)?, view),
-        });
+        let points = rest_points(file, package, model.skeleton())?;
+        let camera = camera_of(view, &points, package.manifest().fur.height_m);
+        let mut params = FrameParams::new(look(camera, view));
         params.light = view.light;
         params.style = view.style;
         params.layers = view.layers;
@@ -241,10 +240,8 @@ impl Scene {
 
     /// Poses the model at a moment of the clip; times beyond its end go round.
     pub fn set_time(&mut self, time_s: f32) {
-        if let Some((clip, duration)) = self.clip {
-            let inside = (0.0..=duration).contains(&time_s) || duration <= 0.0;
-            let time_s = if inside { time_s } else { time_s.rem_euclid(duration) };
-            self.instance.motion = Motion::Clip { clip, time_s };
+        if let Some((clip, duration_s)) = self.clip {
+            self.instance.motion = Motion::Clip { clip, time_s: within(time_s, duration_s) };
         }
     }
 
@@ -320,8 +317,18 @@ fn runtime_failure(file: &PackageFile, error: RuntimeError) -> Failure {
     }
 }
 
+/// A time in a clip that loops.
+pub fn within(time_s: f32, duration_s: f32) -> f32 {
+    let inside = (0.0..=duration_s).contains(&time_s) || duration_s <= 0.0;
+    if inside { time_s } else { time_s.rem_euclid(duration_s) }
+}
+
 /// Index and length of the named clip.
-fn find_clip(file: &PackageFile, package: &Package<'_>, name: Option<&str>) -> Result<Option<(usize, f32)>, Failure> {
+pub fn find_clip(
+    file: &PackageFile,
+    package: &Package<'_>,
+    name: Option<&str>,
+) -> Result<Option<(usize, f32)>, Failure> {
     let Some(name) = name else { return Ok(None) };
     let clips = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default().clips;
     if let Some(index) = clips.iter().position(|clip| clip.name == name) {
@@ -332,30 +339,35 @@ fn find_clip(file: &PackageFile, package: &Package<'_>, name: Option<&str>) -> R
     Err(Failure::Usage(format!("--clip {name}: no such clip; {} has {has}", file.name)))
 }
 
-/// The default camera for the model at rest.
-fn framed(
+/// The places of a package's vertices at rest, by which the default camera frames it.
+pub fn rest_points(
     file: &PackageFile,
     package: &Package<'_>,
     skeleton: Option<&Animation>,
-    view: &View,
-) -> Result<(Vec3, Vec3, f32), Failure> {
+) -> Result<Vec<Vec3>, Failure> {
     let mesh = package.mesh().map_err(|error| file.fault(error))?;
     let mut pose = Pose::default();
     if let Some(skeleton) = skeleton {
         pose.sample(skeleton, None, 0.0);
     }
-    let points: Vec<Vec3> = mesh.map_or_else(Vec::new, |mesh| {
+    Ok(mesh.map_or_else(Vec::new, |mesh| {
         let skin: Vec<_> = mesh.skin().collect();
         let place = |(i, v): (usize, GeometryVertex)| {
             let position = Vec3::from(v.position);
             skin.get(i).map_or(position, |s| blend(&pose, s).transform_point3(position))
         };
         mesh.geometry().enumerate().map(place).collect()
-    });
-    let aspect = view.size.0 as f32 / view.size.1 as f32;
-    let margin_m = if view.style == Style::Fur { package.manifest().fur.height_m } else { 0.0 };
-    let (eye, target) = framing::frame(&points, margin_m, aspect);
-    Ok((eye, target, framing::FOV_DEG))
+    }))
+}
+
+/// Eye, target and height of the view in degrees: the view's own, or those that frame `rest_points` with hair of `height_m`.
+pub fn camera_of(view: &View, rest_points: &[Vec3], height_m: f32) -> (Vec3, Vec3, f32) {
+    view.camera.unwrap_or_else(|| {
+        let aspect = view.size.0 as f32 / view.size.1 as f32;
+        let margin_m = if view.style == Style::Fur { height_m } else { 0.0 };
+        let (eye, target) = framing::frame(rest_points, margin_m, aspect);
+        (eye, target, framing::FOV_DEG)
+    })
 }
 
 fn look((eye, target, fov_deg): (Vec3, Vec3, f32), view: &View) -> Camera {

@@ -62,6 +62,24 @@ pub enum Water {
     Mixed,
 }
 
+impl Water {
+    /// How wet furred materials of those names are by that groom.
+    pub fn of(groom: &GroomParams, names: &[&str]) -> Self {
+        Self::over(names.iter().map(|name| last(groom, name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness)))
+    }
+
+    fn over<'m>(maps: impl Iterator<Item = &'m ScalarMap> + Clone) -> Self {
+        let all = |share: f32| maps.clone().all(|map| *map == ScalarMap::Constant(share));
+        if all(0.0) {
+            Self::Dry
+        } else if all(1.0) {
+            Self::Wet
+        } else {
+            Self::Mixed
+        }
+    }
+}
+
 /// Groom textures, one texel of hair share and wetness each.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct GroomTextures {
@@ -112,13 +130,13 @@ impl<'a> Maps<'a> {
         }
         let convert = |(i, m): (usize, &Material)| MaterialMaps {
             furred: furred.get(i).copied().unwrap_or(false),
-            length: last(groom, m, |t| t.length.as_ref()).unwrap_or(&groom.length),
-            density: last(groom, m, |t| t.density.as_ref()).unwrap_or(&groom.density),
-            lean: last(groom, m, |t| t.lean.as_ref()).unwrap_or(&groom.lean),
-            comb: last(groom, m, |t| t.comb.as_ref()).or(groom.comb.as_ref()),
-            wetness: last(groom, m, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness),
-            bare: last(groom, m, |t| t.bare.as_ref()).unwrap_or(&groom.bare),
-            color: last(groom, m, |t| t.color.as_ref()).or(groom.color.as_ref()),
+            length: last(groom, &m.name, |t| t.length.as_ref()).unwrap_or(&groom.length),
+            density: last(groom, &m.name, |t| t.density.as_ref()).unwrap_or(&groom.density),
+            lean: last(groom, &m.name, |t| t.lean.as_ref()).unwrap_or(&groom.lean),
+            comb: last(groom, &m.name, |t| t.comb.as_ref()).or(groom.comb.as_ref()),
+            wetness: last(groom, &m.name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness),
+            bare: last(groom, &m.name, |t| t.bare.as_ref()).unwrap_or(&groom.bare),
+            color: last(groom, &m.name, |t| t.color.as_ref()).or(groom.color.as_ref()),
         };
         let maps = Self { images, materials: materials.iter().enumerate().map(convert).collect() };
         for part in maps.furred_parts(mesh).filter(|(part, _)| !part.has_uvs) {
@@ -191,14 +209,7 @@ impl<'a> Maps<'a> {
 
     /// How wet the furred materials are.
     pub fn water(&self) -> Water {
-        let furred = || self.materials.iter().filter(|m| m.furred);
-        if furred().all(|m| *m.wetness == ScalarMap::Constant(0.0)) {
-            Water::Dry
-        } else if furred().all(|m| *m.wetness == ScalarMap::Constant(1.0)) {
-            Water::Wet
-        } else {
-            Water::Mixed
-        }
+        Water::over(self.materials.iter().filter(|m| m.furred).map(|m| m.wetness))
     }
 
     /// Source of the hair's colour on a material in place of the model's, if there is one.
@@ -329,13 +340,13 @@ impl MaterialMaps<'_> {
     }
 }
 
-/// What the last table that matches a material and has the key says.
+/// What the last table that matches a material of that name and has the key says.
 fn last<'a, T>(
     groom: &'a GroomParams,
-    material: &Material,
+    material: &str,
     key: impl Fn(&'a MaterialGroom) -> Option<&'a T>,
 ) -> Option<&'a T> {
-    groom.material.iter().rev().filter(|t| glob(&t.name, &material.name)).find_map(key)
+    groom.material.iter().rev().filter(|t| glob(&t.name, material)).find_map(key)
 }
 
 /// Per vertex the unit directions on the skin, at rest, that point right and up on the model's images: the mean over its triangles

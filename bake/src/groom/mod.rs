@@ -5,7 +5,7 @@ mod charts;
 mod colors;
 mod maps;
 mod pattern;
-mod sample;
+pub(crate) mod sample;
 
 pub use atlas::Atlas;
 pub use colors::{Colors, MaterialColor, colors};

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec4};
 
 /// What lies beyond an image's border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wrap {
+pub(crate) enum Wrap {
     /// The image again.
     Repeat,
     /// Its outermost texels.
@@ -15,7 +15,7 @@ pub(super) enum Wrap {
 
 /// How the bytes of an image are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(crate) enum Encoding {
     /// 0..=255 stand for 0..=1 in all channels.
     Linear,
     /// Colour is sRGB-encoded, alpha is not.
@@ -24,7 +24,7 @@ pub(super) enum Encoding {
 
 /// The image at `uv`, bilinear, as the runtime's sampler reads it: (0, 0) is the upper left corner of the image. RGBA, colour in
 /// linear light; black for an image without texels.
-pub(super) fn bilinear(image: &Image, uv: Vec2, wrap: Wrap, encoding: Encoding) -> Vec4 {
+pub(crate) fn bilinear(image: &Image, uv: Vec2, wrap: Wrap, encoding: Encoding) -> Vec4 {
     let size = Vec2::new(image.width as f32, image.height as f32);
     // A float's whole part is lost long before an index overflows.
     let uv = if uv.is_finite() { uv } else { Vec2::ZERO };

@@ -15,6 +15,9 @@
 mod forces;
 mod locks;
 pub(crate) mod noise;
+mod tile;
+
+pub use tile::TileHair;
 
 use crate::BakeError;
 use crate::recipe::{ColorParams, HairParams, SrgbColor, Style};

@@ -116,7 +116,7 @@ impl Occluder {
 }
 
 /// The unit square onto the unit disc, keeping areas and neighbours (Shirley and Chiu 1997).
-fn disc(square: DVec2) -> DVec2 {
+pub(super) fn disc(square: DVec2) -> DVec2 {
     let p = 2.0 * square - 1.0;
     if p == DVec2::ZERO {
         return p;

@@ -4,14 +4,29 @@
 //!   and the layer-wise shadow maps is the error of the maps.
 //! * [`StrandField`]: the same strands as round, opaque hairs. What is left between it and the volume is the error of slicing.
 //! * [`Occluder`]: a mesh between its points and a light that is a disc, for soft shadows.
+//! * [`TrueScene`]: all strands of a package one by one on its posed skin, traced: what a whole picture should look like. [`grow_on`] puts them
+//!   there, and [`Curves`] are what is exported for other renderers to judge by.
 //!
 //! They share with the fast paths the strands, the layers and the mesh that both read, and no code: an error that both had would not show.
 
+mod capsules;
+mod curves;
 mod disc_light;
+mod groom;
+mod lighting;
+mod picture;
+mod skin;
 mod strands;
+mod tracer;
 mod volume;
+mod walk;
 
+pub use curves::{CurvePoint, Curves, simplified};
 pub use disc_light::{DiscLight, Occluder};
+pub use groom::{GroomReport, grow_on, tile_hair};
+pub use lighting::{TrueLight, TrueLighting};
+pub use picture::{Lens, Rays, TracedPicture, TrueCamera, TrueScene};
+pub use skin::{Skin, SkinMaterial, SkinPoint};
 pub use strands::StrandField;
 pub use volume::SampledVolume;
 

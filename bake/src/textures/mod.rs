@@ -3,6 +3,7 @@
 //! [`slice()`] hands out layer after layer, outermost first, so that a volume larger than memory can be written;
 //! [`shell_textures`] joins it to the encoder and is what a bake calls. [`fin_textures`] cuts the same strands from the side.
 
+mod decode;
 pub mod direction;
 mod encode;
 mod layer;
@@ -12,6 +13,7 @@ mod slice;
 mod splat;
 mod srgb;
 
+pub use decode::decode_texture;
 pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_groom};
 pub use shells::{ShellTextures, shell_textures};
 pub use slab::{FinTextures, SLABS, Slab, fin_textures, slab_along};

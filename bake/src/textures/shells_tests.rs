@@ -19,17 +19,7 @@ fn pack(shell_format: ShellFormat, direction_format: DirectionFormat) -> PackPar
 
 /// RGBA8 of one level of one layer.
 fn decode(format: TextureFormat, data: &[u8], width: u32, height: u32) -> Vec<u8> {
-    let (w, h) = (width as usize, height as usize);
-    let mut bgra = vec![0u32; w * h];
-    match format {
-        TextureFormat::Rgba8Srgb | TextureFormat::Rgba8Unorm => return data.to_vec(),
-        TextureFormat::Rg8Unorm => return data.chunks_exact(2).flat_map(|t| [t[0], t[1], 0, 255]).collect(),
-        TextureFormat::Bc5Unorm => texture2ddecoder::decode_bc5(data, w, h, &mut bgra).unwrap(),
-        TextureFormat::Bc7Srgb | TextureFormat::Bc7Unorm => {
-            texture2ddecoder::decode_bc7(data, w, h, &mut bgra).unwrap();
-        }
-    }
-    bgra.iter().flat_map(|t| [(t >> 16) as u8, (t >> 8) as u8, *t as u8, (t >> 24) as u8]).collect()
+    crate::textures::decode::decode_texels(format, data, width, height).unwrap()
 }
 
 fn in_package(files: &[&[u8]], check: impl Fn(&Package<'_>)) {

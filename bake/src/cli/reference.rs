@@ -1,0 +1,187 @@
+//! `pelage reference`: the true picture of a package, traced strand by strand.
+
+use super::exit::{Exit, Failure};
+use super::output::{Output, human_bytes, require_parent};
+use super::package_file::PackageFile;
+use super::scene::View;
+use super::truth::{Truth, encode};
+use super::view_args::{LightingArg, Penumbra, Slant, ViewArgs};
+use pelage_bake::reference::{Lens, TracedPicture, TrueCamera};
+use pelage_bake::{BakeError, io};
+use pelage_runtime::ShadowParams;
+use serde_json::json;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Trace the true picture of a package: every strand one by one, no layers, no adapter
+#[derive(Clone, Debug, clap::Args)]
+pub struct ReferenceArgs {
+    /// The package
+    #[arg(value_name = "PKG")]
+    package: PathBuf,
+    /// The picture to write: .png as `render` writes it, or .exr with linear colours times alpha
+    #[arg(long, short, value_name = "PNG|EXR")]
+    output: PathBuf,
+    /// Samples per pixel: the error falls with their square root
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    spp: u32,
+    /// Threads; by default one per core. The picture is the same with any number
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let view = View::try_from(&args.view)?;
+    refuse_fast_path(&args.view)?;
+    let write = Format::of(&args.output)?;
+    if write == Format::Exr && view.background.is_some() {
+        return Err(Failure::Usage(
+            "--background: an .exr keeps what is transparent; expected it to be left out".into(),
+        ));
+    }
+    require_parent(&args.output)?;
+    let file = PackageFile::read(&args.package)?;
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = args.threads {
+        pool = pool.num_threads(threads.into());
+    }
+    let pool = pool.build().map_err(|error| BakeError::Internal(format!("starting threads: {error}")))?;
+
+    output.progress("growing strands");
+    let start = Instant::now();
+    let truth = pool.install(|| Truth::new(&file, &view))?;
+    let grown_s = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let mut show = |done: u64, total: u64| output.progress_of(done as usize, total as usize, "pixels traced");
+    let picture = pool.install(|| truth.picture(&view, args.spp, &mut show));
+    let seconds = start.elapsed().as_secs_f64();
+    io::write_atomic(&args.output, &write.bytes(&picture, view.background)?)?;
+    report(args, output, &truth, &truth.camera(&view), &picture, (grown_s, seconds))
+}
+
+fn report(
+    args: &ReferenceArgs,
+    output: &mut Output,
+    truth: &Truth,
+    camera: &TrueCamera,
+    picture: &TracedPicture,
+    (grown_s, seconds): (f64, f64),
+) -> Result<Exit, Failure> {
+    let rays = picture.rays.primary + picture.rays.shadow;
+    let mrays_per_s = rays as f64 * 1e-6 / seconds.max(1e-9);
+    let covered = picture.pixels.iter().filter(|p| p[3] > 0.0).count();
+    let groom = &truth.report;
+    let bytes_per_strand = truth.scene.bytes_per_strand();
+    let value = json!({
+        "output": args.output.display().to_string(),
+        "width": picture.width,
+        "height": picture.height,
+        "spp": args.spp,
+        "strands": groom.strands,
+        "segments": groom.segments,
+        "points_before_simplification": groom.points_before,
+        "crossed_patch_border": groom.crossed_patch_border,
+        "crossed_mesh_border": groom.crossed_mesh_border,
+        "slid_along_border": groom.slid_along_border,
+        "lost": groom.lost,
+        "dropped": {
+            "cut_out": groom.dropped_cut,
+            "no_length": groom.dropped_bare,
+            "thinned_out": groom.dropped_thinned,
+        },
+        "triangles_without_coordinates": groom.triangles_without_coordinates,
+        "bytes_per_strand": bytes_per_strand,
+        "camera": camera_json(camera),
+        "primary_rays": picture.rays.primary,
+        "shadow_rays": picture.rays.shadow,
+        "grow_seconds": grown_s,
+        "seconds": seconds,
+        "mrays_per_s": mrays_per_s,
+        "covered_pixels": covered,
+    });
+    let text = format!(
+        "{}\n{} strands in {} pieces, {} each, grown in {grown_s:.1} s; {:.1} million rays in {seconds:.1} s, {mrays_per_s:.2} million a second",
+        args.output.display(),
+        groom.strands,
+        groom.segments,
+        human_bytes(bytes_per_strand as u64),
+        rays as f64 * 1e-6,
+    );
+    output.result(&text, &value)?;
+    Ok(Exit::Done)
+}
+
+/// A camera as other programs want it.
+pub fn camera_json(camera: &TrueCamera) -> serde_json::Value {
+    let fov_deg = match camera.lens {
+        Lens::Perspective { fov_y_rad } => Some(f64::from(fov_y_rad).to_degrees()),
+        Lens::Orthographic { .. } => None,
+    };
+    json!({
+        "eye": camera.eye_ws.to_array(),
+        "target": camera.target_ws.to_array(),
+        "up": camera.up_ws.to_array(),
+        "fov_y_deg": fov_deg,
+    })
+}
+
+/// Refuses arguments that say how the fast path shall draw: the truth has nothing that they could change.
+fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
+    let shadows = ShadowParams::default();
+    let given = [
+        ("--layers", args.layers.is_some()),
+        ("--fins", args.fins.is_some()),
+        ("--frames", args.frames.is_some()),
+        ("--lighting", args.lighting != LightingArg::Pixel),
+        ("--slant", args.slant != Slant::Corrected),
+        ("--penumbra-form", args.penumbra_form != Penumbra::Centred),
+        ("--shadow-map", args.shadow_map != shadows.map_size),
+        ("--shadow-layers", args.shadow_layers.is_some()),
+        ("--shadow-density", args.shadow_density != shadows.density),
+        ("--shadow-shrink", args.shadow_shrink != shadows.shrink),
+    ];
+    match given.iter().find(|(_, given)| *given) {
+        Some((name, _)) => Err(Failure::Usage(format!(
+            "{name} says how `render` draws; the reference has neither layers nor maps, expected it to be left out"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// What kind of file the picture becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, Failure> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(Failure::Usage(format!("-o {}: expected a name that ends in .png or .exr", path.display()))),
+        }
+    }
+
+    fn bytes(self, picture: &TracedPicture, background: Option<[u8; 3]>) -> Result<Vec<u8>, Failure> {
+        let mut bytes = Cursor::new(Vec::new());
+        let written = match self {
+            Self::Png => encode(picture, background).write_to(&mut bytes, image::ImageFormat::Png),
+            Self::Exr => {
+                let flat: Vec<f32> = picture.pixels.iter().flatten().copied().collect();
+                // OpenEXR holds colours times alpha, as the picture does; a background is another picture's matter.
+                image::Rgba32FImage::from_raw(picture.width, picture.height, flat)
+                    .ok_or_else(|| BakeError::Internal("a traced picture of another size than it says".into()))?
+                    .write_to(&mut bytes, image::ImageFormat::OpenExr)
+            }
+        };
+        written.map_err(|error| BakeError::Internal(format!("encoding {self:?}: {error}")))?;
+        Ok(bytes.into_inner())
+    }
+}

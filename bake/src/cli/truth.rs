@@ -1,0 +1,125 @@
+//! The picture that `render` comes near to: the same view of the same package, with its strands traced one by one. No adapter is needed.
+
+use super::exit::Failure;
+use super::package_file::PackageFile;
+use super::scene::{View, camera_of, find_clip, rest_points, within};
+use glam::Vec3;
+use pelage_bake::reference::{
+    GroomReport, Lens, Skin, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScene, grow_on, tile_hair,
+};
+use pelage_bake::textures::{linear_to_srgb, srgb_to_linear};
+use pelage_runtime::{Light, Style};
+
+/// A package in one pose and style, ready to be traced from any side and in any light.
+pub struct Truth {
+    /// Strands and skin.
+    pub scene: TrueScene,
+    /// What became of the tile's strands.
+    pub report: GroomReport,
+    rest_points: Vec<Vec3>,
+    height_m: f32,
+}
+
+impl Truth {
+    /// Lets the strands of the package in `file` grow on its skin, at the moment of the clip and in the style that `view` names.
+    pub fn new(file: &PackageFile, view: &View) -> Result<Self, Failure> {
+        let package = &file.open()?;
+        let manifest = package.manifest();
+        let clip = find_clip(file, package, view.clip.as_deref())?;
+        let motion = clip.map(|(clip, duration_s)| (clip, within(view.time_s, duration_s)));
+        let mut skin = Skin::posed(&file.name, package, motion)?;
+        let hair = match view.style {
+            Style::Bare => None,
+            _ => tile_hair(&file.name, manifest)?,
+        };
+        let (curves, report) = match &hair {
+            Some(hair) => grow_on(&skin, hair, f64::from(manifest.fur.tile_size_m))?,
+            None => Default::default(),
+        };
+        if view.style == Style::Bare {
+            skin.materials.iter_mut().for_each(|material| material.furred = false);
+        }
+        let skeleton = package.animation().map_err(|error| file.fault(error))?;
+        Ok(Self {
+            scene: TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?,
+            report,
+            rest_points: rest_points(file, package, skeleton.as_ref())?,
+            height_m: manifest.fur.height_m,
+        })
+    }
+
+    /// The camera that `render` has for that view.
+    pub fn camera(&self, view: &View) -> TrueCamera {
+        let (eye, target, fov_deg) = camera_of(view, &self.rest_points, self.height_m);
+        let backward = (eye - target).try_normalize().unwrap_or(Vec3::Z);
+        TrueCamera {
+            eye_ws: eye,
+            target_ws: target,
+            // As `Camera::look_at`.
+            up_ws: if backward.y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y },
+            lens: Lens::Perspective { fov_y_rad: fov_deg.to_radians() },
+        }
+    }
+
+    /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
+    /// for. `progress` gets the pixels that are done and all of them.
+    pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
+        let lighting = TrueLighting {
+            key: light(view.light),
+            penumbra: f64::from(view.shadows.penumbra),
+            fill: view.fill_lights.iter().map(|l| light(*l)).collect(),
+            ambient_attenuation: view.terms.ambient_attenuation,
+            back_attenuation: view.terms.back_attenuation,
+            hair_shadows: view.terms.self_shadow,
+            skin_shadows: view.terms.soft_shadow,
+        };
+        self.scene.picture(&self.camera(view), &lighting, view.size, spp, progress)
+    }
+}
+
+fn light(light: Light) -> TrueLight {
+    match light {
+        Light::Directional { towards_light, color } => {
+            TrueLight::Directional { towards_light_ws: towards_light, color }
+        }
+        Light::Point { position, color } => TrueLight::Point { position_ws: position, color },
+    }
+}
+
+/// The picture as `render` writes it: sRGB-encoded, straight alpha, or laid over `background` (sRGB).
+pub fn encode(picture: &TracedPicture, background: Option<[u8; 3]>) -> image::RgbaImage {
+    let behind = background.map(|rgb| rgb.map(srgb_to_linear));
+    image::RgbaImage::from_fn(picture.width, picture.height, |x, y| {
+        let [r, g, b, alpha] = picture.pixels[y as usize * picture.width as usize + x as usize];
+        match behind {
+            Some(behind) => {
+                let over = |color: f32, behind: f32| linear_to_srgb(color + (1.0 - alpha) * behind);
+                image::Rgba([over(r, behind[0]), over(g, behind[1]), over(b, behind[2]), 255])
+            }
+            None if alpha > 0.0 => {
+                let straight = |color: f32| linear_to_srgb(color / alpha);
+                image::Rgba([straight(r), straight(g), straight(b), (255.0 * alpha + 0.5) as u8])
+            }
+            None => image::Rgba([0; 4]),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_become_what_a_canvas_holds() {
+        let pixels = vec![[0.0; 4], [0.5, 0.25, 0.0, 0.5], [2.0, 0.5, 0.0, 1.0], [0.1, 0.1, 0.1, 1.0]];
+        let picture = TracedPicture { width: 2, height: 2, pixels, ..TracedPicture::default() };
+        let straight = encode(&picture, None);
+        assert_eq!(straight.get_pixel(0, 0).0, [0; 4]);
+        // 0.5 of the light is byte 188.
+        assert_eq!(straight.get_pixel(1, 0).0, [255, 188, 0, 128]);
+        assert_eq!(straight.get_pixel(0, 1).0, [255, 188, 0, 255]);
+        let over = encode(&picture, Some([255, 0, 0]));
+        assert_eq!(over.get_pixel(0, 0).0, [255, 0, 0, 255]);
+        assert_eq!(over.get_pixel(1, 0).0, [255, linear_to_srgb(0.25), 0, 255]);
+    }
+}

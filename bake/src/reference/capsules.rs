@@ -1,0 +1,142 @@
+//! Rays against tapering hairs: the hull of two balls.
+
+use glam::{DVec3, Vec3};
+use obvhs::Boundable;
+use obvhs::aabb::Aabb;
+
+/// A straight piece of a strand: all balls whose middle runs from `from` to `to` and whose radius runs along.
+///
+/// Stored in f32 and tested in f64: the ray of a far camera loses a thin hair in f32, and the test is not what takes time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Capsule {
+    pub(super) from: Vec3,
+    pub(super) from_radius: f32,
+    pub(super) to: Vec3,
+    pub(super) to_radius: f32,
+}
+
+impl Boundable for Capsule {
+    fn aabb(&self) -> Aabb {
+        // Rays come in f32: their rounding must not miss the box.
+        let pad = |p: Vec3, radius: f32| radius + 1e-6 * (1.0 + p.abs().max_element());
+        let (a, b) = (pad(self.from, self.from_radius), pad(self.to, self.to_radius));
+        Aabb::new((self.from - a).min(self.to - b).to_vec3a(), (self.from + a).max(self.to + b).to_vec3a())
+    }
+}
+
+impl Capsule {
+    /// Where a ray enters, in lengths of `way`, which is of unit length; infinity where it misses, and where it starts within or behind.
+    ///
+    /// The sides are the cone that touches both balls (after Quilez, "round cone intersection").
+    pub(super) fn enter(&self, origin: DVec3, way: DVec3) -> f64 {
+        let (a, b) = (self.from.as_dvec3(), self.to.as_dvec3());
+        let (ra, rb) = (f64::from(self.from_radius), f64::from(self.to_radius));
+        // From the point of the ray nearest to the first end, so that what cancels below is small.
+        let start = (a - origin).dot(way);
+        let from = origin + way * start;
+        let (axis, oa, ob) = (b - a, from - a, from - b);
+        let taper = ra - rb;
+        let (length, along_way, along_oa) = (axis.length_squared(), axis.dot(way), axis.dot(oa));
+        let way_oa = way.dot(oa);
+        let slant = length - taper * taper;
+        let ball = |to_start: DVec3, radius: f64| {
+            let half = way.dot(to_start);
+            let rest = half * half - to_start.length_squared() + radius * radius;
+            if rest > 0.0 { -half - rest.sqrt() } else { f64::INFINITY }
+        };
+        if slant <= 0.0 {
+            // One ball holds the other.
+            let enter = if ra > rb { ball(oa, ra) } else { ball(ob, rb) };
+            return ahead(start + enter);
+        }
+        let square = slant - along_way * along_way;
+        let half = slant * way_oa - along_oa * along_way + along_way * taper * ra;
+        let rest = slant * oa.length_squared() - along_oa * along_oa + along_oa * taper * ra * 2.0 - length * ra * ra;
+        let root = half * half - rest * square;
+        if root < 0.0 {
+            return f64::INFINITY;
+        }
+        let side = (-root.sqrt() - half) / square;
+        let height = along_oa - ra * taper + side * along_way;
+        if height > 0.0 && height < slant {
+            return ahead(start + side);
+        }
+        ahead(start + ball(oa, ra).min(ball(ob, rb)))
+    }
+
+    /// How far along the axis the middle of the ball lies that touches the surface at `point`, 0..=1.
+    pub(super) fn share_at(&self, point: DVec3) -> f64 {
+        let (a, axis) = (self.from.as_dvec3(), (self.to - self.from).as_dvec3());
+        let length = axis.length_squared();
+        if length <= 0.0 {
+            return 0.0;
+        }
+        ((point - a).dot(axis) / length).clamp(0.0, 1.0)
+    }
+}
+
+fn ahead(distance: f64) -> f64 {
+    if distance > 0.0 { distance } else { f64::INFINITY }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distance from a point to the hull of the two balls, by looking at many balls between them.
+    fn outside(capsule: &Capsule, p: DVec3) -> f64 {
+        let ball = |i: u32| {
+            let t = f64::from(i) / 4000.0;
+            let middle = capsule.from.as_dvec3().lerp(capsule.to.as_dvec3(), t);
+            let radius = f64::from(capsule.from_radius) * (1.0 - t) + f64::from(capsule.to_radius) * t;
+            p.distance(middle) - radius
+        };
+        (0..=4000).map(ball).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn rays_enter_where_the_hull_begins() {
+        let capsules = [
+            (Vec3::ZERO, 0.1, Vec3::new(1.0, 0.3, -0.2), 0.1),
+            (Vec3::ZERO, 0.2, Vec3::new(0.5, 0.3, 0.2), 0.02),
+            (Vec3::new(0.1, 0.2, 0.0), 0.05, Vec3::new(0.5, -0.3, 0.2), 0.0),
+            (Vec3::ZERO, 0.5, Vec3::new(0.1, 0.0, 0.0), 0.1),
+            (Vec3::ZERO, 0.1, Vec3::ZERO, 0.2),
+        ]
+        .map(|(from, from_radius, to, to_radius)| Capsule { from, from_radius, to, to_radius });
+        let (mut hits, mut misses) = (0, 0);
+        for capsule in &capsules {
+            for i in 0..400 {
+                let turn = |f: f64| (f64::from(i) * f).sin();
+                let origin = 3.0 * DVec3::new(turn(1.3), turn(2.1), turn(3.7)).normalize();
+                let aim = DVec3::new(turn(5.1), turn(7.3), turn(9.7)) * 0.4 + DVec3::splat(0.1);
+                let way = (aim - origin).normalize();
+                let enter = capsule.enter(origin, way);
+                if enter.is_finite() {
+                    hits += 1;
+                    assert!(outside(capsule, origin + way * enter).abs() < 1e-4, "{capsule:?}, ray {i}");
+                    // Nothing of it lies before.
+                    let before = (0..50).map(|k| outside(capsule, origin + way * (enter * f64::from(k) / 50.0)));
+                    assert!(before.fold(f64::INFINITY, f64::min) > -1e-9, "{capsule:?}, ray {i}");
+                    assert!(!capsule.enter(origin, -way).is_finite());
+                    assert!(!capsule.enter(origin + way * (enter + 1e-9), way).is_finite(), "from within");
+                } else {
+                    misses += 1;
+                    let nearest = (0..400).map(|k| outside(capsule, origin + way * (f64::from(k) / 60.0)));
+                    assert!(nearest.fold(f64::INFINITY, f64::min) > -1e-3, "{capsule:?}, ray {i} should hit");
+                }
+            }
+        }
+        assert!(hits > 300 && misses > 300, "{hits} hits and {misses} misses say little");
+    }
+
+    #[test]
+    fn thin_hair_far_away_is_still_there() {
+        let hair = Capsule { from: Vec3::ZERO, from_radius: 1e-5, to: Vec3::new(0.0, 0.3, 0.0), to_radius: 1e-5 };
+        for x in [0.0, 0.9e-5] {
+            let t = hair.enter(DVec3::new(x, 0.1, 1e4), DVec3::NEG_Z);
+            assert!((t - 1e4).abs() < 1e-4, "{t}");
+        }
+        assert!(!hair.enter(DVec3::new(1.1e-5, 0.1, 1e4), DVec3::NEG_Z).is_finite());
+    }
+}

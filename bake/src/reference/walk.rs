@@ -1,0 +1,187 @@
+//! Walking on the skin by steps in tile coordinates: how a strand that is longer than its triangle lies on the mesh.
+//!
+//! A step is a straight line within each triangle. At an edge it goes on in the neighbour by that triangle's own tile gradients: within a patch
+//! that is the same line in tile coordinates, and over a patch's border, where coordinates jump, it is the same direction in the comb's frame,
+//! which is continuous there. Where each side of such a border leads to the other, as nearly parallel to it they may, the walk goes along the
+//! edge by what is left of its way in that direction. Where there is no neighbour to go on in, it leaves the skin straight ahead in the plane of
+//! its last triangle.
+
+use super::skin::Skin;
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+
+/// No triangle.
+const NONE: u32 = u32::MAX;
+/// Edges that a single step may cross; more is a walk that turns in circles.
+const MAX_CROSSINGS: u32 = 256;
+/// Twice the tile area, over the square of the longest side, below which a triangle's coordinates say nothing.
+const LEAST_AREA: f64 = 1e-9;
+
+/// Which triangles lie side by side, and how tile coordinates run in them.
+pub(super) struct SurfaceWalk<'a> {
+    skin: &'a Skin,
+    /// For each corner the triangle across the opposite edge, `NONE` at borders and where more than two meet.
+    across: Vec<[u32; 3]>,
+    /// For each triangle the change of the three weights along u and along v; `None` where no walk leads.
+    gradients: Vec<Option<[DVec3; 2]>>,
+}
+
+/// Where a walk stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Footing {
+    pub(super) triangle: usize,
+    /// Weights of the corners of that triangle; they add up to 1 and none is negative.
+    pub(super) weights: DVec3,
+    /// Once the walk has left the skin: the way from that point, tile coordinates.
+    pub(super) beyond: Option<DVec2>,
+}
+
+/// What a walk came across.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Crossed {
+    /// An edge on which tile coordinates jump.
+    pub(super) patch_border: bool,
+    /// The end of the mesh or of the furred part.
+    pub(super) mesh_border: bool,
+    /// A border whose two sides lead against each other, so that the walk went along it.
+    pub(super) slid: bool,
+    /// So many edges within a step that the walk left the skin rather than go on.
+    pub(super) lost: bool,
+}
+
+impl<'a> SurfaceWalk<'a> {
+    /// Looks at the furred triangles of `skin`.
+    pub(super) fn new(skin: &'a Skin) -> Self {
+        let mut sides: HashMap<[u32; 2], Vec<(u32, usize)>> = HashMap::new();
+        for (t, triangle) in skin.triangles.iter().enumerate() {
+            let p = triangle.map(|v| skin.same_place[v as usize]);
+            for k in 0..3 {
+                let (a, b) = (p[(k + 1) % 3], p[(k + 2) % 3]);
+                sides.entry([a.min(b), a.max(b)]).or_default().push((t as u32, k));
+            }
+        }
+        let mut across = vec![[NONE; 3]; skin.triangles.len()];
+        for pair in sides.values() {
+            if let [(t, k), (s, l)] = pair[..] {
+                across[t as usize][k] = s;
+                across[s as usize][l] = t;
+            }
+        }
+        let gradients = (0..skin.triangles.len()).map(|t| gradients(skin, t)).collect();
+        Self { skin, across, gradients }
+    }
+
+    /// Whether hair can root in a triangle.
+    pub(super) fn is_furred(&self, triangle: usize) -> bool {
+        self.gradients[triangle].is_some()
+    }
+
+    /// Goes `by` tile coordinates on.
+    pub(super) fn step(&self, from: &mut Footing, by: DVec2, crossed: &mut Crossed) {
+        if let Some(way) = &mut from.beyond {
+            *way += by;
+            return;
+        }
+        let mut left = by;
+        // The corner opposite to the edge that the walk came over.
+        let mut came_over = None;
+        for _ in 0..MAX_CROSSINGS {
+            let Some([along_u, along_v]) = self.gradients[from.triangle] else { break };
+            let mut change = along_u * left.x + along_v * left.y;
+            if let Some(k) = came_over
+                && from.weights[k] == 0.0
+                && change[k] < 0.0
+            {
+                crossed.slid = true;
+                change = self.along_edge(from.triangle, k, change);
+            }
+            // The first edge that the line meets, and the share of the way up to it.
+            let (mut edge, mut share) = (None, 1.0);
+            for k in 0..3 {
+                if change[k] < 0.0 && from.weights[k] + change[k] * share < 0.0 {
+                    (edge, share) = (Some(k), (from.weights[k] / -change[k]).clamp(0.0, share));
+                }
+            }
+            from.weights = (from.weights + change * share).max(DVec3::ZERO);
+            let Some(edge) = edge else {
+                from.weights /= from.weights.element_sum();
+                return;
+            };
+            from.weights[edge] = 0.0;
+            from.weights /= from.weights.element_sum();
+            left *= 1.0 - share;
+            let next = self.across[from.triangle][edge];
+            if next == NONE || self.gradients[next as usize].is_none() {
+                crossed.mesh_border = true;
+                from.beyond = Some(left);
+                return;
+            }
+            came_over = self.enter(from, next as usize, crossed);
+        }
+        crossed.lost = true;
+        from.beyond = Some(left);
+    }
+
+    /// What is left of a change of the weights along the edge opposite to corner `k`.
+    fn along_edge(&self, triangle: usize, k: usize, change: DVec3) -> DVec3 {
+        let corners = self.skin.corners(triangle).map(|c| c.position_ws);
+        let way = corners[0] * change.x + corners[1] * change.y + corners[2] * change.z;
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let edge = corners[j] - corners[i];
+        let share = way.dot(edge) / edge.length_squared();
+        let mut along = DVec3::ZERO;
+        if share.is_finite() {
+            (along[i], along[j]) = (-share, share);
+        }
+        along
+    }
+
+    /// Steps over an edge into the neighbour `next`; the corner of it that the edge lies opposite to.
+    fn enter(&self, from: &mut Footing, next: usize, crossed: &mut Crossed) -> Option<usize> {
+        let (here, there) = (self.skin.triangles[from.triangle], self.skin.triangles[next]);
+        let place = |v: u32| self.skin.same_place[v as usize];
+        let mut weights = DVec3::ZERO;
+        let mut opposite = None;
+        for (k, v) in there.iter().enumerate() {
+            match (0..3).find(|j| place(here[*j]) == place(*v)) {
+                Some(j) => {
+                    weights[k] = from.weights[j];
+                    let tile_uv = |v: u32| self.skin.vertices[v as usize].tile_uv;
+                    crossed.patch_border |= tile_uv(here[j]) != tile_uv(*v);
+                }
+                None => opposite = Some(k),
+            }
+        }
+        *from = Footing { triangle: next, weights: weights / weights.element_sum(), beyond: None };
+        opposite
+    }
+
+    /// Place on the skin, and the surface beside it where the walk has left it. Metres.
+    pub(super) fn place_ws(&self, at: &Footing) -> DVec3 {
+        let corners = self.skin.corners(at.triangle).map(|c| c.position_ws);
+        let sum = |w: DVec3| corners[0] * w.x + corners[1] * w.y + corners[2] * w.z;
+        match (at.beyond, self.gradients[at.triangle]) {
+            (Some(way), Some([along_u, along_v])) => sum(at.weights + along_u * way.x + along_v * way.y),
+            _ => sum(at.weights),
+        }
+    }
+}
+
+/// Changes of the weights of a triangle along u and v. `None` on bare parts and where the coordinates collapse.
+fn gradients(skin: &Skin, triangle: usize) -> Option<[DVec3; 2]> {
+    if !skin.material(triangle).furred {
+        return None;
+    }
+    let [a, b, c] = skin.corners(triangle).map(|c| c.tile_uv);
+    let (e, f) = (b - a, c - a);
+    let area = e.perp_dot(f);
+    let longest = e.length_squared().max(f.length_squared()).max((f - e).length_squared());
+    if area.abs() <= LEAST_AREA * longest || !area.is_finite() {
+        return None;
+    }
+    let along = |u: f64, v: f64| {
+        let (second, third) = ((u * f.y - v * f.x) / area, (v * e.x - u * e.y) / area);
+        DVec3::new(-second - third, second, third)
+    };
+    Some([along(1.0, 0.0), along(0.0, 1.0)])
+}

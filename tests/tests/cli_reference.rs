@@ -1,0 +1,102 @@
+//! `reference` through the real binary: the traced picture of a package, for which no adapter is needed.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::schema;
+use serde_json::Value;
+
+/// The one JSON object of a run, held against the schema `name`.
+#[track_caller]
+fn json(run: &Run, name: &str) -> Value {
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
+    let path = workspace().join(format!("bake/src/cli/schema/{name}.json"));
+    let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap_or_else(|e| panic!("{name}: {e}"));
+    value
+}
+
+/// A folder with the built-in torus as `torus.pelage`.
+fn torus(settings: &[&str]) -> Sandbox {
+    let sandbox = Sandbox::new();
+    let model = workspace().join("assets/models/torus.glb");
+    let recipe = workspace().join("assets/recipes/torus.toml");
+    let (model, recipe) = (model.to_str().unwrap(), recipe.to_str().unwrap());
+    let mut args = vec!["bake", model, "--recipe", recipe, "-o", "torus.pelage", "-q"];
+    args.extend(settings.iter().flat_map(|s| ["--set", s]));
+    let run = sandbox.run(&args);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    sandbox
+}
+
+const SMALL: [&str; 6] = ["reference", "torus.pelage", "--size", "96x64", "--spp", "8"];
+
+#[test]
+fn the_picture_is_the_same_with_any_number_of_threads() {
+    let sandbox = torus(&[]);
+    let trace = |threads: &str, name: &str| {
+        let run = sandbox.run(&[&SMALL[..], &["--threads", threads, "-o", name, "--json"]].concat());
+        (json(&run, "reference"), std::fs::read(sandbox.path().join(name)).unwrap())
+    };
+    let (one, bytes) = trace("1", "one.png");
+    let (four, same) = trace("4", "four.png");
+    assert_eq!(bytes, same);
+    for key in ["strands", "segments", "primary_rays", "shadow_rays", "covered_pixels"] {
+        assert!(one[key].as_u64().unwrap() > 0 && one[key] == four[key], "{key}: {one} {four}");
+    }
+    assert_eq!(one["primary_rays"], 96 * 64 * 8);
+    let picture = image::open(sandbox.path().join("one.png")).unwrap().to_rgba8();
+    assert_eq!(picture.dimensions(), (96, 64));
+    let covered = picture.pixels().filter(|p| p.0[3] > 0).count();
+    assert_eq!(one["covered_pixels"], covered as u64);
+    assert!((500..5000).contains(&covered), "{covered} pixels");
+}
+
+#[test]
+fn what_the_light_does_shows() {
+    let sandbox = torus(&[]);
+    let mean = |more: &[&str]| {
+        let run = sandbox.run(&[&SMALL[..], &["-o", "a.exr"], more].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let picture = image::open(sandbox.path().join("a.exr")).unwrap().to_rgba32f();
+        let sum = |channel: usize| picture.pixels().map(|p| f64::from(p.0[channel])).sum::<f64>();
+        (sum(1), sum(3))
+    };
+    let (full, alpha) = mean(&[]);
+    let (unshadowed, same_alpha) = mean(&["--self-shadow", "off", "--soft-shadow", "off"]);
+    let (skin, skin_alpha) = mean(&["--style", "bare"]);
+    let (below, _) = mean(&["--light", "0,-1,0"]);
+    assert!(full < 0.98 * unshadowed && (alpha - same_alpha).abs() < 1e-3, "{full} {unshadowed}");
+    assert!(skin_alpha < alpha && skin > 0.0, "the skin alone covers {skin_alpha}, with fur {alpha}");
+    assert!((below - full).abs() > 0.02 * full, "{below} {full}");
+    assert!(mean(&["--ambient-attenuation", "off"]).0 > full && mean(&["--fill-light", "1,0,0/0.5"]).0 > full);
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let sandbox = torus(&[]);
+    for (more, word) in [
+        (&["-o", "a.jpg"][..], ".png or .exr"),
+        (&["-o", "a.png", "--layers", "4"], "--layers says how"),
+        (&["-o", "a.png", "--fins", "on"], "--fins says how"),
+        (&["-o", "a.png", "--shadow-map", "64"], "--shadow-map says how"),
+        (&["-o", "a.exr", "--background", "1,2,3"], "--background"),
+        (&["-o", "a.png", "--clip", "Walk"], "no such clip"),
+        (&["-o", "a.png", "--spp", "0"], "0 is not in"),
+    ] {
+        let run = sandbox.run(&[&["reference", "torus.pelage"], more].concat());
+        assert!(run.code == Some(1) && run.stderr.contains(word), "{more:?}: {run:?}");
+    }
+    // A package whose recipe was changed grows other strands than it was sliced from.
+    assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
+    let recipe = std::fs::read_to_string(sandbox.path().join("folder/recipe.toml")).unwrap();
+    let wrong: Vec<String> = recipe
+        .lines()
+        .map(|line| if line.starts_with("density = ") { "density = 3".into() } else { line.to_owned() })
+        .collect();
+    sandbox.write("folder/recipe.toml", wrong.join("\n"));
+    assert_eq!(sandbox.run(&["pack", "folder", "b.pelage", "-q"]).code, Some(0));
+    let run = sandbox.run(&["reference", "b.pelage", "-o", "b.png"]);
+    assert!(run.code == Some(3) && run.stderr.contains("b.pelage: the manifest's recipe"), "{run:?}");
+    assert!(!sandbox.path().join("b.png").exists());
+}
