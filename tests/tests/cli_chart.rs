@@ -5,6 +5,8 @@ use pelage_tests::binary::{Run, Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
+use std::process::Stdio;
+use std::time::Duration;
 
 #[track_caller]
 fn json_of(run: &Run) -> Value {
@@ -129,6 +131,71 @@ fn the_surface_chart() {
     for name in ["angle_distortion", "seam_length_ratio", "patches", "stretch_l2"] {
         assert_eq!(row[name].as_f64(), baked[name].as_f64(), "{name}");
     }
+}
+
+#[test]
+fn a_chart_that_was_killed_goes_on() {
+    let sandbox = Sandbox::new();
+    torus(&sandbox);
+    let args = ["chart", "surface", "my torus.obj", "-o", "out", "--json"];
+    let path = sandbox.path().join("out/surface.rows.jsonl");
+    let lines = || -> Vec<Value> {
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        text.split_inclusive('\n').filter_map(|line| serde_json::from_str(line).ok()).collect()
+    };
+    let mut child = sandbox.command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while lines().len() < 3 {
+        assert_eq!(child.try_wait().unwrap(), None, "it ended before it could be killed");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let kept = lines();
+    assert!(!sandbox.files().contains(&"out/surface.csv".to_owned()), "a table that is not whole");
+
+    // A run for a few rows in the same folder takes nothing away.
+    charted(&sandbox, "surface", "2", &["my torus.obj"]);
+    assert_eq!(lines().len(), kept.len());
+
+    let run = sandbox.run(&args);
+    let object = json_of(&run);
+    assert!(run.stderr.contains(&format!("{} of", kept.len())), "{}", run.stderr);
+    for line in &kept {
+        // Seconds are never the same twice: what was measured then was not measured again.
+        let row = &object["rows"][line["row"].as_u64().unwrap() as usize - 1];
+        let cells = line["cells"].as_array().unwrap();
+        assert_eq!(row["seconds"], cells[cells.len() - 1], "{row}");
+    }
+    assert!(!path.exists(), "the journal goes when the table is whole");
+
+    // Neither with another recipe nor when told to does an old row count.
+    let first = kept[0]["cells"].as_array().unwrap().last().unwrap().clone();
+    for more in [&["--set", "surface.comb_smoothing=0.25"][..], &["--restart"]] {
+        let line = kept.iter().map(|line| format!("{line}\n")).collect::<String>();
+        std::fs::write(&path, line).unwrap();
+        let rows = charted(&sandbox, "surface", "1", &[&["my torus.obj"], more].concat());
+        assert_ne!(rows[0]["seconds"], first, "{more:?}");
+    }
+}
+
+#[test]
+fn the_textures_chart() {
+    let sandbox = Sandbox::new();
+    let small = ["slice.tile_texels=32", "slice.layers=6", "hair.density=100"];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    let object = json_of(&sandbox.run(&[&["chart", "textures", "-o", "out", "--json"], &sets[..]].concat()));
+    let rows = object["rows"].as_array().unwrap();
+    assert_eq!(rows.iter().filter(|r| r["default"] == true).count(), 1);
+    assert!(rows.iter().any(|r| r["pack.shell_format"] == "bc7" && r["pack.bc_quality"] == "slow"), "{rows:?}");
+    assert!(rows.iter().any(|r| r["pack.direction_format"] == "bc5" && r["direction_error_deg"].is_number()));
+    let svg = std::fs::read_to_string(sandbox.path().join("out/textures.svg")).unwrap();
+    for text in
+        ["32² × 6", "shell texture, bytes", "RMSE of colour", "drift of coverage", "degrees", "rg8", "measured on"]
+    {
+        assert!(svg.contains(text), "no {text:?} in the picture");
+    }
+    let row = rows.iter().find(|r| r["mip_filter"] == "mean of each layer" && r["pack.shell_format"] == "bc7").unwrap();
+    assert_reproduced(&sandbox, row, &["color_rmse", "opacity_rmse", "coverage_drift", "shell_bytes"]);
 }
 
 /// Runs `pelage chart` for some rows and returns them.
@@ -265,6 +332,7 @@ fn what_cannot_be_charted() {
         (&["chart", "surface"], 1, &["-o DIR"]),
         (&["chart", "stability", "my torus.obj"], 1, &["neither model nor recipe"]),
         (&["chart", "stability", "--rows", "1"], 1, &["neither model nor recipe"]),
+        (&["chart", "stability", "--restart"], 1, &["neither model nor recipe"]),
         (&["chart", "self-shadow"], 1, &["chart self-shadow needs -o DIR"]),
         (&["chart", "soft-shadow", "-o", "out", "--rows", "1,99"], 1, &["--rows 99", "rows"]),
         (&["chart", "surface", "-o", "out", "--rows", "0"], 1, &["--rows"]),

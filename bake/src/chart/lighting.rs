@@ -27,6 +27,8 @@ const EYES_DEG: [(f64, f64); 3] = [(75.0, 90.0), (45.0, 200.0), (45.0, 320.0)];
 pub struct Configuration {
     /// What is varied.
     pub series: &'static str,
+    /// Its value, short.
+    pub label: String,
     /// Where light is computed.
     pub lighting: Lighting,
     /// Changes to the base recipe, as `--set` takes them.
@@ -72,28 +74,33 @@ pub const PANELS: [Panel; 2] = [
 /// As [`Recipe::set`]; cannot happen with a valid base.
 pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
     let mut out: Vec<Configuration> = Vec::new();
-    let mut add = |series, lighting, sets: &[String]| {
+    let mut add = |series, label: String, lighting, sets: &[String]| {
         let mut recipe = base.clone();
         sets.iter().try_for_each(|set| recipe.set(set))?;
         recipe.pack.shell_format = ShellFormat::Rgba8;
         if !out.iter().any(|c| c.lighting == lighting && c.recipe == recipe) {
-            out.push(Configuration { series, lighting, sets: sets.to_vec(), recipe });
+            out.push(Configuration { series, label, lighting, sets: sets.to_vec(), recipe });
         }
         Ok::<_, BakeError>(())
     };
-    add("as the recipe says", Lighting::Pixel, &[])?;
+    add("as the recipe says", String::new(), Lighting::Pixel, &[])?;
     for (series, lighting) in [("per pixel", Lighting::Pixel), ("per vertex", Lighting::Vertex)] {
         for format in DirectionFormat::ALL {
-            add(series, lighting, &[format!("pack.direction_format={}", format.word())])?;
+            add(series, format.word().into(), lighting, &[format!("pack.direction_format={}", format.word())])?;
         }
     }
     // In plain texels, so that the adapter's way with blocks does not hide what is varied.
     let plain = || "pack.direction_format=rg8".to_owned();
     for texels in [16, 32, 64, 128, 256] {
-        add("texels of the tile", Lighting::Pixel, &[plain(), format!("slice.tile_texels={texels}")])?;
+        add(
+            "texels of the tile",
+            format!("{texels}²"),
+            Lighting::Pixel,
+            &[plain(), format!("slice.tile_texels={texels}")],
+        )?;
     }
     for width in [0.25, 0.5, 1.0, 2.0] {
-        add("filter width", Lighting::Pixel, &[plain(), format!("slice.filter_width={width:?}")])?;
+        add("filter width", width.to_string(), Lighting::Pixel, &[plain(), format!("slice.filter_width={width:?}")])?;
     }
     Ok(out)
 }

@@ -16,7 +16,8 @@ fn recipe(format: &str, frizz: f32) -> Recipe {
 }
 
 fn measured(format: &str, frizz: f32, lighting: Lighting) -> Measured {
-    let configuration = Configuration { series: "", lighting, sets: Vec::new(), recipe: recipe(format, frizz) };
+    let configuration =
+        Configuration { series: "", label: String::new(), lighting, sets: Vec::new(), recipe: recipe(format, frizz) };
     measure(&configuration, Lengths { tile_size_m: 0.05, length_m: 0.02 }).unwrap()
 }
 

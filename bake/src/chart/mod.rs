@@ -1,9 +1,11 @@
 //! Speed against accuracy: tables of configurations, their front, and pictures of both.
 //!
-//! A topic is a module that lists configurations ([`surface`], `lighting`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
+//! A topic is a module that lists configurations ([`surface`], [`textures`], `lighting`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
 //! A chart's figures come with the command that reproduces each, so that nobody has to believe it.
 
+mod axis;
 mod errors;
+mod labels;
 #[cfg(feature = "preview")]
 pub mod light_maps;
 #[cfg(feature = "preview")]
@@ -14,6 +16,7 @@ pub mod self_shadow;
 pub mod soft_shadow;
 pub mod surface;
 mod svg;
+pub mod textures;
 
 pub use errors::{Errors, OFF};
 pub use svg::svg;
@@ -53,6 +56,8 @@ impl Cell {
 pub struct Row {
     /// What is varied; rows of one series share a colour.
     pub series: String,
+    /// The value of what is varied, short, to stand beside the mark; empty for none.
+    pub label: String,
     /// One per [`Chart::columns`].
     pub cells: Vec<Cell>,
     /// Whether it is what a user gets without asking.
@@ -87,7 +92,7 @@ pub struct Chart {
     pub columns: Vec<&'static str>,
     /// The configurations, in the order of measuring.
     pub rows: Vec<Row>,
-    /// What to draw; the first panel decides `on_front`.
+    /// What to draw, two panels in a row; the first decides `on_front`.
     pub panels: Vec<Panel>,
 }
 
@@ -166,7 +171,7 @@ mod tests {
     fn csv_quotes_and_rounds() {
         let panel = Panel { cost: "s", cost_label: "s", error: "e", error_label: "e" };
         let cells = vec![Cell::Number(1.0 / 3.0), Cell::Number(f64::NAN), Cell::Empty];
-        let row = Row { series: "a, b".into(), cells, default: true, command: "x \"y\"".into() };
+        let row = Row { series: "a, b".into(), label: String::new(), cells, default: true, command: "x \"y\"".into() };
         let chart = Chart {
             topic: "t",
             title: String::new(),

@@ -38,6 +38,8 @@ const MOST_TEXELS: u64 = 1 << 26;
 pub struct Configuration {
     /// What is varied.
     pub series: &'static str,
+    /// Its value, short.
+    pub label: String,
     /// Settings of the runtime.
     pub shadows: ShadowParams,
 }
@@ -92,26 +94,30 @@ pub fn configurations(layers: u32) -> Vec<Configuration> {
     let base = ShadowParams::default();
     // The paper's maps have what the layers have.
     let printed = ShadowParams { slant: SlantForm::Printed, density: 1.0, ..base };
-    let mut out = vec![Configuration { series: "default", shadows: base }];
-    let mut add = |series, shadows: ShadowParams| {
+    let mut out = vec![Configuration { series: "as the runtime does", label: String::new(), shadows: base }];
+    let mut add = |series, label: String, shadows: ShadowParams| {
         if !out.iter().any(|c: &Configuration| c.shadows == shadows) {
-            out.push(Configuration { series, shadows });
+            out.push(Configuration { series, label, shadows });
         }
     };
     for map_size in [64, 128, 256, 512, 1024] {
-        add("map size", ShadowParams { map_size, ..base });
+        add("map size", format!("{map_size}²"), ShadowParams { map_size, ..base });
     }
     for map_size in [64, 128, 256, 512, 1024] {
-        add("map size, as printed", ShadowParams { map_size, ..printed });
+        add("map size, as printed", format!("{map_size}²"), ShadowParams { map_size, ..printed });
     }
     for density in [0.2, 0.3, 0.6, 1.0] {
-        add("density", ShadowParams { density, ..base });
+        add("density", density.to_string(), ShadowParams { density, ..base });
     }
     for part in [0.125, 0.25, 0.5, 0.75] {
         let map_layers = Some(((layers - 1) as f32 * part).round() as u32 + 1).filter(|n| (2..layers).contains(n));
-        if map_layers.is_some() {
-            add("fewer map layers", ShadowParams { map_layers, ..base });
-            add("smaller maps, fewer layers", ShadowParams { map_layers, map_size: 256, ..base });
+        if let Some(n) = map_layers {
+            add("fewer map layers", n.to_string(), ShadowParams { map_layers, ..base });
+            add(
+                "smaller maps, fewer layers",
+                format!("256² × {n}"),
+                ShadowParams { map_layers, map_size: 256, ..base },
+            );
         }
     }
     out

@@ -61,6 +61,8 @@ impl Method {
 pub struct Configuration {
     /// What is varied.
     pub series: &'static str,
+    /// Its value, short.
+    pub label: String,
     /// How the maps are used.
     pub method: Method,
     /// Settings of the runtime.
@@ -103,29 +105,44 @@ pub const PANELS: [Panel; 2] = [
 /// What to measure, the runtime's default first.
 pub fn configurations() -> Vec<Configuration> {
     let base = ShadowParams::default();
-    let mut out = vec![Configuration { series: "default", method: Method::Centred, shadows: base }];
-    let mut add = |series, method: Method, shadows: ShadowParams| {
+    let mut out = vec![Configuration {
+        series: "as the runtime does",
+        label: String::new(),
+        method: Method::Centred,
+        shadows: base,
+    }];
+    let mut add = |series, label: String, method: Method, shadows: ShadowParams| {
         if !out.iter().any(|c: &Configuration| c.shadows == shadows && c.method == method) {
-            out.push(Configuration { series, method, shadows });
+            out.push(Configuration { series, label, method, shadows });
         }
     };
     for map_size in [128, 256, 1024] {
-        add("map size", Method::Centred, ShadowParams { map_size, ..base });
+        add("map size", format!("{map_size}²"), Method::Centred, ShadowParams { map_size, ..base });
     }
     for shrink in [2, 4, 8, 16, 32] {
-        add("shrink", Method::Centred, ShadowParams { shrink, ..base });
+        add("shrink", format!("1/{shrink}"), Method::Centred, ShadowParams { shrink, ..base });
     }
     for penumbra in [0.03, 0.3] {
-        add("penumbra", Method::Centred, ShadowParams { penumbra, ..base });
+        add("penumbra", penumbra.to_string(), Method::Centred, ShadowParams { penumbra, ..base });
     }
     for (map_size, shrink) in [(256, 4), (512, 4), (512, 8), (1024, 16)] {
-        add("inner penumbra", Method::Inner, ShadowParams { map_size, shrink, ..base });
+        add(
+            "inner penumbra",
+            format!("{map_size}², 1/{shrink}"),
+            Method::Inner,
+            ShadowParams { map_size, shrink, ..base },
+        );
     }
     for (map_size, shrink) in [(256, 4), (512, 4), (512, 8), (1024, 4)] {
-        add("as printed", Method::Printed, ShadowParams { map_size, shrink, ..base });
+        add(
+            "as printed",
+            format!("{map_size}², 1/{shrink}"),
+            Method::Printed,
+            ShadowParams { map_size, shrink, ..base },
+        );
     }
     for passes in [4, 8, 16, 32] {
-        add("iterated distance", Method::Iterated(passes), base);
+        add("iterated distance", passes.to_string(), Method::Iterated(passes), base);
     }
     out
 }

@@ -10,6 +10,8 @@ use crate::surface::Measures;
 pub struct Configuration {
     /// What is varied.
     pub series: &'static str,
+    /// Its value, short.
+    pub label: String,
     /// Changes to the base recipe, as `--set` takes them.
     pub sets: Vec<String>,
     /// The recipe with the changes.
@@ -56,36 +58,52 @@ pub const PANELS: [Panel; 2] = [
 ///
 /// As [`Recipe::set`]; cannot happen with a valid base.
 pub fn configurations(base: &Recipe, model: &Model) -> Result<Vec<Configuration>, crate::BakeError> {
-    let with = |series: &'static str, sets: &[String]| {
+    let with = |series: &'static str, label: String, sets: &[String]| {
         let mut recipe = base.clone();
         sets.iter().try_for_each(|set| recipe.set(set))?;
-        Ok(Configuration { series, sets: sets.to_vec(), recipe })
+        Ok(Configuration { series, label, sets: sets.to_vec(), recipe })
     };
-    let mut out = vec![with("as the recipe says", &[])?];
+    let mut out = vec![with("as the recipe says", String::new(), &[])?];
     let patches = "surface.source=patches".to_owned();
     let size = |size: f32| format!("surface.patch_size={size:?}");
     for value in [0.25, 0.5, 0.75, 1.0, 1.5, 3.0, 4.0, 8.0] {
-        out.push(with("patch size", &[patches.clone(), size(value)])?);
+        out.push(with("patch size", value.to_string(), &[patches.clone(), size(value)])?);
     }
     // Beyond some size the other two limits stop patches; only with those wide open does the size alone decide.
     for value in [0.5, 1.0, 2.0, 4.0, 8.0, 16.0] {
         let wide = ["surface.patch_turn_deg=60.0".to_owned(), "surface.patch_stretch=4.0".to_owned()];
-        out.push(with("patch size, limits wide open", &[&[patches.clone(), size(value)][..], &wide].concat())?);
+        out.push(with(
+            "patch size, limits wide open",
+            value.to_string(),
+            &[&[patches.clone(), size(value)][..], &wide].concat(),
+        )?);
     }
     for value in [5.0, 10.0, 15.0, 35.0, 45.0, 60.0] {
-        out.push(with("patch turn", &[patches.clone(), format!("surface.patch_turn_deg={value:?}")])?);
+        out.push(with(
+            "patch turn",
+            format!("{value}°"),
+            &[patches.clone(), format!("surface.patch_turn_deg={value:?}")],
+        )?);
     }
     for value in [1.05, 1.1, 1.25, 2.0, 3.0, 4.0] {
-        out.push(with("patch stretch", &[patches.clone(), format!("surface.patch_stretch={value:?}")])?);
+        out.push(with(
+            "patch stretch",
+            value.to_string(),
+            &[patches.clone(), format!("surface.patch_stretch={value:?}")],
+        )?);
     }
     for value in [0.75, 0.5, 0.25, 0.0] {
-        out.push(with("comb weight", &[patches.clone(), format!("surface.comb_weight={value:?}")])?);
+        out.push(with("comb weight", value.to_string(), &[patches.clone(), format!("surface.comb_weight={value:?}")])?);
     }
     for value in [0.5, 1.0, 2.0, 4.0, 8.0] {
-        out.push(with("isotropic (no comb)", &[patches.clone(), "surface.comb=none".into(), size(value)])?);
+        out.push(with(
+            "isotropic (no comb)",
+            value.to_string(),
+            &[patches.clone(), "surface.comb=none".into(), size(value)],
+        )?);
     }
     if model.mesh.parts.iter().all(|part| part.has_uvs) {
-        out.push(with("the model's own coordinates", &["surface.source=model".into()])?);
+        out.push(with("the model's own coordinates", String::new(), &["surface.source=model".into()])?);
     }
     Ok(out)
 }

@@ -16,6 +16,16 @@ pub enum Clock {
     SubmitAndWait,
 }
 
+impl Clock {
+    /// The word in tables and JSON.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::TimestampQuery => "timestamp-query",
+            Self::SubmitAndWait => "submit-and-wait",
+        }
+    }
+}
+
 /// Timed sections of a frame, in milliseconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameTimes {

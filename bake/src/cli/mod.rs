@@ -5,10 +5,6 @@ mod bake;
 mod bench;
 mod built_in;
 mod chart;
-#[cfg(feature = "preview")]
-mod chart_light;
-#[cfg(feature = "preview")]
-mod chart_lighting;
 mod compare;
 #[cfg(feature = "preview")]
 mod demo;

@@ -111,6 +111,13 @@ impl TextureEncoder {
         }
     }
 
+    /// As [`TextureEncoder::push_layer`], of square levels from `texels * texels` down to one texel.
+    pub fn push_square_layer(&mut self, texels: u32, levels: &[Vec<u8>]) -> Result<(), BakeError> {
+        let sizes = (0..).map(|level| texels >> level);
+        let raw = sizes.zip(levels).map(|(size, texels)| RawLevel { width: size, height: size, texels });
+        self.push_layer(&raw.collect::<Vec<_>>())
+    }
+
     /// As [`TextureEncoder::finish`], where the last layer was pushed first.
     pub fn finish_reversed(mut self) -> Result<Vec<u8>, BakeError> {
         self.layers.reverse();

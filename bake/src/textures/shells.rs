@@ -1,6 +1,6 @@
 //! Slicing joined to encoding: of a volume of any size only one layer stands in memory as texels.
 
-use super::encode::{AlphaMode, RawLevel, TextureEncoder};
+use super::encode::{AlphaMode, TextureEncoder};
 use super::slice::slice;
 use crate::BakeError;
 use crate::hair::Strands;
@@ -49,14 +49,8 @@ pub fn shell_textures(
     let mut color = TextureEncoder::new(pack.shell_format.into(), AlphaMode::Premultiplied, pack.bc_quality);
     let mut direction = TextureEncoder::new(direction_format, AlphaMode::Straight, pack.bc_quality);
     slice(strands, slice_params, direction_format, |layer| {
-        let size = |level: usize| slice_params.tile_texels >> level;
-        let levels = |levels: &[Vec<u8>], encoder: &mut TextureEncoder| {
-            let raw = levels.iter().enumerate();
-            let raw: Vec<_> = raw.map(|(l, texels)| RawLevel { width: size(l), height: size(l), texels }).collect();
-            encoder.push_layer(&raw)
-        };
-        levels(&layer.color, &mut color)?;
-        levels(&layer.direction, &mut direction)
+        color.push_square_layer(slice_params.tile_texels, &layer.color)?;
+        direction.push_square_layer(slice_params.tile_texels, &layer.direction)
     })?;
     Ok(ShellTextures { color: color.finish_reversed()?, direction: direction.finish_reversed()? })
 }

@@ -1,0 +1,106 @@
+//! Axes that a reader of plots would choose.
+
+use std::ops::Range;
+
+/// The range of an axis: decades where the values span more than one, else linear from zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    /// Whether equal ways are equal factors.
+    pub log: bool,
+    /// From the axis's one end to its other.
+    pub range: Range<f64>,
+}
+
+/// Ticks of an axis: those with a number, and those between.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ticks {
+    /// With a line and a number.
+    pub major: Vec<f64>,
+    /// With a fainter line; within a decade.
+    pub minor: Vec<f64>,
+}
+
+impl Scale {
+    /// Of values, of which those that are negative or not finite do not count.
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        for value in values.filter(|v| v.is_finite() && *v >= 0.0) {
+            low = low.min(value);
+            high = high.max(value);
+        }
+        if low > 0.0 && high > 10.0 * low {
+            return Self { log: true, range: low / 1.4..high * 1.4 };
+        }
+        Self { log: false, range: 0.0..if high > 0.0 { 1.08 * high } else { 1.0 } }
+    }
+
+    /// Where a value stands along the axis, 0..=1.
+    pub fn place(&self, value: f64) -> f64 {
+        let (a, b) = (self.range.start, self.range.end);
+        if self.log { (value / a).ln() / (b / a).ln() } else { (value - a) / (b - a) }
+    }
+
+    /// Where lines and numbers stand: 1, 2 and 5 of each decade, or only 1, or round steps.
+    pub fn ticks(&self) -> Ticks {
+        let (a, b) = (self.range.start, self.range.end);
+        if !self.log {
+            let raw = (b - a) / 6.0;
+            let decade = 10_f64.powf(raw.log10().floor());
+            let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * decade).into_iter().find(|s| *s >= raw).unwrap_or(raw);
+            return Ticks { major: (0..=(b / step) as u32).map(|i| f64::from(i) * step).collect(), minor: Vec::new() };
+        }
+        let decades = a.log10().floor() as i32..=b.log10().ceil() as i32;
+        let of = |digits: &[f64]| -> Vec<f64> {
+            let all = decades.clone().flat_map(|d| digits.iter().map(move |m| m * 10_f64.powi(d)));
+            all.filter(|x| (a..=b).contains(x)).collect()
+        };
+        let major = of(if b > 300.0 * a { &[1.0] } else { &[1.0, 2.0, 5.0] });
+        let minor = if b > 1e6 * a { Vec::new() } else { of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) };
+        let minor = minor.into_iter().filter(|x| !major.contains(x)).collect();
+        Ticks { major, minor }
+    }
+}
+
+/// A number at a tick: three digits that count, thousands and millions as k and M.
+pub fn label(value: f64) -> String {
+    let digits = |x: f64| format!("{x:.2e}").parse::<f64>().unwrap_or(x).to_string();
+    match value.abs() {
+        x if x >= 1e6 => digits(value / 1e6) + "M",
+        x if x >= 1e4 => digits(value / 1e3) + "k",
+        _ => digits(value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales_hold_their_values_and_ticks() {
+        for values in
+            [&[0.0, 3.0][..], &[1.0, 2.0, 5.0], &[0.001, 0.5], &[1e-9, 1e6], &[0.0], &[], &[f64::INFINITY, 2.0]]
+        {
+            let scale = Scale::of(values.iter().copied());
+            let held = values.iter().filter(|v| v.is_finite());
+            assert!(held.into_iter().all(|v| (-1e-9..=1.0).contains(&scale.place(*v))), "{values:?}");
+            let Ticks { major, minor } = scale.ticks();
+            assert!((2..=20).contains(&major.len()), "{values:?}: {major:?}");
+            assert!(major.iter().chain(&minor).all(|t| (-1e-9..=1.0 + 1e-9).contains(&scale.place(*t))), "{values:?}");
+            assert!(minor.iter().all(|t| !major.contains(t)), "{values:?}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.0005, "0.0005"),
+            (0.30000000000000004, "0.3"),
+            (2000.0, "2000"),
+            (10_000.0, "10k"),
+            (2.5e6, "2.5M"),
+        ] {
+            assert_eq!(label(value), text);
+        }
+    }
+}

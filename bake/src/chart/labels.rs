@@ -1,0 +1,98 @@
+//! Words beside marks, where there is room for them: a label that would lie on another or on a mark is left out, and the table has it.
+
+/// A box in pixels: left, top, right, bottom.
+type Rect = [i32; 4];
+
+fn overlap(a: &Rect, b: &Rect) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+/// Marks that are nearer to each other than this, pixels, cannot be told apart.
+const SAME_SPOT: i32 = 3;
+
+/// A label that has a place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Placed {
+    /// Index of the mark.
+    pub mark: usize,
+    /// Its middle, pixels.
+    pub at: (i32, i32),
+}
+
+/// Finds places.
+///
+/// * `marks`: place of each mark, pixels, its radius, and its label, in the order of importance; of marks on one spot one is labelled
+/// * `obstacles`: other points that no label may cover, such as those of a line
+/// * `frame`: left, top, right and bottom end of where labels may stand
+/// * `font`: height of a letter; on average one is 0.54 times as wide
+pub fn place(marks: &[((i32, i32), i32, &str)], obstacles: &[(i32, i32)], frame: [i32; 4], font: i32) -> Vec<Placed> {
+    let around = |(x, y): (i32, i32), r: i32| [x - r, y - r, x + r, y + r];
+    let mut taken: Vec<Rect> = marks.iter().map(|(at, radius, _)| around(*at, *radius)).collect();
+    taken.extend(obstacles.iter().map(|at| around(*at, 1)));
+    let mut out: Vec<Placed> = Vec::new();
+    for (mark, ((x, y), radius, text)) in marks.iter().enumerate().filter(|(_, (.., text))| !text.is_empty()) {
+        let apart = |(at, ..): &((i32, i32), i32, &str)| (at.0 - x).abs().max((at.1 - y).abs());
+        if out.iter().any(|other| apart(&marks[other.mark]) <= SAME_SPOT) {
+            continue;
+        }
+        let here = marks.iter().filter(|other| apart(other) <= SAME_SPOT);
+        let radius = here.fold(*radius, |most, other| most.max(other.1 + apart(other)));
+        let width = (text.chars().count() as f32 * font as f32 * 0.54).ceil() as i32 + 2;
+        let (right, left, above, below) =
+            (x + radius + 3, x - radius - 3 - width, y - radius - font / 2 - 1, y + radius + font / 2 + 1);
+        let middle = x - width / 2;
+        let tries = [
+            (right, *y),
+            (left, *y),
+            (middle, above),
+            (middle, below),
+            (right - 2, above + 3),
+            (right - 2, below - 3),
+            (left + 2, above + 3),
+            (left + 2, below - 3),
+        ];
+        let free = tries.into_iter().find_map(|(left, middle)| {
+            let rect = [left, middle - font / 2 - 1, left + width, middle + font / 2 + 1];
+            let inside = rect[0] > frame[0] && rect[1] > frame[1] && rect[2] < frame[2] && rect[3] < frame[3];
+            (inside && !taken.iter().any(|other| overlap(&rect, other))).then_some((rect, (left + width / 2, middle)))
+        });
+        if let Some((rect, at)) = free {
+            taken.push(rect);
+            out.push(Placed { mark, at });
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME: [i32; 4] = [0, 0, 200, 100];
+
+    #[test]
+    fn labels_keep_off_marks_and_each_other() {
+        // Close together on a line: not all have room.
+        let marks: Vec<_> = (0..30).map(|i| ((20 + 5 * i, 50), 5, "256²")).collect();
+        let placed = place(&marks, &[], FRAME, 11);
+        assert!(placed.len() >= 4 && placed.len() < marks.len(), "{placed:?}");
+        let rect = |p: &Placed| [p.at.0 - 12, p.at.1 - 6, p.at.0 + 12, p.at.1 + 6];
+        for (i, a) in placed.iter().enumerate() {
+            assert!(placed[..i].iter().all(|b| !overlap(&rect(a), &rect(b))), "{placed:?}");
+            assert!(marks.iter().all(|((x, y), ..)| !overlap(&rect(a), &[x - 5, y - 5, x + 5, y + 5])), "{placed:?}");
+        }
+    }
+
+    #[test]
+    fn a_label_stays_within_the_frame() {
+        let right = place(&[((195, 50), 5, "a long word")], &[], FRAME, 11);
+        assert!(right[0].at.0 < 160 && right[0].at.0 > 0);
+        assert_eq!(place(&[((100, 50), 5, &"x".repeat(60))], &[], FRAME, 11), []);
+        // On one spot one label, of the first that has one.
+        let spot = [((50, 50), 10, ""), ((50, 51), 5, "a"), ((51, 50), 5, "b")];
+        assert_eq!(place(&spot, &[], FRAME, 11).iter().map(|p| p.mark).collect::<Vec<_>>(), [1]);
+        // To the right of a mark unless something is there.
+        assert_eq!(place(&[((50, 50), 5, "a")], &[], FRAME, 11)[0].at, (62, 50));
+        assert_ne!(place(&[((50, 50), 5, "a")], &[(60, 50)], FRAME, 11)[0].at, (62, 50));
+    }
+}

@@ -1,0 +1,125 @@
+//! Shadow maps as the runtime draws them, read back, with the time that they take.
+
+use crate::cli::exit::Failure;
+use crate::cli::gpu::{Gpu, lost, read_texture};
+use crate::cli::measure::{Meter, PASSES};
+use crate::cli::package_file::PackageFile;
+use crate::cli::scene::{Scene, View};
+use glam::Vec3;
+use pelage_bake::chart::light_maps::LightMaps;
+use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams};
+
+/// Drawings of the maps under each light, of which the fastest counts; of all lights the median.
+const DRAWINGS: usize = 3;
+
+/// A package in the runtime's hands, for the sake of its shadow maps.
+pub struct LightBench {
+    scene: Scene,
+    meter: Meter,
+}
+
+impl LightBench {
+    /// Loads the package of that name.
+    pub fn new(name: &str, package: &[u8], gpu: &Gpu) -> Result<Self, Failure> {
+        let file = PackageFile { name: name.into(), bytes: package.to_vec() };
+        let scene = Scene::new(&file, &View { size: (16, 16), ..View::default() }, || Ok(gpu.clone()))?;
+        let meter = Meter::new(&scene.gpu);
+        Ok(Self { scene, meter })
+    }
+
+    /// Where the milliseconds come from, as `pelage bench` has it.
+    pub fn clock_word(&self) -> &'static str {
+        self.meter.clock().word()
+    }
+
+    /// Draws the maps of `pass` and reads them back. The milliseconds are those of the fastest drawing but the first, in which pipelines are
+    /// compiled: what else the machine does only adds.
+    pub fn draw(
+        &mut self,
+        towards_light: Vec3,
+        shadows: ShadowParams,
+        pass: PassId,
+    ) -> Result<(LightMaps, f64), Failure> {
+        let params = &mut self.scene.params;
+        params.light = Light::Directional { towards_light, color: Vec3::ONE };
+        params.shadows = shadows;
+        params.self_shadow = pass == PassId::LayerShadow;
+        params.soft_shadow = pass == PassId::ShadowWidth;
+        let (frame, _) = self.meter.prepared(&mut self.scene)?;
+        let maps = frame.shadows().ok_or_else(|| lost("no shadow map was drawn"))?;
+        let maps = read_maps(&self.scene.gpu, maps)?;
+        // What a frame holds is not drawn over, but made anew.
+        drop(frame);
+        let index = PASSES.iter().position(|id| *id == pass).unwrap_or_default();
+        let mut milliseconds = f64::INFINITY;
+        for _ in 0..DRAWINGS {
+            let (_, times) = self.meter.prepared(&mut self.scene)?;
+            milliseconds = times.get(index).map_or(milliseconds, |ms| milliseconds.min(*ms));
+        }
+        Ok((maps, milliseconds))
+    }
+}
+
+/// Copies the maps of a submitted frame into memory.
+fn read_maps(gpu: &Gpu, maps: &ShadowMaps) -> Result<LightMaps, Failure> {
+    let half = |bytes: &[u8]| half_to_f32(u16::from_le_bytes([bytes[0], bytes[1]]));
+    let single = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    let mut layers = Vec::new();
+    let mut size = 0;
+    if let Some(texture) = maps.layers() {
+        size = texture.width();
+        let count = texture.depth_or_array_layers();
+        for layer in 0..count {
+            let texels = read_texture(gpu, texture, layer)?;
+            layers.push(texels.chunks_exact(2).map(half).collect());
+        }
+    }
+    let mut width = Vec::new();
+    if let Some(texture) = maps.width() {
+        size = texture.width();
+        let texels = read_texture(gpu, texture, 0)?;
+        let texel = |t: &[u8]| [half(&t[..2]), half(&t[2..4]), half(&t[4..6]), half(&t[6..])];
+        width = texels.chunks_exact(8).map(texel).collect();
+    }
+    let mut depths = [Vec::new(), Vec::new()];
+    for (depths, texture) in depths.iter_mut().zip(maps.depths().into_iter().flatten()) {
+        let texels = read_texture(gpu, texture, 0)?;
+        *depths = texels.chunks_exact(4).map(single).collect();
+    }
+    Ok(LightMaps { view: *maps.view(), soft: maps.soft_shadow(), size, layers, width, depths })
+}
+
+/// IEEE 754 binary16 to binary32, exactly.
+fn half_to_f32(bits: u16) -> f32 {
+    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff));
+    let size = match exponent {
+        0 => fraction * 2f32.powi(-24),
+        31 if fraction == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1024.0 + fraction) * 2f32.powi(exponent - 25),
+    };
+    if bits >> 15 == 0 { size } else { -size }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_are_read() {
+        for (bits, value) in [
+            (0x0000, 0.0),
+            (0x0001, 5.960_464_5e-8),
+            (0x03ff, 6.097_555e-5),
+            (0x0400, 6.103_515_6e-5),
+            (0x3555, 0.333_251_95),
+            (0x3c00, 1.0),
+            (0xc000, -2.0),
+            (0x7bff, 65504.0),
+            (0x7c00, f32::INFINITY),
+        ] {
+            assert_eq!(half_to_f32(bits), value, "{bits:#x}");
+        }
+        assert!(half_to_f32(0x7e00).is_nan());
+    }
+}

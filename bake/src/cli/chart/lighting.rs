@@ -1,0 +1,82 @@
+//! `pelage chart lighting`: light per pixel and per vertex, by several direction textures.
+
+use super::driver::{Plan, PlannedRow, Topic};
+use super::measured_on;
+use super::subject::Subject;
+use crate::cli::exit::Failure;
+use crate::cli::gpu::Gpu;
+use crate::cli::measure::{Meter, PASSES, Spread};
+use crate::cli::package_file::PackageFile;
+use crate::cli::scene::{Scene, Terms, View};
+use pelage_bake::chart::{Cell, lighting};
+use pelage_bake::groom::{self, Lengths};
+use pelage_bake::mesh::RestPose;
+use pelage_bake::pipeline;
+use pelage_runtime::{Lighting, PassId};
+
+/// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and those before them in which pipelines and caches settle.
+const FRAMES: usize = 9;
+const WARM_UP: usize = 1;
+
+/// The topic.
+pub struct LightingTopic<'a> {
+    subject: &'a Subject,
+    configurations: Vec<lighting::Configuration>,
+    lengths: Lengths,
+    gpu: Gpu,
+}
+
+impl<'a> LightingTopic<'a> {
+    /// Lists the configurations and opens the adapter.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        let configurations = lighting::configurations(&subject.recipe)?;
+        let bounds = groom::bounds(&RestPose::of(&subject.model.mesh, subject.model.animation.as_ref()));
+        let lengths = Lengths::resolve(subject.recipe.hair.length_m, subject.recipe.surface.tile_size_m, &bounds);
+        Ok(Self { subject, configurations, lengths, gpu: Gpu::open()? })
+    }
+}
+
+impl Topic for LightingTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &lighting::Configuration| PlannedRow {
+            series: configuration.series.into(),
+            label: configuration.label.clone(),
+            default: configuration.lighting == Lighting::default() && configuration.sets.is_empty(),
+            command: None,
+        };
+        let (name, layers) = (&self.subject.name, self.subject.recipe.slice.layers);
+        Plan {
+            topic: "lighting",
+            title: format!("Hair of {name}, {layers} layers: light by the direction of its hairs"),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: lighting::COLUMNS.to_vec(),
+            panels: lighting::PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let configuration = &self.configurations[index];
+        let Subject { file, name, model, images, .. } = self.subject;
+        doing("baking");
+        let baked = pipeline::bake(file, name, model, &configuration.recipe, images, &mut |_| ())?;
+        let file = PackageFile { name: name.clone(), bytes: baked.package };
+        // Shadows cost the same whatever direction the light is computed with.
+        let terms = Terms { self_shadow: false, soft_shadow: false, ..View::default().terms };
+        let view = View { lighting: configuration.lighting, terms, ..View::default() };
+        let mut scene = Scene::new(&file, &view, || Ok(self.gpu.clone()))?;
+        doing("directions");
+        let measured = lighting::measure(configuration, self.lengths)?;
+        doing("frames");
+        let meter = Meter::new(&self.gpu);
+        let shells = PASSES.iter().position(|id| *id == PassId::Shells);
+        let mut milliseconds = Vec::new();
+        for frame in 0..WARM_UP + FRAMES {
+            let times = meter.measure(&mut scene)?;
+            if frame >= WARM_UP {
+                milliseconds.extend(shells.map(|pass| times.passes[pass]));
+            }
+        }
+        Ok(lighting::cells(configuration, &measured, Spread::of(milliseconds).min, meter.clock().word()))
+    }
+}
