@@ -88,7 +88,7 @@ fn slab_depth(strip_m: f32, curvature: f32, height_m: f32) -> f32 {
     DENSITY * strip_m / (1.0 + 2.0 / (curvature * height_m).max(1e-3)).sqrt()
 }
 
-/// Measured: see `tests/src/silhouette.rs`.
+/// Measured: see `stability/silhouette.rs`.
 const DENSITY: f32 = 0.6;
 /// Purpose of the random starts.
 const START: u64 = 0x66_696e;

@@ -53,7 +53,7 @@ fn torus(sandbox: &Sandbox) {
         for j in 0..short {
             let at = |i: usize, j: usize| i * (short + 1) + j + 1;
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            text += &format!("f {a}/{a} {b}/{b} {c}/{c} {d}/{d}\n");
+            text += &format!("f {d}/{d} {c}/{c} {b}/{b} {a}/{a}\n");
         }
     }
     sandbox.write("my torus.obj", text);
@@ -300,10 +300,15 @@ fn the_soft_shadow_chart() {
 
 #[test]
 fn the_stability_table() {
+    if gpu("the_stability_table").is_none() {
+        return;
+    }
     let sandbox = Sandbox::new();
     let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out"]));
     let rows = object["rows"].as_array().unwrap();
-    assert!(rows.len() >= 10);
+    for method in ["surface", "solver", "Kajiya-Kay", "soft shadow", "animation", "shells"] {
+        assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
+    }
     for row in rows {
         assert_eq!(row["holds"], true, "{row}");
         let (safe, bound) = (row["safe"].as_f64().unwrap(), row["bound"].as_f64().unwrap());

@@ -5,13 +5,14 @@
 
 use glam::Vec3;
 use pelage_bake::recipe::HairParams;
-use pelage_bake::stability::{self, Row, grow, hair_simulation, opacity, slice, texels};
+use pelage_bake::stability::{self, Drawing, Finding, Row, grow, hair_simulation, opacity, slice, texels};
 use pelage_formats::TextureFormat;
+use pelage_tests::gpu::gpu;
+use pelage_tests::silhouette::opacities;
 
 /// Runs a row: within the bound, *and* over the cliff. Data that never reached it would prove nothing.
 #[track_caller]
-fn holds(row: &Row) {
-    let findings = (row.drive)().unwrap();
+fn holds<D>(row: &Row<D>, findings: Vec<Finding>) {
     assert!(!findings.is_empty(), "{} drives nothing", row.method);
     for f in findings {
         println!("{}: {}: {}: naive {}, ours {} of {}", row.method, f.case, f.measure, f.naive, f.safe, f.bound);
@@ -26,7 +27,7 @@ macro_rules! rows {
         $(
             #[test]
             fn $module() {
-                holds(&stability::$module::ROW);
+                holds(&stability::$module::ROW, (stability::$module::ROW.drive)().unwrap());
             }
         )+
 
@@ -49,8 +50,18 @@ rows!(
     direction_textures,
     kajiya_kay,
     layer_shadows,
-    soft_shadow
+    soft_shadow,
+    animation
 );
+
+/// The one row that needs pictures.
+#[test]
+fn shells() {
+    let Some(gpu) = gpu("shells") else { return };
+    let mut draw = |drawing: &Drawing<'_>| Ok(opacities(gpu, drawing));
+    holds(&stability::shells::ROW, (stability::shells::ROW.drive)(&mut draw).unwrap());
+    assert_eq!(stability::DRAWN_ROWS.iter().map(|row| row.method).collect::<Vec<_>>(), [stability::shells::ROW.method]);
+}
 
 /// What judges the rows must itself be able to fail.
 #[test]

@@ -4,8 +4,10 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+use pelage_bake::stability::animation::joints;
+use pelage_bake::stability::silhouette::{profile_error, stacked};
 use pelage_runtime::formats::{Limits, Package, PackageWriter};
-use pelage_runtime::glam::{Mat3, Mat4, Quat, Vec3, Vec4};
+use pelage_runtime::glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{kajiya_kay, skinning, tile_frame};
 use pelage_runtime::{Camera, FrameParams, Instance, PassId, Projection, Renderer, RendererOptions, wgpu};
 use pelage_tests::compute::evaluate;
@@ -65,29 +67,12 @@ fn kajiya_kay_with_the_hair_along_the_light() {
     }
 }
 
-/// Matrices that skeletons produce and textbooks forget: uneven, mirrored, flattened, collapsed.
-fn odd_matrices() -> Vec<(&'static str, Mat3)> {
-    let turn = Mat3::from_quat(Quat::from_euler(pelage_runtime::glam::EulerRot::XYZ, 0.3, 0.7, -0.4));
-    let scale = |x, y, z| turn * Mat3::from_diagonal(Vec3::new(x, y, z));
-    vec![
-        ("uneven", scale(0.05, 1.0, 20.0)),
-        ("mirrored", scale(-1.0, 1.0, 1.0)),
-        ("mirrored and uneven", scale(3.0, -0.2, 1.0)),
-        ("flattened", scale(1.0, 0.0, 1.0)),
-        ("a line", scale(0.0, 0.0, 1.0)),
-        ("collapsed", scale(0.0, 0.0, 0.0)),
-        ("tiny", scale(1e-12, 1e-12, 1e-12)),
-        ("huge", scale(1e12, 1e12, 1e12)),
-        ("centimetres", scale(0.01, 0.01, 0.01)),
-    ]
-}
-
 #[test]
 fn normals_and_tangents_under_odd_joints() {
     let normals: Vec<Vec3> = unit_vectors().into_iter().step_by(101).collect();
     let mut cases = Vec::new();
     let (mut not_unit, mut inward) = (0, 0);
-    for (name, m) in odd_matrices() {
+    for (name, m) in joints() {
         for n in &normals {
             let safe = skinning::transform_normal(m, *n);
             assert!((safe.length() - 1.0).abs() < 1e-5, "{name}: {n} became {safe}");
@@ -209,7 +194,7 @@ fn the_outline_is_covered_as_by_fine_layers() {
     let Some(gpu) = gpu("the_outline_is_covered_as_by_fine_layers") else { return };
     for case in silhouette::cases() {
         let found = silhouette::measure(gpu, &case);
-        println!("{}", found.table());
+        println!("{}: {}", case.name, found.table());
         // The naive form is the layers alone.
         assert!(
             found.with_fins <= 0.5 * found.shells_alone,
@@ -219,8 +204,8 @@ fn the_outline_is_covered_as_by_fine_layers() {
             found.shells_alone
         );
         // Fins on top of whole layers are too much hair, and fins alone too little.
-        let double = silhouette::stacked(&found.profiles[1], &found.profiles[3]);
-        let off = |profile: &[f64]| silhouette::profile_error(profile, &found.profiles[0]);
+        let double = stacked(&found.profiles[1], &found.profiles[3]);
+        let off = |profile: &[f64]| profile_error(profile, &found.profiles[0]);
         assert!(off(&double) > off(&found.profiles[2]), "{}: {double:?}", case.name);
         assert!(off(&found.profiles[3]) > off(&found.profiles[2]), "{}: {:?}", case.name, found.profiles[3]);
     }

@@ -58,8 +58,13 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// Targets of `width × height` pixels with `sample_count` samples each.
+    /// Targets of `width × height` pixels with `sample_count` samples each, in [`COLOR_FORMAT`].
     pub fn new(gpu: &Gpu, width: u32, height: u32, sample_count: u32) -> Self {
+        Self::in_format(gpu, COLOR_FORMAT, width, height, sample_count)
+    }
+
+    /// As [`Self::new`], in another format of colour.
+    pub fn in_format(gpu: &Gpu, format: wgpu::TextureFormat, width: u32, height: u32, sample_count: u32) -> Self {
         let texture = |label, format, samples, usage| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -74,9 +79,8 @@ impl Canvas {
         };
         let none = wgpu::TextureUsages::empty();
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let color = texture("canvas colour", COLOR_FORMAT, 1, wgpu::TextureUsages::COPY_SRC);
-        let multisampled =
-            (sample_count > 1).then(|| view(&texture("canvas samples", COLOR_FORMAT, sample_count, none)));
+        let color = texture("canvas colour", format, 1, wgpu::TextureUsages::COPY_SRC);
+        let multisampled = (sample_count > 1).then(|| view(&texture("canvas samples", format, sample_count, none)));
         let depth_view = view(&texture("canvas depth", DEPTH_FORMAT, sample_count, none));
         Self { width, height, color_view: view(&color), color, multisampled, depth_view }
     }
@@ -119,9 +123,14 @@ impl Canvas {
         })
     }
 
+    /// Reads the canvas back as it is: `width * height` texels of its format, rows from the top.
+    pub fn texels(&self, gpu: &Gpu) -> Result<Vec<u8>, Failure> {
+        read_texture(gpu, &self.color, 0)
+    }
+
     /// Reads the canvas back: `width * height` RGBA8, sRGB-encoded, straight alpha, rows from the top; as PNG wants it.
     pub fn read(&self, gpu: &Gpu) -> Result<image::RgbaImage, Failure> {
-        let mut pixels = read_texture(gpu, &self.color, 0)?;
+        let mut pixels = self.texels(gpu)?;
         pixels.chunks_exact_mut(4).for_each(unpremultiply);
         image::RgbaImage::from_raw(self.width, self.height, pixels)
             .ok_or_else(|| lost("the canvas was read back short"))

@@ -3,6 +3,8 @@
 //! `pelage chart stability` prints what they find, and `tests/tests/stability.rs` holds our form to its bound, and the naive one to
 //! its failure: data that never reached the cliff would prove nothing. The naive forms stand here and nowhere else.
 
+#[cfg(feature = "preview")]
+pub mod animation;
 pub mod direction_textures;
 pub mod hair_simulation;
 #[cfg(feature = "preview")]
@@ -13,6 +15,10 @@ pub mod layers;
 pub mod mip_levels;
 pub mod opacity_product;
 #[cfg(feature = "preview")]
+pub mod shells;
+#[cfg(feature = "preview")]
+pub mod silhouette;
+#[cfg(feature = "preview")]
 pub mod soft_shadow;
 pub mod solver;
 pub mod surface;
@@ -22,10 +28,37 @@ use crate::hair::{Strands, VolumeParams, simulate};
 use crate::recipe::{ColorParams, HairParams, SliceParams};
 use crate::textures::{ShellSet, collect_layers};
 use pelage_formats::TextureFormat;
+#[cfg(feature = "preview")]
+use pelage_runtime::{FrameParams, PassId};
 
-/// A row of the table.
+/// Drives both forms over the cliff on the processor.
+pub type Driver = fn() -> Result<Vec<Finding>, BakeError>;
+
+/// The same by pictures, which it asks for.
+#[cfg(feature = "preview")]
+pub type DrawnDriver = fn(&mut Drawer<'_>) -> Result<Vec<Finding>, BakeError>;
+
+/// Who draws, on an adapter that this library knows nothing of: `width * height` opacities, row-major from the top, 0..=1, with ten bits at least.
+#[cfg(feature = "preview")]
+pub type Drawer<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<f32>, BakeError> + 'a;
+
+/// A picture to draw over nothing: one copy of a package at rest.
+#[cfg(feature = "preview")]
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct Drawing<'a> {
+    /// The package.
+    pub package: &'a [u8],
+    /// Camera, light and style.
+    pub params: &'a FrameParams,
+    /// Width and height, pixels.
+    pub size: (u32, u32),
+    /// The passes to draw, in their order.
+    pub passes: &'a [PassId],
+}
+
+/// A row of the table. `D` is how it is driven.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<D = Driver> {
     /// The method.
     pub method: &'static str,
     /// Where it fails.
@@ -35,7 +68,7 @@ pub struct Row {
     /// What we do instead.
     pub safe: &'static str,
     /// Drives both forms over the cliff.
-    pub drive: fn() -> Result<Vec<Finding>, BakeError>,
+    pub drive: D,
 }
 
 /// What one drive found: errors of both forms by the same measure, 0 being perfect.
@@ -82,7 +115,13 @@ pub const ROWS: &[Row] = &[
     layer_shadows::ROW,
     #[cfg(feature = "preview")]
     soft_shadow::ROW,
+    #[cfg(feature = "preview")]
+    animation::ROW,
 ];
+
+/// The rows that need pictures.
+#[cfg(feature = "preview")]
+pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW];
 
 /// Strands with default colours in a volume of `height`.
 ///

@@ -70,7 +70,7 @@ pub fn grid(across: u32, around: u32, place: impl Fn(f32, f32) -> Vec3) -> Model
 
 /// A torus of 2304 triangles.
 pub fn torus() -> Model {
-    grid(48, 24, |a, b| Quat::from_rotation_y(a) * vec3(1.0 + 0.4 * b.cos(), -0.4 * b.sin(), 0.0))
+    grid(48, 24, |a, b| Quat::from_rotation_y(a) * vec3(1.0 + 0.4 * b.cos(), 0.4 * b.sin(), 0.0))
 }
 
 /// Closed, without singular triangles: poles are single points.
@@ -169,4 +169,28 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         });
     }
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Six times the volume that triangles enclose; negative where they are wound inward.
+    fn volume(model: &Model) -> f32 {
+        let m = &model.mesh;
+        let of = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| m.positions[v as usize]);
+            a.cross(b).dot(c)
+        };
+        m.triangles.iter().map(of).sum()
+    }
+
+    #[test]
+    fn closed_meshes_are_wound_outward() {
+        // Of smooth surfaces: 4 pi / 3 and 2 pi^2 R r^2.
+        for (model, true_volume) in [(sphere(24, 48), 4.18879), (torus(), 3.15827)] {
+            let found = volume(&model) / 6.0;
+            assert!((0.95..1.0).contains(&(found / true_volume)), "{found} of {true_volume}");
+        }
+    }
 }

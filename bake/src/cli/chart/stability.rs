@@ -1,14 +1,50 @@
-//! `pelage chart stability`: the table of `bake/src/stability/`.
+//! `pelage chart stability`: the table of `bake/src/stability/`, each row driven here and now.
 
 use super::driver::value;
 use super::{ChartArgs, create, processor};
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::output::Output;
 use pelage_bake::chart::{self, Cell};
-use pelage_bake::{io, stability};
+use pelage_bake::io;
+use pelage_bake::stability::{Finding, ROWS, Row};
 use serde_json::{Map, Value, json};
 
-/// Prints the table, each row driven here and now.
+/// What was found so far.
+#[derive(Default)]
+struct Table {
+    rows: Vec<Vec<(&'static str, Cell)>>,
+    lines: Vec<String>,
+    broken: bool,
+}
+
+impl Table {
+    fn add<D>(&mut self, row: &Row<D>, adapter: &str, findings: &[Finding]) {
+        self.lines.push(format!("{}: {}", row.method, row.cliff));
+        self.lines.push(format!("  naive: {}; ours: {}", row.naive, row.safe));
+        for f in findings {
+            let (naive, safe, bound) =
+                (Cell::Number(f.naive).text(), Cell::Number(f.safe).text(), Cell::Number(f.bound).text());
+            let word = if f.holds() { "holds" } else { "BROKEN" };
+            self.lines.push(format!("  {}: {}: naive {naive}, ours {safe}, bound {bound}: {word}", f.case, f.measure));
+            self.broken |= !f.holds();
+            let texts = [
+                ("series", row.method),
+                ("cliff", row.cliff),
+                ("naive_form", row.naive),
+                ("safe_form", row.safe),
+                ("case", &f.case),
+                ("measure", f.measure),
+                ("adapter", adapter),
+            ];
+            let mut cells: Vec<(&'static str, Cell)> = texts.map(|(name, text)| (name, Cell::Text(text.into()))).into();
+            cells.extend([("naive", f.naive), ("safe", f.safe), ("bound", f.bound)].map(|(n, x)| (n, Cell::Number(x))));
+            cells.push(("holds", Cell::Number(f64::from(u8::from(f.holds())))));
+            self.rows.push(cells);
+        }
+    }
+}
+
+/// Prints the table. Without an adapter the rows that need none are printed, and the failure says what is missing.
 pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.model.is_some()
         || args.recipe.recipe.is_some()
@@ -21,25 +57,32 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
                 .into(),
         ));
     }
-    let (mut rows, mut lines, mut held) = (Vec::new(), Vec::new(), true);
-    for (i, row) in stability::ROWS.iter().enumerate() {
-        output.progress_of(i, stability::ROWS.len(), row.method);
-        lines.push(format!("{}: {}", row.method, row.cliff));
-        lines.push(format!("  naive: {}; ours: {}", row.naive, row.safe));
-        for f in (row.drive)()? {
-            let (naive, safe) = (Cell::Number(f.naive).text(), Cell::Number(f.safe).text());
-            let word = if f.holds() { "holds" } else { "BROKEN" };
-            lines.push(format!("  {}: {}: naive {naive}, ours {safe}, bound {}: {word}", f.case, f.measure, f.bound));
-            held &= f.holds();
-            let texts =
-                [("series", row.method), ("cliff", row.cliff), ("naive_form", row.naive), ("safe_form", row.safe)];
-            let mut cells: Vec<(&'static str, Cell)> = texts.map(|(name, text)| (name, Cell::Text(text.into()))).into();
-            cells.extend([("case", Cell::Text(f.case.clone())), ("measure", Cell::Text(f.measure.into()))]);
-            cells.extend([("naive", f.naive), ("safe", f.safe), ("bound", f.bound)].map(|(n, x)| (n, Cell::Number(x))));
-            cells.push(("holds", Cell::Number(f64::from(u8::from(f.holds())))));
-            rows.push(cells);
-        }
+    let mut table = Table::default();
+    for (i, row) in ROWS.iter().enumerate() {
+        output.progress_of(i, ROWS.len() + 1, row.method);
+        table.add(row, &processor(), &(row.drive)()?);
     }
+    #[cfg(feature = "preview")]
+    let undriven = drawn::add(&mut table, output);
+    #[cfg(not(feature = "preview"))]
+    let undriven = Ok(());
+    let no_adapter = match undriven {
+        Err(failure @ Failure::NoAdapter(_)) => Some(failure),
+        other => other.map(|()| None)?,
+    };
+    report(args, table.lines, &table.rows, output)?;
+    match no_adapter {
+        Some(failure) => Err(failure),
+        None => Ok(if table.broken { Exit::Differences } else { Exit::Done }),
+    }
+}
+
+fn report(
+    args: &ChartArgs,
+    mut lines: Vec<String>,
+    rows: &[Vec<(&'static str, Cell)>],
+    output: &mut Output,
+) -> Result<(), Failure> {
     let mut files = Vec::new();
     if let Some(folder) = &args.output {
         create(folder)?;
@@ -60,6 +103,55 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     };
     let rows: Vec<Value> = rows.iter().map(object).collect();
     let json = json!({ "topic": "stability", "adapter": processor(), "files": files, "rows": rows });
-    output.result(&lines.join("\n"), &json)?;
-    Ok(if held { Exit::Done } else { Exit::Differences })
+    output.result(&lines.join("\n"), &json)
+}
+
+/// The rows that need pictures.
+#[cfg(feature = "preview")]
+mod drawn {
+    use super::super::light_bench::half_to_f32;
+    use super::super::measured_on;
+    use super::Table;
+    use crate::cli::exit::Failure;
+    use crate::cli::gpu::{Canvas, DEPTH_FORMAT, Gpu};
+    use crate::cli::output::Output;
+    use pelage_bake::BakeError;
+    use pelage_bake::stability::{DRAWN_ROWS, Drawing};
+    use pelage_runtime::{Instance, Renderer, RendererOptions, wgpu};
+
+    pub fn add(table: &mut Table, output: &mut Output) -> Result<(), Failure> {
+        let gpu = Gpu::open()?;
+        for row in DRAWN_ROWS {
+            output.progress_of(super::ROWS.len(), super::ROWS.len() + 1, row.method);
+            let mut draw = |drawing: &Drawing<'_>| {
+                opacities(&gpu, drawing).map_err(|failure| BakeError::Internal(failure.to_string()))
+            };
+            table.add(row, &measured_on(&gpu.info.name), &(row.drive)(&mut draw)?);
+        }
+        Ok(())
+    }
+
+    /// Opacity of every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
+    fn opacities(gpu: &Gpu, drawing: &Drawing<'_>) -> Result<Vec<f32>, Failure> {
+        let fault = |error| BakeError::Internal(format!("drawing a package of its own: {error}"));
+        let format = wgpu::TextureFormat::Rgba16Float;
+        let options = RendererOptions {
+            color_format: format,
+            depth_format: DEPTH_FORMAT,
+            reversed_depth: true,
+            ..RendererOptions::default()
+        };
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).map_err(fault)?;
+        let model = renderer.load_bytes(&gpu.device, &gpu.queue, drawing.package).map_err(fault)?;
+        let mut instance = Instance::new(&model);
+        let canvas = Canvas::in_format(gpu, format, drawing.size.0, drawing.size.1, 1);
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let frame = renderer.prepare(&gpu.device, &mut encoder, drawing.params, &mut [&mut instance]).map_err(fault)?;
+        let mut pass = canvas.pass(&mut encoder, "silhouette", Some([0.0; 4]), true);
+        drawing.passes.iter().for_each(|id| frame.draw_pass(*id, &mut pass));
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        let texels = canvas.texels(gpu)?;
+        Ok(texels.chunks_exact(8).map(|t| half_to_f32(u16::from_le_bytes([t[6], t[7]]))).collect())
+    }
 }

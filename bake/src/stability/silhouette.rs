@@ -1,0 +1,223 @@
+//! How much hair there is outside the outline of the skin, against layers of four times the number and resolution.
+//!
+//! The error is the mean absolute difference of opacity within six pixels of the outline of the bare skin, between means over squares of
+//! eight pixels: hair is noise to the pixel, and where each hair stands is not the same in both, so that single pixels differ by more than what
+//! the eye takes for density. All pictures are supersampled, so that the sampling of a pixel's middle, which alone makes a difference of 0.07 a
+//! pixel, is no part of the error.
+
+use super::{Drawer, Drawing};
+use crate::BakeError;
+use crate::groom::MapImages;
+use crate::mesh::Model;
+use crate::pipeline;
+use crate::recipe::Recipe;
+use glam::Vec3;
+use pelage_formats::{Limits, Package};
+use pelage_runtime::{Camera, FrameParams, PassId, Style};
+use std::fmt::Write as _;
+
+/// Opacity of every pixel, 0..=1.
+#[derive(Clone, Debug)]
+struct Coverage {
+    /// Width and height, pixels.
+    size: (u32, u32),
+    /// `width * height`, row-major.
+    alpha: Vec<f64>,
+}
+
+/// Draws one copy of a model, [`SAMPLES`] times as large each way, and averages.
+fn coverage(
+    draw: &mut Drawer<'_>,
+    package: &[u8],
+    params: &FrameParams,
+    size: (u32, u32),
+    passes: &[PassId],
+) -> Result<Coverage, BakeError> {
+    let large = (size.0 * SAMPLES, size.1 * SAMPLES);
+    let found = draw(&Drawing { package, params, size: large, passes })?;
+    let mut alpha = vec![0.0; (size.0 * size.1) as usize];
+    for (i, opacity) in found.into_iter().enumerate() {
+        let (x, y) = (i as u32 % large.0 / SAMPLES, i as u32 / large.0 / SAMPLES);
+        alpha[(y * size.0 + x) as usize] += f64::from(opacity);
+    }
+    alpha.iter_mut().for_each(|a| *a /= f64::from(SAMPLES * SAMPLES));
+    Ok(Coverage { size, alpha })
+}
+
+/// Distance of every pixel's centre to the nearest pixel that the bare `skin` covers by half, up to `reach` pixels; 0 on the skin.
+fn distances(skin: &Coverage, reach: u32) -> Vec<f64> {
+    let (w, h, r) = (skin.size.0 as i32, skin.size.1 as i32, reach as i32);
+    let inside: Vec<bool> = skin.alpha.iter().map(|a| *a >= 0.5).collect();
+    let mut out = vec![f64::INFINITY; inside.len()];
+    for y in 0..h {
+        for x in 0..w {
+            if !inside[(y * w + x) as usize] {
+                continue;
+            }
+            out[(y * w + x) as usize] = 0.0;
+            let edge = [(1, 0), (-1, 0), (0, 1), (0, -1)].iter().any(|(dx, dy)| {
+                let (x, y) = (x + dx, y + dy);
+                x >= 0 && y >= 0 && x < w && y < h && !inside[(y * w + x) as usize]
+            });
+            if !edge {
+                continue;
+            }
+            for dy in -r..=r {
+                for dx in -r..=r {
+                    let (nx, ny) = (x + dx, y + dy);
+                    if nx < 0 || ny < 0 || nx >= w || ny >= h {
+                        continue;
+                    }
+                    let d = f64::from(dx * dx + dy * dy).sqrt();
+                    let slot = &mut out[(ny * w + nx) as usize];
+                    if d <= f64::from(reach) && d < *slot {
+                        *slot = d;
+                    }
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Mean opacity in each band of one pixel of distance from the outline: `(0, 1]`, `(1, 2]`, …
+fn profile(coverage: &Coverage, distances: &[f64], bands: usize) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); bands];
+    for (a, d) in coverage.alpha.iter().zip(distances) {
+        if *d > 0.0 && *d <= bands as f64 {
+            let sum = &mut sums[(d.ceil() as usize) - 1];
+            *sum = (sum.0 + a, sum.1 + 1.0);
+        }
+    }
+    sums.iter().map(|(a, n)| if *n > 0.0 { a / n } else { 0.0 }).collect()
+}
+
+/// Mean absolute difference of opacity within `reach` pixels of the outline, between means over squares of `window` pixels.
+fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32) -> f64 {
+    let (w, h) = a.size;
+    let (mut total, mut weight) = (0.0, 0.0);
+    for y in (0..h).step_by(window as usize) {
+        for x in (0..w).step_by(window as usize) {
+            let (mut difference, mut n) = (0.0, 0.0);
+            for (dx, dy) in (0..window * window).map(|i| (i % window, i / window)) {
+                let (x, y) = (x + dx, y + dy);
+                if x < w && y < h {
+                    let i = (y * w + x) as usize;
+                    if distances[i] > 0.0 && distances[i] <= reach {
+                        difference += a.alpha[i] - b.alpha[i];
+                        n += 1.0;
+                    }
+                }
+            }
+            total += f64::abs(difference);
+            weight += n;
+        }
+    }
+    total / f64::max(weight, 1.0)
+}
+
+/// What was measured of a model.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Error of the layers without fins.
+    pub shells_alone: f64,
+    /// Error with fins.
+    pub with_fins: f64,
+    /// Opacity by distance from the outline: truth, layers without fins, layers beside fins and fins, fins alone.
+    pub profiles: [Vec<f64>; 4],
+}
+
+/// Bands of one pixel in a profile.
+const BANDS: usize = 10;
+/// Distance from the outline within which the error is taken, pixels.
+const REACH: f64 = 6.0;
+/// Squares whose means are compared, pixels.
+const WINDOW: u32 = 8;
+/// Samples a pixel, each way.
+const SAMPLES: u32 = 4;
+
+impl Measured {
+    /// The profiles and errors, for people.
+    pub fn table(&self) -> String {
+        let mut out = "opacity by pixels from the outline\n".to_owned();
+        for (name, profile) in ["truth", "layers", "with fins", "fins alone"].iter().zip(&self.profiles) {
+            let values: Vec<_> = profile.iter().map(|v| format!("{v:.3}")).collect();
+            let _ = writeln!(out, "  {name:10} {}", values.join(" "));
+        }
+        let ratio = self.with_fins / self.shells_alone;
+        let _ = write!(out, "  error {:.4} without, {:.4} with fins: {ratio:.2}", self.shells_alone, self.with_fins);
+        out
+    }
+}
+
+/// The two packages that are held against each other.
+#[derive(Clone, Debug)]
+pub struct Packages {
+    /// As the recipe says.
+    pub own: Vec<u8>,
+    /// Four times the layers and the resolution, without fins.
+    pub fine: Vec<u8>,
+}
+
+impl Packages {
+    /// Bakes both, in plain texels: a software rasteriser decodes blocks at every read.
+    ///
+    /// # Errors
+    ///
+    /// As [`pipeline::bake`].
+    pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Self, BakeError> {
+        let (layers, texels) = (4 * (recipe.slice.layers - 1) + 1, 4 * recipe.slice.tile_texels);
+        let bake = |sets: &[String]| {
+            let mut recipe = recipe.clone();
+            let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
+            plain.iter().copied().chain(sets.iter().map(String::as_str)).try_for_each(|set| recipe.set(set))?;
+            let baked = pipeline::bake(file, "silhouette", model, &recipe, &MapImages::default(), &mut |_| ())?;
+            Ok::<_, BakeError>(baked.package)
+        };
+        let fine =
+            [format!("slice.layers={layers}"), format!("slice.tile_texels={texels}"), "fins.enabled=false".into()];
+        Ok(Self { own: bake(&[])?, fine: bake(&fine)? })
+    }
+}
+
+/// Measures a model from its front left, in a picture of `size` pixels.
+///
+/// # Errors
+///
+/// [`BakeError::Internal`] for packages that do not open, and whatever `draw` returns.
+pub fn measure(packages: &Packages, size: (u32, u32), draw: &mut Drawer<'_>) -> Result<Measured, BakeError> {
+    let package = &packages.own;
+    let opened = Package::open(package, &Limits::default());
+    let bounds = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?.manifest().bounds;
+    let aspect = size.0 as f32 / size.1 as f32;
+    let camera = Camera::framing(Vec3::from(bounds.center), bounds.radius, Vec3::new(-0.7, 0.35, 0.8), 0.6, aspect);
+    let with = FrameParams::new(camera);
+    let without = FrameParams { fins: false, ..with.clone() };
+    let all = [PassId::Skin, PassId::Fins, PassId::Shells];
+    let pictures = [
+        coverage(draw, &packages.fine, &without, size, &all)?,
+        coverage(draw, package, &without, size, &all)?,
+        coverage(draw, package, &with, size, &all)?,
+        coverage(draw, package, &with, size, &all[..2])?,
+    ];
+    let bare = FrameParams { style: Style::Bare, ..with };
+    let skin = coverage(draw, package, &bare, size, &all[..1])?;
+    let distances = distances(&skin, BANDS as u32);
+    let off = |k: usize| error(&pictures[k], &pictures[0], &distances, REACH, WINDOW);
+    Ok(Measured {
+        shells_alone: off(1),
+        with_fins: off(2),
+        profiles: pictures.each_ref().map(|picture| profile(picture, &distances, BANDS)),
+    })
+}
+
+/// Opacity of two things behind each other, band by band.
+pub fn stacked(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| 1.0 - (1.0 - a) * (1.0 - b)).collect()
+}
+
+/// Mean absolute difference of two profiles within reach of the error.
+pub fn profile_error(a: &[f64], b: &[f64]) -> f64 {
+    let bands = REACH as usize;
+    a.iter().zip(b).take(bands).map(|(a, b)| (a - b).abs()).sum::<f64>() / bands as f64
+}
