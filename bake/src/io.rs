@@ -116,6 +116,23 @@ fn relative_path(uri: &str) -> Result<PathBuf, String> {
 ///
 /// [`BakeError::Io`], naming `path` or its folder.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
+    write_atomic_with(path, |out| out.write_all(bytes))
+}
+
+/// As [`write_atomic`], with what `write` streams into the file.
+///
+/// # Errors
+///
+/// [`BakeError::Io`], naming `path` or its folder; also for an error of `write`.
+pub fn write_atomic_with(
+    path: &Path,
+    write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
+) -> Result<(), BakeError> {
+    let write = |file: &std::fs::File| {
+        let mut out = io::BufWriter::new(file);
+        write(&mut out)?;
+        out.flush()
+    };
     // A link stays a link: what it points to is replaced.
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     match std::fs::metadata(&target) {
@@ -126,7 +143,7 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
         // Renaming a file over /dev/null would replace the device.
         Ok(found) if !found.is_file() => {
             let open = std::fs::OpenOptions::new().write(true).open(&target);
-            return open.and_then(|mut f| f.write_all(bytes)).map_err(|source| io_error(path, "write", source));
+            return open.and_then(|f| write(&f)).map_err(|source| io_error(path, "write", source));
         }
         _ => {}
     }
@@ -140,8 +157,8 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
     // Temporary files are private by default; the umask takes away from this what the user wants taken away.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(|source| io_error(folder, "create a file in", source))?;
-    let written = file.write_all(bytes).and_then(|()| file.as_file().sync_all());
+    let file = builder.tempfile_in(folder).map_err(|source| io_error(folder, "create a file in", source))?;
+    let written = write(file.as_file()).and_then(|()| file.as_file().sync_all());
     written.map_err(|source| io_error(path, "write", source))?;
     file.persist(&target).map_err(|error| io_error(path, "rename a temporary file to", error.error))?;
     Ok(())

@@ -7,6 +7,7 @@ pub mod chart;
 pub mod compare;
 pub mod decide;
 pub mod error;
+pub mod export;
 pub mod fins;
 pub mod groom;
 pub mod hair;

@@ -1,4 +1,4 @@
-//! `reference` through the real binary: the traced picture of a package, for which no adapter is needed.
+//! `reference` and `export` through the real binary: a package's strands, traced and for other programs; no adapter is needed.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
@@ -70,6 +70,50 @@ fn what_the_light_does_shows() {
     assert!(skin_alpha < alpha && skin > 0.0, "the skin alone covers {skin_alpha}, with fur {alpha}");
     assert!((below - full).abs() > 0.02 * full, "{below} {full}");
     assert!(mean(&["--ambient-attenuation", "off"]).0 > full && mean(&["--fill-light", "1,0,0/0.5"]).0 > full);
+}
+
+#[test]
+fn strands_and_skin_leave_for_other_programs() {
+    let sandbox = torus(&["hair.density=60"]);
+    for extension in ["txt", "pbrt", "glb", "hair"] {
+        let name = format!("strands.{extension}");
+        let run = sandbox.run(&["export", "torus.pelage", "--strands", &name, "--mesh", "skin.obj", "--json"]);
+        let object = json(&run, "export");
+        let bytes = std::fs::read(sandbox.path().join(&name)).unwrap();
+        let (strands, segments) = (object["strands"].as_u64().unwrap(), object["segments"].as_u64().unwrap());
+        assert!(strands > 100 && segments >= strands, "{object}");
+        let points = strands + segments;
+        match extension {
+            "txt" => {
+                let text = String::from_utf8(bytes).unwrap();
+                assert_eq!(text.lines().filter(|l| l.is_empty()).count() as u64, strands - 1);
+                assert_eq!(text.lines().filter(|l| l.split(' ').count() == 4).count() as u64, points);
+            }
+            "pbrt" => assert_eq!(String::from_utf8(bytes).unwrap().matches("Shape \"curve\"").count() as u64, segments),
+            "glb" => assert!(bytes.starts_with(b"glTF") && bytes.len() as u64 > 28 * points + 8 * segments),
+            _ => assert_eq!(bytes.len() as u64, 128 + 2 * strands + 28 * points),
+        }
+        assert_eq!(object["files"], serde_json::json!([name, "skin.obj", "skin.mtl"]));
+        let obj = std::fs::read_to_string(sandbox.path().join("skin.obj")).unwrap();
+        assert_eq!(obj.lines().filter(|l| l.starts_with("f ")).count() as u64, object["triangles"].as_u64().unwrap());
+        let mtl = std::fs::read_to_string(sandbox.path().join("skin.mtl")).unwrap();
+        let used = obj.lines().filter_map(|l| l.strip_prefix("usemtl "));
+        assert!(
+            used.clone().count() > 0 && used.clone().all(|name| mtl.contains(&format!("newmtl {name}\n"))),
+            "{mtl}"
+        );
+    }
+    for (args, word) in [
+        (&["--strands", "a.abc"][..], ".txt, .pbrt, .glb, .hair"),
+        (&["--mesh", "a.ply"], "ends in .obj"),
+        (&[], "--strands"),
+        (&["--strands", "a.txt", "--clip", "Walk"], "no such clip"),
+    ] {
+        let run = sandbox.run(&[&["export", "torus.pelage"], args].concat());
+        assert!(run.code == Some(1) && run.stderr.contains(word), "{args:?}: {run:?}");
+    }
+    let run = sandbox.run(&["export", "torus.pelage", "--strands", "no-folder/a.txt"]);
+    assert!(run.code == Some(2) && run.stderr.contains("no-folder"), "{run:?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
+use super::threads;
 use pelage_bake::groom::MapImages;
 use pelage_bake::import::{ImportOptions, input_record};
 use pelage_bake::pipeline::{self, Baked};
@@ -72,11 +73,7 @@ pub type Stage = (&'static str, f64);
 pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
     require_parent(&args.output)?;
-    let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(threads) = args.threads {
-        pool = pool.num_threads(threads.into());
-    }
-    let pool = pool.build().map_err(|error| BakeError::Internal(format!("starting threads: {error}")))?;
+    let pool = threads::pool(args.threads)?;
     let (baked, stages) = pool.install(|| bake_file(args, output))?;
     io::write_atomic(&args.output, &baked.package)?;
     report(output, &args.output, &baked, &stages, start.elapsed().as_secs_f64())?;

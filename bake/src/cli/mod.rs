@@ -10,6 +10,8 @@ mod compare;
 mod demo;
 mod exit;
 #[cfg(feature = "preview")]
+mod export;
+#[cfg(feature = "preview")]
 mod framing;
 #[cfg(feature = "preview")]
 mod gpu;
@@ -26,6 +28,7 @@ mod reference;
 mod render;
 #[cfg(feature = "preview")]
 mod scene;
+mod threads;
 #[cfg(feature = "preview")]
 mod truth;
 mod unpack;
@@ -79,6 +82,8 @@ enum Command {
     Bench(bench::BenchArgs),
     #[cfg(feature = "preview")]
     Reference(reference::ReferenceArgs),
+    #[cfg(feature = "preview")]
+    Export(export::ExportArgs),
     Chart(chart::ChartArgs),
     Compare(compare::CompareArgs),
 }
@@ -99,6 +104,8 @@ impl Command {
             Self::Bench(args) => bench::run(&args, output),
             #[cfg(feature = "preview")]
             Self::Reference(args) => reference::run(&args, output),
+            #[cfg(feature = "preview")]
+            Self::Export(args) => export::run(&args, output),
             Self::Chart(args) => chart::run(&args, output),
             Self::Compare(args) => compare::run(&args, output),
         }

@@ -4,9 +4,10 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file::PackageFile;
 use super::scene::View;
+use super::threads;
 use super::truth::{Truth, encode};
 use super::view_args::{LightingArg, Penumbra, Slant, ViewArgs};
-use pelage_bake::reference::{Lens, TracedPicture, TrueCamera};
+use pelage_bake::reference::{GroomReport, Lens, TracedPicture, TrueCamera};
 use pelage_bake::{BakeError, io};
 use pelage_runtime::ShadowParams;
 use serde_json::json;
@@ -27,7 +28,7 @@ pub struct ReferenceArgs {
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     spp: u32,
     /// Threads; by default one per core. The picture is the same with any number
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(flatten)]
     view: ViewArgs,
@@ -45,11 +46,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     require_parent(&args.output)?;
     let file = PackageFile::read(&args.package)?;
-    let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(threads) = args.threads {
-        pool = pool.num_threads(threads.into());
-    }
-    let pool = pool.build().map_err(|error| BakeError::Internal(format!("starting threads: {error}")))?;
+    let pool = threads::pool(args.threads)?;
 
     output.progress("growing strands");
     let start = Instant::now();
@@ -83,17 +80,7 @@ fn report(
         "spp": args.spp,
         "strands": groom.strands,
         "segments": groom.segments,
-        "points_before_simplification": groom.points_before,
-        "crossed_patch_border": groom.crossed_patch_border,
-        "crossed_mesh_border": groom.crossed_mesh_border,
-        "slid_along_border": groom.slid_along_border,
-        "lost": groom.lost,
-        "dropped": {
-            "cut_out": groom.dropped_cut,
-            "no_length": groom.dropped_bare,
-            "thinned_out": groom.dropped_thinned,
-        },
-        "triangles_without_coordinates": groom.triangles_without_coordinates,
+        "groom": groom_json(groom),
         "bytes_per_strand": bytes_per_strand,
         "camera": camera_json(camera),
         "primary_rays": picture.rays.primary,
@@ -113,6 +100,21 @@ fn report(
     );
     output.result(&text, &value)?;
     Ok(Exit::Done)
+}
+
+/// What became of the tile's strands.
+pub fn groom_json(groom: &GroomReport) -> serde_json::Value {
+    json!({
+        "points_before_simplification": groom.points_before,
+        "crossed_patch_border": groom.crossed_patch_border,
+        "crossed_mesh_border": groom.crossed_mesh_border,
+        "slid_along_border": groom.slid_along_border,
+        "lost": groom.lost,
+        "dropped_cut_out": groom.dropped_cut,
+        "dropped_no_length": groom.dropped_bare,
+        "dropped_thinned_out": groom.dropped_thinned,
+        "triangles_without_coordinates": groom.triangles_without_coordinates,
+    })
 }
 
 /// A camera as other programs want it.

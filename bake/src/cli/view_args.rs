@@ -193,7 +193,8 @@ fn parse_up_to(text: &str, most: f32) -> Result<f32, String> {
     number.ok_or_else(|| format!("expected a number from 0 to {most}"))
 }
 
-fn parse_seconds(text: &str) -> Result<f32, String> {
+/// A finite number.
+pub fn parse_seconds(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|s: &f32| s.is_finite()).ok_or("expected a number of seconds".into())
 }
 

@@ -42,7 +42,7 @@ pub struct GroomReport {
     pub crossed_mesh_border: u64,
     /// Strands that lie along a border of patches for a way, because each of its sides led to the other.
     pub slid_along_border: u64,
-    /// Strands that left the skin because their way crossed edges without end.
+    /// Strands that left the skin because their way crossed edges without end, as about a corner that all patches there lead to.
     pub lost: u64,
     /// Roots where the skin is cut away.
     pub dropped_cut: u64,

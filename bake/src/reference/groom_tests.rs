@@ -150,6 +150,25 @@ fn groom_and_length_thin_the_strands_out() {
 }
 
 #[test]
+fn wet_places_have_wet_strands() {
+    let mut hair = leaning(400);
+    let mut wet = hair.strands.clone();
+    wet.colors.iter_mut().for_each(|color| *color = Vec3::X);
+    hair.wet = Some(wet);
+    let grow = |wetness: f32| {
+        let mut skin = sheet(6, 99, DVec2::ZERO);
+        skin.vertices.iter_mut().for_each(|v| v.groom.y = wetness);
+        grow_on(&skin, &hair, 1.0).unwrap().0
+    };
+    for wetness in [0.0, 0.3, 1.0] {
+        let curves = grow(wetness);
+        let share = curves.wet.iter().filter(|wet| **wet).count() as f32 / curves.len() as f32;
+        assert!((share - wetness).abs() < 0.05 && (0.1..0.9).contains(&wetness) != (share == wetness), "{share}");
+        assert!((0..curves.len()).all(|i| (curves.strand(i)[0].color.y < 0.01) == curves.wet[i]));
+    }
+}
+
+#[test]
 fn what_is_left_out_lies_near_the_line() {
     let mut hair = leaning(60);
     hair.strands.radii.iter_mut().for_each(|radius| *radius = 0.2);

@@ -228,3 +228,7 @@ impl RayCaster {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "picture_tests.rs"]
+mod tests;

@@ -60,7 +60,8 @@ impl Tracer {
         }
         let start = places().next().map_or(DVec3::ZERO, |(p, _)| p);
         let (min, max) = places().fold((start, start), |(min, max), (p, r)| (min.min(p - r), max.max(p + r)));
-        let (center, radius) = (0.5 * (min + max), (0.5 * (max - min).length()).max(f64::MIN_POSITIVE));
+        let (center, half) = (0.5 * (min + max), 0.5 * (max - min).length());
+        let radius = if half > 0.0 { half } else { 1.0 };
         let place = |p: DVec3| (p - center) / radius;
 
         let mut capsules = Vec::with_capacity(curves.segments());

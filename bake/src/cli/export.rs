@@ -1,0 +1,98 @@
+//! `pelage export`: strands and skin as files that other programs read.
+
+use super::exit::{Exit, Failure};
+use super::output::{Output, require_parent};
+use super::package_file::PackageFile;
+use super::reference::{camera_json, groom_json};
+use super::scene::View;
+use super::truth::Truth;
+use super::view_args::{Size, parse_seconds};
+use pelage_bake::export::{StrandFormat, write_mtl, write_obj};
+use pelage_bake::io::write_atomic_with;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Write a package's strands and its skin for other programs
+#[derive(Clone, Debug, clap::Args)]
+pub struct ExportArgs {
+    /// The package
+    #[arg(value_name = "PKG")]
+    package: PathBuf,
+    /// Where the strands go: .txt (a line x y z radius per point, a blank line between strands), .pbrt, .glb or .hair
+    #[arg(long, value_name = "FILE", required_unless_present = "mesh")]
+    strands: Option<PathBuf>,
+    /// Where the posed skin goes: .obj, and beside it its materials as .mtl
+    #[arg(long, value_name = "OBJ")]
+    mesh: Option<PathBuf>,
+    /// Clip of the animation, by name; without it the model stands at rest
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+    /// Time in the clip, seconds
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = parse_seconds, allow_hyphen_values = true)]
+    time: f32,
+    /// Size of the picture that the camera in the --json result is for, pixels
+    #[arg(long, value_name = "WxH", default_value = "834x424")]
+    size: Size,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
+    let strands = args.strands.as_deref().map(|path| Ok::<_, Failure>((path, strand_format(path)?))).transpose()?;
+    let mesh = args.mesh.as_deref().map(|path| Ok::<_, Failure>((path, beside(path)?))).transpose()?;
+    for path in [args.strands.as_deref(), args.mesh.as_deref()].into_iter().flatten() {
+        require_parent(path)?;
+    }
+    let file = PackageFile::read(&args.package)?;
+    let view = View {
+        size: (args.size.width, args.size.height),
+        clip: args.clip.clone(),
+        time_s: args.time,
+        ..View::default()
+    };
+    output.progress("growing strands");
+    let truth = Truth::new(&file, &view)?;
+    let mut files = Vec::new();
+    if let Some((path, format)) = strands {
+        output.progress("writing strands");
+        write_atomic_with(path, |out| format.write(truth.scene.curves(), out))?;
+        files.push(path.to_owned());
+    }
+    if let Some((path, materials)) = mesh {
+        output.progress("writing the skin");
+        let name = materials.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        write_atomic_with(&materials, |out| write_mtl(truth.scene.skin(), out))?;
+        write_atomic_with(path, |out| write_obj(truth.scene.skin(), &name, out))?;
+        files.extend([path.to_owned(), materials]);
+    }
+    let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+    let value = json!({
+        "files": names,
+        "strands": truth.report.strands,
+        "segments": truth.report.segments,
+        "groom": groom_json(&truth.report),
+        "vertices": truth.scene.skin().vertices.len(),
+        "triangles": truth.scene.skin().triangles.len(),
+        "camera": camera_json(&truth.camera(&view)),
+        "width": args.size.width,
+        "height": args.size.height,
+    });
+    let count = format!("{} strands in {} pieces", truth.report.strands, truth.report.segments);
+    output.result(&format!("{}\n{count}", names.join("\n")), &value)?;
+    Ok(Exit::Done)
+}
+
+fn strand_format(path: &Path) -> Result<StrandFormat, Failure> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    StrandFormat::of_extension(&extension).ok_or_else(|| {
+        let known: Vec<String> = StrandFormat::EXTENSIONS.iter().map(|(e, _)| format!(".{e}")).collect();
+        Failure::Usage(format!("--strands {}: expected a name that ends in {}", path.display(), known.join(", ")))
+    })
+}
+
+/// The .mtl file beside an .obj file.
+fn beside(path: &Path) -> Result<PathBuf, Failure> {
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("obj") => Ok(path.with_extension("mtl")),
+        _ => Err(Failure::Usage(format!("--mesh {}: expected a name that ends in .obj", path.display()))),
+    }
+}
