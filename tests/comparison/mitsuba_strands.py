@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import resource
 import subprocess
 import tempfile
 import time
@@ -72,10 +73,12 @@ def main():
     given.output.mkdir(parents=True, exist_ok=True)
     ours_file, theirs_file = given.output / "pelage.exr", given.output / "mitsuba.exr"
     light = ",".join(map(str, TOWARDS_LIGHT))
+    ours_cpu = -resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     ours = pelage(
         given.pelage, "reference", given.package, "-o", ours_file, "--size", given.size, "--spp", given.spp,
         "--threads", given.threads, f"--light={light}", "--penumbra", 0,
     )  # fmt: skip
+    ours_cpu += resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     with tempfile.TemporaryDirectory() as folder:
         strands, skin = Path(folder) / "strands.txt", Path(folder) / "skin.obj"
         words = ["--strands", strands, "--mesh", skin, "--size", given.size]
@@ -85,9 +88,9 @@ def main():
         load_seconds = time.perf_counter() - begun
     # Compiles the kernels, which is no part of tracing.
     np.array(mi.render(loaded, spp=1, seed=1))
-    begun = time.perf_counter()
+    begun, begun_cpu = time.perf_counter(), time.process_time()
     picture = np.array(mi.render(loaded, spp=given.spp, seed=0))
-    seconds = time.perf_counter() - begun
+    seconds, theirs_cpu = time.perf_counter() - begun, time.process_time() - begun_cpu
     mi.Bitmap(picture.astype(np.float32)).write(str(theirs_file))
 
     alpha = picture[..., 3]
@@ -105,6 +108,7 @@ def main():
             "build_seconds": ours["grow_seconds"],
             "seconds": ours["seconds"],
             "mrays_per_s": ours["mrays_per_s"],
+            "cpu_seconds_with_build": ours_cpu,
         },
         "mitsuba": {
             "version": mi.__version__,
@@ -112,6 +116,7 @@ def main():
             "build_seconds": load_seconds,
             "seconds": seconds,
             "mrays_per_s": (primary + shadow) * 1e-6 / seconds,
+            "cpu_seconds": theirs_cpu,
         },
         "covered_share": {"pelage": float(our_alpha.mean()), "mitsuba": float(alpha.mean())},
         "mean_alpha_difference": float(np.abs(alpha - our_alpha).mean()),

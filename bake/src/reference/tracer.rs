@@ -6,7 +6,7 @@ use super::skin::Skin;
 use crate::BakeError;
 use glam::DVec3;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
@@ -41,10 +41,10 @@ pub(super) struct Tracer {
     capsules: Vec<Capsule>,
     /// First point and strand of each.
     pieces: Vec<(u32, u32)>,
-    hair: Option<Bvh2>,
+    hair: Option<CwBvh>,
     /// In the order of the tree's leaves.
     facets: Vec<Facet>,
-    skin_tree: Option<Bvh2>,
+    skin_tree: Option<CwBvh>,
     center: DVec3,
     radius: f64,
 }
@@ -79,7 +79,7 @@ impl Tracer {
             }
         }
         let hair = (!capsules.is_empty())
-            .then(|| build_bvh2(&capsules, BvhBuildParams::fast_build(), &mut Duration::default()));
+            .then(|| build_cwbvh(&capsules, BvhBuildParams::fast_build(), &mut Duration::default()));
         if let Some(tree) = &hair {
             // The order of the leaves: neighbours in space are neighbours in memory.
             capsules = tree.primitive_indices.iter().map(|i| capsules[*i as usize]).collect();
@@ -89,8 +89,8 @@ impl Tracer {
         let corner = |v: u32| place(skin.vertices[v as usize].position_ws);
         let facets: Vec<Facet> =
             skin.triangles.iter().zip(0..).map(|(t, triangle)| Facet { corners: t.map(corner), triangle }).collect();
-        let skin_tree =
-            (!facets.is_empty()).then(|| build_bvh2(&facets, BvhBuildParams::medium_build(), &mut Duration::default()));
+        let skin_tree = (!facets.is_empty())
+            .then(|| build_cwbvh(&facets, BvhBuildParams::medium_build(), &mut Duration::default()));
         let order = skin_tree.as_ref().map_or(&[][..], |tree| &tree.primitive_indices);
         let facets = order.iter().map(|i| facets[*i as usize]).collect();
         Ok(Self { curves, skin, capsules, pieces, hair, facets, skin_tree, center, radius })
