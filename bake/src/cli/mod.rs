@@ -8,6 +8,8 @@ mod chart;
 mod compare;
 #[cfg(feature = "preview")]
 mod demo;
+#[cfg(feature = "preview")]
+mod doctor;
 mod exit;
 #[cfg(feature = "preview")]
 mod export;
@@ -86,6 +88,8 @@ enum Command {
     Export(export::ExportArgs),
     Chart(chart::ChartArgs),
     Compare(compare::CompareArgs),
+    #[cfg(feature = "preview")]
+    Doctor(doctor::DoctorArgs),
 }
 
 impl Command {
@@ -108,6 +112,8 @@ impl Command {
             Self::Export(args) => export::run(&args, output),
             Self::Chart(args) => chart::run(&args, output),
             Self::Compare(args) => compare::run(&args, output),
+            #[cfg(feature = "preview")]
+            Self::Doctor(args) => doctor::run(&args, output),
         }
     }
 }

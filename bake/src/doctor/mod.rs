@@ -1,0 +1,434 @@
+//! What a package will cost on a screen, found without a GPU, and what of it is more than the screen shows.
+//!
+//! Every skin triangle, layer and fin is rasterised as the runtime would draw it at rest ([`raster`]), and counted. What is
+//! predicted is work: fragments, vertices, bytes. What that takes in time depends on the adapter, which `pelage bench` measures.
+
+pub mod advice;
+pub mod raster;
+
+pub use advice::Advice;
+
+use crate::BakeError;
+use crate::mesh::blend;
+use glam::{Mat3, Mat4, Vec3, Vec4};
+use pelage_formats::{FormatError, Package, Pose};
+use raster::{Covered, Draw, Raster};
+
+/// How the package will be looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Place of the eye, metres.
+    pub eye: Vec3,
+    /// What it looks at, metres; apart from `eye`.
+    pub target: Vec3,
+    /// Height of the view, radians.
+    pub fov_y_rad: f32,
+    /// Width and height of the picture, pixels.
+    pub size: (u32, u32),
+    /// Copies, each seen as large as the one that is rasterised.
+    pub instances: u32,
+    /// Width and height of the shadow maps, texels; 0 for no shadows.
+    pub shadow_map: u32,
+}
+
+/// A pass of the runtime.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassWork {
+    /// As in the runtime's report.
+    pub name: &'static str,
+    /// Whether it runs.
+    pub runs: bool,
+    /// Why, or why not.
+    pub reason: String,
+    /// Vertices that its shader is run for, at the least: each once a layer.
+    pub vertices: u64,
+    /// Pixels that it draws; of passes that draw the picture.
+    pub fragments: Option<u64>,
+    /// The same where a shader runs on blocks of 4 by 4 pixels, as on a software rasteriser.
+    pub fragments_in_blocks: Option<u64>,
+}
+
+/// Bytes on the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Memory {
+    /// All textures as they are stored. An adapter in software widens directions of two bytes to four.
+    pub textures: u64,
+    /// Vertices, indices and fins.
+    pub buffers: u64,
+    /// Posed vertices of all copies.
+    pub posed: u64,
+    /// The key light's shadow maps, one set for all.
+    pub shadow_maps: u64,
+}
+
+impl Memory {
+    /// All of it.
+    pub fn total(&self) -> u64 {
+        self.textures + self.buffers + self.posed + self.shadow_maps
+    }
+}
+
+/// Sizes on the screen, where the fur is nearest to the eye.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OnScreen {
+    /// Width of a texel of the tile, pixels.
+    pub texel_px: f64,
+    /// Gap between two layers, pixels, seen from the side.
+    pub layer_gap_px: f64,
+    /// Height of the fur, pixels, likewise.
+    pub height_px: f64,
+    /// Median area of the triangles of the skin that are seen, pixels.
+    pub triangle_px: f64,
+    /// Share of them that are smaller than 4 by 4 pixels.
+    pub small_triangles: f64,
+    /// How many are seen.
+    pub triangles: u64,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prognosis {
+    /// Pixels that the skin covers, and that at least one layer of fur does.
+    pub covered_pixels: [u64; 2],
+    /// Mean and largest number of layers on a pixel with fur.
+    pub overdraw: (f64, u16),
+    /// The passes, in their order.
+    pub passes: Vec<PassWork>,
+    /// On the device.
+    pub memory: Memory,
+    /// Sizes on the screen.
+    pub on_screen: OnScreen,
+    /// What to change; empty where all is well.
+    pub advice: Vec<Advice>,
+}
+
+/// Pictures of more pixels are rasterised smaller, and what is counted is scaled.
+const MOST_PIXELS: u64 = 1 << 20;
+
+/// Triangles of fewer pixels cost more in corners than in pixels.
+const SMALL_PX: f64 = 16.0;
+
+/// A posed vertex with what grows on it.
+struct Vertex {
+    position: Vec3,
+    normal: Vec3,
+    bitangent: Vec3,
+    height_m: f32,
+    lean: f32,
+}
+
+impl Vertex {
+    /// Place of the hair that grows from it, at a share of its height: as `hair_position` of the runtime's shaders.
+    fn at(&self, share: f32) -> Vec3 {
+        self.position + (self.normal * share + self.bitangent * (self.lean * share * share)) * self.height_m
+    }
+}
+
+/// Looks at an opened package.
+///
+/// * `fault`: gives an error of the package its file
+///
+/// # Errors
+///
+/// [`BakeError::Package`] for sections that are damaged; [`BakeError::Params`] for a camera that looks nowhere.
+pub fn diagnose(
+    package: &Package<'_>,
+    view: &View,
+    fault: &dyn Fn(FormatError) -> BakeError,
+) -> Result<Prognosis, BakeError> {
+    let manifest = package.manifest();
+    let fur = &manifest.fur;
+    let vertices = vertices(package, fault)?;
+    let indices: Vec<u32> = package.mesh().map_err(fault)?.map_or_else(Vec::new, |mesh| mesh.indices().collect());
+    let (raster_size, scale) = raster_size(view.size);
+    let clip_from_world = camera(view)?;
+    let clip = |p: Vec3| clip_from_world * p.extend(1.0);
+    let mut raster = Raster::new(raster_size.0, raster_size.1);
+
+    let mut skin = Covered::default();
+    let mut areas = Vec::new();
+    for part in &manifest.parts {
+        let both = manifest.materials[part.material as usize].double_sided;
+        for t in triangles(&indices, part) {
+            let corners = t.map(|i| clip(vertices[i as usize].position));
+            let found = raster.draw(corners, both, Draw::Opaque);
+            skin = sum(skin, found);
+            if found.pixels > 0 || on_screen(corners) {
+                areas.push(area_px(corners, view.size));
+            }
+        }
+    }
+    let layers = if fur.layers < 2 { 1 } else { fur.layers };
+    let mut shells = Covered::default();
+    let mut furred = vec![false; vertices.len()];
+    for part in manifest.parts.iter().filter(|part| manifest.materials[part.material as usize].furred && layers > 1) {
+        let both = manifest.materials[part.material as usize].double_sided;
+        triangles(&indices, part).flatten().for_each(|i| furred[i as usize] = true);
+        for layer in 1..layers {
+            let share = layer as f32 / (layers - 1) as f32;
+            let place: Vec<Vec4> = vertices.iter().map(|v| clip(v.at(share))).collect();
+            for t in triangles(&indices, part) {
+                shells = sum(shells, raster.draw(t.map(|i| place[i as usize]), both, Draw::Layer));
+            }
+        }
+    }
+    let (fins, fin_quads) = fins(package, &vertices, view, &clip, &mut raster, fault)?;
+
+    let furry_vertices = furred.iter().filter(|f| **f).count() as u64;
+    let on_screen = sizes(manifest, &vertices, &furred, &mut areas, view);
+    let memory = memory(package, view, layers, fault)?;
+    let times = f64::from(view.instances) * scale;
+    let passes = passes(&Work {
+        manifest,
+        vertices: vertices.len() as u64,
+        furry_vertices,
+        layers,
+        fin_quads,
+        skin,
+        fins,
+        shells,
+        times,
+        view,
+        skinned: memory.posed > 0,
+    });
+    let (furry_pixels, mean, most) = raster.layers();
+    let scaled = |count: u64| (count as f64 * scale).round() as u64;
+    let mut prognosis = Prognosis {
+        covered_pixels: [scaled(raster.opaque_pixels()), scaled(furry_pixels)],
+        overdraw: (mean, most),
+        passes,
+        memory,
+        on_screen,
+        advice: Vec::new(),
+    };
+    prognosis.advice = advice::advise(package, view, &prognosis, fault)?;
+    Ok(prognosis)
+}
+
+fn sum(a: Covered, b: Covered) -> Covered {
+    Covered { pixels: a.pixels + b.pixels, in_blocks: a.in_blocks + b.in_blocks }
+}
+
+fn triangles<'a>(indices: &'a [u32], part: &pelage_formats::Part) -> impl Iterator<Item = [u32; 3]> + 'a {
+    let range = part.first_index as usize..(part.first_index + part.index_count) as usize;
+    indices.get(range).unwrap_or_default().chunks_exact(3).map(|t| [t[0], t[1], t[2]])
+}
+
+/// Size to rasterise in, and how many pixels of the picture one of its pixels stands for.
+fn raster_size((width, height): (u32, u32)) -> ((u32, u32), f64) {
+    let pixels = u64::from(width) * u64::from(height);
+    let shrink = (pixels as f64 / MOST_PIXELS as f64).sqrt().max(1.0);
+    let small = [width, height].map(|side| ((f64::from(side) / shrink) as u32).max(1));
+    ((small[0], small[1]), pixels as f64 / f64::from(small[0]) / f64::from(small[1]))
+}
+
+/// World to clip space; w is the distance along the view.
+fn camera(view: &View) -> Result<Mat4, BakeError> {
+    let forward = (view.target - view.eye).try_normalize().ok_or_else(|| BakeError::Params {
+        what: "camera",
+        reason: format!("eye and target are both at {}, expected them apart", view.eye),
+    })?;
+    let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
+    let aspect = view.size.0 as f32 / view.size.1 as f32;
+    let right = forward.cross(up).normalize();
+    let up = right.cross(forward);
+    let scale = 1.0 / (0.5 * view.fov_y_rad).tan();
+    let row = |axis: Vec3, scale: f32| (axis * scale).extend(-axis.dot(view.eye) * scale);
+    // Depth itself is never asked for.
+    Ok(Mat4::from_cols(row(right, scale / aspect), row(up, scale), Vec4::ZERO, row(forward, 1.0)).transpose())
+}
+
+fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> Result<Vec<Vertex>, BakeError> {
+    let Some(mesh) = package.mesh().map_err(fault)? else { return Ok(Vec::new()) };
+    let mut pose = Pose::default();
+    if let Some(animation) = package.animation().map_err(fault)? {
+        pose.sample(&animation, None, 0.0);
+    }
+    let skin: Vec<_> = mesh.skin().collect();
+    let vertex = |(i, v): (usize, pelage_formats::GeometryVertex)| {
+        let matrix = skin.get(i).map_or(Mat4::IDENTITY, |s| blend(&pose, s));
+        let normal = crate::mesh::transform_normal(matrix, Vec3::from(v.normal));
+        let tangent = Mat3::from_mat4(matrix) * Vec3::new(v.tangent[0], v.tangent[1], v.tangent[2]);
+        Vertex {
+            position: matrix.transform_point3(Vec3::from(v.position)),
+            normal,
+            bitangent: normal.cross(tangent).normalize_or_zero() * v.tangent[3],
+            height_m: v.fur_height,
+            lean: v.lean,
+        }
+    };
+    Ok(mesh.geometry().enumerate().map(vertex).collect())
+}
+
+/// Fins as the runtime shows them, by the angle they are seen at: what they cover, and their quads.
+fn fins(
+    package: &Package<'_>,
+    vertices: &[Vertex],
+    view: &View,
+    clip: &dyn Fn(Vec3) -> Vec4,
+    raster: &mut Raster,
+    fault: &dyn Fn(FormatError) -> BakeError,
+) -> Result<(Covered, u64), BakeError> {
+    let Some(found) = package.fins().map_err(fault)? else { return Ok((Covered::default(), 0)) };
+    // Bent hair takes three quads above each other.
+    let rows = if vertices.iter().any(|v| v.lean > 0.0) { 3 } else { 1 };
+    let mut covered = Covered::default();
+    for fin in found.fins() {
+        let (a, b) = (&vertices[fin.a as usize], &vertices[fin.b as usize]);
+        let face = (b.position - a.position).cross(a.normal + b.normal).normalize_or_zero();
+        let towards_eye = (view.eye - 0.5 * (a.position + b.position)).normalize_or_zero();
+        let opacity = fin.opacity * (2.0 * face.dot(towards_eye).abs() - 1.0).max(0.0);
+        if opacity < 0.5 / 255.0 {
+            continue;
+        }
+        for row in 0..rows {
+            let [low, high] = [row, row + 1].map(|r| r as f32 / rows as f32);
+            let [a0, b0, b1, a1] = [a.at(low), b.at(low), b.at(high), a.at(high)].map(clip);
+            covered = sum(covered, raster.draw([a0, b0, b1], true, Draw::Quad));
+            covered = sum(covered, raster.draw([a0, b1, a1], true, Draw::Quad));
+        }
+    }
+    Ok((covered, u64::from(found.count) * rows))
+}
+
+fn on_screen(corners: [Vec4; 3]) -> bool {
+    corners.iter().all(|c| c.w > 0.0 && c.x.abs() <= c.w && c.y.abs() <= c.w) && area_px(corners, (1, 1)) > 0.0
+}
+
+/// Area of a triangle that faces the eye, pixels; negative of one that does not.
+fn area_px(corners: [Vec4; 3], size: (u32, u32)) -> f64 {
+    let [a, b, c] = corners.map(|c| {
+        let w = f64::from(c.w);
+        (f64::from(c.x) / w * 0.5 * f64::from(size.0), f64::from(c.y) / w * 0.5 * f64::from(size.1))
+    });
+    0.5 * ((b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0))
+}
+
+fn sizes(
+    manifest: &pelage_formats::Manifest,
+    vertices: &[Vertex],
+    furred: &[bool],
+    areas: &mut [f64],
+    view: &View,
+) -> OnScreen {
+    let forward = (view.target - view.eye).normalize_or_zero();
+    let furry = || vertices.iter().zip(furred).filter(|(_, f)| **f).map(|(v, _)| v);
+    let near = furry().map(|v| (v.position - view.eye).dot(forward)).filter(|z| *z > 0.0).fold(f32::INFINITY, f32::min);
+    // Where nothing is in sight, near is infinite and every size 0.
+    let px_per_m = f64::from(view.size.1) / (2.0 * f64::from(near) * f64::from(0.5 * view.fov_y_rad).tan());
+    let highest = furry().map(|v| v.height_m).fold(0.0, f32::max);
+    let fur = &manifest.fur;
+    let height_px = f64::from(highest) * px_per_m;
+    areas.sort_by(f64::total_cmp);
+    OnScreen {
+        texel_px: f64::from(fur.tile_size_m) * px_per_m / f64::from(fur.tile_texels.max(1)),
+        layer_gap_px: height_px / f64::from(fur.layers.max(2) - 1),
+        height_px,
+        triangle_px: areas.get(areas.len() / 2).map_or(0.0, |area| area.abs()),
+        small_triangles: areas.iter().filter(|area| area.abs() < SMALL_PX).count() as f64 / areas.len().max(1) as f64,
+        triangles: areas.len() as u64,
+    }
+}
+
+fn memory(
+    package: &Package<'_>,
+    view: &View,
+    layers: u32,
+    fault: &dyn Fn(FormatError) -> BakeError,
+) -> Result<Memory, BakeError> {
+    let mut memory = Memory::default();
+    for index in 0..package.manifest().textures.len() {
+        memory.textures += package.texture(index as u32).map_err(fault)?.gpu_bytes();
+    }
+    if let Some(m) = package.mesh().map_err(fault)? {
+        let skinned = package.animation().map_err(fault)?.is_some() && !m.skin.is_empty();
+        memory.buffers = (m.geometry.len() + m.attributes.len() + m.indices.len()) as u64;
+        if skinned {
+            memory.buffers += m.skin.len() as u64;
+            memory.posed = m.geometry.len() as u64 * u64::from(view.instances);
+        }
+    }
+    memory.buffers += package.fins().map_err(fault)?.map_or(0, |f| f.fins.len() as u64);
+    let (map, small) = (u64::from(view.shadow_map).pow(2), u64::from(view.shadow_map.div_ceil(4)).pow(2));
+    // Two depth maps of four bytes; transmittances of two bytes a layer; of the soft shadow, eight bytes: one whole map and two shrunk.
+    let layer_maps = if layers > 1 { 2 * map * u64::from(layers) } else { 0 };
+    memory.shadow_maps = 8 * map + layer_maps + 8 * (map + 2 * small);
+    Ok(memory)
+}
+
+/// What the list of passes is made of.
+struct Work<'a> {
+    manifest: &'a pelage_formats::Manifest,
+    vertices: u64,
+    furry_vertices: u64,
+    layers: u32,
+    fin_quads: u64,
+    skin: Covered,
+    fins: Covered,
+    shells: Covered,
+    times: f64,
+    view: &'a View,
+    skinned: bool,
+}
+
+fn passes(w: &Work<'_>) -> Vec<PassWork> {
+    let copies = u64::from(w.view.instances);
+    let furry = w.layers > 1 && w.furry_vertices > 0;
+    let shadows = w.view.shadow_map > 0;
+    let above = u64::from(w.layers - 1);
+    let yes_or = |runs: bool, yes: String, no: &str| if runs { yes } else { no.to_owned() };
+    let pass = |name, runs: bool, reason: String, vertices: u64, covered: Option<Covered>| PassWork {
+        name,
+        runs,
+        reason,
+        vertices: if runs { vertices * copies } else { 0 },
+        fragments: covered.map(|c| (c.pixels as f64 * w.times).round() as u64),
+        fragments_in_blocks: covered.map(|c| (c.in_blocks as f64 * w.times).round() as u64),
+    };
+    let size = w.view.shadow_map;
+    let has_fins = w.fin_quads > 0 && furry;
+    vec![
+        pass("pose", w.skinned, yes_or(w.skinned, "whenever the pose changes".into(), "no skeleton"), w.vertices, None),
+        pass(
+            "layer_shadow",
+            shadows && furry,
+            match (shadows, furry) {
+                (true, true) => format!("{above} maps of {size} x {size} whenever light, pose or model changes"),
+                (false, _) => "switched off".into(),
+                (_, false) => "no fur is drawn".into(),
+            },
+            w.vertices + w.furry_vertices * above,
+            None,
+        ),
+        pass(
+            "shadow_width",
+            shadows,
+            yes_or(shadows, format!("{size} x {size} whenever light, pose or model changes"), "switched off"),
+            w.vertices,
+            None,
+        ),
+        pass("skin", w.vertices > 0, yes_or(w.vertices > 0, "always".into(), "no triangles"), w.vertices, Some(w.skin)),
+        pass(
+            "fins",
+            has_fins,
+            yes_or(has_fins, format!("{} quads", w.fin_quads), "the package has none"),
+            6 * w.fin_quads,
+            Some(w.fins),
+        ),
+        pass(
+            "shells",
+            furry,
+            yes_or(
+                furry,
+                format!("{above} layers, {} strands in the tile", w.manifest.fur.strands),
+                "the package has no fur",
+            ),
+            w.furry_vertices * above,
+            Some(w.shells),
+        ),
+    ]
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

@@ -1,0 +1,171 @@
+//! How many pixels triangles cover, and in how many layers: what a rasteriser would find, without one.
+
+use glam::{Vec2, Vec4};
+
+/// Rasterisers without hardware run a shader on blocks of so many pixels each way, all of a block or none.
+pub const BLOCK: u32 = 4;
+
+/// What a pass covers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Covered {
+    /// Pixels whose centre a triangle holds, once for each triangle.
+    pub pixels: u64,
+    /// Pixels of the blocks of [`BLOCK`]² pixels that it touches, likewise, hidden or not: where shaders may discard, blocks are shaded before they
+    /// are tested.
+    pub in_blocks: u64,
+}
+
+/// A depth buffer and a count per pixel.
+#[derive(Clone, Debug)]
+pub struct Raster {
+    width: u32,
+    height: u32,
+    /// Depth of the nearest opaque surface, as 1 / w: larger is nearer, 0 where there is none.
+    nearest: Vec<f32>,
+    layers: Vec<u16>,
+}
+
+/// How a triangle is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Draw {
+    /// Opaque: hides what lies behind.
+    Opaque,
+    /// Translucent: tested against what is opaque, hides nothing, counts as a layer.
+    Layer,
+    /// As [`Self::Layer`], seen from both sides, and no layer.
+    Quad,
+}
+
+impl Raster {
+    /// An empty buffer.
+    pub fn new(width: u32, height: u32) -> Self {
+        let count = width as usize * height as usize;
+        Self { width, height, nearest: vec![0.0; count], layers: vec![0; count] }
+    }
+
+    /// Draws a triangle of clip-space corners, wound counter-clockwise as seen from its front. One that reaches behind the eye is left out whole.
+    pub fn draw(&mut self, corners: [Vec4; 3], both_sides: bool, how: Draw) -> Covered {
+        let mut covered = Covered::default();
+        if corners.iter().any(|c| c.w <= 0.0 || !c.is_finite()) {
+            return covered;
+        }
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        // Rows run from the top.
+        let pixel = |c: Vec4| Vec2::new(0.5 + 0.5 * c.x / c.w, 0.5 - 0.5 * c.y / c.w) * size;
+        let [mut a, b, mut c] = corners.map(pixel);
+        let mut depth = corners.map(|c| 1.0 / c.w);
+        // With rows from the top, a front is clockwise: its area is negative.
+        let mut area = (b - a).perp_dot(c - a);
+        if area > 0.0 && (both_sides || how == Draw::Quad) {
+            std::mem::swap(&mut a, &mut c);
+            depth.swap(0, 2);
+            area = -area;
+        }
+        if area.is_nan() || area >= 0.0 {
+            return covered;
+        }
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let first = low.max(Vec2::ZERO).floor().as_uvec2() / BLOCK * BLOCK;
+        let last = high.min(size).ceil().max(Vec2::ZERO).as_uvec2();
+        let edges = [(b, c), (c, a), (a, b)];
+        for by in (first.y..last.y).step_by(BLOCK as usize) {
+            for bx in (first.x..last.x).step_by(BLOCK as usize) {
+                let mut touched = false;
+                for (x, y) in (0..BLOCK * BLOCK).map(|i| (bx + i % BLOCK, by + i / BLOCK)) {
+                    if x >= self.width || y >= self.height {
+                        continue;
+                    }
+                    let p = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+                    let weights = edges.map(|(from, to)| (to - from).perp_dot(p - from) / area);
+                    let inside = weights
+                        .iter()
+                        .zip(edges)
+                        .all(|(w, (from, to))| *w > 0.0 || (*w == 0.0 && is_top_left(from, to)));
+                    if !inside {
+                        continue;
+                    }
+                    touched = true;
+                    let at = (y * self.width + x) as usize;
+                    let z = weights.iter().zip(depth).map(|(w, d)| w * d).sum::<f32>();
+                    if z < self.nearest[at] {
+                        continue;
+                    }
+                    covered.pixels += 1;
+                    match how {
+                        Draw::Opaque => self.nearest[at] = z,
+                        Draw::Layer => self.layers[at] = self.layers[at].saturating_add(1),
+                        Draw::Quad => {}
+                    }
+                }
+                if touched {
+                    covered.in_blocks += u64::from(BLOCK * BLOCK);
+                }
+            }
+        }
+        covered
+    }
+
+    /// Pixels that anything opaque covers.
+    pub fn opaque_pixels(&self) -> u64 {
+        self.nearest.iter().filter(|z| **z > 0.0).count() as u64
+    }
+
+    /// Pixels with at least one layer, the mean number of layers on those, and the largest.
+    pub fn layers(&self) -> (u64, f64, u16) {
+        let furry = || self.layers.iter().filter(|n| **n > 0);
+        let count = furry().count() as u64;
+        let sum: u64 = furry().map(|n| u64::from(*n)).sum();
+        (count, sum as f64 / count.max(1) as f64, furry().copied().max().unwrap_or(0))
+    }
+}
+
+/// Whether points on the edge belong to the triangle: those of two neighbours are drawn once.
+fn is_top_left(from: Vec2, to: Vec2) -> bool {
+    let way = to - from;
+    way.y > 0.0 || (way.y == 0.0 && way.x < 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corner(x: f32, y: f32, w: f32) -> Vec4 {
+        Vec4::new(x * w, y * w, 0.0, w)
+    }
+
+    /// A square of the half sides x and y, as two triangles facing the eye.
+    fn square(raster: &mut Raster, x: f32, y: f32, w: f32, how: Draw) -> Covered {
+        let [a, b, c, d] = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| corner(x, y, w));
+        let (one, two) = (raster.draw([a, b, c], false, how), raster.draw([a, c, d], false, how));
+        Covered { pixels: one.pixels + two.pixels, in_blocks: one.in_blocks + two.in_blocks }
+    }
+
+    #[test]
+    fn pixels_are_counted_once() {
+        let mut raster = Raster::new(64, 32);
+        assert_eq!(square(&mut raster, 1.0, 1.0, 1.0, Draw::Opaque).pixels, 64 * 32, "edges are drawn once");
+        assert_eq!(raster.opaque_pixels(), 64 * 32);
+        // Half of each side, on whole pixels.
+        let mut raster = Raster::new(64, 32);
+        let half = square(&mut raster, 0.5, 0.5, 3.0, Draw::Layer);
+        assert_eq!((half.pixels, raster.layers()), (32 * 16, (32 * 16, 1.0, 1)));
+        // Along the diagonal blocks belong to both triangles.
+        assert!(half.in_blocks > half.pixels && half.in_blocks < 2 * half.pixels, "{half:?}");
+    }
+
+    #[test]
+    fn what_is_hidden_or_turned_away_is_not_drawn() {
+        let mut raster = Raster::new(32, 32);
+        square(&mut raster, 0.5, 1.0, 1.0, Draw::Opaque);
+        assert_eq!(square(&mut raster, 1.0, 1.0, 2.0, Draw::Layer).pixels, 16 * 32, "half lies behind");
+        assert_eq!(square(&mut raster, 1.0, 1.0, 0.5, Draw::Layer).pixels, 32 * 32, "all lies before");
+        let (pixels, mean, most) = raster.layers();
+        assert_eq!((pixels, most), (32 * 32, 2));
+        assert!((mean - 1.5).abs() < 1e-9);
+        let back = [corner(-1.0, -1.0, 0.4), corner(1.0, 1.0, 0.4), corner(1.0, -1.0, 0.4)];
+        assert_eq!(raster.draw(back, false, Draw::Layer).pixels, 0);
+        assert!(raster.draw(back, true, Draw::Layer).pixels > 400 && raster.draw(back, false, Draw::Quad).pixels > 400);
+        assert_eq!(raster.draw([Vec4::ONE, Vec4::X, Vec4::Y], true, Draw::Layer).pixels, 0, "behind the eye");
+        assert_eq!(raster.draw([Vec4::NAN; 3], true, Draw::Layer).pixels, 0);
+    }
+}
