@@ -3,12 +3,14 @@
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
+mod silhouettes;
+
 use glam::Vec3;
 use pelage_bake::recipe::HairParams;
 use pelage_bake::stability::{self, Drawing, Finding, Row, grow, hair_simulation, opacity, slice, texels};
 use pelage_formats::TextureFormat;
 use pelage_tests::gpu::gpu;
-use pelage_tests::silhouette::opacities;
+use silhouettes::opacities;
 
 /// Runs a row: within the bound, *and* over the cliff. Data that never reached it would prove nothing.
 #[track_caller]

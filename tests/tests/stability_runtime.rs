@@ -4,18 +4,26 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+mod silhouettes;
+
+use pelage_bake::import::ImportOptions;
+use pelage_bake::io;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::stability::Drawing;
 use pelage_bake::stability::animation::joints;
-use pelage_bake::stability::silhouette::{profile_error, stacked};
+use pelage_bake::stability::silhouette::{Measured, Packages, measure, profile_error, stacked};
 use pelage_runtime::formats::{Limits, Package, PackageWriter};
 use pelage_runtime::glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{kajiya_kay, skinning, tile_frame};
 use pelage_runtime::{Camera, FrameParams, Instance, PassId, Projection, Renderer, RendererOptions, wgpu};
+use pelage_tests::binary::workspace;
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::plane::plane;
-use pelage_tests::silhouette::{self, half_to_f32};
+use pelage_tests::silhouette::{Case, cases, half_to_f32};
 use pelage_tests::support::sphere::{self, Random, SphereParams};
+use silhouettes::opacities;
 
 /// Unit vectors on a grid over the sphere, axes included, and 100 000 at random.
 fn unit_vectors() -> Vec<Vec3> {
@@ -187,13 +195,26 @@ fn density_does_not_depend_on_the_number_of_layers() {
     }
 }
 
+/// Measures a model from its front left.
+fn silhouette(gpu: &pelage_tests::support::headless::Gpu, case: &Case) -> Measured {
+    let mut recipe = Recipe::default();
+    if let Some(path) = case.recipe {
+        let text = std::fs::read_to_string(workspace().join(path)).unwrap();
+        recipe = Recipe::parse(path, &text).unwrap();
+    }
+    let model = io::read_model(&case.model, &ImportOptions { unit_m: recipe.model.unit_m }).unwrap();
+    let packages = Packages::bake(&case.model.display().to_string(), &model, &recipe).unwrap();
+    let mut draw = |drawing: &Drawing<'_>| Ok(opacities(gpu, drawing));
+    measure(&packages, case.size, &mut draw).unwrap()
+}
+
 /// Seen along the skin, layers cover more than the hair in them: the blur of each adds up. With fins, and the shells that leave
 /// them room, hair covers what layers of four times the number and resolution do.
 #[test]
 fn the_outline_is_covered_as_by_fine_layers() {
     let Some(gpu) = gpu("the_outline_is_covered_as_by_fine_layers") else { return };
-    for case in silhouette::cases() {
-        let found = silhouette::measure(gpu, &case);
+    for case in cases() {
+        let found = silhouette(gpu, &case);
         println!("{}: {}", case.name, found.table());
         // The naive form is the layers alone.
         assert!(
