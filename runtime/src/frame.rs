@@ -341,6 +341,7 @@ fn look(model: &Model, params: &FrameParams, transform: Mat4, shadows: Option<&S
         mirrored: skinning::handedness_of(Mat3::from_mat4(transform)) < 0.0,
         resampled: drawn != manifest.fur.layers,
         fins: params.fins && model.fins().is_some() && drawn > 1,
+        view_slanted: params.slant == SlantForm::Corrected,
         shadows: shadows.map_or_else(ShadowLook::default, |key| ShadowLook {
             self_shadow: key.self_shadow,
             slanted: key.self_shadow && key.params.slant == SlantForm::Corrected,

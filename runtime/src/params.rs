@@ -1,6 +1,6 @@
 //! What is set once and what is set per frame.
 
-use crate::{Camera, Light, RuntimeError, ShadowParams};
+use crate::{Camera, Light, RuntimeError, ShadowParams, SlantForm};
 use glam::Vec3;
 use pelage_formats::Shading;
 
@@ -104,6 +104,8 @@ pub struct FrameParams {
     /// Layers to draw, skin counted, 1..=1024; `None` (default) draws as many as were baked. The density of the fur stays the
     /// same (see [`crate::shared::opacity`]); fewer layers cost less, and show their steps at the silhouette.
     pub layers: Option<u32>,
+    /// How opaque a layer is to a look that goes through it at a slant (default [`SlantForm::Corrected`]).
+    pub slant: SlantForm,
     /// Whether fins are drawn where the package has them (default true).
     pub fins: bool,
     /// Whether hair shadows hair, t of Yang 2006, eq. (2), by layer-wise shadow maps (default true).
@@ -138,6 +140,7 @@ impl FrameParams {
             ambient: Vec3::ONE,
             style: Style::Fur,
             layers: None,
+            slant: SlantForm::default(),
             fins: true,
             self_shadow: true,
             soft_shadow: true,

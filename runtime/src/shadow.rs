@@ -16,7 +16,7 @@ pub struct ShadowParams {
     /// Layers of the layer-wise maps, skin counted, 2..=256; `None` (default) for as many as are drawn. Fewer cost less, and
     /// what lies between two is interpolated.
     pub map_layers: Option<u32>,
-    /// Share of the layers' optical depth that the light meets, 0..=4 (default [`Self::STRAND_DENSITY`]); 1 is as they are drawn.
+    /// Share of the layers' optical depth that the light meets, 0..=4 (default 1, as they are drawn).
     pub density: f32,
     /// How much of the light a layer takes (default [`SlantForm::Corrected`]).
     pub slant: SlantForm,
@@ -31,13 +31,13 @@ pub struct ShadowParams {
     pub shrink: u32,
 }
 
-/// What the light's slant does to the opacity of a layer.
+/// What the slant of a ray does to the opacity of a layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SlantForm {
-    /// (1 − α)^(1/|N·L|), and half of the receiver's own layer: the light's way through hair grows with its slant.
+    /// (1 − α)^(1/|N·L|), and half of the receiver's own layer: the way through hair grows with its slant, that of light and that of a look.
     #[default]
     Corrected,
-    /// 1 − α at every angle, as printed in Yang 2006, §3.1.
+    /// 1 − α at every angle, as printed in Yang 2006, §3.1, and as all shells before.
     Printed,
 }
 
@@ -56,7 +56,7 @@ impl Default for ShadowParams {
         Self {
             map_size: 512,
             map_layers: None,
-            density: Self::STRAND_DENSITY,
+            density: 1.0,
             slant: SlantForm::default(),
             penumbra: 0.15,
             penumbra_form: PenumbraForm::default(),
@@ -66,11 +66,6 @@ impl Default for ShadowParams {
 }
 
 impl ShadowParams {
-    /// What light among the strands meets, as a share of the layers' optical depth. Layers are drawn denser than their strands, by a depth of 1.5
-    /// along a strand's radius, so that single hairs can be told from above; thin hair then hides 1.5 π / 2 times what it covers. Against rays past
-    /// the strands this halves the error of t (`pelage chart self-shadow`, series "density").
-    pub const STRAND_DENSITY: f32 = 0.42;
-
     pub(crate) fn check(&self, limits: &wgpu::Limits) -> Result<(), RuntimeError> {
         let fail = |field, found: String, expected: &str| {
             Err(RuntimeError::Params { field, found, expected: expected.into() })

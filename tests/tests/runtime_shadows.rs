@@ -110,7 +110,7 @@ fn density_scales_the_optical_depth() {
     let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
     let through = (1.0 - f32::from(OPACITY) / 255.0).powi(LAYERS as i32 - 1);
     let mut greens = Vec::new();
-    for density in [0.0, ShadowParams::STRAND_DENSITY, 1.0, 2.0] {
+    for density in [0.0, 0.4, 1.0, 2.0] {
         let params = FrameParams { shadows: ShadowParams { density, ..as_drawn() }, ..above() };
         let frame = prepare(gpu, &mut renderer, &params, &mut [&mut plane]);
         let found = transmittances(gpu, frame.shadows().unwrap(), Vec3::ZERO)[0];

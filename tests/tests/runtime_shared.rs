@@ -401,20 +401,27 @@ fn blended_positions() {
 }
 
 #[test]
-fn fins_and_the_shells_beside_them() {
+fn what_is_seen_of_fins_and_through_layers() {
     let cases: Vec<Case<1>> = (-200..=200).map(|i| [[i as f32 / 200.0, 0.0, 0.0, 0.0]]).collect();
     three_ways(
-        "fin_opacity and shell_share",
+        "fin_opacity",
         fins::WGSL,
-        "vec4(fin_opacity(in_0.x), shell_share(in_0.x), 0.0, 0.0)",
+        "vec4(fin_opacity(in_0.x), 0.0, 0.0, 0.0)",
         &cases,
-        |[c]| {
-            let cosine = f64::from(c[0]).abs();
-            [(2.0 * cosine - 1.0).max(0.0), (0.2 + cosine).min(1.0), 0.0, 0.0]
-        },
-        |[c]| [fins::fin_opacity(c[0]), fins::shell_share(c[0]), 0.0, 0.0],
+        |[c]| [(2.0 * f64::from(c[0]).abs() - 1.0).max(0.0), 0.0, 0.0, 0.0],
+        |[c]| [fins::fin_opacity(c[0]), 0.0, 0.0, 0.0],
         // Two roundings near 1.
         |_, _| 2e-7,
+    );
+    three_ways(
+        "view_path",
+        opacity::WGSL,
+        "vec4(view_path(in_0.x), 0.0, 0.0, 0.0)",
+        &cases,
+        |[c]| [1.0 / f64::from(c[0]).abs().max(0.1), 0.0, 0.0, 0.0],
+        |[c]| [opacity::view_path(c[0]), 0.0, 0.0, 0.0],
+        // A division, which WGSL lets be 2.5 units of the last place off.
+        |_, path| 4e-7 * path,
     );
 }
 

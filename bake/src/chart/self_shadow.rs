@@ -106,7 +106,7 @@ pub fn configurations(layers: u32) -> Vec<Configuration> {
     for map_size in [64, 128, 256, 512, 1024] {
         add("map size, as printed", format!("{map_size}²"), ShadowParams { map_size, ..printed });
     }
-    for density in [0.2, 0.3, 0.6, 1.0] {
+    for density in [0.4, 0.7, 1.4, 2.0] {
         add("density", density.to_string(), ShadowParams { density, ..base });
     }
     for part in [0.125, 0.25, 0.5, 0.75] {

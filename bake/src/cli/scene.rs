@@ -35,6 +35,8 @@ pub struct View {
     pub time_s: f32,
     /// Layers to draw; `None` for as many as were baked.
     pub layers: Option<u32>,
+    /// What the slant of the look does to the opacity of a layer.
+    pub slant: SlantForm,
     /// Whether fins are drawn where the package has them.
     pub fins: bool,
     /// Lights without shadow.
@@ -73,6 +75,7 @@ impl Default for View {
             clip: None,
             time_s: 0.0,
             layers: None,
+            slant: SlantForm::default(),
             fins: true,
             fill_lights: Vec::new(),
             lighting: Lighting::Pixel,
@@ -102,6 +105,7 @@ impl TryFrom<&ViewArgs> for View {
             clip: args.clip.clone(),
             time_s: args.time,
             layers: args.layers,
+            slant: slant(args.view_slant),
             fins: args.fins != Some(Switch::Off),
             fill_lights: args.fill_light.iter().map(|f| distant(f.direction, f.strength)).collect(),
             terms: Terms {
@@ -114,10 +118,7 @@ impl TryFrom<&ViewArgs> for View {
                 map_size: args.shadow_map,
                 map_layers: args.shadow_layers,
                 density: args.shadow_density,
-                slant: match args.slant {
-                    Slant::Corrected => SlantForm::Corrected,
-                    Slant::Printed => SlantForm::Printed,
-                },
+                slant: slant(args.slant),
                 penumbra: args.penumbra,
                 penumbra_form: match args.penumbra_form {
                     Penumbra::Centred => PenumbraForm::Centred,
@@ -135,6 +136,13 @@ impl TryFrom<&ViewArgs> for View {
             },
             ..defaults
         })
+    }
+}
+
+fn slant(slant: Slant) -> SlantForm {
+    match slant {
+        Slant::Corrected => SlantForm::Corrected,
+        Slant::Printed => SlantForm::Printed,
     }
 }
 
@@ -204,6 +212,7 @@ impl Scene {
         params.light = view.light;
         params.style = view.style;
         params.layers = view.layers;
+        params.slant = view.slant;
         params.fins = view.fins;
         params.fill_lights.clone_from(&view.fill_lights);
         params.lighting = view.lighting;

@@ -5,7 +5,6 @@ use super::exit::Failure;
 use clap::ValueEnum;
 use glam::Vec3;
 use pelage_bake::recipe::{CameraView, parse_vec3};
-use pelage_runtime::ShadowParams;
 use std::str::FromStr;
 
 /// Options of `render` and `bench`.
@@ -61,12 +60,15 @@ pub struct ViewArgs {
     /// Layers of the layer-wise shadow maps, skin counted; by default as many as are drawn
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=256))]
     pub shadow_layers: Option<u32>,
-    /// Share of the layers' optical depth that the key light meets, 0 to 4: by default as among the strands; 1 is as the layers are drawn
-    #[arg(long, value_name = "D", default_value_t = ShadowParams::STRAND_DENSITY, value_parser = |text: &str| parse_up_to(text, 4.0))]
+    /// Share of the layers' optical depth that the key light meets, 0 to 4
+    #[arg(long, value_name = "D", default_value_t = 1.0, value_parser = |text: &str| parse_up_to(text, 4.0))]
     pub shadow_density: f32,
     /// What the light's slant does to the opacity of a layer: with its longer way, or as printed in Yang 2006
     #[arg(long, value_enum, default_value_t = Slant::Corrected)]
     pub slant: Slant,
+    /// What the slant of the look does to the opacity of a layer: with the longer way through it, or nothing, as printed
+    #[arg(long, value_enum, default_value_t = Slant::Corrected)]
+    pub view_slant: Slant,
     /// Ambient light fades towards the skin
     #[arg(long, value_enum, value_name = "on|off", default_value = "on")]
     pub ambient_attenuation: Switch,

@@ -3,7 +3,7 @@
 use super::{Finding, Row, mean, slice, transmittances};
 use crate::BakeError;
 use crate::hair::Strands;
-use crate::textures::EXTINCTION;
+use crate::textures::extinction;
 use glam::Vec3;
 
 /// The row of the table.
@@ -36,7 +36,8 @@ fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     for root in strands.points.iter().step_by(2) {
         let radius = f64::from(strands.radii[0]);
         let variance = 0.5 * (radius * n as f64).powi(2) + filter_width * filter_width;
-        let total = f64::from(EXTINCTION) * std::f64::consts::PI * radius * f64::from(strands.height) * (n * n) as f64;
+        let density = f64::from(extinction((radius * n as f64 / variance.sqrt()) as f32));
+        let total = density * std::f64::consts::PI * radius * f64::from(strands.height) * (n * n) as f64;
         let weights = |center: f32| {
             let center = f64::from(center) * n as f64;
             let of = |i: usize| {

@@ -22,6 +22,13 @@ const HIDDEN: f32 = 1e-4;
 /// Transmittance from outside down to the layer in work, for every level.
 pub(super) struct Transmittance {
     direction_format: TextureFormat,
+    /// Of the texels that are drawn.
+    drawn: Vec<f32>,
+    /// How many times those are halved to become the finest that are stored.
+    halvings: u32,
+    /// Variance of the blur on top of that, in stored texels; 0 for none.
+    blur: f32,
+    /// Of what is stored.
     levels: Vec<LevelTransmittance>,
 }
 
@@ -35,19 +42,26 @@ struct LevelTransmittance {
 pub(super) type LevelBytes = (Vec<u8>, Vec<u8>);
 
 impl Transmittance {
-    /// Nothing drawn yet.
-    pub(super) fn new(texels: u32, direction_format: TextureFormat) -> Self {
+    /// Nothing drawn yet. Layers come with `texels << halvings` texels a side and are stored with `texels`.
+    pub(super) fn new(texels: u32, halvings: u32, blur: f32, direction_format: TextureFormat) -> Self {
+        let drawn = vec![1.0; 1 << (2 * (texels.ilog2() + halvings))];
         let sizes = (0..=texels.ilog2()).map(|level| (texels >> level) as usize);
         let levels = sizes.map(|n| LevelTransmittance { exact: vec![1.0; n * n], stored: vec![1.0; n * n] }).collect();
-        Self { direction_format, levels }
+        Self { direction_format, drawn, halvings, blur, levels }
     }
 
     /// Turns the `sums` of the next layer inward into texels of every level. With `skin`, the layer is opaque and of that colour,
     /// and its directions are those of the hair in `sums`, and of their mean where there is none.
     pub(super) fn layer(&mut self, sums: &mut Vec<Sums>, texels: u32, skin: Option<Vec3>) -> Vec<LevelBytes> {
-        weigh(sums, &self.levels[0].exact);
+        weigh(sums, &mut self.drawn);
         if skin.is_some() {
             cover_skin(sums);
+        }
+        for halving in (0..self.halvings).rev() {
+            *sums = halve(sums, (texels << halving) as usize);
+        }
+        if self.blur > 0.0 {
+            *sums = blurred(sums, texels as usize, self.blur);
         }
         let mut levels = Vec::with_capacity(self.levels.len());
         let mut coarse: Vec<Sums> = Vec::new();
@@ -75,9 +89,9 @@ impl Transmittance {
 
 /// Replaces depth, depth·colour, depth·direction by W, WαC, WαT with W in the eighth place and Wα in the first: all that
 /// averages linearly.
-fn weigh(sums: &mut [Sums], outside: &[f32]) {
+fn weigh(sums: &mut [Sums], outside: &mut [f32]) {
     sums.par_iter_mut().zip(outside).with_min_len(1024).for_each(|(s, outside)| {
-        let w = outside + HIDDEN;
+        let w = *outside + HIDDEN;
         let depth = s[0];
         s[7] = w;
         if depth <= 0.0 {
@@ -89,6 +103,7 @@ fn weigh(sums: &mut [Sums], outside: &[f32]) {
             *v *= scale;
         }
         s[0] = w * opacity;
+        *outside *= 1.0 - opacity;
     });
 }
 
@@ -112,6 +127,25 @@ fn cover_skin(sums: &mut [Sums]) {
         }
         s[0] = s[7];
     });
+}
+
+/// A Gaussian of that variance, texels², over a picture of `n * n` texels that repeats.
+fn blurred(sums: &[Sums], n: usize, variance: f32) -> Vec<Sums> {
+    let mut weights = Vec::new();
+    let first = super::splat::weights(0.5, variance, &mut weights);
+    let pass = |from: &[Sums], step: usize| {
+        let mut to = vec![[0.0; 8]; n * n];
+        to.par_iter_mut().with_min_len(1024).enumerate().for_each(|(i, sum)| {
+            let at = i / step % n;
+            for (k, w) in weights.iter().enumerate() {
+                let other = (at as i64 + first + k as i64).rem_euclid(n as i64) as usize;
+                let from = &from[i + other * step - at * step];
+                sum.iter_mut().zip(from).for_each(|(s, v)| *s += v * w);
+            }
+        });
+        to
+    };
+    pass(&pass(sums, 1), n)
 }
 
 fn halve(fine: &[Sums], n: usize) -> Vec<Sums> {

@@ -18,5 +18,5 @@ pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_
 pub use shells::{ShellTextures, shell_textures};
 pub use slab::{FinTextures, SLABS, Slab, fin_textures, slab_along};
 pub use slice::{Layer, ShellSet, collect_layers, slice};
-pub use splat::EXTINCTION;
+pub use splat::extinction;
 pub use srgb::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};

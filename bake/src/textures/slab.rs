@@ -12,7 +12,7 @@ use super::direction;
 use super::encode::{AlphaMode, RawLevel, TextureEncoder};
 use super::layer::fill_empty;
 use super::shells::ShellTextures;
-use super::splat::{EXTINCTION, SPACING, weights};
+use super::splat::{SPACING, extinction, weights};
 use super::srgb::linear_to_srgb;
 use crate::BakeError;
 use crate::hair::Strands;
@@ -151,9 +151,11 @@ fn draw(strands: &Strands, slab: Slab, depth: f32, (width, height): (u32, u32), 
                 let (a, b) = (strands.points[i], strands.points[i + 1]);
                 let Some(tangent) = (b - a).try_normalize() else { continue };
                 let radius = 0.5 * (strands.radii[i] + strands.radii[i + 1]);
-                // The same optical depth in all as from above: density times volume of the cylinder.
-                let volume = EXTINCTION * std::f32::consts::PI * radius * (b - a).length() * scale.x * scale.y;
                 let variance = scale * scale * (0.5 * radius * radius) + filter_width * filter_width;
+                // The same optical depth in all as from above: density times volume of the cylinder.
+                let sharpness = radius * (scale.x * scale.y / (variance.x * variance.y).sqrt()).sqrt();
+                let density = extinction(sharpness);
+                let volume = density * std::f32::consts::PI * radius * (b - a).length() * scale.x * scale.y;
                 let color = 0.5 * (strands.colors[i] + strands.colors[i + 1]);
                 let direction = direction::upper(tangent);
                 let values =

@@ -48,11 +48,15 @@ pub fn slice(
     strands.validate()?;
     let n = params.tile_texels;
     let index = LayerIndex::new(strands, params.layers);
-    let mut transmittance = Transmittance::new(n, direction_format);
-    let mut sums = vec![[0.0; 8]; n as usize * n as usize];
+    let halvings = halvings(n);
+    let fine = n << halvings;
+    let (fine_filter, blur) = filter(params.filter_width, halvings);
+    let mut transmittance = Transmittance::new(n, halvings, blur, direction_format);
+    let mut sums = Vec::new();
     for k in (0..params.layers).rev() {
         // The skin is opaque; its hair direction is that of the roots just above it.
-        index.draw(strands, k.max(1) as usize, n, params.filter_width, &mut sums);
+        sums.resize(fine as usize * fine as usize, [0.0; 8]);
+        index.draw(strands, k.max(1) as usize, fine, fine_filter, &mut sums);
         let skin = (k == 0).then_some(strands.root_color);
         let levels = transmittance.layer(&mut sums, n, skin);
         let (color, mut direction): (Vec<_>, Vec<_>) = levels.into_iter().unzip();
@@ -62,6 +66,22 @@ pub fn slice(
         sink(Layer { index: k, color, direction })?;
     }
     Ok(())
+}
+
+/// Strands are drawn into texels this many times finer, halvings, than those that are stored: what a coarse texel lets through is the mean of what
+/// the fine ones do, and not what their mean depth would, which is less. So fur is as dense in coarse texels as in fine ones.
+const OVERSAMPLING: u32 = 2;
+/// Texels a side that are fine enough for any strand worth telling apart.
+const FINE: u32 = 512;
+
+fn halvings(texels: u32) -> u32 {
+    OVERSAMPLING.min((FINE / texels).max(1).ilog2())
+}
+
+/// Standard deviation of the filter that strands are drawn with, fine texels, and variance of the blur after the halving, stored texels. Up to half
+/// a texel the filter only keeps strands from breaking up between fine texels; what is wanted beyond is blur.
+fn filter(width: f32, halvings: u32) -> (f32, f32) {
+    if halvings == 0 { (width, 0.0) } else { (width.min(0.5), (width * width - 0.25).max(0.0)) }
 }
 
 /// As [`slice()`], with all layers in memory.

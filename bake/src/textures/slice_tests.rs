@@ -30,12 +30,6 @@ fn params(layers: u32, tile_texels: u32) -> SliceParams {
     SliceParams { layers, tile_texels, ..SliceParams::default() }
 }
 
-/// Mean optical depth over a layer's texels.
-fn mean_depth(layer: &Layer) -> f64 {
-    let texels = &layer.color[0];
-    texels.chunks_exact(4).map(|t| -(1.0 - f64::from(t[3]) / 255.0).ln()).sum::<f64>() / (texels.len() / 4) as f64
-}
-
 #[test]
 fn same_bytes_on_any_number_of_threads() {
     let hair = HairParams { density: 400, lean: 0.8, ..HairParams::default() };
@@ -89,19 +83,35 @@ fn slanted_hair_is_connected() {
 }
 
 #[test]
-fn thin_hair_keeps_its_optical_depth_at_any_resolution_and_place() {
-    // 16 layers: opacities are small enough not to clip and large enough to be stored.
-    let depth = |texels, u| {
-        let root = Vec3::new(u, 0.53, 0.0);
-        let set = layers(&one(root, root + Vec3::Z * 0.4, 0.004, 0.4), &params(16, texels)).unwrap();
-        set.layers[1..].iter().map(mean_depth).sum::<f64>()
-    };
-    let expected = f64::from(super::super::splat::EXTINCTION) * std::f64::consts::PI * 0.004 * 0.4;
-    for texels in [32, 64, 128] {
-        for u in [0.5, 0.5 + 0.3 / 64.0, 0.9993] {
-            let depth = depth(texels, u);
-            assert!((depth / expected - 1.0).abs() < 0.06, "{texels} texels at {u}: {depth}, expected {expected}");
+fn a_strand_blocks_as_much_as_it_covers_at_any_resolution_and_place() {
+    // It lies within one layer, straight across the tile, from far thinner than a fine texel to much wider.
+    for radius in [0.001, 0.004, 0.02] {
+        for texels in [16, 32, 64, 128, 512] {
+            for v in [0.5, 0.5 + 0.3 / 64.0, 0.9993] {
+                let strand = one(Vec3::new(0.0, v, 0.2), Vec3::new(1.0, v, 0.2), radius, 0.6);
+                let set = layers(&strand, &params(4, texels)).unwrap();
+                let alphas = set.layers[1].color[0].chunks_exact(4).map(|t| f64::from(t[3]) / 255.0);
+                let blocked = alphas.sum::<f64>() / f64::from(texels * texels);
+                let width = 2.0 * f64::from(radius);
+                // A thin strand's opacity in a coarse texel is a few steps of its byte.
+                let tolerance = 0.04 * width + 0.5 / 255.0 * width.max(3.0 / f64::from(texels));
+                assert!((blocked - width).abs() < tolerance, "{radius} in {texels} texels at {v}: {blocked}");
+            }
         }
+    }
+}
+
+#[test]
+fn extinction_makes_a_strand_as_opaque_as_it_is_wide() {
+    for i in 1..=40 {
+        let sharpness = std::f64::consts::SQRT_2 * f64::from(i) / 40.0;
+        // In standard deviations: the depth in the middle, and what it blocks to all sides.
+        let density = f64::from(crate::textures::extinction(sharpness as f32));
+        let middle = density * std::f64::consts::PI * sharpness / (2.0 * std::f64::consts::PI).sqrt();
+        let step = 1e-3;
+        let blocked = |n: i32| 1.0 - libm::exp(-middle * libm::exp(-0.5 * (f64::from(n) * step).powi(2)));
+        let width: f64 = (-8000..=8000).map(blocked).sum::<f64>() * step;
+        assert!((width / (2.0 * sharpness) - 1.0).abs() < 0.02, "{sharpness}: {width}");
     }
 }
 
@@ -153,6 +163,7 @@ fn broken_strands_are_errors() {
 fn wide_hair_on_a_small_tile_covers_it() {
     // The Gaussian is wider than the tile: all its images add up.
     let set = layers(&one(Vec3::splat(0.0), Vec3::Z * 0.4, 0.25, 0.4), &params(4, 16)).unwrap();
-    let alphas: Vec<_> = set.layers[2].color[0].chunks_exact(4).map(|t| t[3]).collect();
+    let column = |texel: usize| set.layers[1..].iter().map(|layer| u32::from(layer.color[0][4 * texel + 3])).sum();
+    let alphas: Vec<u32> = (0..256).map(column).collect();
     assert!(alphas.iter().all(|a| *a > 0), "{alphas:?}");
 }

@@ -1,23 +1,30 @@
 //! Strands as Gaussian splats in the texels of one layer.
 //!
-//! Hair is a volume of extinction: a strand of radius r extinguishes like a cylinder of density κ = [`EXTINCTION`]/r over its
-//! cross-section. A layer stands for the slab of height around it and takes the optical depth of every piece of strand in its slab,
-//! by arc length, so that slanted hair draws a connected streak and not a row of dots. Two consequences are exact, up to the
-//! rounding of stored opacities:
+//! Hair is a volume of extinction. A layer stands for the slab of height around it and takes the optical depth of every piece of strand in its
+//! slab, by arc length, so that slanted hair draws a connected streak and not a row of dots. How deep a strand is, says [`extinction`]: so that one
+//! alone blocks as much light as an opaque strand. Two consequences are exact, up to the rounding of stored opacities:
 //!
 //! * the depths of all layers add up to the same sum at any number of layers: opacity per layer follows
 //!   α' = 1 − (1 − α)^(n₀/n) (formulas 4.6, 3.2);
-//! * a splat's depth sums to the same over texels of any size and wherever its centre falls between them: hair that is
-//!   thinner than a texel fades and does not break up or fatten.
+//! * a splat's depth sums to the same over texels of any size and wherever its centre falls between them.
 
 use crate::hair::Strands;
 use crate::textures::direction;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Optical depth of a strand along its radius. Half of it makes a random bundle block as much light as opaque cylinders do;
-/// layers are seen mostly from above, down the strands, where that is too faint to tell single hairs.
-pub const EXTINCTION: f32 = 1.5;
+/// Density of a strand times its radius, such that a strand across the ray, drawn as a Gaussian, blocks as much light as an opaque one of its
+/// radius: the integral of 1 − exp(−depth) across it is its width.
+///
+/// * `sharpness`: radius over the standard deviation that it is drawn with, 0..=√2. At 0 the strand is thinner than a texel, its depth is small, and
+///   2/π makes the depth itself integrate to the width; at √2 it is a Gaussian of the strand's own variance, which needs 1.8 times as much,
+///   because its middle is dark already.
+///
+/// A polynomial for the inverse of that integral, right within 2 %.
+pub fn extinction(sharpness: f32) -> f32 {
+    let s = sharpness.clamp(0.0, std::f32::consts::SQRT_2);
+    std::f32::consts::FRAC_2_PI * (1.0 + s * (0.282 + s * (0.098 + s * 0.078)))
+}
 
 /// A Gaussian is drawn to this many standard deviations; the sum over texels is normalised afterwards.
 const CUTOFF: f32 = 3.0;
@@ -170,7 +177,8 @@ impl Streak {
         let radius = strands.radii[i] + (strands.radii[i + 1] - strands.radii[i]) * middle;
         // A disc of even density and a Gaussian of variance r²/2 and the same depth at the centre have the same integral.
         let variance = radius * radius * 0.5 * texels * texels + self.filter_width * self.filter_width;
-        let depth = EXTINCTION * std::f32::consts::PI * radius * length * texels * texels;
+        let density = extinction(radius * texels / variance.sqrt());
+        let depth = density * std::f32::consts::PI * radius * length * texels * texels;
         let color = strands.colors[i].lerp(strands.colors[i + 1], middle);
         let direction = direction::upper(tangent);
         let (a, b) = (p.lerp(q, from).truncate() * texels, p.lerp(q, to).truncate() * texels);

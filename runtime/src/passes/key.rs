@@ -40,8 +40,8 @@ pub(crate) struct Variant {
     pub(crate) groom_texture: bool,
     /// There is wet hair to mix in.
     pub(crate) wet: bool,
-    /// Fins are drawn too.
-    pub(crate) beside_fins: bool,
+    /// A layer blocks more of a look that goes through it at a slant.
+    pub(crate) view_slanted: bool,
     /// How the key light's shadows fall.
     pub(crate) shadows: ShadowLook,
     /// There are lights without shadow.
@@ -76,6 +76,8 @@ pub(crate) struct Look {
     pub(crate) resampled: bool,
     /// Fins are drawn.
     pub(crate) fins: bool,
+    /// A layer blocks more of a look that goes through it at a slant.
+    pub(crate) view_slanted: bool,
     /// How the key light's shadows fall.
     pub(crate) shadows: ShadowLook,
     /// There are lights without shadow.
@@ -103,7 +105,7 @@ impl Look {
             groom_vertices: model.varies().groom,
             groom_texture: part.has_groom_texture,
             wet: model.manifest().fur.wet.is_some(),
-            beside_fins: self.fins,
+            view_slanted: self.view_slanted,
             shadows: self.shadows,
             fill_lights: self.fill_lights,
             vertex_lighting: self.lighting == Lighting::Vertex,
@@ -152,7 +154,7 @@ impl Variant {
             ("GROOM_VERTICES", self.groom_vertices),
             ("GROOM_TEXTURE", self.groom_texture),
             ("WET", self.wet),
-            ("BESIDE_FINS", self.beside_fins),
+            ("VIEW_SLANTED", self.view_slanted),
             ("SELF_SHADOW", self.shadows.self_shadow),
             ("SLANTED", self.shadows.slanted),
             ("MAPS_BETWEEN", self.shadows.maps_between),
@@ -210,9 +212,9 @@ impl SurfaceShader {
         match self {
             Self::SkinBare => Variant { shadows: on_skin, fill_lights: variant.fill_lights, ..surface },
             Self::SkinFurred => {
-                Variant { resampled: false, lean: false, beside_fins: false, shadows: on_skin, ..variant }
+                Variant { resampled: false, lean: false, view_slanted: false, shadows: on_skin, ..variant }
             }
-            Self::Fins => Variant { resampled: false, beside_fins: false, shadows: on_skin, ..variant },
+            Self::Fins => Variant { resampled: false, view_slanted: false, shadows: on_skin, ..variant },
             Self::Shells => variant,
             Self::Yardstick => Variant { lean: variant.lean, ..Variant::default() },
             Self::LayerShadow => Variant {

@@ -65,8 +65,8 @@ override GROOM_VERTICES: bool = true;
 override GROOM_TEXTURE: bool = true;
 // The package has wet hair to mix in.
 override WET: bool = true;
-// Fins are drawn too, to which the shells leave the outline.
-override BESIDE_FINS: bool = true;
+// A layer blocks more of a look that goes through it at a slant.
+override VIEW_SLANTED: bool = true;
 // Hair shadows hair: t of eq. (3).
 override SELF_SHADOW: bool = true;
 // The light's way through a layer grows with its slant.

@@ -10,6 +10,16 @@ pub fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
     -(exponent * (-a).ln_1p()).exp_m1()
 }
 
+/// How many times its thickness a look goes through a layer: `n_dot_e` is the cosine between the skin's normal and the direction to the eye, the
+/// result 1..=10. [`resampled_opacity`] with it is what the layer blocks of such a look.
+///
+/// A shell is a sheet, and what a sheet blocks does not depend on the angle; the slab of hair that it stands for blocks more the longer the way
+/// through it. Without this, a look along the skin falls between the tips onto the dark roots, and the outline is too transparent: on the hare mean
+/// FLIP against the true strands is 1.5 times as large.
+pub fn view_path(n_dot_e: f32) -> f32 {
+    1.0 / n_dot_e.abs().clamp(0.1, 1.0)
+}
+
 /// Which baked layer, 1..`baked`, serves as drawn layer `layer`, 1..`drawn` (layer 0 is the skin in both).
 ///
 /// Each baked layer gets an equal share of the drawn ones, so that together with [`resampled_opacity`] at the exponent

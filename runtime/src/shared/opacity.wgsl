@@ -9,6 +9,12 @@ fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
     return select(1.0 - exp2(1.442695 * z), series, z > -0.1);
 }
 
+// How many times its thickness a look goes through a layer: n_dot_e is the cosine between the skin's normal and the direction to the eye. With
+// resampled_opacity: what the layer blocks of such a look. At most 10.
+fn view_path(n_dot_e: f32) -> f32 {
+    return 1.0 / clamp(abs(n_dot_e), 0.1, 1.0);
+}
+
 // Which baked layer, 1..baked, serves as drawn layer `layer`, 1..drawn; 0, the skin, stays 0.
 fn baked_layer(layer: u32, baked: u32, drawn: u32) -> u32 {
     if layer == 0u || baked < 2u || drawn < 2u {

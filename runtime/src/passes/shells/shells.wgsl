@@ -16,8 +16,8 @@ struct Shell {
     diffuse: vec3<f32>,
     // Attenu_Back before its clamp.
     back: f32,
-    // Share of the opacity that is left beside fins.
-    share: f32,
+    // Cosine between the skin's normal and the direction to the eye.
+    n_dot_e: f32,
     // Place in the shadow maps.
     place: vec4<f32>,
     // Layer of the layer-wise maps.
@@ -37,8 +37,8 @@ struct Shell {
 // Coats coloured at vertices.
 struct PlainVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Tile coordinates, share, back.
-    @location(0) uv_share_back: vec4<f32>,
+    // Tile coordinates, n_dot_e, back.
+    @location(0) uv_cosine_back: vec4<f32>,
     // Directions with the diffuse colour.
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
@@ -51,7 +51,7 @@ struct PlainVarying {
 // With all that textures and maps of the material, or another number of layers, need besides.
 struct MappedVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    @location(0) uv_share_back: vec4<f32>,
+    @location(0) uv_cosine_back: vec4<f32>,
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
     @location(3) ambient_blue: vec4<f32>,
@@ -65,7 +65,7 @@ struct MappedVarying {
 // With what lights need that are not known per vertex.
 struct FilledVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    @location(0) uv_share_back: vec4<f32>,
+    @location(0) uv_cosine_back: vec4<f32>,
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
     @location(3) ambient_blue: vec4<f32>,
@@ -94,7 +94,7 @@ fn shell_of(v: Vertex, layer: u32) -> Shell {
     out.ambient = out.tint.rgb * instance.ambient * ambient_attenuation(height, instance.ambient_floor);
     out.diffuse = out.tint.rgb * instance.diffuse;
     out.back = back_slope(out.light_ts.z, instance.back_light_range);
-    out.share = shell_share(dot(tile.normal_ws, eye));
+    out.n_dot_e = dot(tile.normal_ws, eye);
     out.place = map_place(position);
     out.map_layer = height * frame.last_map_layer;
     out.base_uv = v.base_uv;
@@ -109,7 +109,7 @@ fn shell_of(v: Vertex, layer: u32) -> Shell {
 fn plain_varying(s: Shell) -> PlainVarying {
     let specular = bitcast<vec3<u32>>(instance.specular);
     return PlainVarying(
-        s.position, vec4(s.tile_uv, s.share, s.back), vec4(s.light_ts, s.diffuse.r), vec4(s.half_ts, s.diffuse.g),
+        s.position, vec4(s.tile_uv, s.n_dot_e, s.back), vec4(s.light_ts, s.diffuse.r), vec4(s.half_ts, s.diffuse.g),
         vec4(s.ambient, s.diffuse.b), s.place, vec4(specular, s.layer),
     );
 }
@@ -124,7 +124,7 @@ fn vs_shells_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedVar
     let s = shell_of(v, layer);
     let p = plain_varying(s);
     return MappedVarying(
-        p.position, p.uv_share_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
+        p.position, p.uv_cosine_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
         vec4(s.base_uv, s.groom), vec3(s.slope, s.tint.a, s.map_layer),
     );
 }
@@ -134,7 +134,7 @@ fn vs_shells_filled(v: Vertex, @builtin(instance_index) layer: u32) -> FilledVar
     let s = shell_of(v, layer);
     let p = plain_varying(s);
     return FilledVarying(
-        p.position, p.uv_share_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
+        p.position, p.uv_cosine_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
         vec4(s.base_uv, s.groom), vec3(s.slope, s.tint.a, s.map_layer),
         vec4(s.spot.position_ws, s.tint.r), vec4(s.spot.normal_ws, s.tint.g), s.spot.tangent, s.tint.b,
     );
@@ -150,24 +150,26 @@ fn shade_shell(
 ) -> vec4<f32> {
     let base_uv = base_uv_groom.xy;
     let groom = groom_at(base_uv_groom.zw, base_uv);
-    let hair = hair_at(in.uv_share_back.xy, in.specular_layer.w, groom.y);
+    let hair = hair_at(in.uv_cosine_back.xy, in.specular_layer.w, groom.y);
     var texel = hair.color;
     var direction = hair.direction;
     let base = base_color(vec4(1.0, 1.0, 1.0, slope_alpha_map.y), base_uv);
-    if BESIDE_FINS {
-        // Fins are of dry hair: where it is wet there are none to leave room for.
-        let share = in.uv_share_back.z;
-        texel *= select(share, mix(share, 1.0, groom.y), WET);
-    }
     if texel.a * groom.x < LEAST_ALPHA || is_cut(base.a) {
         discard;
     }
     if LEAN {
         direction = leaned_direction(direction, slope_alpha_map.x);
     }
-    if RESAMPLED {
+    if RESAMPLED || VIEW_SLANTED {
+        var times = 1.0;
+        if RESAMPLED {
+            times = instance.opacity_exponent;
+        }
+        if VIEW_SLANTED {
+            times *= view_path(in.uv_cosine_back.z);
+        }
         // Colour is premultiplied: it follows its opacity.
-        texel *= resampled_opacity(texel.a, instance.opacity_exponent) / texel.a;
+        texel *= resampled_opacity(texel.a, times) / texel.a;
     }
     texel *= groom.x;
     let light = in.light_red.xyz;
@@ -178,7 +180,7 @@ fn shade_shell(
     }
     let color = texel.rgb * base.rgb;
     // Yang 2006, eq. (3), with all that does not vary within a triangle or only linearly from the vertices.
-    let factors = key_factors(direction, light, in.half_green.xyz, groom.y) * (clamp(in.uv_share_back.w, 0.0, 1.0) * reach);
+    let factors = key_factors(direction, light, in.half_green.xyz, groom.y) * (clamp(in.uv_cosine_back.w, 0.0, 1.0) * reach);
     let diffuse = vec3(in.light_red.w, in.half_green.w, in.ambient_blue.w);
     var lit = color * (in.ambient_blue.rgb + diffuse * factors.x);
     if SPECULAR {
@@ -198,7 +200,7 @@ fn fs_shells(in: PlainVarying) -> @location(0) vec4<f32> {
 @fragment
 fn fs_shells_mapped(in: MappedVarying) -> @location(0) vec4<f32> {
     let plain = PlainVarying(
-        in.position, in.uv_share_back, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
+        in.position, in.uv_cosine_back, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
     );
     return shade_shell(plain, in.base_uv_groom, in.slope_alpha_map, vec3(0.0), Spot());
 }
@@ -206,7 +208,7 @@ fn fs_shells_mapped(in: MappedVarying) -> @location(0) vec4<f32> {
 @fragment
 fn fs_shells_filled(in: FilledVarying) -> @location(0) vec4<f32> {
     let plain = PlainVarying(
-        in.position, in.uv_share_back, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
+        in.position, in.uv_cosine_back, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
     );
     let tint = vec3(in.position_ws_red.w, in.normal_ws_green.w, in.blue);
     let spot = Spot(in.position_ws_red.xyz, in.normal_ws_green.xyz, in.tangent);
