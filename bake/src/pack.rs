@@ -7,8 +7,8 @@ use crate::mesh::Model;
 use crate::surface::Surface;
 use crate::textures::{FinTextures, SLABS, ShellTextures};
 use pelage_formats::{
-    AttributeVertex, Bounds, FinData, FinInfo, FurInfo, GeometryVertex, InputRecord, Manifest, Material, MeshData,
-    PackageWriter, Part, QualityFigure, Shading, TextureEntry,
+    AttributeVertex, Bounds, Choice, FinData, FinInfo, FurInfo, GeometryVertex, InputRecord, Limits, Manifest,
+    Material, MeshData, Package, PackageWriter, Part, QualityFigure, Shading, Tag, TextureEntry,
 };
 
 /// What the stages made, ready to be packed.
@@ -134,6 +134,26 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
     }
     // The stages before have checked everything that comes from the user, so a fault here is ours.
     writer.finish().map_err(|fault| BakeError::Internal(format!("the package does not read back: {fault}")))
+}
+
+/// The package with the evidence of how its settings were chosen.
+///
+/// # Errors
+///
+/// [`BakeError::Internal`] for a package that does not open: it was written just before.
+pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError> {
+    let write = || {
+        let opened = Package::open(package, &Limits::default())?;
+        let manifest = Manifest { choice: Some(choice), ..opened.manifest().clone() };
+        let mut writer = PackageWriter::new(manifest);
+        for (index, section) in opened.sections().iter().enumerate() {
+            if section.tag != Tag::MANIFEST {
+                writer = writer.section(section.tag, opened.section_bytes(index)?);
+            }
+        }
+        writer.finish()
+    };
+    write().map_err(|fault| BakeError::Internal(format!("the package with its evidence does not read back: {fault}")))
 }
 
 fn materials(pieces: &Pieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {

@@ -12,6 +12,7 @@ pub mod light_maps;
 pub mod lighting;
 #[cfg(feature = "preview")]
 pub mod self_shadow;
+pub mod shells;
 #[cfg(feature = "preview")]
 pub mod soft_shadow;
 pub mod surface;

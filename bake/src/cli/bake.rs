@@ -1,14 +1,19 @@
 //! `pelage bake`: a model into a package.
 
 use super::exit::{Exit, Failure};
+#[cfg(feature = "preview")]
+use super::limits::choose;
 use super::output::{Output, human_bytes, require_parent};
+#[cfg(feature = "preview")]
+use super::shell_judge::Source;
 use super::threads;
+use pelage_bake::decide::Limits;
 use pelage_bake::groom::MapImages;
 use pelage_bake::import::{ImportOptions, input_record};
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::{BakeError, io};
-use pelage_formats::InputRecord;
+use pelage_bake::{BakeError, io, pack};
+use pelage_formats::{Choice, InputRecord};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -27,6 +32,35 @@ pub struct BakeArgs {
     /// Threads to use, by default one per core; the package is the same with any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// Limits of a bake: with any of them, layers, tile and fins are chosen by measuring instead of taken from the recipe.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+struct LimitArgs {
+    /// Choose the cheapest layers, tile and fins whose mean FLIP against the true pictures is at most this, 0 to 1
+    #[arg(long, value_name = "E", value_parser = positive, allow_hyphen_values = true)]
+    max_error: Option<f64>,
+    /// Choose among those whose frame takes at most so many milliseconds on this machine's adapter
+    #[arg(long, value_name = "MS", value_parser = positive, allow_hyphen_values = true)]
+    max_frame_ms: Option<f64>,
+    /// Choose among those whose package has at most so many bytes
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    max_bytes: Option<u64>,
+    /// Measure every setting instead of those that seem worth it: slow, to check the choice
+    #[arg(long)]
+    exhaustive: bool,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".into())
+}
+
+impl LimitArgs {
+    fn limits(&self) -> Limits {
+        Limits { max_error: self.max_error, max_frame_ms: self.max_frame_ms, max_bytes: self.max_bytes }
+    }
 }
 
 /// A recipe on the command line.
@@ -74,14 +108,27 @@ pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
     require_parent(&args.output)?;
     let pool = threads::pool(args.threads)?;
-    let (baked, stages) = pool.install(|| bake_file(args, output))?;
-    io::write_atomic(&args.output, &baked.package)?;
-    report(output, &args.output, &baked, &stages, start.elapsed().as_secs_f64())?;
+    let limits = args.limits.limits();
+    if args.limits.exhaustive && limits.is_empty() {
+        return Err(Failure::Usage("--exhaustive needs a limit: --max-error, --max-frame-ms or --max-bytes".into()));
+    }
+    let done = pool.install(|| bake_file(args, &limits, output))?;
+    io::write_atomic(&args.output, &done.baked.package)?;
+    report(output, &args.output, &done, start.elapsed().as_secs_f64())?;
     Ok(Exit::Done)
 }
 
-fn bake_file(args: &BakeArgs, output: &mut Output) -> Result<(Baked, Vec<Stage>), BakeError> {
-    let (recipe, recipe_input) = args.recipe.read()?;
+/// A finished bake with what the command has to say about it.
+struct Done {
+    baked: Baked,
+    stages: Vec<Stage>,
+    /// How its settings were chosen, for scripts and for people.
+    choice: Option<(Choice, String)>,
+}
+
+fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Done, Failure> {
+    #[cfg_attr(not(feature = "preview"), expect(unused_mut, reason = "only what draws can choose"))]
+    let (mut recipe, recipe_input) = args.recipe.read()?;
     let mut watch = StageWatch::new(output);
     watch.begin("import");
     let images = args.recipe.images(&recipe)?;
@@ -89,8 +136,33 @@ fn bake_file(args: &BakeArgs, output: &mut Output) -> Result<(Baked, Vec<Stage>)
     model.inputs.extend(recipe_input);
     let file = args.model.display().to_string();
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let baked = pipeline::bake(&file, &name, &model, &recipe, &images, &mut |stage| watch.begin(stage))?;
-    Ok((baked, watch.finish()))
+    #[cfg_attr(not(feature = "preview"), expect(unused_mut, reason = "only what draws can choose"))]
+    let mut choice: Option<(Choice, String)> = None;
+    if !limits.is_empty() {
+        #[cfg(feature = "preview")]
+        {
+            let source = Source { file: &file, name: &name, model: &model, images: &images };
+            watch.begin("choose");
+            let chosen = choose(source, &recipe, limits, args.limits.exhaustive, watch.output())?;
+            recipe = chosen.recipe;
+            choice = Some((chosen.choice, chosen.text));
+        }
+        #[cfg(not(feature = "preview"))]
+        return Err(Failure::Usage(
+            "limits are kept by drawing, and this build is without the runtime (feature `preview`)".into(),
+        ));
+    }
+    let mut baked = pipeline::bake(&file, &name, &model, &recipe, &images, &mut |stage| watch.begin(stage))?;
+    if let Some((choice, _)) = &choice {
+        baked.package = pack::with_choice(&baked.package, choice.clone())?;
+        let bytes = baked.package.len() as u64;
+        if let Some(limit) = limits.max_bytes.filter(|limit| bytes > *limit) {
+            return Err(
+                BakeError::Internal(format!("{bytes} bytes with the evidence, more than --max-bytes {limit}")).into()
+            );
+        }
+    }
+    Ok(Done { baked, stages: watch.finish(), choice })
 }
 
 fn text(file: &str, bytes: Vec<u8>) -> Result<String, BakeError> {
@@ -115,6 +187,11 @@ impl<'a> StageWatch<'a> {
         Self { output, stages: Vec::new(), begun: Instant::now() }
     }
 
+    /// Where a stage shows its own progress.
+    pub fn output(&mut self) -> &mut Output {
+        self.output
+    }
+
     /// Ends the stage before, if any, and begins another.
     pub fn begin(&mut self, stage: &'static str) {
         self.end();
@@ -136,7 +213,8 @@ impl<'a> StageWatch<'a> {
     }
 }
 
-fn report(output: &mut Output, path: &Path, baked: &Baked, stages: &[Stage], seconds: f64) -> Result<(), Failure> {
+fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result<(), Failure> {
+    let Done { baked, stages, choice } = done;
     for warning in &baked.warnings {
         output.note(&format!("warning: {warning}"));
     }
@@ -155,7 +233,12 @@ fn report(output: &mut Output, path: &Path, baked: &Baked, stages: &[Stage], sec
         "seam_length_ratio": m.seam_length_ratio,
         "comb_misalignment_deg": m.comb_misalignment_deg,
         "singularities": m.singularities,
+        "choice": choice.as_ref().map(|(choice, _)| choice),
     });
     let size = human_bytes(baked.package.len() as u64);
-    output.result(&format!("{}: {size} in {seconds:.2} s", path.display()), &value)
+    let mut text = format!("{}: {size} in {seconds:.2} s", path.display());
+    if let Some((_, why)) = choice {
+        text += &format!("\n{why}");
+    }
+    output.result(&text, &value)
 }

@@ -4,9 +4,10 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file::PackageFile;
 use super::scene::{self, rest_points};
-use super::view_args::{CameraArg, Size};
+use super::view_args::Size;
 use pelage_bake::BakeError;
 use pelage_bake::doctor::{self, PassWork, Prognosis};
+use pelage_bake::recipe::CameraView;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -24,7 +25,7 @@ pub struct DoctorArgs {
     size: Size,
     /// Eye and target in metres, height of the view in degrees: ex,ey,ez/tx,ty,tz/fov; by default as `render` frames the model
     #[arg(long, value_name = "EYE/TARGET/FOV", allow_hyphen_values = true)]
-    camera: Option<CameraArg>,
+    camera: Option<CameraView>,
     /// Copies in the picture, each seen as large
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     instances: u32,

@@ -6,17 +6,20 @@ use pelage_runtime::{Camera, Projection};
 /// Vertical field of view of the default camera, degrees: a portrait lens.
 pub const FOV_DEG: f32 = 30.0;
 /// From the model to the default camera: its front left, a little above. glTF models face +z, so their left is +x.
-const TOWARDS_CAMERA: Vec3 = Vec3::new(0.62, 0.28, 0.73);
+pub const TOWARDS_CAMERA: Vec3 = Vec3::new(0.62, 0.28, 0.73);
+/// From the model to a second camera, which sees what the default one does not: its back right, higher.
+pub const BEHIND: Vec3 = Vec3::new(-0.62, 0.5, -0.6);
 /// From the model to the default light: high, on the camera's right, so that the fur's relief shows.
 pub const TOWARDS_LIGHT: Vec3 = Vec3::new(-0.25, 0.75, 0.6);
 /// Share of the picture that the model fills at most.
 const FILL: f32 = 0.9;
 
-/// Eye and target that show all `points`, with `margin_m` of fur about them, in a picture of the given width over height.
+/// Eye and target that show all `points`, with `margin_m` of fur about them, in a picture of the given width over height, from the direction
+/// `towards` of any length.
 ///
 /// The model stands as large in the picture as it can; where there is no point, the origin is looked at from a metre away.
-pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32) -> (Vec3, Vec3) {
-    let towards = TOWARDS_CAMERA.normalize();
+pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) -> (Vec3, Vec3) {
+    let towards = towards.normalize();
     let view = Camera::look_at(Vec3::ZERO, -towards, Projection::Custom(Mat4::IDENTITY)).view_from_world;
     let tan_y = (FOV_DEG.to_radians() / 2.0).tan() * FILL;
     let tan_x = tan_y * aspect;
@@ -57,9 +60,9 @@ mod tests {
                 Vec3::new(2.0 * (t * 0.7).sin(), 1.0 + (t * 1.3).cos(), 5.0 * (t * 0.31).sin())
             })
             .collect();
-        for aspect in [0.5, 1.0, 2.0] {
+        for (aspect, towards) in [(0.5, TOWARDS_CAMERA), (1.0, BEHIND), (2.0, TOWARDS_CAMERA), (1.0, Vec3::X)] {
             for margin in [0.0, 0.2] {
-                let (eye, target) = frame(&points, margin, aspect);
+                let (eye, target) = frame(&points, margin, aspect, towards);
                 let projection =
                     Projection::Perspective { fov_y_rad: FOV_DEG.to_radians(), aspect, near_m: 0.01, far_m: 100.0 };
                 let clip = projection.clip_from_view(false) * Camera::look_at(eye, target, projection).view_from_world;
@@ -76,7 +79,7 @@ mod tests {
     #[test]
     fn nothing_and_a_point_are_framed_too() {
         for points in [&[][..], &[Vec3::ONE]] {
-            let (eye, target) = frame(points, 0.0, 1.0);
+            let (eye, target) = frame(points, 0.0, 1.0, TOWARDS_CAMERA);
             assert!(eye.is_finite() && target.is_finite() && eye != target);
         }
     }

@@ -75,12 +75,12 @@ impl Meter {
     ///
     /// All in one go, so that what else the machine does falls on all of them alike.
     pub fn measure(&self, scene: &mut Scene) -> Result<FrameTimes, Failure> {
-        let mut times = FrameTimes { frame: self.whole(scene)?, ..FrameTimes::default() };
+        let mut times = FrameTimes { frame: self.frame(scene)?, ..FrameTimes::default() };
         let asked = (scene.params.self_shadow, scene.params.soft_shadow);
         times.unshadowed = times.frame;
         if asked != (false, false) {
             (scene.params.self_shadow, scene.params.soft_shadow) = (false, false);
-            let unshadowed = self.whole(scene);
+            let unshadowed = self.frame(scene);
             (scene.params.self_shadow, scene.params.soft_shadow) = asked;
             times.unshadowed = unshadowed?;
         }
@@ -92,7 +92,8 @@ impl Meter {
         Ok(times)
     }
 
-    fn whole(&self, scene: &mut Scene) -> Result<f64, Failure> {
+    /// Milliseconds of one frame as a whole; the light stands still, as in [`FrameTimes::frame`].
+    pub fn frame(&self, scene: &mut Scene) -> Result<f64, Failure> {
         let [frame] = self.sections(scene, |scene, encoder, mark| {
             let frame = scene.prepare(encoder)?;
             frame.draw(&mut scene.pass(encoder, "frame", true));

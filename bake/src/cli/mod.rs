@@ -19,6 +19,8 @@ mod framing;
 mod gpu;
 mod inspect;
 #[cfg(feature = "preview")]
+mod limits;
+#[cfg(feature = "preview")]
 mod measure;
 mod mesh_glb;
 mod output;
@@ -30,6 +32,8 @@ mod reference;
 mod render;
 #[cfg(feature = "preview")]
 mod scene;
+#[cfg(feature = "preview")]
+mod shell_judge;
 mod threads;
 #[cfg(feature = "preview")]
 mod truth;

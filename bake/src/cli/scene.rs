@@ -254,6 +254,13 @@ impl Scene {
         }
     }
 
+    /// Looks at the model from the camera of `view`, which names one.
+    pub fn look_from(&mut self, view: &View) {
+        if let Some(camera) = view.camera {
+            self.params.camera = look(camera, view);
+        }
+    }
+
     /// Prepares a frame into `encoder`.
     pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<Frame, Failure> {
         self.record(encoder, &mut |_, _| ())
@@ -374,7 +381,7 @@ pub fn camera_of(view: &View, rest_points: &[Vec3], height_m: f32) -> (Vec3, Vec
     view.camera.unwrap_or_else(|| {
         let aspect = view.size.0 as f32 / view.size.1 as f32;
         let margin_m = if view.style == Style::Fur { height_m } else { 0.0 };
-        let (eye, target) = framing::frame(rest_points, margin_m, aspect);
+        let (eye, target) = framing::frame(rest_points, margin_m, aspect, framing::TOWARDS_CAMERA);
         (eye, target, framing::FOV_DEG)
     })
 }

@@ -1,6 +1,7 @@
 //! The picture that `render` comes near to: the same view of the same package, with its strands traced one by one. No adapter is needed.
 
 use super::exit::Failure;
+use super::framing;
 use super::package_file::PackageFile;
 use super::scene::{View, camera_of, find_clip, rest_points, within};
 use glam::Vec3;
@@ -46,6 +47,13 @@ impl Truth {
             rest_points: rest_points(file, package, skeleton.as_ref())?,
             height_m: manifest.fur.height_m,
         })
+    }
+
+    /// Eye, target and height of the view in degrees that frame the model from the direction `towards`, in a picture of the view's size.
+    pub fn framed(&self, view: &View, towards: Vec3) -> (Vec3, Vec3, f32) {
+        let aspect = view.size.0 as f32 / view.size.1 as f32;
+        let (eye, target) = framing::frame(&self.rest_points, self.height_m, aspect, towards);
+        (eye, target, framing::FOV_DEG)
     }
 
     /// The camera that `render` has for that view.

@@ -10,10 +10,11 @@
 mod model;
 mod search;
 
-pub use search::decide;
+pub use search::{decide, exhaustive};
 
 use crate::BakeError;
 use crate::recipe::Recipe;
+use pelage_formats as formats;
 
 /// What a picture may cost and how far it may be from the truth; `None` where it does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +41,15 @@ pub enum Figure {
 impl Figure {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Error, Self::FrameMs, Self::Bytes];
+
+    /// Its limit's name in a manifest.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Error => "max_error",
+            Self::FrameMs => "max_frame_ms",
+            Self::Bytes => "max_bytes",
+        }
+    }
 
     /// The option of `pelage bake` that limits it.
     pub fn option(self) -> &'static str {
@@ -233,6 +243,34 @@ impl Decision {
     /// The chosen setting with its figures.
     pub fn chosen(&self) -> &Trial {
         &self.trials[self.chosen]
+    }
+
+    /// What was measured, for the manifest of the package.
+    ///
+    /// * `limits`: what was asked
+    /// * `evidence`: how it was measured; its trials, choice and limits are filled in
+    pub fn evidence(&self, limits: &Limits, evidence: formats::Choice) -> formats::Choice {
+        let trial = |t: &Trial| formats::Trial {
+            settings: t.setting.words(),
+            error: Some(t.measured.error),
+            frame_ms: Some(t.measured.frame_ms),
+            bytes: t.measured.bytes,
+            predicted: false,
+        };
+        let index = |i: usize| i as u32;
+        formats::Choice {
+            limits: formats::ChoiceLimits {
+                max_error: limits.max_error,
+                max_frame_ms: limits.max_frame_ms,
+                max_bytes: limits.max_bytes,
+            },
+            binding: self.binding.map_or_else(String::new, |figure| figure.name().into()),
+            trials: self.trials.iter().map(trial).collect(),
+            chosen: index(self.chosen),
+            next_better: self.next_better.map(index),
+            next_cheaper: self.next_cheaper.map(index),
+            ..evidence
+        }
     }
 }
 

@@ -30,6 +30,17 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
     Ok(search.decision())
 }
 
+/// Measures every setting of the space: slow, and what [`decide`] can be held against.
+///
+/// # Errors
+///
+/// Those of the judge.
+pub fn exhaustive<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
+    let mut search = Search { space, limits, trials: Vec::new(), models: models() };
+    space.settings.iter().try_for_each(|setting| search.measure(*setting, judge))?;
+    Ok(search.decision())
+}
+
 /// On which side of a setting another one lies.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {

@@ -39,13 +39,11 @@ const ANIMALS: [Animal; 4] = [
 ];
 
 fn exhaustive(space: &Space, limits: &Limits, mut judge: Animal) -> Option<Trial> {
-    let figure = limits.objective() as usize;
-    let trial = |s: &Setting| match judge.measure(s) {
-        Ok(measured) => Trial { setting: *s, measured },
+    let decision = match super::exhaustive(space, limits, &mut judge) {
+        Ok(decision) => decision,
     };
-    let meets = |t: &Trial| limits.excess(t.measured.figures()) <= 0.0;
-    let order = |a: &Trial, b: &Trial| a.measured.figures()[figure].total_cmp(&b.measured.figures()[figure]);
-    space.settings().iter().map(trial).filter(meets).min_by(order)
+    assert_eq!(decision.trials.len(), space.settings().len());
+    decision.meets.then(|| *decision.chosen())
 }
 
 fn found(space: &Space, limits: &Limits, mut judge: Animal) -> Decision {

@@ -1,13 +1,10 @@
 //! Transmittance through the strands themselves: binary rays against round, opaque hairs.
 //!
 //! This truth reads the same [`Strands`] as slicing does and nothing of what slicing makes of them, so it shows what the layers get wrong about
-//! the hair, where [`super::SampledVolume`] shows only what the maps get wrong about the layers. The two need not agree, for four reasons:
+//! the hair, where [`super::SampledVolume`] shows only what the maps get wrong about the layers. The two need not agree, for three reasons:
 //!
-//! * Slicing keeps coverage but not sharpness: a hair is widened to the filter of the texels and thinned out as much. Where texels are coarser
-//!   than hairs, the mean of exp(−depth) over the texel, which is what rays see, lies above exp(−mean depth), which is what the layers hold.
-//! * Hair there is denser than real: a strand's optical depth along its radius is [`crate::textures::EXTINCTION`]. A hair many texels wide lets
-//!   through its middle exp(−2 · 1.5) = 5 %, where a real one lets nothing through; in a bundle of hairs that are thinner than a texel, on the
-//!   other hand, optical depth is π/2 · 1.5 = 2.4 times the covered share, where real hairs take 1.
+//! * Slicing keeps what a strand covers but not its sharpness: a hair is widened to the filter of the texels and thinned out as much, and a hair
+//!   of many texels lets a little light through its middle, where a real one lets none through ([`crate::textures::extinction`]).
 //! * Down the hair the tails of the Gaussians that it is drawn with add up, so that light from straight above meets hairs wider than they are.
 //! * A ray that starts within a hair is blocked, and in the volume it has half a layer before it.
 //!

@@ -1,9 +1,8 @@
-//! How much hair there is outside the outline of the skin, against layers of four times the number and resolution.
+//! How much hair there is outside the outline of the skin, against the true strands.
 //!
 //! The error is the mean absolute difference of opacity within six pixels of the outline of the bare skin, between means over squares of
-//! eight pixels: hair is noise to the pixel, and where each hair stands is not the same in both, so that single pixels differ by more than what
-//! the eye takes for density. All pictures are supersampled, so that the sampling of a pixel's middle, which alone makes a difference of 0.07 a
-//! pixel, is no part of the error.
+//! eight pixels: where a single hair ends is not the same in both, so that single pixels differ by more than what the eye takes for density. All
+//! pictures are supersampled, so that the sampling of a pixel's middle, which alone makes a difference of 0.07 a pixel, is no part of the error.
 
 use super::{Drawer, Drawing};
 use crate::BakeError;
@@ -11,9 +10,10 @@ use crate::groom::MapImages;
 use crate::mesh::Model;
 use crate::pipeline;
 use crate::recipe::Recipe;
+use crate::reference::{Curves, Lens, Skin, TrueCamera, TrueLight, TrueLighting, TrueScene, grow_on, tile_hair};
 use glam::Vec3;
 use pelage_formats::{Limits, Package};
-use pelage_runtime::{Camera, FrameParams, PassId, Style};
+use pelage_runtime::{Camera, FrameParams, PassId, SlantForm, Style};
 use std::fmt::Write as _;
 
 /// Opacity of every pixel, 0..=1.
@@ -119,12 +119,12 @@ fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32)
 /// What was measured of a model.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// Error of the layers without fins.
-    pub shells_alone: f64,
-    /// Error with fins.
-    pub with_fins: f64,
-    /// Opacity by distance from the outline: truth, layers without fins, layers beside fins and fins, fins alone.
-    pub profiles: [Vec<f64>; 4],
+    /// Error of layers as sheets, as opaque at a slant as from above, without fins.
+    pub sheets: f64,
+    /// Error of layers as slabs, with fins.
+    pub ours: f64,
+    /// Opacity by distance from the outline: truth, sheets, slabs without fins, slabs with fins, fins alone.
+    pub profiles: [Vec<f64>; 5],
 }
 
 /// Bands of one pixel in a profile.
@@ -136,66 +136,60 @@ const WINDOW: u32 = 8;
 /// Samples a pixel, each way.
 const SAMPLES: u32 = 4;
 
+/// Samples a pixel of the truth.
+const TRUE_SAMPLES: u32 = 16;
+
 impl Measured {
     /// The profiles and errors, for people.
     pub fn table(&self) -> String {
         let mut out = "opacity by pixels from the outline\n".to_owned();
-        for (name, profile) in ["truth", "layers", "with fins", "fins alone"].iter().zip(&self.profiles) {
+        for (name, profile) in ["truth", "sheets", "slabs", "with fins", "fins alone"].iter().zip(&self.profiles) {
             let values: Vec<_> = profile.iter().map(|v| format!("{v:.3}")).collect();
             let _ = writeln!(out, "  {name:10} {}", values.join(" "));
         }
-        let ratio = self.with_fins / self.shells_alone;
-        let _ = write!(out, "  error {:.4} without, {:.4} with fins: {ratio:.2}", self.shells_alone, self.with_fins);
+        let _ = write!(
+            out,
+            "  error {:.4} of sheets, {:.4} of ours: {:.2}",
+            self.sheets,
+            self.ours,
+            self.ours / self.sheets
+        );
         out
     }
 }
 
-/// The two packages that are held against each other.
-#[derive(Clone, Debug)]
-pub struct Packages {
-    /// As the recipe says.
-    pub own: Vec<u8>,
-    /// Four times the layers and the resolution, without fins.
-    pub fine: Vec<u8>,
-}
-
-impl Packages {
-    /// Bakes both, in plain texels: a software rasteriser decodes blocks at every read.
-    ///
-    /// # Errors
-    ///
-    /// As [`pipeline::bake`].
-    pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Self, BakeError> {
-        let (layers, texels) = (4 * (recipe.slice.layers - 1) + 1, 4 * recipe.slice.tile_texels);
-        let bake = |sets: &[String]| {
-            let mut recipe = recipe.clone();
-            let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
-            plain.iter().copied().chain(sets.iter().map(String::as_str)).try_for_each(|set| recipe.set(set))?;
-            let baked = pipeline::bake(file, "silhouette", model, &recipe, &MapImages::default(), &mut |_| ())?;
-            Ok::<_, BakeError>(baked.package)
-        };
-        let fine =
-            [format!("slice.layers={layers}"), format!("slice.tile_texels={texels}"), "fins.enabled=false".into()];
-        Ok(Self { own: bake(&[])?, fine: bake(&fine)? })
-    }
-}
-
-/// Measures a model from its front left, in a picture of `size` pixels.
+/// Bakes a model in plain texels: a software rasteriser decodes blocks at every read.
 ///
 /// # Errors
 ///
-/// [`BakeError::Internal`] for packages that do not open, and whatever `draw` returns.
-pub fn measure(packages: &Packages, size: (u32, u32), draw: &mut Drawer<'_>) -> Result<Measured, BakeError> {
-    let package = &packages.own;
+/// As [`pipeline::bake`].
+pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
+    let mut recipe = recipe.clone();
+    let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
+    plain.iter().try_for_each(|set| recipe.set(set))?;
+    let baked = pipeline::bake(file, "silhouette", model, &recipe, &MapImages::default(), &mut |_| ())?;
+    Ok(baked.package)
+}
+
+/// Measures a package from its front left, in a picture of `size` pixels.
+///
+/// # Errors
+///
+/// [`BakeError::Internal`] for a package that does not open, and whatever `draw` returns.
+pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Result<Measured, BakeError> {
     let opened = Package::open(package, &Limits::default());
-    let bounds = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?.manifest().bounds;
+    let opened = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?;
+    let bounds = opened.manifest().bounds;
     let aspect = size.0 as f32 / size.1 as f32;
-    let camera = Camera::framing(Vec3::from(bounds.center), bounds.radius, Vec3::new(-0.7, 0.35, 0.8), 0.6, aspect);
+    let camera =
+        Camera::framing(Vec3::from(bounds.center), bounds.radius, Vec3::new(-0.7, 0.35, 0.8), FOV_Y_RAD, aspect);
     let with = FrameParams::new(camera);
     let without = FrameParams { fins: false, ..with.clone() };
+    let sheets = FrameParams { slant: SlantForm::Printed, ..without.clone() };
     let all = [PassId::Skin, PassId::Fins, PassId::Shells];
     let pictures = [
-        coverage(draw, &packages.fine, &without, size, &all)?,
+        truth(&opened, &camera, size)?,
+        coverage(draw, package, &sheets, size, &all)?,
         coverage(draw, package, &without, size, &all)?,
         coverage(draw, package, &with, size, &all)?,
         coverage(draw, package, &with, size, &all[..2])?,
@@ -205,15 +199,45 @@ pub fn measure(packages: &Packages, size: (u32, u32), draw: &mut Drawer<'_>) -> 
     let distances = distances(&skin, BANDS as u32);
     let off = |k: usize| error(&pictures[k], &pictures[0], &distances, REACH, WINDOW);
     Ok(Measured {
-        shells_alone: off(1),
-        with_fins: off(2),
+        sheets: off(1),
+        ours: off(3),
         profiles: pictures.each_ref().map(|picture| profile(picture, &distances, BANDS)),
     })
 }
 
-/// Opacity of two things behind each other, band by band.
-pub fn stacked(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| 1.0 - (1.0 - a) * (1.0 - b)).collect()
+/// Height of the view.
+const FOV_Y_RAD: f32 = 0.6;
+
+/// What the strands themselves cover.
+fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Coverage, BakeError> {
+    let manifest = package.manifest();
+    let skin = Skin::posed("silhouette", package, None)?;
+    let hair = tile_hair("silhouette", manifest)?;
+    let curves = match &hair {
+        Some(hair) => grow_on(&skin, hair, f64::from(manifest.fur.tile_size_m))?.0,
+        None => Curves::default(),
+    };
+    let scene = TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?;
+    let world_from_view = camera.view_from_world.inverse();
+    let eye_ws = world_from_view.w_axis.truncate();
+    let camera = TrueCamera {
+        eye_ws,
+        target_ws: eye_ws - world_from_view.z_axis.truncate(),
+        up_ws: world_from_view.y_axis.truncate(),
+        lens: Lens::Perspective { fov_y_rad: FOV_Y_RAD },
+    };
+    // Only what is covered counts, so light costs no ray.
+    let lighting = TrueLighting {
+        key: TrueLight::Directional { towards_light_ws: Vec3::Y, color: Vec3::ONE },
+        penumbra: 0.0,
+        fill: Vec::new(),
+        ambient_attenuation: false,
+        back_attenuation: false,
+        hair_shadows: false,
+        skin_shadows: false,
+    };
+    let traced = scene.picture(&camera, &lighting, size, TRUE_SAMPLES, &mut |_, _| ());
+    Ok(Coverage { size, alpha: traced.pixels.iter().map(|p| f64::from(p[3])).collect() })
 }
 
 /// Mean absolute difference of two profiles within reach of the error.

@@ -12,6 +12,8 @@ mod lighting;
 #[cfg(feature = "preview")]
 mod self_shadow;
 #[cfg(feature = "preview")]
+mod shells;
+#[cfg(feature = "preview")]
 mod soft_shadow;
 mod stability;
 mod subject;
@@ -62,6 +64,8 @@ impl ChartArgs {
 /// What can be charted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Topic {
+    /// Layers, tile, filter, formats and fins: how far their pictures are from the true strands, and what they cost
+    Shells,
     /// Lapped patches: what fewer seams cost in distortion and seconds
     Surface,
     /// Light per pixel and per vertex: the direction it is computed with against the strand's own, and what that costs
@@ -95,13 +99,15 @@ fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic
         Topic::Surface => Box::new(surface::SurfaceTopic::new(subject)?),
         Topic::Textures => Box::new(textures::TexturesTopic::new(subject)?),
         #[cfg(feature = "preview")]
+        Topic::Shells => Box::new(shells::ShellsTopic::new(subject)?),
+        #[cfg(feature = "preview")]
         Topic::Lighting => Box::new(lighting::LightingTopic::new(subject)?),
         #[cfg(feature = "preview")]
         Topic::SelfShadow => Box::new(self_shadow::SelfShadowTopic::new(subject)?),
         #[cfg(feature = "preview")]
         Topic::SoftShadow => Box::new(soft_shadow::SoftShadowTopic::new(subject)?),
         #[cfg(not(feature = "preview"))]
-        Topic::Lighting | Topic::SelfShadow | Topic::SoftShadow => {
+        Topic::Shells | Topic::Lighting | Topic::SelfShadow | Topic::SoftShadow => {
             return Err(Failure::Usage(
                 "light is drawn by the runtime, and this build is without it (feature `preview`)".into(),
             ));
@@ -124,7 +130,7 @@ fn processor() -> String {
 }
 
 /// Name of what was measured on. A debug build says so: its seconds mean little.
-fn measured_on(what: &str) -> String {
+pub(super) fn measured_on(what: &str) -> String {
     let build = if cfg!(debug_assertions) { ", debug build" } else { "" };
     format!("{what}{build}")
 }

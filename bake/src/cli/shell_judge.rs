@@ -1,0 +1,152 @@
+//! A model at several settings beside its true pictures: what `pelage chart shells` and a bake with limits measure.
+
+use super::exit::Failure;
+use super::framing;
+use super::gpu::Gpu;
+use super::measure::{Meter, PASSES, count_fragments};
+use super::package_file::PackageFile;
+use super::scene::{Scene, View};
+use super::truth::{self, Truth};
+use image::RgbaImage;
+use pelage_bake::chart::shells::Measured;
+use pelage_bake::compare::{CompareParams, compare};
+use pelage_bake::groom::MapImages;
+use pelage_bake::mesh::Model;
+use pelage_bake::pipeline;
+use pelage_bake::recipe::{CameraView, Recipe};
+use std::time::Instant;
+
+/// Timed frames of each view, of which the fastest counts: what else the machine does only adds. And those before, in which pipelines are
+/// compiled and shadow maps drawn.
+const FRAMES: usize = 9;
+const WARM_UP: usize = 2;
+
+/// A model as it was read.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    /// As the user named it.
+    pub file: &'a str,
+    /// Its name in the package.
+    pub name: &'a str,
+    /// The model.
+    pub model: &'a Model,
+    /// The images that the recipe names.
+    pub images: &'a MapImages,
+}
+
+/// Bakes settings of one model, draws them and compares them with the truth.
+pub struct ShellJudge<'a> {
+    source: Source<'a>,
+    /// Each with its true picture.
+    views: Vec<(View, RgbaImage)>,
+    gpu: Gpu,
+    meter: Meter,
+}
+
+impl<'a> ShellJudge<'a> {
+    /// Traces the true pictures: the views, size and samples of the recipe's `[judge]`. They do not depend on how the strands are sliced.
+    ///
+    /// `doing` is told what is going on.
+    pub fn new(source: Source<'a>, recipe: &Recipe, gpu: &Gpu, doing: &mut dyn FnMut(&str)) -> Result<Self, Failure> {
+        let file = source.bake(recipe)?;
+        let truth = Truth::new(&file, &View::default())?;
+        let cameras = cameras(recipe, &truth);
+        let mut views = Vec::new();
+        for (i, camera) in cameras.iter().enumerate() {
+            let view = View { camera: Some((camera.eye, camera.target, camera.fov_deg)), ..base_view(recipe) };
+            let picture = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
+                doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
+            });
+            let picture = truth::encode(&picture, view.background);
+            views.push((view, picture));
+        }
+        Ok(Self { source, views, gpu: gpu.clone(), meter: Meter::new(gpu) })
+    }
+
+    /// Where the milliseconds come from, as `pelage bench` has it.
+    pub fn timing(&self) -> &'static str {
+        self.meter.clock().word()
+    }
+
+    /// The views, as arguments of `pelage render`.
+    pub fn view_words(&self) -> Vec<String> {
+        let camera = |(view, _): &(View, RgbaImage)| {
+            let (eye, target, fov_deg) = view.camera?;
+            Some(format!("--camera {}", CameraView { eye, target, fov_deg }))
+        };
+        self.views.iter().filter_map(camera).collect()
+    }
+
+    /// Bakes a recipe, draws it from all views, times it and compares it with the truth.
+    pub fn measure(&self, recipe: &Recipe) -> Result<Measured, Failure> {
+        let begun = Instant::now();
+        let file = self.source.bake(recipe)?;
+        let bake_s = begun.elapsed().as_secs_f64();
+        let mut scene: Option<Scene> = None;
+        let mut sum = Measured::default();
+        for (view, truth) in &self.views {
+            let scene = match &mut scene {
+                Some(scene) => {
+                    scene.look_from(view);
+                    scene
+                }
+                None => scene.insert(Scene::new(&file, view, || Ok(self.gpu.clone()))?),
+            };
+            scene.draw()?;
+            let drawn = scene.canvas.read(&scene.gpu)?;
+            let (difference, _) = compare(&drawn, truth, CompareParams::default().over)?;
+            sum.flip += difference.flip.mean;
+            sum.flip_covered += difference.flip.covered;
+            sum.rmse += difference.rmse.powi(2);
+            sum.coverage_error += difference.coverage;
+            let mut fastest = f64::INFINITY;
+            for frame in 0..WARM_UP + FRAMES {
+                let ms = self.meter.frame(scene)?;
+                if frame >= WARM_UP {
+                    fastest = fastest.min(ms);
+                }
+            }
+            if fastest > sum.frame_ms {
+                sum.frame_ms = fastest;
+                sum.fragments = count_fragments(scene)?.map(|counts| counts[..PASSES.len()].iter().sum());
+            }
+            let model = scene.instance.model();
+            sum.gpu_bytes = model.gpu_bytes() + scene.instance.gpu_bytes() + scene.shadow_bytes();
+        }
+        let count = self.views.len() as f64;
+        Ok(Measured {
+            flip: sum.flip / count,
+            flip_covered: sum.flip_covered / count,
+            rmse: (sum.rmse / count).sqrt(),
+            coverage_error: sum.coverage_error / count,
+            package_bytes: file.bytes.len() as u64,
+            bake_s,
+            ..sum
+        })
+    }
+}
+
+impl Source<'_> {
+    fn bake(&self, recipe: &Recipe) -> Result<PackageFile, Failure> {
+        let Self { file, name, model, images } = *self;
+        let baked = pipeline::bake(file, name, model, recipe, images, &mut |_| ())?;
+        Ok(PackageFile { name: name.into(), bytes: baked.package })
+    }
+}
+
+/// Size and light of all views.
+fn base_view(recipe: &Recipe) -> View {
+    View { size: (recipe.judge.width, recipe.judge.height), ..View::default() }
+}
+
+/// The recipe's views; left empty, two that frame the model.
+fn cameras(recipe: &Recipe, truth: &Truth) -> Vec<CameraView> {
+    if !recipe.judge.views.is_empty() {
+        return recipe.judge.views.clone();
+    }
+    let camera = |towards| {
+        let (eye, target, fov_deg) = truth.framed(&base_view(recipe), towards);
+        CameraView { eye, target, fov_deg }
+    };
+    [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera).into()
+}

@@ -1,0 +1,164 @@
+//! `pelage bake` with limits, and `pelage chart shells`, through the real binary: what is chosen is measured again from fresh.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::gpu::gpu;
+use pelage_tests::schema;
+use serde_json::Value;
+
+/// Small pictures and plain texels: everything is measured as in large ones, and faster.
+const SMALL: [&str; 5] =
+    ["judge.width=120", "judge.height=72", "judge.samples=8", "pack.shell_format=rgba8", "pack.direction_format=rg8"];
+
+#[track_caller]
+fn json(run: &Run, name: &str) -> Value {
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
+    let text = std::fs::read(workspace().join(format!("bake/src/cli/schema/{name}.json"))).unwrap();
+    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap_or_else(|e| panic!("{name}: {e}"));
+    value
+}
+
+/// `pelage bake` of the built-in torus with more arguments.
+fn bake(sandbox: &Sandbox, more: &[&str]) -> Run {
+    let path = |name: &str| workspace().join(name).display().to_string();
+    let (model, recipe) = (path("assets/models/torus.glb"), path("assets/recipes/torus.toml"));
+    let mut args = vec!["bake", &model, "--recipe", &recipe, "-o", "torus.pelage"];
+    args.extend(SMALL.iter().flat_map(|set| ["--set", set]));
+    args.extend(more);
+    sandbox.run(&args)
+}
+
+fn file_size(sandbox: &Sandbox, name: &str) -> u64 {
+    std::fs::metadata(sandbox.path().join(name)).unwrap().len()
+}
+
+#[test]
+fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
+    if gpu("a_limit_of_the_error_is_kept_when_measured_from_fresh").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    // What the recipe itself gives; a tenth more leaves something to save.
+    let trial = json(&bake(&sandbox, &["--max-error", "1", "--json"]), "bake");
+    let own = &trial["choice"]["trials"][0];
+    let limit = 1.1 * own["error"].as_f64().unwrap();
+    let object = json(&bake(&sandbox, &["--max-error", &limit.to_string(), "--json"]), "bake");
+    let choice = &object["choice"];
+    let chosen = &choice["trials"][choice["chosen"].as_u64().unwrap() as usize];
+    assert!(chosen["error"].as_f64().unwrap() <= limit, "{choice}");
+    assert!(chosen["frame_ms"].as_f64().unwrap() <= own["frame_ms"].as_f64().unwrap() * 1.5, "{choice}");
+    assert!(choice["trials"].as_array().unwrap().len() > 2, "{choice}");
+    assert_eq!(choice["views"].as_array().unwrap().len(), 2);
+
+    // The package holds the same evidence, and the settings that were chosen.
+    assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
+    let manifest: Value =
+        serde_json::from_slice(&std::fs::read(sandbox.path().join("folder/manifest.json")).unwrap()).unwrap();
+    assert_eq!(&manifest["choice"], choice);
+    let recipe = std::fs::read_to_string(sandbox.path().join("folder/recipe.toml")).unwrap();
+    for word in chosen["settings"].as_array().unwrap() {
+        let (key, value) = word.as_str().unwrap().split_once('=').unwrap();
+        let line = format!("{} = {value}", key.split_once('.').unwrap().1);
+        assert!(recipe.lines().any(|l| l == line), "{line} in {recipe}");
+    }
+
+    // Drawn, traced and compared by the other subcommands, from the views that the evidence names.
+    let mut errors = Vec::new();
+    for view in choice["views"].as_array().unwrap() {
+        let words: Vec<&str> = view.as_str().unwrap().split(' ').collect();
+        let size = ["--size", "120x72"];
+        let drawn = sandbox.run(&[&["render", "torus.pelage", "-o", "drawn.png"], &words[..], &size].concat());
+        assert_eq!(drawn.code, Some(0), "{drawn:?}");
+        let command = ["reference", "torus.pelage", "-o", "true.png", "--spp", "8"];
+        let traced = sandbox.run(&[&command, &words[..], &size].concat());
+        assert_eq!(traced.code, Some(0), "{traced:?}");
+        let compared = json(&sandbox.run(&["compare", "drawn.png", "true.png", "--json"]), "compare");
+        errors.push(compared["flip"]["mean"].as_f64().unwrap());
+    }
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    assert!((mean - chosen["error"].as_f64().unwrap()).abs() < 1e-4, "{mean}, {chosen}");
+}
+
+#[test]
+fn costs_have_limits_too() {
+    if gpu("costs_have_limits_too").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let limit = 250_000;
+    let bytes = limit.to_string();
+    let object = json(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
+    assert!(file_size(&sandbox, "torus.pelage") <= limit);
+    assert_eq!(object["bytes"], file_size(&sandbox, "torus.pelage"));
+    let choice = &object["choice"];
+    assert_eq!(choice["binding"], "max_bytes", "{choice}");
+    // The truest of what was measured within the limit.
+    let trials = choice["trials"].as_array().unwrap();
+    let chosen = &trials[choice["chosen"].as_u64().unwrap() as usize];
+    let error = |trial: &Value| trial["error"].as_f64().unwrap();
+    let within = trials.iter().filter(|t| t["bytes"].as_u64().unwrap() <= limit);
+    assert!(within.clone().count() > 1 && within.clone().all(|t| error(t) >= error(chosen)), "{choice}");
+    // What more would give is there to be seen.
+    assert!(choice["next_better"].is_u64(), "{choice}");
+    // A person reads the same.
+    let run = bake(&sandbox, &["--max-bytes", &bytes]);
+    for word in ["chosen:", "--max-bytes binds", "next better:", "next cheaper:", "measured "] {
+        assert!(run.stdout.contains(word), "{word}: {run:?}");
+    }
+}
+
+#[test]
+fn limits_that_nothing_meets_leave_no_package_and_name_the_nearest() {
+    if gpu("limits_that_nothing_meets_leave_no_package_and_name_the_nearest").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let run = bake(&sandbox, &["--max-error", "0.0001"]);
+    assert_eq!(run.code, Some(3), "{run:?}");
+    for word in ["torus.glb", "--max-error 0.0001", "nearest: ", "error 0.", "--set slice.layers="] {
+        assert!(run.stderr.contains(word), "{word}: {run:?}");
+    }
+    assert!(sandbox.files().is_empty(), "{:?}", sandbox.files());
+}
+
+#[test]
+fn limits_that_mean_nothing_are_usage() {
+    let sandbox = Sandbox::new();
+    for more in [
+        &["--max-error", "0"][..],
+        &["--max-error", "nan"],
+        &["--max-frame-ms", "-1"],
+        &["--max-bytes", "many"],
+        &["--exhaustive"],
+    ] {
+        let run = bake(&sandbox, more);
+        assert_eq!(run.code, Some(1), "{more:?}: {run:?}");
+    }
+}
+
+#[test]
+fn the_shells_chart() {
+    if gpu("the_shells_chart").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let sets: Vec<&str> = SMALL.iter().flat_map(|set| ["--set", set]).collect();
+    let run = sandbox.run(&[&["chart", "shells", "-o", "out", "--rows", "1,2,9", "--json"], &sets[..]].concat());
+    let object = json(&run, "chart");
+    let rows = object["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 3);
+    assert_eq!(rows[0]["default"], true);
+    assert_eq!(rows[1]["fins.enabled"], "false");
+    for row in rows {
+        assert!((0.001..0.5).contains(&row["flip"].as_f64().unwrap()), "{row}");
+        assert!(row["flip_covered"].as_f64() > row["flip"].as_f64(), "{row}");
+        for column in ["rmse", "coverage_error", "frame_milliseconds", "package_bytes", "gpu_bytes", "bake_seconds"] {
+            assert!(row[column].as_f64().unwrap() > 0.0, "{column}: {row}");
+        }
+    }
+    // More layers cost more; a picture of the chart is there.
+    assert!(rows[2]["slice.layers"].as_f64() > rows[0]["slice.layers"].as_f64(), "{rows:?}");
+    assert!(rows[2]["package_bytes"].as_f64() != rows[0]["package_bytes"].as_f64());
+    assert!(std::fs::read_to_string(sandbox.path().join("out/shells.svg")).unwrap().contains("<svg"));
+}
