@@ -6,6 +6,7 @@
 pub mod chart;
 pub mod compare;
 pub mod decide;
+pub mod detail;
 pub mod doctor;
 pub mod error;
 pub mod export;

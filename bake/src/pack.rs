@@ -7,8 +7,8 @@ use crate::mesh::Model;
 use crate::surface::Surface;
 use crate::textures::{FinTextures, SLABS, ShellTextures};
 use pelage_formats::{
-    AttributeVertex, Bounds, Choice, FinData, FinInfo, FurInfo, GeometryVertex, InputRecord, Limits, Manifest,
-    Material, MeshData, Package, PackageWriter, Part, QualityFigure, Shading, Tag, TextureEntry,
+    AttributeVertex, Bounds, Choice, DetailLevel, FinData, FinInfo, FurInfo, GeometryVertex, InputRecord, Limits,
+    Manifest, Material, MeshData, Package, PackageWriter, Part, QualityFigure, Shading, Tag, TextureEntry,
 };
 
 /// What the stages made, ready to be packed.
@@ -48,6 +48,8 @@ pub struct Pieces<'a> {
     pub groom_textures: &'a [Vec<u8>],
     /// One per material: index into `groom_textures`.
     pub groom_of_material: &'a [Option<usize>],
+    /// Levels of detail, finest first.
+    pub detail: &'a [DetailLevel],
     /// What all stages had to say.
     pub warnings: &'a [String],
 }
@@ -118,8 +120,8 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
         textures: textures.entries,
         quality: quality(surface),
         warnings: pieces.warnings.to_vec(),
-        coat: None,
-        detail: Vec::new(),
+        coat: pieces.shells.coat.as_ref().map(|coat| coat.info),
+        detail: pieces.detail.to_vec(),
         choice: None,
     };
     let mut writer = PackageWriter::new(manifest).mesh(&mesh_data(pieces));

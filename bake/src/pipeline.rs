@@ -1,6 +1,7 @@
 //! The way through bake, top to bottom; no mathematics in here.
 
 use crate::BakeError;
+use crate::detail;
 use crate::fins;
 use crate::groom::{self, Atlas, Lay, Lengths, MapImages, Maps, Pattern};
 use crate::hair::TileHair;
@@ -13,6 +14,9 @@ use pelage_formats::{Bounds, FurInfo, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 7] = ["surface", "simulate", "slice", "groom", "fins", "textures", "pack"];
+
+/// Array layers that WebGPU promises of a texture.
+const MOST_TEXTURE_LAYERS: u32 = 256;
 
 /// A finished bake.
 #[derive(Clone, Debug)]
@@ -93,7 +97,9 @@ pub fn bake(
     let TileHair { strands, wet: wet_strands, style } = TileHair::grow(recipe, lengths, maps.water())?;
 
     on_stage("slice");
-    let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack);
+    // The coat is an array layer more, of which no device needs to have over 256.
+    let with_coat = recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS;
+    let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat);
     let shells = slice(&strands)?;
     let wet_shells = wet_strands.as_ref().map(slice).transpose()?;
 
@@ -153,6 +159,7 @@ pub fn bake(
         base_colors: &base_colors,
         groom_textures: &groom_textures,
         groom_of_material: &grooms.of_material,
+        detail: &detail::levels(&recipe.detail, recipe.slice.layers, shells.coat.as_ref()),
         warnings: &warnings,
     })?;
     Ok(Baked { package, measures: surface.measures, warnings })

@@ -27,9 +27,9 @@ pub use guides::GuideParams;
 pub use maps::{Channel, ColorMap, ImagePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
 pub use params::{
-    BaseColorFormat, BcQuality, ColorParams, CombSource, DirectionFormat, FinParams, GroomParams, HairParams,
-    JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat, SliceParams,
-    Style, SurfaceParams, SurfaceSource,
+    BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
+    HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat,
+    SliceParams, Style, SurfaceParams, SurfaceSource,
 };
 pub use views::{CameraView, parse_vec3};
 
@@ -58,6 +58,8 @@ pub struct Recipe {
     pub slice: SliceParams,
     /// The fins.
     pub fins: FinParams,
+    /// The levels of detail.
+    pub detail: DetailParams,
     /// Texture formats of the package.
     pub pack: PackParams,
     /// The pictures that a bake with limits is judged by.
@@ -98,6 +100,7 @@ pub const KEYS: &[&[Key]] = &[
     ShadingParams::KEYS,
     SliceParams::KEYS,
     FinParams::KEYS,
+    DetailParams::KEYS,
     PackParams::KEYS,
     JudgeParams::KEYS,
 ];

@@ -31,6 +31,9 @@ pub struct DetailLevel {
     pub gone_px: f32,
     /// Share of the fins' opacity, 0..=1; with 0 they are not drawn.
     pub fins: f32,
+    /// Factor on the number of layers that each stands for, above 0: what keeps the mean optical depth of the whole, as hair is thinner in
+    /// the outer layers than in those that they stand for. 1 in the first level.
+    pub density: f32,
 }
 
 impl CoatInfo {
@@ -90,6 +93,9 @@ pub(crate) fn check(manifest: &Manifest) -> Result<(), String> {
         }
         if !(0.0..=1.0).contains(&level.fins) {
             return fail("fins", level.fins, "0..=1".into());
+        }
+        if !(level.density > 0.0 && level.density.is_finite()) || (i == 0 && level.density != 1.0) {
+            return fail("density", level.density, if i == 0 { "1".into() } else { "a finite number above 0".into() });
         }
         ceiling = level.gone_px;
     }

@@ -424,6 +424,8 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.detail[1].full_px = 20.0), "detail[1].full_px is 20, expected more than 0 and at most 18");
     refused(with(|m| m.detail[0].full_px = f32::INFINITY), "detail[0].full_px is inf");
     refused(with(|m| m.detail[0].gone_px = 25.0), "detail[0].gone_px is 25, expected 0 to full_px, 24");
+    refused(with(|m| m.detail[0].density = 2.0), "detail[0].density is 2, expected 1");
+    refused(with(|m| m.detail[1].density = 0.0), "detail[1].density is 0, expected a finite number above 0");
     refused(with(|m| m.detail[1].fins = 1.5), "detail[1].fins is 1.5");
     refused(
         Manifest { detail: sample_manifest().detail, ..Manifest::default() },

@@ -9,18 +9,20 @@
 //! | `fins` | [`Frame::draw`] | quads of hair along the outline | fur visible, package has fins |
 //! | `shells` | [`Frame::draw`] | layers of hair, inside to outside | fur visible |
 
+use crate::detail::Drawing;
 use crate::light_view::{Hull, LightView};
 use crate::params::MAX_FILL_LIGHTS;
 use crate::passes::fins::{self, FinDraws};
 use crate::passes::key::{Look, ShadowLook};
 use crate::passes::{PassId, layer_shadow, pose, shadow_width, shells, skin};
 use crate::renderer::Pipelines;
+use crate::report::{self, FrameReport};
 use crate::shadow::{CasterPass, Casters, PenumbraForm, ShadowKey, ShadowMaps, SlantForm};
 use crate::shared::receiver::ShadowReceiver;
-use crate::shared::{frame as blocks, kajiya_kay, skinning};
-use crate::{FrameParams, Instance, Light, Model, RuntimeError, Style};
+use crate::shared::{detail, frame as blocks, kajiya_kay, skinning};
+use crate::{FrameParams, Instance, Model, RuntimeError};
 use glam::{Mat3, Mat4, Vec3};
-use pelage_formats::Shading;
+use pelage_formats::{CoatInfo, Shading};
 use std::ops::Range;
 use std::sync::Arc;
 use wgpu::util::DeviceExt;
@@ -47,42 +49,14 @@ pub(crate) struct Drawn {
     /// Numbers and pipelines of the furred parts.
     pub(crate) shells: Vec<(usize, wgpu::RenderPipeline)>,
     /// What it draws of its fins.
-    fins: Option<FinDraws>,
+    pub(crate) fins: Option<FinDraws>,
     /// Numbers and pipelines of what the key light sees, where the maps are drawn: furred parts by layers, and all parts by depth.
     pub(crate) layer_shadow: Vec<(usize, wgpu::RenderPipeline)>,
     pub(crate) casters: [Vec<(usize, wgpu::RenderPipeline)>; 2],
-    /// Layers, skin counted.
-    pub(crate) layers: u32,
-    /// The layers that the shells draw.
-    pub(crate) shell_layers: Range<u32>,
-}
-
-/// Which passes ran, and why the others did not.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct FrameReport {
-    /// One entry per pass, in order.
-    pub passes: Vec<PassReport>,
-}
-
-/// What became of one pass.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PassReport {
-    /// Name of the pass: [`PassId::name`].
-    pub name: &'static str,
-    /// Whether it does anything in this frame.
-    pub ran: bool,
-    /// What it does, or why nothing.
-    pub reason: String,
-}
-
-impl PassReport {
-    pub(crate) fn ran(name: &'static str, reason: impl Into<String>) -> Self {
-        Self { name, ran: true, reason: reason.into() }
-    }
-
-    pub(crate) fn skipped(name: &'static str, reason: impl Into<String>) -> Self {
-        Self { name, ran: false, reason: reason.into() }
-    }
+    /// How much of its fur is drawn.
+    pub(crate) drawing: Drawing,
+    /// Instances of the shells' draw.
+    pub(crate) shell_instances: Range<u32>,
 }
 
 impl Drawn {
@@ -115,23 +89,23 @@ pub(crate) fn prepare(
     let posed = pose::record(device, encoder, pipelines, instances)?;
     mark(encoder, PassId::Pose);
 
-    let key = shadow_key(params, instances, casters.as_deref());
+    let drawings: Vec<_> = instances.iter().map(|i| Drawing::of(i, params, clip_from_view)).collect();
+    let key = shadow_key(params, instances, &drawings, casters.as_deref());
     let redraw = key.as_ref().is_some_and(|key| shadows.as_ref().is_none_or(|maps| maps.key != *key));
     let stride = block_stride(device);
     let mut drawn = Vec::new();
-    for (index, instance) in instances.iter().enumerate() {
+    for (index, (instance, drawing)) in instances.iter().zip(&drawings).enumerate() {
         let model = instance.model();
-        let layers = drawn_layers(model, params);
-        let look = look(model, params, instance.transform, key.as_ref());
+        let look = look(model, params, drawing, instance.transform, key.as_ref());
         let from_light = look.seen_from_light(model, key.as_ref());
         drawn.push(Drawn {
             model: model.clone(),
             geometry: instance.geometry().clone(),
             uniform_offset: (index as u32 + 1) * stride,
             skin: skin::plan(device, pipelines, model, &look),
-            shells: if layers > 1 { shells::plan(device, pipelines, model, &look) } else { Vec::new() },
+            shells: if drawing.has_shells() { shells::plan(device, pipelines, model, &look) } else { Vec::new() },
             fins: if look.fins { fins::draws(device, pipelines, instance, &look) } else { None },
-            layer_shadow: if redraw && params.self_shadow && layers > 1 {
+            layer_shadow: if redraw && params.self_shadow && drawing.has_shells() {
                 layer_shadow::plan(device, pipelines, model, &from_light)
             } else {
                 Vec::new()
@@ -141,8 +115,10 @@ pub(crate) fn prepare(
             } else {
                 Default::default()
             },
-            layers,
-            shell_layers: params.only_layer.map_or(1..layers, |k| k..(k + 1).min(layers)),
+            drawing: *drawing,
+            shell_instances: params
+                .only_layer
+                .map_or_else(|| drawing.shell_instances(), |k| k..(k + 1).min(drawing.layers)),
         });
     }
 
@@ -155,16 +131,17 @@ pub(crate) fn prepare(
         soft_shadow: [0.0; 4],
         last_map_layer: key.as_ref().map_or(0.0, |key| (key.map_layers - 1) as f32),
         fill_lights: params.fill_lights.len() as u32,
-        hair_density: params.shadows.density,
+        // Also what the hair of a far coat meets, which has no maps.
+        hair_density: if params.self_shadow { params.shadows.density } else { 0.0 },
         reserved: 0,
     };
     let upload = |frame: &blocks::Frame, maps: Option<&ShadowMaps>| {
-        let block = |i: &&mut Instance| {
-            let layers = maps.map_or_else(|| drawn_layers(i.model(), params), |maps| maps.key.map_layers);
+        let block = |(i, drawing): (&&mut Instance, &Drawing)| {
+            let layers = maps.map_or(drawing.layers, |maps| maps.key.map_layers);
             let map_level = maps.map_or(0.0, |maps| map_level(i, maps));
-            blocks::Instance { map_level, ..instance_block(i, params, layers) }
+            blocks::Instance { map_level, ..instance_block(i, params, drawing, layers) }
         };
-        upload_blocks(device, stride, frame, instances.iter().map(block))
+        upload_blocks(device, stride, frame, instances.iter().zip(&drawings).map(block))
     };
     if let Some(key) = key.filter(|_| redraw) {
         // Maps that another frame still reads stay as they are.
@@ -198,16 +175,7 @@ pub(crate) fn prepare(
         let s = maps.soft_shadow();
         frame.soft_shadow = [s.range_m, s.penumbra, s.blur, s.texel];
     }
-    let report = FrameReport {
-        passes: vec![
-            posed,
-            report_layer_shadow(&drawn, params, maps.as_deref(), redraw),
-            report_shadow_width(&drawn, params, maps.as_deref(), redraw),
-            report_skin(&drawn),
-            report_fins(&drawn, params),
-            report_shells(&drawn, params),
-        ],
-    };
+    let report = report::report(posed, &drawn, params, maps.as_deref(), redraw);
     let buffer = upload(&frame, None);
     let bind_group = pipelines.layouts.frame_bind_group(device, &buffer, &fills, maps.as_deref());
     let width = maps.as_deref().and_then(ShadowMaps::width);
@@ -216,8 +184,14 @@ pub(crate) fn prepare(
 }
 
 /// What the shadow maps of a frame depend on; `None` where it needs none.
-fn shadow_key(params: &FrameParams, instances: &[&mut Instance], casters: Option<&Casters<'_>>) -> Option<ShadowKey> {
-    let layers = instances.iter().map(|i| drawn_layers(i.model(), params)).max()?;
+fn shadow_key(
+    params: &FrameParams,
+    instances: &[&mut Instance],
+    drawings: &[Drawing],
+    casters: Option<&Casters<'_>>,
+) -> Option<ShadowKey> {
+    // The finest instance decides; what draws other layers reads between the maps.
+    let layers = drawings.iter().map(|d| d.map_layers).max()?;
     let self_shadow = params.self_shadow && layers > 1;
     // A light without light throws no shadow.
     if !(self_shadow || params.soft_shadow) || params.light.color() == Vec3::ZERO {
@@ -238,7 +212,7 @@ fn shadow_key(params: &FrameParams, instances: &[&mut Instance], casters: Option
         self_shadow,
         soft_shadow: params.soft_shadow,
         map_layers: if self_shadow { params.shadows.map_layers.unwrap_or(layers).min(256) } else { 1 },
-        instances: instances.iter().map(|i| i.shadow_key(drawn_layers(i.model(), params) > 1)).collect(),
+        instances: instances.iter().zip(drawings).map(|(i, d)| i.shadow_key(d.has_shells())).collect(),
         casters: casters.map(|c| c.revision),
     })
 }
@@ -300,26 +274,28 @@ impl Frame {
     }
 }
 
-/// Compiles what a frame with these parameters needs.
+/// Compiles what a frame with these parameters needs, whatever the model's size on screen.
 pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &Model, params: &FrameParams) {
-    let key = light_alone(model, params);
-    let look = look(model, params, Mat4::IDENTITY, key.as_ref());
-    let from_light = look.seen_from_light(model, key.as_ref());
-    if params.self_shadow && key.is_some() && drawn_layers(model, params) > 1 {
-        layer_shadow::plan(device, pipelines, model, &from_light);
-    }
-    if key.is_some() {
-        shadow_width::plan(device, pipelines, model, &from_light);
-    }
-    if params.soft_shadow && key.is_some() {
-        pipelines.filter(device);
-    }
-    skin::plan(device, pipelines, model, &look);
-    if drawn_layers(model, params) > 1 {
-        shells::plan(device, pipelines, model, &look);
-    }
-    if look.fins {
-        fins::plan(device, pipelines, model, &look);
+    for drawing in Drawing::all(model.manifest(), params) {
+        let key = light_alone(model, params, &drawing);
+        let look = look(model, params, &drawing, Mat4::IDENTITY, key.as_ref());
+        let from_light = look.seen_from_light(model, key.as_ref());
+        if params.self_shadow && key.is_some() && drawing.has_shells() {
+            layer_shadow::plan(device, pipelines, model, &from_light);
+        }
+        if key.is_some() {
+            shadow_width::plan(device, pipelines, model, &from_light);
+        }
+        if params.soft_shadow && key.is_some() {
+            pipelines.filter(device);
+        }
+        skin::plan(device, pipelines, model, &look);
+        if drawing.has_shells() {
+            shells::plan(device, pipelines, model, &look);
+        }
+        if look.fins {
+            fins::plan(device, pipelines, model, &look);
+        }
     }
     if model.skeleton().is_some() {
         pipelines.pose(device);
@@ -327,25 +303,27 @@ pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &
 }
 
 /// The key of a frame of one model, as far as pipelines depend on it.
-fn light_alone(model: &Model, params: &FrameParams) -> Option<ShadowKey> {
+fn light_alone(model: &Model, params: &FrameParams, drawing: &Drawing) -> Option<ShadowKey> {
     let mut instance = Instance::new(model);
-    shadow_key(params, &[&mut instance], None)
+    shadow_key(params, &[&mut instance], &[*drawing], None)
 }
 
-fn look(model: &Model, params: &FrameParams, transform: Mat4, shadows: Option<&ShadowKey>) -> Look {
+fn look(model: &Model, params: &FrameParams, drawing: &Drawing, transform: Mat4, shadows: Option<&ShadowKey>) -> Look {
     let manifest = model.manifest();
-    let drawn = drawn_layers(model, params);
     Look {
         style: params.style,
         yardstick: params.yardstick,
         mirrored: skinning::handedness_of(Mat3::from_mat4(transform)) < 0.0,
-        resampled: drawn != manifest.fur.layers,
-        fins: params.fins && model.fins().is_some() && drawn > 1,
+        resampled: drawing.layers != manifest.fur.layers,
+        detail: drawing.is_reduced(),
+        coat: drawing.detail.coat > 0.0,
+        fins: params.fins && model.fins().is_some() && drawing.has_shells() && drawing.detail.fins > 0.0,
         view_slanted: params.slant == SlantForm::Corrected,
         shadows: shadows.map_or_else(ShadowLook::default, |key| ShadowLook {
             self_shadow: key.self_shadow,
             slanted: key.self_shadow && key.params.slant == SlantForm::Corrected,
-            maps_between: key.self_shadow && key.map_layers != drawn,
+            // Reduced layers are lit at the height of the hair seen in them.
+            maps_between: key.self_shadow && (key.map_layers != drawing.layers || drawing.is_reduced()),
             soft_shadow: key.soft_shadow,
             centred: key.soft_shadow && key.params.penumbra_form == PenumbraForm::Centred,
         }),
@@ -361,103 +339,6 @@ impl Look {
         let layers = key.map_or(0, |key| key.map_layers);
         Self { resampled: layers != model.manifest().fur.layers, ..self }
     }
-}
-
-/// Layers to draw of a model, skin counted; 1 where no fur shows.
-fn drawn_layers(model: &Model, params: &FrameParams) -> u32 {
-    let baked = model.manifest().fur.layers;
-    if baked < 2 || params.style == Style::Bare {
-        return 1;
-    }
-    params.layers.unwrap_or(baked)
-}
-
-fn report_layer_shadow(drawn: &[Drawn], params: &FrameParams, maps: Option<&ShadowMaps>, redrawn: bool) -> PassReport {
-    let name = PassId::LayerShadow.name();
-    match maps.filter(|maps| maps.key.self_shadow) {
-        Some(maps) if redrawn => {
-            let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
-            PassReport::ran(name, format!("{layers} maps of {size} x {size}{}", light_inside(maps)))
-        }
-        Some(_) => PassReport::skipped(name, "light, poses and models as in the maps"),
-        None if drawn.is_empty() => PassReport::skipped(name, "no instances"),
-        None if !params.self_shadow => PassReport::skipped(name, "switched off"),
-        None if params.light.color() == Vec3::ZERO => PassReport::skipped(name, "the key light is dark"),
-        None if params.style == Style::Bare => PassReport::skipped(name, "style is bare"),
-        None => PassReport::skipped(name, "no fur is drawn"),
-    }
-}
-
-fn report_shadow_width(drawn: &[Drawn], params: &FrameParams, maps: Option<&ShadowMaps>, redrawn: bool) -> PassReport {
-    let name = PassId::ShadowWidth.name();
-    match maps.filter(|maps| maps.key.soft_shadow) {
-        Some(maps) if redrawn => {
-            let (size, shrink) = (maps.key.params.map_size, maps.key.params.shrink);
-            PassReport::ran(name, format!("{size} x {size}, shrunk {shrink} times{}", light_inside(maps)))
-        }
-        Some(_) => PassReport::skipped(name, "light, poses and models as in the maps"),
-        None if drawn.is_empty() => PassReport::skipped(name, "no instances"),
-        None if !params.soft_shadow => PassReport::skipped(name, "switched off"),
-        None => PassReport::skipped(name, "the key light is dark"),
-    }
-}
-
-/// A light inside what it lights has no view of all of it.
-fn light_inside(maps: &ShadowMaps) -> &'static str {
-    let sphere = maps.view().sphere;
-    match maps.key.light {
-        Light::Point { position, .. } if position.distance(sphere.center) < sphere.radius => {
-            "; the light is inside the scene, the maps cover the side of its centre"
-        }
-        _ => "",
-    }
-}
-
-fn report_skin(drawn: &[Drawn]) -> PassReport {
-    let draws: usize = drawn.iter().map(|d| d.skin.len()).sum();
-    if draws == 0 {
-        return PassReport::skipped("skin", "no instances");
-    }
-    PassReport::ran("skin", format!("{} instances, {draws} parts", drawn.len()))
-}
-
-fn report_fins(drawn: &[Drawn], params: &FrameParams) -> PassReport {
-    let with_fins = drawn.iter().filter(|d| d.fins.is_some());
-    let fins: u32 = with_fins.clone().flat_map(|d| d.model.parts()).map(|part| part.fins.len() as u32).sum();
-    if fins > 0 {
-        return PassReport::ran("fins", format!("{} instances, {fins} edges", with_fins.count()));
-    }
-    PassReport::skipped(
-        "fins",
-        match (drawn.is_empty(), params.style, params.layers) {
-            (true, ..) => "no instances",
-            (_, Style::Bare, _) => "style is bare",
-            (_, _, Some(1)) => "one layer is the skin alone",
-            _ if !params.fins => "switched off",
-            _ if drawn.iter().any(|d| d.model.manifest().fur.fins.is_some()) => {
-                "no edges, or no storage buffers in vertex shaders"
-            }
-            _ => "no package has fins",
-        },
-    )
-}
-
-fn report_shells(drawn: &[Drawn], params: &FrameParams) -> PassReport {
-    let furry = drawn.iter().filter(|d| !d.shells.is_empty());
-    let layers: u32 = furry.clone().map(|d| d.layers - 1).sum();
-    if layers > 0 {
-        let how = if params.yardstick { ", yardstick: one read, no lighting" } else { "" };
-        return PassReport::ran("shells", format!("{} instances, {layers} layers{how}", furry.count()));
-    }
-    PassReport::skipped(
-        "shells",
-        match (drawn.is_empty(), params.style, params.layers) {
-            (true, ..) => "no instances",
-            (_, Style::Bare, _) => "style is bare",
-            (_, _, Some(1)) => "one layer is the skin alone",
-            _ => "no package has fur",
-        },
-    )
 }
 
 /// Lights without shadow, as the shaders read them.
@@ -514,7 +395,7 @@ fn map_level(instance: &Instance, maps: &ShadowMaps) -> f32 {
 }
 
 /// `drawn`: layers, skin counted; 1 where no fur shows.
-fn instance_block(instance: &Instance, params: &FrameParams, drawn: u32) -> blocks::Instance {
+fn instance_block(instance: &Instance, params: &FrameParams, drawing: &Drawing, drawn: u32) -> blocks::Instance {
     let manifest = instance.model().manifest();
     let shading = params.shading.unwrap_or(manifest.shading);
     let linear = Mat3::from_mat4(instance.transform);
@@ -523,6 +404,8 @@ fn instance_block(instance: &Instance, params: &FrameParams, drawn: u32) -> bloc
     let constant = |k: [f32; 3], light: Vec3| (Vec3::from(k) * light).to_array();
     let unit = Shading { specular: [1.0; 3], ..shading };
     let baked = manifest.fur.layers;
+    let coat = manifest.coat.unwrap_or_default();
+    let [coat_light_base, coat_light_slope] = coat_light(&coat, params);
     blocks::Instance {
         world_from_model: instance.transform.to_cols_array_2d(),
         normal_x: cofactor(linear.y_axis, linear.z_axis),
@@ -549,6 +432,30 @@ fn instance_block(instance: &Instance, params: &FrameParams, drawn: u32) -> bloc
         wet_specular_half_exponent: 0.5 * shading.wet().specular_exponent,
         diffuse_constant: shading.diffuse,
         map_level: 0.0,
-        specular_constant: Vec3::from(shading.specular).extend(0.0).to_array(),
+        specular_constant: shading.specular,
+        detail_here: drawing.weights[0],
+        // The shaders divide by it; a level without layers draws none.
+        layer_step: drawing.step.max(1),
+        next_step: drawing.next_step,
+        detail_next: drawing.weights[1],
+        fin_share: drawing.detail.fins,
+        coat_height: coat.height,
+        coat_ambient_height: coat.ambient_height,
+        coat_light_base,
+        coat_light_slope,
+    }
+}
+
+/// How the key light reaches the hair of a far coat: the numbers of `coat_light` in the shaders.
+fn coat_light(coat: &CoatInfo, params: &FrameParams) -> [f32; 2] {
+    if !params.self_shadow {
+        return [1.0, 0.0];
+    }
+    let [base, slope] = detail::coat_light_numbers(coat);
+    let slope = slope * params.shadows.density;
+    match params.shadows.slant {
+        SlantForm::Corrected => [base, slope],
+        // All light comes straight.
+        SlantForm::Printed => [base + slope, 0.0],
     }
 }

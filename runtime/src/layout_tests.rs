@@ -3,7 +3,8 @@
 use crate::passes::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
 use crate::passes::{fins, layer_shadow, pose, shadow_width, shells, skin};
 use crate::shared::{
-    fins as fin_shares, frame, kajiya_kay, layer_shadow as layers, opacity, receiver, skinning, soft_shadow, tile_frame,
+    detail, fins as fin_shares, frame, kajiya_kay, layer_shadow as layers, opacity, receiver, skinning, soft_shadow,
+    tile_frame,
 };
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
@@ -57,7 +58,7 @@ fn every_wgsl_file_is_valid_and_used() {
             parse(&file.display().to_string(), &source);
         }
     }
-    assert_eq!(files.len(), 17, "{files:?}");
+    assert_eq!(files.len(), 18, "{files:?}");
 }
 
 /// Offset and size of each member of a struct, and the struct's size.
@@ -128,6 +129,15 @@ fn uniform_structs_agree() {
             diffuse_constant,
             map_level,
             specular_constant,
+            detail_here,
+            layer_step,
+            next_step,
+            detail_next,
+            fin_share,
+            coat_height,
+            coat_ambient_height,
+            coat_light_base,
+            coat_light_slope,
         )
     );
     assert_eq!(
@@ -220,6 +230,7 @@ fn workgroups_agree() {
 #[test]
 fn shared_sources_stand_alone() {
     for (name, source) in [
+        ("detail", detail::WGSL),
         ("fins", fin_shares::WGSL),
         ("frame", frame::WGSL),
         ("kajiya_kay", kajiya_kay::WGSL),

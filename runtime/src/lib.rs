@@ -27,6 +27,7 @@
 //! directions. A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
 
 mod camera;
+mod detail;
 mod error;
 mod extent;
 mod frame;
@@ -36,6 +37,7 @@ mod model;
 mod params;
 mod passes;
 mod renderer;
+mod report;
 mod shadow;
 pub mod shared;
 
@@ -44,14 +46,16 @@ pub mod shared;
 mod layout_tests;
 
 pub use camera::{Camera, Light, Projection};
+pub use detail::{Detail, InstanceDetail};
 pub use error::RuntimeError;
-pub use frame::{Frame, FrameReport, PassReport};
+pub use frame::Frame;
 pub use instance::{Instance, Motion};
 pub use light_view::{LightView, Sphere};
 pub use model::Model;
 pub use params::{FrameParams, Lighting, MAX_FILL_LIGHTS, RendererOptions, Style};
 pub use passes::PassId;
 pub use renderer::Renderer;
+pub use report::{FrameReport, PassReport};
 pub use shadow::{CasterPass, Casters, PenumbraForm, ShadowMaps, ShadowParams, SlantForm};
 
 pub use glam;

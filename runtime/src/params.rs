@@ -1,6 +1,6 @@
 //! What is set once and what is set per frame.
 
-use crate::{Camera, Light, RuntimeError, ShadowParams, SlantForm};
+use crate::{Camera, Detail, Light, RuntimeError, ShadowParams, SlantForm};
 use glam::Vec3;
 use pelage_formats::Shading;
 
@@ -106,6 +106,8 @@ pub struct FrameParams {
     pub layers: Option<u32>,
     /// How opaque a layer is to a look that goes through it at a slant (default [`SlantForm::Corrected`]).
     pub slant: SlantForm,
+    /// How much of the fur is drawn where it is small on screen (default [`Detail::Full`]).
+    pub detail: Detail,
     /// Whether fins are drawn where the package has them (default true).
     pub fins: bool,
     /// Whether hair shadows hair, t of Yang 2006, eq. (2), by layer-wise shadow maps (default true).
@@ -141,6 +143,7 @@ impl FrameParams {
             style: Style::Fur,
             layers: None,
             slant: SlantForm::default(),
+            detail: Detail::Full,
             fins: true,
             self_shadow: true,
             soft_shadow: true,
@@ -158,6 +161,7 @@ impl FrameParams {
             Err(RuntimeError::Params { field, found, expected: expected.into() })
         };
         self.shadows.check(limits)?;
+        self.detail.check()?;
         if self.fill_lights.len() > MAX_FILL_LIGHTS {
             return fail("FrameParams::fill_lights", format!("{} lights", self.fill_lights.len()), "at most 32");
         }

@@ -1,7 +1,11 @@
 //! Models whose silhouettes are measured.
 
 use crate::binary::{data, workspace};
-use std::path::PathBuf;
+use pelage_bake::groom::MapImages;
+use pelage_bake::import::ImportOptions;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::{io, pipeline};
+use std::path::{Path, PathBuf};
 
 /// IEEE 754 binary16, little-endian; normal numbers and zero.
 pub fn half_to_f32(bytes: [u8; 2]) -> f32 {
@@ -41,4 +45,22 @@ pub fn cases() -> Vec<Case> {
         cases.push(Case { name: "bunny", model, recipe: None, size: (400, 400) });
     }
     cases
+}
+
+/// Bakes a model with textures that a software rasteriser reads quickly.
+///
+/// `recipe`: path from the workspace's root; `set`: assignments to its keys.
+pub fn bake_plain(name: &str, model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
+    let mut parsed = Recipe::default();
+    if let Some(path) = recipe {
+        let text = std::fs::read_to_string(workspace().join(path)).expect("the recipe is there");
+        parsed = Recipe::parse(path, &text).expect("the recipe reads");
+    }
+    // Plain texels: a software rasteriser decodes blocks at every read.
+    let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
+    plain.iter().chain(set).for_each(|assignment| parsed.set(assignment).expect("the key exists"));
+    let options = ImportOptions { unit_m: parsed.model.unit_m };
+    let loaded = io::read_model(model, &options).expect("the model reads");
+    let file = model.display().to_string();
+    pipeline::bake(&file, name, &loaded, &parsed, &MapImages::default(), &mut |_| ()).expect("the model bakes").package
 }

@@ -5,9 +5,9 @@ use super::gpu::Gpu;
 use super::measure::{self, Clock, FrameTimes, Meter, PASSES, Spread};
 use super::output::{Output, human_bytes};
 use super::package_file::PackageFile;
-use super::scene::{Scene, View};
+use super::scene::{Scene, View, detail};
 use super::view_args::ViewArgs;
-use pelage_runtime::PassId;
+use pelage_runtime::{Frame, Instance, PassId};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -46,13 +46,15 @@ pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
             times.push(frame);
         }
     }
-    report(output, &scene, meter.clock(), fragments, &times)?;
+    let frame = scene.draw()?;
+    report(output, &scene, &frame, meter.clock(), fragments, &times)?;
     Ok(Exit::Done)
 }
 
 fn report(
     output: &mut Output,
     scene: &Scene,
+    drawn: &Frame,
     clock: Clock,
     fragments: Option<[u64; PASSES.len()]>,
     times: &[FrameTimes],
@@ -64,9 +66,9 @@ fn report(
     let frame = Spread::of(times.iter().map(|t| t.frame));
     let yardstick = Spread::of(times.iter().map(|t| t.yardstick));
     let medians: [f64; PASSES.len()] = std::array::from_fn(|i| Spread::of(times.iter().map(|t| t.passes[i])).median);
-    let drawn = |id| matches!(id, PassId::Skin | PassId::Fins | PassId::Shells);
+    let counted = |id| matches!(id, PassId::Skin | PassId::Fins | PassId::Shells);
     let counts: [Option<u64>; PASSES.len()] =
-        std::array::from_fn(|i| fragments.filter(|_| drawn(PASSES[i])).map(|f| f[i]));
+        std::array::from_fn(|i| fragments.filter(|_| counted(PASSES[i])).map(|f| f[i]));
     let unshadowed = Spread::of(times.iter().map(|t| t.unshadowed));
     let of = |id| PASSES.iter().position(|p| *p == id).map_or(0.0, |i| medians[i]);
     let maps_ms = of(PassId::LayerShadow) + of(PassId::ShadowWidth);
@@ -76,7 +78,9 @@ fn report(
     let over_frame = Spread::of(times.iter().filter(|_| shadowed).map(|t| (t.passes[1] + t.passes[2]) / t.frame));
     let shells = medians[PASSES.len() - 1];
     let ratio = (yardstick.median > 0.0).then(|| shells / yardstick.median);
-    let gpu_bytes = model.gpu_bytes() + scene.instance.gpu_bytes() + scene.shadow_bytes();
+    let gpu_bytes = model.gpu_bytes() + scene.shadow_bytes();
+    let gpu_bytes =
+        gpu_bytes + std::iter::once(&scene.instance).chain(&scene.others).map(Instance::gpu_bytes).sum::<u64>();
     let passes: Vec<_> = (0..PASSES.len())
         .map(|i| json!({ "name": PASSES[i].name(), "median_ms": medians[i], "fragments": counts[i] }))
         .collect();
@@ -97,6 +101,9 @@ fn report(
         "pipelines_ms": scene.compile.as_secs_f64() * 1e3,
         "gpu_bytes": gpu_bytes,
         "layers": layers,
+        "instances": 1 + scene.others.len(),
+        "drawn_layers": drawn.report().instances.iter().map(|d| u64::from(d.layers)).sum::<u64>(),
+        "detail": detail(drawn),
         "triangles": triangles,
     });
     let mut text = String::new();
@@ -105,6 +112,9 @@ fn report(
     };
     line(format_args!("{} ({clock:?}, {} frames)", scene.gpu.info.name, times.len()));
     line(format_args!("{triangles} triangles, {layers} layers, {} on the device", human_bytes(gpu_bytes)));
+    for pass in drawn.report().passes.iter().filter(|p| p.name == PassId::Shells.name()) {
+        line(format_args!("{}: {}", pass.name, pass.reason));
+    }
     line(format_args!("frame          {:9.2} ms  ({:.2} .. {:.2})", frame.median, frame.min, frame.max));
     for i in 0..PASSES.len() {
         let count = counts[i].map_or(String::new(), |n| format!("  {n} fragments"));

@@ -4,7 +4,7 @@ use super::exit::{Exit, Failure};
 use super::gpu::Gpu;
 use super::output::{Output, require_parent};
 use super::package_file::PackageFile;
-use super::scene::{Scene, View};
+use super::scene::{Scene, View, detail};
 use super::view_args::ViewArgs;
 use glam::Quat;
 use pelage_bake::io;
@@ -45,6 +45,8 @@ pub struct Picture {
     pub mean_luminance: f64,
     /// The frame it was drawn from, with its report.
     passes: Vec<serde_json::Value>,
+    /// What is drawn of each copy's fur.
+    detail: Vec<serde_json::Value>,
 }
 
 /// Runs the subcommand.
@@ -75,7 +77,12 @@ pub fn draw(scene: &mut Scene, path: &Path) -> Result<Picture, Failure> {
     let pixels = scene.canvas.read(&scene.gpu)?;
     let covered_pixels = pixels.pixels().filter(|p| p.0[3] > 0).count() as u64;
     io::write_atomic(path, &encode_png(&pixels)?)?;
-    Ok(Picture { covered_pixels, mean_luminance: mean_luminance(&pixels), passes: passes(&frame) })
+    Ok(Picture {
+        covered_pixels,
+        mean_luminance: mean_luminance(&pixels),
+        passes: passes(&frame),
+        detail: detail(&frame),
+    })
 }
 
 /// A light carried around the world's vertical axis.
@@ -147,6 +154,7 @@ fn report(
         "covered_pixels_per_picture": pictures.iter().map(covered).collect::<Vec<_>>(),
         "mean_luminance_per_picture": pictures.iter().map(|p| p.mean_luminance).collect::<Vec<_>>(),
         "passes": pictures[0].passes,
+        "detail": pictures[0].detail,
     });
     output.result(&files.join("\n"), &value)
 }

@@ -4,16 +4,17 @@ use super::exit::Failure;
 use super::framing;
 use super::gpu::{COLOR_FORMAT, Canvas, DEPTH_FORMAT, Gpu};
 use super::package_file::PackageFile;
-use super::view_args::{Background, LightingArg, Penumbra, Slant, StyleArg, Switch, ViewArgs};
-use glam::Vec3;
+use super::view_args::{Background, DetailArg, LightingArg, Penumbra, Slant, StyleArg, Switch, ViewArgs};
+use glam::{Mat4, Vec3};
 use pelage_bake::BakeError;
 use pelage_bake::mesh::blend;
 use pelage_bake::textures::srgb_to_linear;
-use pelage_formats::{Animation, GeometryVertex, Package, Pose};
+use pelage_formats::{Animation, GeometryVertex, Manifest, Package, Pose};
 use pelage_runtime::{
-    Camera, Frame, FrameParams, Instance, Light, Lighting, Motion, PassId, PenumbraForm, Projection, Renderer,
-    RendererOptions, RuntimeError, ShadowMaps, ShadowParams, SlantForm, Style, wgpu,
+    Camera, Detail, Frame, FrameParams, Instance, InstanceDetail, Light, Lighting, Model, Motion, PassId, PenumbraForm,
+    Projection, Renderer, RendererOptions, RuntimeError, ShadowMaps, ShadowParams, SlantForm, Style, wgpu,
 };
+use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
 /// How a package is looked at; what the arguments that `render` and `bench` share come to.
@@ -37,6 +38,10 @@ pub struct View {
     pub layers: Option<u32>,
     /// What the slant of the look does to the opacity of a layer.
     pub slant: SlantForm,
+    /// How much of the fur is drawn where it is small.
+    pub detail: DetailArg,
+    /// Copies of the model, at least 1.
+    pub crowd: u32,
     /// Whether fins are drawn where the package has them.
     pub fins: bool,
     /// Lights without shadow.
@@ -76,6 +81,8 @@ impl Default for View {
             time_s: 0.0,
             layers: None,
             slant: SlantForm::default(),
+            detail: DetailArg::Full,
+            crowd: 1,
             fins: true,
             fill_lights: Vec::new(),
             lighting: Lighting::Pixel,
@@ -106,6 +113,8 @@ impl TryFrom<&ViewArgs> for View {
             time_s: args.time,
             layers: args.layers,
             slant: slant(args.view_slant),
+            detail: args.detail,
+            crowd: args.crowd,
             fins: args.fins != Some(Switch::Off),
             fill_lights: args.fill_light.iter().map(|f| distant(f.direction, f.strength)).collect(),
             terms: Terms {
@@ -159,8 +168,10 @@ pub struct Scene {
     pub canvas: Canvas,
     /// Camera, light and style.
     pub params: FrameParams,
-    /// The one copy of the model.
+    /// The model.
     pub instance: Instance,
+    /// The other copies of a crowd.
+    pub others: Vec<Instance>,
     /// Time from the opened package to its textures and buffers on the device.
     pub upload: Duration,
     /// Time to compile the pipelines of the style.
@@ -213,6 +224,11 @@ impl Scene {
         params.style = view.style;
         params.layers = view.layers;
         params.slant = view.slant;
+        params.detail = match view.detail {
+            DetailArg::Full => Detail::Full,
+            DetailArg::Auto => Detail::Auto { target_height_px: height as f32, bias: 1.0 },
+            DetailArg::Level(level) => Detail::Level(level),
+        };
         params.fins = view.fins;
         params.fill_lights.clone_from(&view.fill_lights);
         params.lighting = view.lighting;
@@ -233,6 +249,7 @@ impl Scene {
         };
         let mut scene = Self {
             instance: Instance::new(&model),
+            others: crowd(&model, view.crowd),
             gpu,
             canvas,
             params,
@@ -250,7 +267,9 @@ impl Scene {
     /// Poses the model at a moment of the clip; times beyond its end go round.
     pub fn set_time(&mut self, time_s: f32) {
         if let Some((clip, duration_s)) = self.clip {
-            self.instance.motion = Motion::Clip { clip, time_s: within(time_s, duration_s) };
+            for instance in std::iter::once(&mut self.instance).chain(&mut self.others) {
+                instance.motion = Motion::Clip { clip, time_s: within(time_s, duration_s) };
+            }
         }
     }
 
@@ -274,6 +293,7 @@ impl Scene {
     ) -> Result<Frame, Failure> {
         self.renderer.invalidate_shadows();
         self.instance.invalidate();
+        self.others.iter_mut().for_each(Instance::invalidate);
         self.record(encoder, mark)
     }
 
@@ -282,7 +302,7 @@ impl Scene {
         encoder: &mut wgpu::CommandEncoder,
         mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
     ) -> Result<Frame, Failure> {
-        let instances = &mut [&mut self.instance];
+        let instances: &mut Vec<_> = &mut std::iter::once(&mut self.instance).chain(&mut self.others).collect();
         // The package was loaded in full before, so what fails now is an argument.
         let frame = self
             .renderer
@@ -355,7 +375,45 @@ pub fn find_clip(
     Err(Failure::Usage(format!("--clip {name}: no such clip; {} has {has}", file.name)))
 }
 
-/// The places of a package's vertices at rest, by which the default camera frames it.
+/// Where the copies of a crowd stand: the first where the model is, the others in rows beside and behind it, metres.
+fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
+    let b = &manifest.bounds;
+    let fur_m = 2.0 * manifest.fur.height_m;
+    let [width, _, depth] = std::array::from_fn(|axis| 1.1 * (b.max[axis] - b.min[axis] + fur_m));
+    let columns = f64::from(crowd).sqrt().ceil() as u32;
+    let place = |i: u32| Vec3::new((i % columns) as f32 * width, 0.0, -((i / columns) as f32) * depth);
+    (0..crowd).map(place).collect()
+}
+
+/// The copies of a crowd besides the first, farthest last.
+fn crowd(model: &Model, crowd: u32) -> Vec<Instance> {
+    let places = places(model.manifest(), crowd);
+    let instance = |place: &Vec3| {
+        let mut instance = Instance::new(model);
+        instance.transform = Mat4::from_translation(*place);
+        instance
+    };
+    places.iter().skip(1).map(instance).collect()
+}
+
+/// What is drawn of each copy's fur, as JSON.
+pub fn detail(frame: &Frame) -> Vec<Value> {
+    let of = |d: &InstanceDetail| {
+        json!({
+            "level": d.level,
+            "fade": d.fade,
+            "layers": d.layers,
+            "of_layers": d.of_layers,
+            "fins": d.fins,
+            "coat": d.coat,
+            // JSON has no infinity: the eye is among the hair.
+            "fur_px": d.fur_px.filter(|px| px.is_finite()),
+        })
+    };
+    frame.report().instances.iter().map(of).collect()
+}
+
+/// The places of a package's vertices at rest, by which the default camera frames it; those of all copies of a crowd.
 pub fn rest_points(
     file: &PackageFile,
     package: &Package<'_>,

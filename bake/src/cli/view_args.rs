@@ -36,6 +36,13 @@ pub struct ViewArgs {
     /// Shell layers to draw, 1 to the package's own count, which is the default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub layers: Option<u32>,
+    /// How much of the fur is drawn: full, auto (the package's levels of detail, by the fur's height on screen), or a level, from 0,
+    /// with a fraction for the cross-fade to the next; --layers goes before it
+    #[arg(long, value_name = "full|auto|LEVEL", default_value = "full")]
+    pub detail: DetailArg,
+    /// Copies of the model, side by side on a grid
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub crowd: u32,
     /// Another light, without shadow: direction towards it x,y,z, and its strength (default 1); may be given again
     #[arg(long, value_name = "X,Y,Z[/S]", allow_hyphen_values = true)]
     pub fill_light: Vec<FillLight>,
@@ -133,6 +140,29 @@ pub enum StyleArg {
     Ink,
     /// The skin alone
     Bare,
+}
+
+/// `--detail`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DetailArg {
+    /// All of the fur, whatever its size.
+    Full,
+    /// By its size on screen.
+    Auto,
+    /// A level, and how far it has faded to the next.
+    Level(f32),
+}
+
+impl FromStr for DetailArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "full" => Ok(Self::Full),
+            "auto" => Ok(Self::Auto),
+            _ => parse_up_to(text, 32.0).map(Self::Level).map_err(|e| format!("expected full, auto or a level: {e}")),
+        }
+    }
 }
 
 /// `on` or `off`.
@@ -271,6 +301,7 @@ mod tests {
         assert_eq!(view.background, Background::Transparent);
         assert!(view.camera.is_none() && view.light.is_none() && view.point_light.is_none() && view.clip.is_none());
         assert_eq!((view.time, view.layers, view.frames), (0.0, None, None));
+        assert_eq!((view.detail, view.crowd), (DetailArg::Full, 1));
         assert!(view.check().is_ok());
     }
 
@@ -298,6 +329,9 @@ mod tests {
         let fills: Vec<_> = view.fill_light.iter().map(|f| (f.direction, f.strength)).collect();
         assert_eq!(fills, [(Vec3::NEG_X, 0.25), (Vec3::Y, 1.0)]);
         assert_eq!(view.background, Background::Color([10, 20, 255]));
+        let detail = parse("--detail 1.5 --crowd 100").unwrap();
+        assert_eq!((detail.detail, detail.crowd), (DetailArg::Level(1.5), 100));
+        assert_eq!(parse("--detail auto").unwrap().detail, DetailArg::Auto);
         assert!(view.check().is_ok());
         assert_eq!(parse("--point-light -1,0,2").unwrap().point_light.unwrap().0, Vec3::new(-1.0, 0.0, 2.0));
     }
@@ -331,6 +365,9 @@ mod tests {
             ("--background red", "transparent"),
             ("--style fluffy", "fur, ink, bare"),
             ("--fins maybe", "on, off"),
+            ("--detail coarse", "full, auto or a level"),
+            ("--detail -1", "unexpected argument"),
+            ("--crowd 0", "0 is not in 1..=10000"),
         ] {
             let error = parse(line).unwrap_err();
             assert!(error.contains(message), "{line}: {error}");

@@ -377,6 +377,23 @@ params! {
     }
 }
 
+params! {
+    /// `[detail]`: what is drawn where the fur is small on screen. Sizes are the fur's height on screen, pixels, at the default of a
+    /// renderer's `bias`.
+    DetailParams in detail {
+        /// Whether the package has levels of detail: a chain of fewer layers, and the coat as it looks from afar.
+        enabled: bool = true;
+        /// Pixels between two layers, seen from the side, from which on a level is drawn in full: less is finer and dearer.
+        gap_px: f32 = 0.6, in 0.05..=64.0;
+        /// Share of that size at which the next level has taken over: 1 switches at once, less fades more slowly.
+        fade: f32 = 0.75, in 0.1..=1.0;
+        /// Height of the fur from which on fins are drawn with the layers: without them the outline is that of fewer and blurred layers.
+        fins_px: f32 = 0.0, in 0.0..=1e4;
+        /// Height of the fur down to which some layers are drawn; below, the coat takes over. 0 draws layers however small.
+        coat_px: f32 = 1.2, in 0.0..=1e4;
+    }
+}
+
 words! {
     /// Texel format of the shell textures.
     ShellFormat {

@@ -276,9 +276,10 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         ([0f32..=100.0, 0.0..=100.0, 0.0..=100.0], 0f32..=10_000.0, 0f32..=0.999, 0.001f32..=0.999),
         (4u32..=256, 4u32..=11, 0.25f32..=4.0),
         (any::<bool>(), prop::option::of(1e-3f32..=8.0)),
+        (any::<bool>(), 0.05f32..=64.0, 0.1f32..=1.0, 0f32..=1e4, 0f32..=1e4),
     );
     (hair, pack, rest, (coat, grooms(), judge)).prop_map(
-        |(hair, pack, (model, color, shading, slice, fins), (coat, groom, judge))| Recipe {
+        |(hair, pack, (model, color, shading, slice, fins, detail), (coat, groom, judge))| Recipe {
             model: ModelParams { unit_m: model.0, bare: model.1 },
             surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
             hair,
@@ -303,6 +304,13 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             },
             slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
             fins: FinParams { enabled: fins.0, depth: fins.1 },
+            detail: DetailParams {
+                enabled: detail.0,
+                gap_px: detail.1,
+                fade: detail.2,
+                fins_px: detail.3,
+                coat_px: detail.4,
+            },
             pack,
             judge: JudgeParams { views: judge.0, width: judge.1, height: judge.1, samples: judge.2 },
         },

@@ -124,6 +124,13 @@ impl TextureEncoder {
         self.finish()
     }
 
+    /// As [`TextureEncoder::finish_reversed`], where one more layer was pushed last and stays there.
+    pub fn finish_reversed_but_last(mut self) -> Result<Vec<u8>, BakeError> {
+        self.layers.reverse();
+        self.layers.rotate_left(1);
+        self.finish()
+    }
+
     /// Writes the .ktx2 file: a 2D array where there are several layers, else a plain 2D texture.
     pub fn finish(self) -> Result<Vec<u8>, BakeError> {
         let desc = self.describe(self.format.ktx2());

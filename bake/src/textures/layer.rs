@@ -9,6 +9,7 @@
 //! Bytes are rounded so that the error of one layer is made up for in the next: the product of the stored transmittances
 //! follows the true one at any number of layers, where plain rounding loses the faint hair of a fine stack altogether.
 
+use super::coat::{Coat, CoatSums};
 use super::direction;
 use super::splat::Sums;
 use super::srgb::linear_to_srgb;
@@ -30,6 +31,8 @@ pub(super) struct Transmittance {
     blur: f32,
     /// Of what is stored.
     levels: Vec<LevelTransmittance>,
+    /// What the layers so far look like together.
+    coat: CoatSums,
 }
 
 struct LevelTransmittance {
@@ -47,15 +50,26 @@ impl Transmittance {
         let drawn = vec![1.0; 1 << (2 * (texels.ilog2() + halvings))];
         let sizes = (0..=texels.ilog2()).map(|level| (texels >> level) as usize);
         let levels = sizes.map(|n| LevelTransmittance { exact: vec![1.0; n * n], stored: vec![1.0; n * n] }).collect();
-        Self { direction_format, drawn, halvings, blur, levels }
+        Self { direction_format, drawn, halvings, blur, levels, coat: CoatSums::new(texels) }
+    }
+
+    /// All layers so far as one: what an eye above them sees of their hair. Its mips are plain means, of colours and directions with the
+    /// weight of what is seen.
+    pub(super) fn coat(&self, texels: u32) -> (Vec<LevelBytes>, Coat) {
+        let mut alone = Self::new(texels, 0, 0.0, self.direction_format);
+        let mut sums = self.coat.sums.clone();
+        (alone.levels(&mut sums, texels), self.coat.finish())
     }
 
     /// Turns the `sums` of the next layer inward into texels of every level. With `skin`, the layer is opaque and of that colour,
     /// and its directions are those of the hair in `sums`, and of their mean where there is none.
     pub(super) fn layer(&mut self, sums: &mut Vec<Sums>, texels: u32, skin: Option<Vec3>) -> Vec<LevelBytes> {
         weigh(sums, &mut self.drawn);
+        let above = self.levels.last().map_or(1.0, |level| level.exact[0]);
         if skin.is_some() {
             cover_skin(sums);
+        } else {
+            self.coat.gather(sums);
         }
         for halving in (0..self.halvings).rev() {
             *sums = halve(sums, (texels << halving) as usize);
@@ -63,6 +77,19 @@ impl Transmittance {
         if self.blur > 0.0 {
             *sums = blurred(sums, texels as usize, self.blur);
         }
+        let mut levels = self.levels(sums, texels);
+        if let Some(skin) = skin {
+            let [r, g, b] = skin.to_array().map(linear_to_srgb);
+            let texels = levels.iter_mut().flat_map(|(color, ..)| color.chunks_exact_mut(4));
+            texels.for_each(|texel| texel.copy_from_slice(&[r, g, b, 255]));
+        } else {
+            self.coat.close(sums, above, self.levels.last().map_or(1.0, |level| level.exact[0]));
+        }
+        levels
+    }
+
+    /// Texels of every level from weighed sums.
+    fn levels(&mut self, sums: &mut [Sums], texels: u32) -> Vec<LevelBytes> {
         let mut levels = Vec::with_capacity(self.levels.len());
         let mut coarse: Vec<Sums> = Vec::new();
         for (level, transmittance) in self.levels.iter_mut().enumerate() {
@@ -72,11 +99,6 @@ impl Transmittance {
                 coarse = halve(fine, n);
             }
             levels.push(store(if level == 0 { sums } else { &coarse }, transmittance, self.direction_format));
-        }
-        if let Some(skin) = skin {
-            let [r, g, b] = skin.to_array().map(linear_to_srgb);
-            let texels = levels.iter_mut().flat_map(|(color, ..)| color.chunks_exact_mut(4));
-            texels.for_each(|texel| texel.copy_from_slice(&[r, g, b, 255]));
         }
         fill_empty(
             &mut levels,

@@ -3,6 +3,7 @@
 //! [`slice()`] hands out layer after layer, outermost first, so that a volume larger than memory can be written;
 //! [`shell_textures`] joins it to the encoder and is what a bake calls. [`fin_textures`] cuts the same strands from the side.
 
+mod coat;
 mod decode;
 pub mod direction;
 mod encode;
@@ -13,10 +14,11 @@ mod slice;
 mod splat;
 mod srgb;
 
+pub use coat::Coat;
 pub use decode::decode_texture;
 pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_groom};
 pub use shells::{ShellTextures, shell_textures};
 pub use slab::{FinTextures, SLABS, Slab, fin_textures, slab_along};
-pub use slice::{Layer, ShellSet, collect_layers, slice};
+pub use slice::{Layer, ShellSet, collect_layers, slice, slice_with_coat};
 pub use splat::extinction;
 pub use srgb::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};

@@ -41,7 +41,7 @@ fn every_format_reads_back_layer_by_layer() {
         (ShellFormat::Rgba8, DirectionFormat::Bc5, TextureFormat::Rgba8Srgb, TextureFormat::Bc5Unorm, 12.0),
     ] {
         let set = collect_layers(&strands, &SLICE, direction_format).unwrap();
-        let files = shell_textures(&strands, &SLICE, &pack(shell, direction)).unwrap();
+        let files = shell_textures(&strands, &SLICE, &pack(shell, direction), false).unwrap();
         in_package(&[&files.color, &files.direction], |package| {
             for (i, format) in [color_format, direction_format].into_iter().enumerate() {
                 let view = package.texture(i as u32).unwrap();
@@ -74,7 +74,7 @@ fn every_format_reads_back_layer_by_layer() {
 fn same_files_on_any_number_of_threads() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| shell_textures(&strands(), &SLICE, &PackParams::default()).unwrap())
+        pool.install(|| shell_textures(&strands(), &SLICE, &PackParams::default(), true).unwrap())
     };
     assert!(on(1) == on(3));
 }

@@ -70,7 +70,7 @@ pub fn slab_along(direction: Vec2) -> (usize, bool) {
 }
 
 /// The fin textures.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FinTextures {
     /// Complete .ktx2 files, one array layer per slab.
     pub textures: ShellTextures,
@@ -115,7 +115,7 @@ pub fn fin_textures(
         raw(&levels.0, &mut color)?;
         raw(&levels.1, &mut direction)?;
     }
-    let textures = ShellTextures { color: color.finish()?, direction: direction.finish()? };
+    let textures = ShellTextures { color: color.finish()?, direction: direction.finish()?, coat: None };
     Ok(FinTextures { textures, width, height })
 }
 

@@ -1,6 +1,7 @@
 //! Strands → layers of texels.
 
-use super::layer::Transmittance;
+use super::coat::Coat;
+use super::layer::{LevelBytes, Transmittance};
 use super::splat::LayerIndex;
 use crate::BakeError;
 use crate::hair::Strands;
@@ -42,8 +43,42 @@ pub fn slice(
     strands: &Strands,
     params: &SliceParams,
     direction_format: TextureFormat,
-    mut sink: impl FnMut(Layer) -> Result<(), BakeError>,
+    sink: impl FnMut(Layer) -> Result<(), BakeError>,
 ) -> Result<(), BakeError> {
+    slice_layers(strands, params, direction_format, sink).map(drop)
+}
+
+/// As [`slice()`]; afterwards hands `sink` the far coat as a layer more, of index `params.layers`, and returns what there is to say of it.
+///
+/// # Errors
+/// As [`slice()`].
+pub fn slice_with_coat(
+    strands: &Strands,
+    params: &SliceParams,
+    direction_format: TextureFormat,
+    mut sink: impl FnMut(Layer) -> Result<(), BakeError>,
+) -> Result<Coat, BakeError> {
+    let transmittance = slice_layers(strands, params, direction_format, &mut sink)?;
+    let (levels, coat) = transmittance.coat(params.tile_texels);
+    sink(layer(params.layers, levels, direction_format))?;
+    Ok(coat)
+}
+
+/// A layer as it is handed out: directions with as many bytes as their format has components.
+fn layer(index: u32, levels: Vec<LevelBytes>, direction_format: TextureFormat) -> Layer {
+    let (color, mut direction): (Vec<_>, Vec<_>) = levels.into_iter().unzip();
+    if direction_format.components() == 2 {
+        direction.iter_mut().for_each(|level| *level = level.chunks_exact(4).flat_map(|t| [t[0], t[1]]).collect());
+    }
+    Layer { index, color, direction }
+}
+
+fn slice_layers(
+    strands: &Strands,
+    params: &SliceParams,
+    direction_format: TextureFormat,
+    mut sink: impl FnMut(Layer) -> Result<(), BakeError>,
+) -> Result<Transmittance, BakeError> {
     params.validate()?;
     strands.validate()?;
     let n = params.tile_texels;
@@ -59,13 +94,9 @@ pub fn slice(
         index.draw(strands, k.max(1) as usize, fine, fine_filter, &mut sums);
         let skin = (k == 0).then_some(strands.root_color);
         let levels = transmittance.layer(&mut sums, n, skin);
-        let (color, mut direction): (Vec<_>, Vec<_>) = levels.into_iter().unzip();
-        if direction_format.components() == 2 {
-            direction.iter_mut().for_each(|level| *level = level.chunks_exact(4).flat_map(|t| [t[0], t[1]]).collect());
-        }
-        sink(Layer { index: k, color, direction })?;
+        sink(layer(k, levels, direction_format))?;
     }
-    Ok(())
+    Ok(transmittance)
 }
 
 /// Strands are drawn into texels this many times finer, halvings, than those that are stored: what a coarse texel lets through is the mean of what

@@ -192,7 +192,7 @@ static void read_manifest(struct cursor c)
         for (n = take(&c, 8); n > 0; n--) { /* levels of detail */
             printf("detail step %" PRIu64, take(&c, 4));
             printf(" full bits %" PRIu64 "\n", take(&c, 4));
-            skip(&c, 4 + 4);
+            skip(&c, 4 + 4 + 4);
         }
         if (flag(&c))
             read_choice(&c);

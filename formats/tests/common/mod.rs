@@ -194,9 +194,9 @@ pub fn sample_manifest() -> Manifest {
         warnings: vec!["3 triangles without area were left out".into()],
         coat: Some(CoatInfo { height: 0.75, ambient_height: 0.625, light_straight: 0.5, light_slanted: 0.25 }),
         detail: vec![
-            DetailLevel { step: 1, full_px: 24.0, gone_px: 18.0, fins: 1.0 },
-            DetailLevel { step: 2, full_px: 12.0, gone_px: 8.0, fins: 0.5 },
-            DetailLevel { step: 0, full_px: 0.0, gone_px: 0.0, fins: 0.0 },
+            DetailLevel { step: 1, full_px: 24.0, gone_px: 18.0, fins: 1.0, density: 1.0 },
+            DetailLevel { step: 2, full_px: 12.0, gone_px: 8.0, fins: 0.5, density: 1.25 },
+            DetailLevel { step: 0, full_px: 0.0, gone_px: 0.0, fins: 0.0, density: 1.0 },
         ],
         choice: Some(Choice {
             limits: ChoiceLimits { max_error: Some(0.1), max_frame_ms: None, max_bytes: Some(1 << 40) },

@@ -32,6 +32,10 @@ pub(crate) struct Variant {
     pub(crate) specular: bool,
     /// Other than the baked number of layers is drawn.
     pub(crate) resampled: bool,
+    /// Layers are left out, or fade.
+    pub(crate) detail: bool,
+    /// The far coat lies on the skin.
+    pub(crate) coat: bool,
     /// Some vertex leans more than the tile's strands.
     pub(crate) lean: bool,
     /// Some vertex is bare or wet.
@@ -74,6 +78,10 @@ pub(crate) struct Look {
     pub(crate) mirrored: bool,
     /// Other than the baked number of layers is drawn.
     pub(crate) resampled: bool,
+    /// Layers are left out, or fade.
+    pub(crate) detail: bool,
+    /// The far coat lies on the skin.
+    pub(crate) coat: bool,
     /// Fins are drawn.
     pub(crate) fins: bool,
     /// A layer blocks more of a look that goes through it at a slant.
@@ -101,6 +109,8 @@ impl Look {
             squared_diffuse: self.shading.diffuse_exponent == 2.0,
             specular: self.shading.specular != [0.0; 3],
             resampled: self.resampled,
+            detail: self.detail,
+            coat: self.coat,
             lean: model.varies().lean,
             groom_vertices: model.varies().groom,
             groom_texture: part.has_groom_texture,
@@ -142,7 +152,7 @@ impl Variant {
         self.cutout || self.groom_texture || self.groom_vertices || self.wet
     }
 
-    pub(crate) fn constants(self) -> [(&'static str, f64); 18] {
+    pub(crate) fn constants(self) -> [(&'static str, f64); 20] {
         [
             ("BASE_COLOR_TEXTURE", self.base_color_texture),
             ("CUTOUT", self.cutout),
@@ -150,6 +160,8 @@ impl Variant {
             ("SQUARED_DIFFUSE", self.squared_diffuse),
             ("SPECULAR", self.specular),
             ("RESAMPLED", self.resampled),
+            ("DETAIL", self.detail),
+            ("COAT", self.coat),
             ("LEAN", self.lean),
             ("GROOM_VERTICES", self.groom_vertices),
             ("GROOM_TEXTURE", self.groom_texture),
@@ -211,12 +223,25 @@ impl SurfaceShader {
         let holes = Variant { base_color_texture: variant.base_color_texture && variant.cutout, ..surface };
         match self {
             Self::SkinBare => Variant { shadows: on_skin, fill_lights: variant.fill_lights, ..surface },
-            Self::SkinFurred => {
-                Variant { resampled: false, lean: false, view_slanted: false, shadows: on_skin, ..variant }
-            }
-            Self::Fins => Variant { resampled: false, view_slanted: false, shadows: on_skin, ..variant },
-            Self::Shells => variant,
-            Self::Yardstick => Variant { lean: variant.lean, ..Variant::default() },
+            Self::SkinFurred => Variant {
+                resampled: false,
+                detail: false,
+                // Skin leans nowhere, unless it is raised.
+                lean: variant.lean && variant.coat,
+                view_slanted: false,
+                shadows: on_skin,
+                ..variant
+            },
+            Self::Fins => Variant {
+                resampled: false,
+                detail: false,
+                coat: false,
+                view_slanted: false,
+                shadows: on_skin,
+                ..variant
+            },
+            Self::Shells => Variant { coat: false, ..variant },
+            Self::Yardstick => Variant { lean: variant.lean, detail: variant.detail, ..Variant::default() },
             Self::LayerShadow => Variant {
                 resampled: variant.resampled,
                 lean: variant.lean,

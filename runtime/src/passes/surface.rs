@@ -15,6 +15,7 @@ use wgpu::util::DeviceExt;
 macro_rules! surface_wgsl {
     ($pass:literal) => {
         concat!(
+            include_str!("../../shared/detail.wgsl"),
             include_str!("../../shared/fins.wgsl"),
             include_str!("../../shared/frame.wgsl"),
             include_str!("../../shared/kajiya_kay.wgsl"),

@@ -57,6 +57,10 @@ override SQUARED_DIFFUSE: bool = false;
 override SPECULAR: bool = true;
 // More or fewer layers are drawn than were baked.
 override RESAMPLED: bool = true;
+// Some of the layers are left out, or fade: a level of detail.
+override DETAIL: bool = true;
+// The far coat lies on the skin.
+override COAT: bool = true;
 // Some vertex leans more than the tile's strands.
 override LEAN: bool = true;
 // Some vertex is bare or wet.
@@ -88,6 +92,28 @@ const LEAST_ALPHA: f32 = 0.5 / 255.0;
 // Height of a drawn layer: 0 on the skin, 1 the outermost.
 fn height_of(layer: u32) -> f32 {
     return f32(layer) / f32(instance.drawn_layers - 1u);
+}
+
+// The layer that an instance of the draw is.
+fn drawn_layer(index: u32) -> u32 {
+    if !DETAIL {
+        return index;
+    }
+    return detail_layer(index, instance.baked_layers, instance.layer_step);
+}
+
+// How many layers a drawn one stands for.
+fn stands_for(layer: u32) -> f32 {
+    if DETAIL {
+        let baked = instance.baked_layers;
+        return detail_exponent(
+            layer, baked, instance.layer_step, instance.next_step, instance.detail_here, instance.detail_next,
+        );
+    }
+    if RESAMPLED {
+        return instance.opacity_exponent;
+    }
+    return 1.0;
 }
 
 fn normal_ws(v: Vertex) -> vec3<f32> {
@@ -306,7 +332,7 @@ fn fill_hair(color: vec3<f32>, alpha: f32, direction: vec3<f32>, spot: Spot, wet
         let light = to_tile(tile, towards);
         let factors = hair_factors(direction, light, to_tile(tile, half_vector(towards, eye)), wetness)
             * back_attenuation(light.z, instance.back_light_range);
-        let lit = color * instance.diffuse_constant * factors.x + instance.specular_constant.rgb * (factors.y * alpha);
+        let lit = color * instance.diffuse_constant * factors.x + instance.specular_constant * (factors.y * alpha);
         sum += lit * fill_lights[i].color.rgb;
     }
     return sum;

@@ -51,7 +51,16 @@ pub(crate) struct Instance {
     pub wet_specular_half_exponent: f32,
     pub diffuse_constant: [f32; 3],
     pub map_level: f32,
-    pub specular_constant: [f32; 4],
+    pub specular_constant: [f32; 3],
+    pub detail_here: f32,
+    pub layer_step: u32,
+    pub next_step: u32,
+    pub detail_next: f32,
+    pub fin_share: f32,
+    pub coat_height: f32,
+    pub coat_ambient_height: f32,
+    pub coat_light_base: f32,
+    pub coat_light_slope: f32,
 }
 
 /// Unit vector from `position_ws` towards a light or eye in homogeneous coordinates: w 1 for a place, 0 for a direction.

@@ -28,7 +28,7 @@ struct FillLight {
     color: vec4<f32>,
 }
 
-// Once per drawn copy and frame: where it stands and how its fur is lit. 224 bytes.
+// Once per drawn copy and frame: where it stands and how its fur is lit. 256 bytes.
 struct Instance {
     world_from_model: mat4x4<f32>,
     // Columns of the matrix for normals: the signed cofactors of world_from_model; w is zero.
@@ -63,7 +63,20 @@ struct Instance {
     diffuse_constant: vec3<f32>,
     // Mip level of the hair whose texels are as large as those of the shadow maps.
     map_level: f32,
-    specular_constant: vec4<f32>,
+    specular_constant: vec3<f32>,
+    // Levels of detail: share of the level times its density; every how many layers is drawn, and in the level that is faded to (0 for
+    // the coat); share of that one times its density.
+    detail_here: f32,
+    layer_step: u32,
+    next_step: u32,
+    detail_next: f32,
+    // Share of the fins' opacity.
+    fin_share: f32,
+    // Of the far coat: share of the fur's height where it lies, and whose ambient light it has; how the key light reaches it.
+    coat_height: f32,
+    coat_ambient_height: f32,
+    coat_light_base: f32,
+    coat_light_slope: f32,
 }
 
 // Unit vector from a point towards a light or eye given as homogeneous coordinates.

@@ -3,6 +3,8 @@
 //!
 //! Each topic's `WGSL` is plain source without entry points or bindings; join it before your own shader.
 
+/// Levels of detail: which layers of hair a level draws, and how many layers each stands for.
+pub mod detail;
 /// How much of a fin shows, and of the shells beside it.
 pub mod fins;
 /// Where camera, light and the drawn copy stand: the uniform blocks of every pass.

@@ -84,7 +84,7 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
     // The fin's own plane: by the edge and the mean of the normals, the same at all corners.
     let face = normalize_or(cross(skin_b - skin_a, normal_a + normal_b), vec3(0.0));
     let eye = direction_to(frame.eye_ws, 0.5 * (skin_a + skin_b));
-    let opacity = fin.opacity * fin_opacity(dot(face, eye));
+    let opacity = fin.opacity * fin_opacity(dot(face, eye)) * instance.fin_share;
 
     var v = a;
     var normal = normal_a;

@@ -26,13 +26,13 @@ pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &crate::frame::D
     let parts = instance.model.parts();
     if let [(part, pipeline)] = &instance.shells[..] {
         // Instances of one draw are drawn in order: all layers at once.
-        draw_part(pass, &parts[*part], pipeline, instance.shell_layers.clone());
+        draw_part(pass, &parts[*part], pipeline, instance.shell_instances.clone());
         return;
     }
     // Several parts may overlap where they meet: layer by layer, so that an outer layer of one never hides an inner of another.
-    for layer in instance.shell_layers.clone() {
+    for index in instance.shell_instances.clone() {
         for (part, pipeline) in &instance.shells {
-            draw_part(pass, &parts[*part], pipeline, layer..layer + 1);
+            draw_part(pass, &parts[*part], pipeline, index..index + 1);
         }
     }
 }

@@ -79,7 +79,8 @@ struct FilledVarying {
     @location(11) blue: f32,
 }
 
-fn shell_of(v: Vertex, layer: u32) -> Shell {
+fn shell_of(v: Vertex, index: u32) -> Shell {
+    let layer = drawn_layer(index);
     let height = height_of(layer);
     let tile = tile_frame_of(v, normal_ws(v));
     let position = hair_position(v, tile, height);
@@ -91,12 +92,16 @@ fn shell_of(v: Vertex, layer: u32) -> Shell {
     out.tile_uv = v.tile_uv;
     out.light_ts = to_tile(tile, light);
     out.tint = v.color * material.base_color;
-    out.ambient = out.tint.rgb * instance.ambient * ambient_attenuation(height, instance.ambient_floor);
+    var hair_height = height;
+    if DETAIL {
+        hair_height = seen_height(height, stands_for(layer), instance.drawn_layers);
+    }
+    out.ambient = out.tint.rgb * instance.ambient * ambient_attenuation(hair_height, instance.ambient_floor);
     out.diffuse = out.tint.rgb * instance.diffuse;
     out.back = back_slope(out.light_ts.z, instance.back_light_range);
     out.n_dot_e = dot(tile.normal_ws, eye);
     out.place = map_place(position);
-    out.map_layer = height * frame.last_map_layer;
+    out.map_layer = hair_height * frame.last_map_layer;
     out.base_uv = v.base_uv;
     out.groom = v.groom.xy;
     out.slope = lean_slope(v.lean, height);
@@ -115,13 +120,13 @@ fn plain_varying(s: Shell) -> PlainVarying {
 }
 
 @vertex
-fn vs_shells(v: Vertex, @builtin(instance_index) layer: u32) -> PlainVarying {
-    return plain_varying(shell_of(v, layer));
+fn vs_shells(v: Vertex, @builtin(instance_index) index: u32) -> PlainVarying {
+    return plain_varying(shell_of(v, index));
 }
 
 @vertex
-fn vs_shells_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedVarying {
-    let s = shell_of(v, layer);
+fn vs_shells_mapped(v: Vertex, @builtin(instance_index) index: u32) -> MappedVarying {
+    let s = shell_of(v, index);
     let p = plain_varying(s);
     return MappedVarying(
         p.position, p.uv_cosine_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
@@ -130,8 +135,8 @@ fn vs_shells_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedVar
 }
 
 @vertex
-fn vs_shells_filled(v: Vertex, @builtin(instance_index) layer: u32) -> FilledVarying {
-    let s = shell_of(v, layer);
+fn vs_shells_filled(v: Vertex, @builtin(instance_index) index: u32) -> FilledVarying {
+    let s = shell_of(v, index);
     let p = plain_varying(s);
     return FilledVarying(
         p.position, p.uv_cosine_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
@@ -160,10 +165,10 @@ fn shade_shell(
     if LEAN {
         direction = leaned_direction(direction, slope_alpha_map.x);
     }
-    if RESAMPLED || VIEW_SLANTED {
+    if RESAMPLED || DETAIL || VIEW_SLANTED {
         var times = 1.0;
-        if RESAMPLED {
-            times = instance.opacity_exponent;
+        if RESAMPLED || DETAIL {
+            times = stands_for(in.specular_layer.w);
         }
         if VIEW_SLANTED {
             times *= view_path(in.uv_cosine_back.z);
@@ -192,7 +197,7 @@ fn shade_shell(
 
 @fragment
 fn fs_shells(in: PlainVarying) -> @location(0) vec4<f32> {
-    // Drawn, baked and map layers are the same.
+    // Drawn, baked and map layers are the same, or of them.
     let map_layer = f32(in.specular_layer.w);
     return shade_shell(in, vec4(0.0), vec3(0.0, 1.0, map_layer), vec3(0.0), Spot());
 }
@@ -223,7 +228,8 @@ struct YardstickVarying {
 }
 
 @vertex
-fn vs_yardstick(v: Vertex, @builtin(instance_index) layer: u32) -> YardstickVarying {
+fn vs_yardstick(v: Vertex, @builtin(instance_index) index: u32) -> YardstickVarying {
+    let layer = drawn_layer(index);
     let position = hair_position(v, tile_frame_of(v, normal_ws(v)), height_of(layer));
     let baked = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
     return YardstickVarying(frame.clip_from_world * vec4(position, 1.0), v.tile_uv, baked);

@@ -9,8 +9,8 @@ struct SkinVarying {
     @location(3) light_ts: vec3<f32>,
     // H, in the tile frame, or as half_or_factors says.
     @location(4) half_ts: vec3<f32>,
-    // 1 where fur grows, 0 where its height is 0.
-    @location(5) coat: f32,
+    // 1 where fur grows, 0 where its height is 0; slope that the lean of the vertex adds to the hair of the coat.
+    @location(5) coat_slope: vec2<f32>,
     @location(6) groom: vec2<f32>,
     @location(7) place: vec4<f32>,
     @location(8) position_ws: vec3<f32>,
@@ -18,9 +18,13 @@ struct SkinVarying {
     @location(10) tangent: vec4<f32>,
 }
 
-fn skin_varying(v: Vertex) -> SkinVarying {
-    let position = position_ws(v);
+// height: share of the fur's height.
+fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     let tile = tile_frame_of(v, normal_ws(v));
+    var position = position_ws(v);
+    if COAT {
+        position = hair_position(v, tile, height);
+    }
     let light = direction_to(frame.light_ws, position);
     let half = half_vector(light, direction_to(frame.eye_ws, position));
     var out: SkinVarying;
@@ -30,7 +34,10 @@ fn skin_varying(v: Vertex) -> SkinVarying {
     out.tile_uv = v.tile_uv;
     out.light_ts = to_tile(tile, light);
     out.half_ts = to_tile(tile, half);
-    out.coat = select(0.0, 1.0, v.fur_height > 0.0);
+    out.coat_slope = vec2(select(0.0, 1.0, v.fur_height > 0.0), 0.0);
+    if COAT && LEAN {
+        out.coat_slope.y = lean_slope(v.lean, instance.coat_ambient_height);
+    }
     out.groom = v.groom.xy;
     out.place = map_place(position);
     let spot = spot_of(v, position, tile);
@@ -43,13 +50,16 @@ fn skin_varying(v: Vertex) -> SkinVarying {
 // Bare skin has no hair textures to look at.
 @vertex
 fn vs_bare(v: Vertex) -> SkinVarying {
-    return skin_varying(v);
+    return skin_varying(v, 0.0);
 }
 
 @vertex
 fn vs_furred(v: Vertex) -> SkinVarying {
-    var out = skin_varying(v);
-    out.half_ts = half_or_factors(0u, 0.0, out.light_ts, out.half_ts, v.groom.y);
+    // The coat rises to its place while the layers above it fade.
+    let height = instance.detail_next * instance.coat_height;
+    var out = skin_varying(v, height);
+    let layer = select(0u, instance.baked_layers, COAT);
+    out.half_ts = half_or_factors(layer, out.coat_slope.y, out.light_ts, out.half_ts, v.groom.y);
     return out;
 }
 
@@ -76,17 +86,48 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     return vec4(shade_bare(base.rgb, n_dot_l, reach) + fill_bare(base.rgb, spot, side), 1.0);
 }
 
+// The far coat over the undercoat, as far as it has taken over. past: share of the key light that comes past other things.
+fn with_coat(far: Hair, undercoat: vec3<f32>, base: vec3<f32>, in: SkinVarying, groom: vec2<f32>, light: vec3<f32>, past: f32) -> vec3<f32> {
+    if far.color.a < LEAST_ALPHA {
+        return undercoat;
+    }
+    var direction = far.direction;
+    if LEAN {
+        direction = leaned_direction(direction, in.coat_slope.y);
+    }
+    // As the layers that it stands for: where half of the hair grows, half of the optical depth is left.
+    let alpha = resampled_opacity(far.color.a, instance.detail_next * in.coat_slope.x * groom.x);
+    let tint = far.color.rgb * (alpha / far.color.a) * base;
+    let share = ambient_attenuation(instance.coat_ambient_height, instance.ambient_floor);
+    let reach = past * coat_light(slanted_path(light.z), instance.coat_light_base, instance.coat_light_slope);
+    let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
+    let hair = shade_hair(tint, alpha, direction, light, in.half_ts, share, groom.y, reach)
+        + fill_hair(tint, alpha, direction, spot, groom.y);
+    return hair + (1.0 - alpha) * undercoat;
+}
+
 @fragment
 fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let base = base_color(in.tint, in.base_uv);
     let groom = groom_at(in.groom, in.base_uv);
     let texel = hair_at(in.tile_uv, 0u, groom.y);
+    var far: Hair;
+    if COAT {
+        far = hair_at(in.tile_uv, instance.baked_layers, groom.y);
+    }
     if is_cut(base.a) {
         discard;
     }
     let side = side_of(front);
     let light = vec3(in.light_ts.xy, in.light_ts.z * side);
-    let reach = light_through_hair(in.place, 0.0, false) * light_past_things(in.place, light.z);
+    let past = light_past_things(in.place, light.z);
+    var through = light_through_hair(in.place, 0.0, false);
+    if COAT {
+        // No map knows what the coat stands for.
+        let path = frame.hair_density * slanted_path(light.z);
+        through = mix(through, layer_transmittance(far.color.a * groom.x, path), instance.detail_next);
+    }
+    let reach = through * past;
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
     let share = ambient_attenuation(0.0, instance.ambient_floor);
     let color = texel.color;
@@ -96,5 +137,9 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     let bare = shade_bare(base.rgb, light.z, reach) + fill_bare(base.rgb, spot, side);
     // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
     let undercoat = hair + (1.0 - color.a) * share * bare;
-    return vec4(mix(bare, undercoat, in.coat * groom.x), 1.0);
+    let skin = mix(bare, undercoat, in.coat_slope.x * groom.x);
+    if COAT {
+        return vec4(with_coat(far, skin, base.rgb, in, groom, light, past), 1.0);
+    }
+    return vec4(skin, 1.0);
 }

@@ -1,0 +1,258 @@
+//! Levels of detail: what they draw, that they look like all layers, and that nothing jumps between them.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_bake::compare::compare;
+use pelage_bake::textures::srgb_to_linear;
+use pelage_runtime::formats::{Limits, Manifest, Package, PackageWriter};
+use pelage_runtime::glam::{Mat4, Vec3};
+use pelage_runtime::{
+    Camera, Detail, FrameParams, FrameReport, Instance, Projection, Renderer, RendererOptions, Style,
+};
+use pelage_tests::binary::workspace;
+use pelage_tests::gpu::gpu;
+use pelage_tests::pictures::{Picture, draw};
+use pelage_tests::silhouette::bake_plain;
+use pelage_tests::support::headless::Gpu;
+
+const SIZE: (u32, u32) = (200, 200);
+const FOV_RAD: f32 = 0.5;
+
+fn baked(name: &str) -> Vec<u8> {
+    let model = workspace().join(format!("assets/models/{name}.glb"));
+    bake_plain(name, &model, Some(&format!("assets/recipes/{name}.toml")), &[])
+}
+
+/// The same package with another manifest.
+fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
+    let package = Package::open(bytes, &Limits::default()).unwrap();
+    let mut manifest = package.manifest().clone();
+    change(&mut manifest);
+    let sections = package.sections().iter().enumerate().skip(1);
+    sections
+        .fold(PackageWriter::new(manifest), |w, (i, s)| w.section(s.tag, package.section_bytes(i).unwrap()))
+        .finish()
+        .unwrap()
+}
+
+/// A package on the device, seen from its front left.
+struct Stage<'a> {
+    gpu: &'a Gpu,
+    renderer: Renderer,
+    instance: Instance,
+}
+
+impl<'a> Stage<'a> {
+    fn new(gpu: &'a Gpu, package: &[u8]) -> Self {
+        let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+        let model = renderer.load_bytes(&gpu.device, &gpu.queue, package).unwrap();
+        Self { gpu, renderer, instance: Instance::new(&model) }
+    }
+
+    /// `distance`: over that from which the model fills the picture.
+    fn params(&self, distance: f32, detail: Detail) -> FrameParams {
+        let bounds = &self.instance.model().manifest().bounds;
+        let center = Vec3::from(bounds.center);
+        let away = bounds.radius / (0.5 * FOV_RAD).sin() * distance;
+        let eye = center + Vec3::new(0.62, 0.28, 0.73).normalize() * away;
+        let projection =
+            Projection::Perspective { fov_y_rad: FOV_RAD, aspect: 1.0, near_m: 0.01 * away, far_m: 10.0 * away };
+        FrameParams { detail, ..FrameParams::new(Camera::look_at(eye, center, projection)) }
+    }
+
+    fn draw(&mut self, distance: f32, detail: Detail) -> Picture {
+        let params = self.params(distance, detail);
+        draw(self.gpu, &mut self.renderer, SIZE, &params, &mut [&mut self.instance])
+    }
+
+    fn report(&mut self, params: &FrameParams) -> FrameReport {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let instances = &mut [&mut self.instance];
+        let frame = self.renderer.prepare(&self.gpu.device, &mut encoder, params, instances).unwrap();
+        self.gpu.queue.submit([encoder.finish()]);
+        frame.report().clone()
+    }
+}
+
+const AUTO: Detail = Detail::Auto { target_height_px: SIZE.1 as f32, bias: 1.0 };
+
+/// Sum of opacities, and mean luminance of what they show, linear.
+fn figures(picture: &Picture) -> (f64, f64) {
+    let (mut coverage, mut light) = (0.0, 0.0);
+    for [r, g, b, a] in &picture.rgba {
+        let [r, g, b] = [r, g, b].map(|v| f64::from(srgb_to_linear(*v)));
+        coverage += f64::from(*a) / 255.0;
+        light += 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    }
+    (coverage, light / coverage)
+}
+
+/// Mean absolute difference of opacity over what is covered.
+fn outline(a: &Picture, b: &Picture) -> f64 {
+    let apart = a.rgba.iter().zip(&b.rgba).map(|(p, q)| f64::from(p[3].abs_diff(q[3])) / 255.0).sum::<f64>();
+    apart / figures(a).0
+}
+
+/// Relative differences of coverage and luminance from all layers, and that of the outline.
+fn apart(full: &Picture, other: &Picture) -> [f64; 3] {
+    let ((c0, l0), (c1, l1)) = (figures(full), figures(other));
+    [c1 / c0 - 1.0, l1 / l0 - 1.0, outline(full, other)]
+}
+
+#[test]
+fn levels_look_like_all_layers() {
+    let Some(gpu) = gpu("levels_look_like_all_layers") else { return };
+    for name in ["hare", "knot", "torus"] {
+        let bytes = baked(name);
+        let mut stage = Stage::new(gpu, &bytes);
+        let levels = stage.instance.model().manifest().detail.clone();
+        assert_eq!(levels.iter().map(|l| l.step).collect::<Vec<_>>(), [1, 2, 0], "{name}");
+        // Without the exponents: what the layers that are left say of themselves.
+        let naive = with_manifest(&bytes, |m| m.detail[1].density = 1.0 / m.detail[1].step as f32);
+        let mut naive = Stage::new(gpu, &naive);
+        for distance in [1.0, 2.0, 4.0] {
+            let full = stage.draw(distance, Detail::Full);
+            let at = |stage: &mut Stage<'_>, level| {
+                let found = apart(&full, &stage.draw(distance, Detail::Level(level)));
+                println!("{name} at {distance}, level {level}: {found:.4?}");
+                found
+            };
+            let [half, fading, coat] = [1.0, 1.5, 2.0].map(|level| at(&mut stage, level));
+            assert!(half[0].abs() < 0.01 && half[1].abs() < 0.03 && half[2] < 0.02, "{name} at {distance}: {half:?}");
+            assert!(
+                fading[0].abs() < 0.02 && fading[1].abs() < 0.06 && fading[2] < 0.05,
+                "{name} at {distance}: {fading:?}"
+            );
+            assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.13 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
+            // The negative control.
+            let lost = at(&mut naive, 1.0);
+            assert!(lost[1] < -0.03 || lost[0] < -0.01, "{name} at {distance}: {lost:?} without exponents");
+        }
+    }
+}
+
+/// The largest FLIP between neighbouring frames while the camera goes away in small steps.
+fn popping(stage: &mut Stage<'_>, detail: Detail, steps: impl Iterator<Item = f32>) -> f64 {
+    let opaque = |picture: Picture| {
+        let texels = picture.rgba.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
+        image::RgbaImage::from_raw(SIZE.0, SIZE.1, texels).unwrap()
+    };
+    let frames: Vec<_> = steps.map(|distance| opaque(stage.draw(distance, detail))).collect();
+    let flip = |pair: &[image::RgbaImage]| compare(&pair[0], &pair[1], [0; 3]).unwrap().0.flip.mean;
+    frames.windows(2).map(flip).fold(0.0, f64::max)
+}
+
+#[test]
+fn nothing_jumps_while_the_camera_goes_away() {
+    let Some(gpu) = gpu("nothing_jumps_while_the_camera_goes_away") else { return };
+    let bytes = baked("hare");
+    let mut stage = Stage::new(gpu, &bytes);
+    let levels = stage.instance.model().manifest().detail.clone();
+    // The same levels, each switched at once in the middle of where it fades.
+    let hard = with_manifest(&bytes, |m| {
+        for level in &mut m.detail {
+            level.full_px = (level.full_px * level.gone_px).sqrt();
+            level.gone_px = level.full_px;
+        }
+    });
+    let mut hard = Stage::new(gpu, &hard);
+    let fur_px = |stage: &mut Stage<'_>, distance| {
+        let params = stage.params(distance, AUTO);
+        stage.report(&params).instances[0].fur_px.unwrap()
+    };
+    for level in &levels[..levels.len() - 1] {
+        // The distance where the fur is so high, by halving.
+        let mut find = |px: f32| {
+            let (mut near, mut far) = (0.01f32, 100.0f32);
+            for _ in 0..40 {
+                let middle = (near * far).sqrt();
+                if fur_px(&mut stage, middle) > px { near = middle } else { far = middle }
+            }
+            near
+        };
+        // About the beginning, the middle and the end of the fade, in steps so small that moving itself changes little.
+        let middle_px = (level.full_px * level.gone_px).sqrt();
+        let middles = [level.full_px, middle_px, level.gone_px].map(&mut find);
+        let largest = |stage: &mut Stage<'_>, detail| {
+            let steps = |at: f32| (-4..=4).map(move |i| at * 1.001f32.powi(i));
+            let found = middles.map(|at| popping(stage, detail, steps(at)));
+            println!("beginning, middle and end: {found:.5?}");
+            found.into_iter().fold(0.0, f64::max)
+        };
+        let without = largest(&mut stage, Detail::Full);
+        let with = largest(&mut stage, AUTO);
+        let switched = largest(&mut hard, AUTO);
+        println!(
+            "from {:.2} to {:.2} px: largest FLIP between frames {without:.5} without levels, {with:.5} with, {switched:.5} switched at once",
+            level.full_px, level.gone_px
+        );
+        assert!(with < 1.5 * without, "step {}: {with} against {without}", level.step);
+        assert!(switched > 1.25 * with, "step {}: {switched} against {with}: the measure sees no switch", level.step);
+    }
+}
+
+#[test]
+fn a_small_hare_has_fewer_layers_and_fewer_passes_than_a_large_one() {
+    let Some(gpu) = gpu("a_small_hare_has_fewer_layers_and_fewer_passes_than_a_large_one") else { return };
+    let mut stage = Stage::new(gpu, &baked("hare"));
+    let mut at = |distance| {
+        let params = stage.params(distance, AUTO);
+        stage.report(&params)
+    };
+    let ran = |report: &FrameReport| {
+        let ran = report.passes.iter().filter(|p| p.ran).map(|p| p.name);
+        ran.filter(|name| *name != "pose").collect::<Vec<_>>().join(" ")
+    };
+    let (large, middle, small) = (at(0.3), at(2.0), at(20.0));
+    let layers = |report: &FrameReport| report.instances[0].layers;
+    assert_eq!((layers(&large), layers(&middle), layers(&small)), (15, 8, 0));
+    assert_eq!(ran(&large), "layer_shadow shadow_width skin fins shells");
+    assert_eq!(ran(&middle), "layer_shadow shadow_width skin fins shells");
+    assert_eq!(ran(&small), "shadow_width skin");
+    let reason = |report: &FrameReport, name| report.passes.iter().find(|p| p.name == name).unwrap().reason.clone();
+    assert_eq!(reason(&large, "shells"), "1 instances, 15 layers");
+    assert_eq!(reason(&middle, "shells"), "1 instances, 8 of 15 layers");
+    assert_eq!(reason(&middle, "layer_shadow"), "8 maps of 512 x 512");
+    assert!(
+        reason(&small, "shells").contains("too small") && reason(&small, "layer_shadow").contains("far coats alone")
+    );
+    assert!(reason(&small, "skin").contains("1 with the far coat"));
+}
+
+#[test]
+fn near_and_far_copies_share_a_frame() {
+    let Some(gpu) = gpu("near_and_far_copies_share_a_frame") else { return };
+    let mut stage = Stage::new(gpu, &baked("hare"));
+    let params = stage.params(0.3, AUTO);
+    let mut far = Instance::new(stage.instance.model());
+    far.transform = Mat4::from_translation(Vec3::new(-0.62, -0.28, -0.73) * 20.0);
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let instances = &mut [&mut far, &mut stage.instance];
+    let frame = stage.renderer.prepare(&gpu.device, &mut encoder, &params, instances).unwrap();
+    let report = frame.report();
+    assert_eq!(report.instances.iter().map(|i| i.layers).collect::<Vec<_>>(), [0, 15]);
+    let maps = report.passes.iter().find(|p| p.name == "layer_shadow").unwrap();
+    assert!(maps.ran && maps.reason.contains("15 maps"), "the finest decides: {}", maps.reason);
+    let shells = report.passes.iter().find(|p| p.name == "shells").unwrap();
+    assert_eq!(shells.reason, "1 instances, 15 of 30 layers");
+}
+
+#[test]
+fn all_layers_are_drawn_as_without_levels() {
+    let Some(gpu) = gpu("all_layers_are_drawn_as_without_levels") else { return };
+    let bytes = baked("hare");
+    let plain = with_manifest(&bytes, |m| m.detail.clear());
+    let [mut with, mut without] = [&bytes, &plain].map(|package| Stage::new(gpu, package));
+    let full = without.draw(1.0, Detail::Full);
+    for detail in [Detail::Full, Detail::Level(0.0), Detail::Auto { target_height_px: 1e6, bias: 1.0 }] {
+        assert!(with.draw(1.0, detail) == full, "{detail:?}");
+    }
+    // Without levels there is nothing to choose.
+    assert!(without.draw(1.0, Detail::Level(2.0)) == full);
+    assert!(with.draw(1.0, Detail::Level(1.0)) != full);
+    // Bare skin has none.
+    let mut params = with.params(1.0, Detail::Level(2.0));
+    params.style = Style::Bare;
+    let bare = draw(gpu, &mut with.renderer, SIZE, &params, &mut [&mut with.instance]);
+    params.detail = Detail::Full;
+    assert!(draw(gpu, &mut with.renderer, SIZE, &params, &mut [&mut with.instance]) == bare);
+}

@@ -1,0 +1,62 @@
+//! Levels of detail in the shared shader functions: Rust twin and GPU against the truth, spelled out.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_runtime::shared::detail;
+use pelage_tests::compute::evaluate;
+use pelage_tests::gpu::gpu;
+
+/// Layers that a level draws, by marking them.
+fn drawn(baked: u32, step: u32) -> Vec<u32> {
+    (1..baked).rev().step_by(step as usize).collect::<Vec<_>>().into_iter().rev().collect()
+}
+
+#[test]
+fn layers_of_levels_on_the_device_are_those_of_the_twin_and_of_the_definition() {
+    let mut cases = Vec::new();
+    let mut truths = Vec::new();
+    for baked in [2u32, 3, 5, 16, 17, 64, 256] {
+        for step in [1u32, 2, 4, 8] {
+            let list = drawn(baked, step);
+            assert_eq!(detail::detail_count(baked, step) as usize, list.len());
+            for layer in 1..baked {
+                // Itself and those below it, down to the next that is drawn.
+                let below = list.iter().rev().find(|k| **k < layer).copied().unwrap_or(0);
+                let stood_for = if list.contains(&layer) { (layer - below) as f32 } else { 0.0 };
+                let nth = list.iter().position(|k| *k == layer);
+                cases.push([[layer as f32, baked as f32, step as f32, nth.unwrap_or(0) as f32]]);
+                truths.push([stood_for, list[nth.unwrap_or(0)] as f32]);
+            }
+        }
+    }
+    let twin = |[c]: &[[f32; 4]; 1]| {
+        let [layer, baked, step, nth] = c.map(|x| x as u32);
+        [detail::layers_stood_for(layer, baked, step) as f32, detail::detail_layer(nth, baked, step) as f32]
+    };
+    cases.iter().zip(&truths).for_each(|(case, truth)| assert_eq!(twin(case), *truth, "{case:?}"));
+    let Some(gpu) = gpu("layers_of_levels") else { return };
+    let expression = "vec4(f32(layers_stood_for(u32(in_0.x), u32(in_0.y), u32(in_0.z))), \
+                      f32(detail_layer(u32(in_0.w), u32(in_0.y), u32(in_0.z))), 0.0, 0.0)";
+    for ((case, truth), found) in cases.iter().zip(&truths).zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
+        assert_eq!(&found[..2], truth, "{case:?} on the device");
+    }
+}
+
+#[test]
+fn exponents_heights_and_light_on_the_device_are_those_of_the_twin() {
+    let cases: Vec<[[f32; 4]; 1]> =
+        (0..200).map(|i| [[(1 + i % 15) as f32, (i % 7) as f32 / 7.0, 1.0 + (i % 5) as f32, 0.1 * i as f32]]).collect();
+    let Some(gpu) = gpu("exponents_heights_and_light") else { return };
+    let expression = "vec4(detail_exponent(u32(in_0.x), 16u, 2u, 4u, 1.0 - in_0.y, 1.25 * in_0.y), \
+                      seen_height(in_0.x / 15.0, in_0.z, 16u), coat_light(in_0.z, 1.0, in_0.w), 0.0)";
+    for (case, found) in cases.iter().zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
+        let [layer, fade, number, slope] = case[0];
+        let twin = [
+            detail::detail_exponent(layer as u32, 16, 2, 4, 1.0 - fade, 1.25 * fade),
+            detail::seen_height(layer / 15.0, number, 16),
+            detail::coat_light(number, 1.0, slope),
+        ];
+        for (found, twin) in found.iter().zip(twin) {
+            assert!((found - twin).abs() <= 1e-6 * twin.abs().max(1.0), "{case:?}: {found}, expected {twin}");
+        }
+    }
+}
