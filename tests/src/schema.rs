@@ -22,6 +22,8 @@ fn check_at(at: &str, schema: &Value, value: &Value) -> Result<(), String> {
             "type" if !texts().iter().any(|t| has_type(t, value)) => return fail(format!("expected type {rule}")),
             "enum" if !texts().contains(value) => return fail(format!("expected one of {rule}")),
             "type" | "enum" => {}
+            // As in JSON Schema, a rule about objects says nothing of null.
+            "required" if !value.is_object() => {}
             "required" => {
                 for key in texts() {
                     if value.get(key.as_str().unwrap_or_default()).is_none() {

@@ -119,10 +119,10 @@ fn levels_look_like_all_layers() {
             let [half, fading, coat] = [1.0, 1.5, 2.0].map(|level| at(&mut stage, level));
             assert!(half[0].abs() < 0.01 && half[1].abs() < 0.03 && half[2] < 0.02, "{name} at {distance}: {half:?}");
             assert!(
-                fading[0].abs() < 0.02 && fading[1].abs() < 0.06 && fading[2] < 0.05,
+                fading[0].abs() < 0.03 && fading[1].abs() < 0.06 && fading[2] < 0.05,
                 "{name} at {distance}: {fading:?}"
             );
-            assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.13 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
+            assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.15 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
             // The negative control.
             let lost = at(&mut naive, 1.0);
             assert!(lost[1] < -0.03 || lost[0] < -0.01, "{name} at {distance}: {lost:?} without exponents");

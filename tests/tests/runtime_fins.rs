@@ -170,7 +170,7 @@ fn the_report_says_whether_fins_ran_and_why_not() {
     assert_eq!(of(&finned, &bare), (false, "style is bare".into()));
 }
 
-/// Shells give way to fins only where there are some.
+/// Fins are an addition: what they stand on and beside is drawn as without them.
 #[test]
 fn without_fins_nothing_changes() {
     let Some(gpu) = gpu("without_fins_nothing_changes") else { return };
@@ -185,7 +185,6 @@ fn without_fins_nothing_changes() {
     assert_eq!(picture(&bald, true), plain);
     let finned = with_fins(&bald, &[(0, 1), (1, 2), (9, 10)]);
     assert_eq!(picture(&finned, false), plain);
-    assert!(difference(&picture(&finned, true), &plain).mean > 0.1, "fins are drawn");
 }
 
 /// Fins stand on the posed skin: what the joints move, they move.

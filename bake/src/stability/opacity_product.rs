@@ -29,8 +29,8 @@ fn faint(radius: f32, height: f32) -> Strands {
     }
 }
 
-/// Optical depth of a whole column of each texel in f64, from the definition: the hair's depth spread by a Gaussian that sums to one
-/// over the texels.
+/// Optical depth of a whole column of each of `n * n` texels in f64, from the definition: the hair's depth spread by a Gaussian that sums to
+/// one over the texels.
 fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     let mut depths = vec![0.0; n * n];
     for root in strands.points.iter().step_by(2) {
@@ -57,20 +57,39 @@ fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     depths
 }
 
+/// Texels of a layer, and how many times finer, each way, strands are drawn before they become those.
+const TEXELS: usize = 64;
+const FINER: usize = 4;
+
+/// Mean transmittance of a column of `slabs` layers in 8 bits where each is rounded by itself, from the depths of the finer texels.
+fn rounded(fine: &[f64], slabs: i32) -> f64 {
+    let through = |layers: i32| {
+        let share = f64::from(layers) / f64::from(slabs);
+        fine.iter().map(|depth| libm::exp(-depth * share)).sum::<f64>() / fine.len() as f64
+    };
+    let opacity = |layer: i32| (255.0 * (1.0 - through(layer) / through(layer - 1).max(1e-300))).round() / 255.0;
+    (1..=slabs).map(|layer| 1.0 - opacity(layer)).product()
+}
+
 fn drive() -> Result<Vec<Finding>, BakeError> {
-    let strands = faint(0.0016, 0.2);
-    let depths = depths(&strands, 64, 0.5);
+    let strands = faint(0.0002, 0.2);
+    let n = TEXELS * FINER;
+    let depths = depths(&strands, n, 0.5);
     let truth = mean(&depths.iter().map(|d| libm::exp(-d)).collect::<Vec<_>>());
+    let columns: Vec<Vec<f64>> = (0..TEXELS * TEXELS)
+        .map(|i| {
+            let (x, y) = (i % TEXELS * FINER, i / TEXELS * FINER);
+            (0..FINER * FINER).map(|j| depths[(y + j / FINER) * n + x + j % FINER]).collect()
+        })
+        .filter(|column: &Vec<f64>| column.iter().any(|depth| *depth > 0.0))
+        .collect();
+    let empty = (TEXELS * TEXELS - columns.len()) as f64;
     let error = |found: f64| (found - truth).abs() / (1.0 - truth);
     let (mut naive, mut safe) = (0.0_f64, 0.0_f64);
     for layers in [4, 8, 16, 32, 64, 128, 256] {
-        let slabs = f64::from(layers - 1);
-        let rounded = |depth: &f64| {
-            let opacity = (255.0 * (1.0 - libm::exp(-depth / slabs))).round() / 255.0;
-            libm::pow(1.0 - opacity, slabs)
-        };
-        naive = naive.max(error(mean(&depths.iter().map(rounded).collect::<Vec<_>>())));
-        safe = safe.max(error(mean(&transmittances(&slice(&strands, layers, 64)?, 0))));
+        let sum: f64 = columns.iter().map(|column| rounded(column, layers - 1)).sum();
+        naive = naive.max(error((sum + empty) / (TEXELS * TEXELS) as f64));
+        safe = safe.max(error(mean(&transmittances(&slice(&strands, layers as u32, TEXELS as u32)?, 0))));
     }
     Ok(vec![Finding {
         case: "faint hair, worst of 4 to 256 layers".into(),

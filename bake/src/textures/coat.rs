@@ -1,4 +1,4 @@
-//! The far coat: all layers seen from above as one, and what light does in it on average.
+//! The far coat: all layers seen as one, and what light does in it on average.
 //!
 //! Where the layers are too small on screen to be told apart, a renderer draws the skin with this texture, a little above its place. What the
 //! layers get one by one (ambient light by height, the key light through the hair above) is here one number each: the mean over the hair
@@ -11,10 +11,9 @@ use rayon::prelude::*;
 /// Longest way through a layer over its thickness that light takes: the runtime's `slanted_path` ends there.
 const SLANTED: f32 = 4.0;
 
-/// How many times what is above a height hides what is behind it, for a look along the outline. Going in and coming out it would be twice,
-/// but beside fins shells have a fifth to all of their opacity there; measured so that the skin at the coat's height covers what hare,
-/// knot and torus do with all their layers and fins.
-const OUTLINE: f64 = 0.7;
+/// How many times what is above a height hides what is behind it, for a look along the outline: in and out again, each at a slant. Measured so
+/// that the skin at the coat's height covers what hare, knot and torus do with all their layers and fins.
+const OUTLINE: f64 = 5.0;
 
 /// What there is to say of a far coat, and of the layers that it was made of.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,8 +26,12 @@ pub struct Coat {
 
 /// What the layers from outside in look like together.
 pub(super) struct CoatSums {
-    /// Per texel: opacity, colour and direction times opacity, as `weigh` leaves them, and 1.
+    /// Per texel: opacity, colour and direction times opacity, and 1.
     pub(super) sums: Vec<Sums>,
+    /// Per texel: what the layers so far let through of such a look.
+    through: Vec<f32>,
+    /// Luminance that the last layer added to the mean colour.
+    added: f64,
     layers: Vec<LayerShare>,
 }
 
@@ -45,28 +48,36 @@ impl CoatSums {
     pub(super) fn new(texels: u32) -> Self {
         let mut empty = [0.0; 8];
         empty[7] = 1.0;
-        Self { sums: vec![empty; texels as usize * texels as usize], layers: Vec::new() }
+        let count = texels as usize * texels as usize;
+        Self { sums: vec![empty; count], through: vec![1.0; count], added: 0.0, layers: Vec::new() }
     }
 
     /// Adds a weighed layer.
     pub(super) fn gather(&mut self, layer: &[Sums]) {
-        self.sums.par_iter_mut().zip(layer).with_min_len(1024).for_each(|(sum, s)| {
-            for (sum, value) in sum[..7].iter_mut().zip(&s[..7]) {
-                *sum += value;
+        let texels = self.sums.par_iter_mut().zip(&mut self.through).zip(layer);
+        let luminance = texels.with_min_len(1024).map(|((sum, through), s)| {
+            if s[0] <= 0.0 {
+                return 0.0;
             }
-            // What `weigh` adds for hidden hair must not make more than the whole.
-            if sum[0] > 1.0 {
-                let scale = 1.0 / sum[0];
-                sum[..7].iter_mut().for_each(|value| *value *= scale);
+            let opacity = (s[0] / s[7]).clamp(0.0, 1.0);
+            // Twice: in the mean over what is seen of a round body, a look goes through a layer twice as far as it is thick. The coat is what
+            // the layers look like at 60°, and not from straight above, where more of the dark roots shows.
+            let blocked = *through * (1.0 - (1.0 - opacity) * (1.0 - opacity));
+            *through -= blocked;
+            sum[0] += blocked;
+            for (sum, value) in sum[1..7].iter_mut().zip(&s[1..7]) {
+                *sum += blocked * value / s[0];
             }
+            let [r, g, b] = [1, 2, 3].map(|i| f64::from(blocked * s[i] / s[0]));
+            0.2126 * r + 0.7152 * g + 0.0722 * b
         });
+        // In the order of the texels, so that the sum does not depend on the number of threads.
+        self.added = luminance.collect::<Vec<f64>>().iter().sum::<f64>() / layer.len().max(1) as f64;
     }
 
-    /// Notes what [`Self::gather`] added, between those mean transmittances.
-    pub(super) fn close(&mut self, layer: &[Sums], above: f32, through: f32) {
-        let luminance = |s: &Sums| 0.2126 * f64::from(s[1]) + 0.7152 * f64::from(s[2]) + 0.0722 * f64::from(s[3]);
-        let mean = layer.iter().map(luminance).sum::<f64>() / layer.len().max(1) as f64;
-        self.layers.push(LayerShare { luminance: mean, above: above.into(), through: through.into() });
+    /// Notes what [`Self::gather`] added, between those mean transmittances of a look from straight above.
+    pub(super) fn close(&mut self, above: f32, through: f32) {
+        self.layers.push(LayerShare { luminance: self.added, above: above.into(), through: through.into() });
     }
 
     /// The means over what was gathered, outermost layer first down to layer 1.
@@ -81,12 +92,12 @@ impl CoatSums {
         let light = |path: f64| {
             let share = |l: &LayerShare| {
                 let own = (l.through / l.above.max(1e-6)).clamp(0.0, 1.0);
-                (l.above * own.sqrt()).powf(path)
+                libm::pow(l.above * own.sqrt(), path)
             };
             mean(&|_, l| share(l), 1.0).clamp(0.0, 1.0)
         };
         let light_straight = light(1.0);
-        let outline: f64 = self.layers.iter().map(|l| (1.0 - l.through.powf(OUTLINE)) / count).sum();
+        let outline: f64 = self.layers.iter().map(|l| (1.0 - libm::pow(l.through, OUTLINE)) / count).sum();
         let info = CoatInfo {
             height: outline.clamp(0.0, 1.0) as f32,
             ambient_height: mean(&|i, _| 1.0 - i as f64 / count, 0.0).clamp(0.0, 1.0),

@@ -68,8 +68,6 @@ impl Transmittance {
         let above = self.levels.last().map_or(1.0, |level| level.exact[0]);
         if skin.is_some() {
             cover_skin(sums);
-        } else {
-            self.coat.gather(sums);
         }
         for halving in (0..self.halvings).rev() {
             *sums = halve(sums, (texels << halving) as usize);
@@ -77,13 +75,16 @@ impl Transmittance {
         if self.blur > 0.0 {
             *sums = blurred(sums, texels as usize, self.blur);
         }
+        if skin.is_none() {
+            self.coat.gather(sums);
+        }
         let mut levels = self.levels(sums, texels);
         if let Some(skin) = skin {
             let [r, g, b] = skin.to_array().map(linear_to_srgb);
             let texels = levels.iter_mut().flat_map(|(color, ..)| color.chunks_exact_mut(4));
             texels.for_each(|texel| texel.copy_from_slice(&[r, g, b, 255]));
         } else {
-            self.coat.close(sums, above, self.levels.last().map_or(1.0, |level| level.exact[0]));
+            self.coat.close(above, self.levels.last().map_or(1.0, |level| level.exact[0]));
         }
         levels
     }
