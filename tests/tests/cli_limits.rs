@@ -55,7 +55,7 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
     assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
     let manifest: Value =
         serde_json::from_slice(&std::fs::read(sandbox.path().join("folder/manifest.json")).unwrap()).unwrap();
-    assert_eq!(&manifest["choice"], choice);
+    assert_eq!(&manifest["manifest"]["choice"], choice);
     let recipe = std::fs::read_to_string(sandbox.path().join("folder/recipe.toml")).unwrap();
     for word in chosen["settings"].as_array().unwrap() {
         let (key, value) = word.as_str().unwrap().split_once('=').unwrap();
@@ -86,7 +86,7 @@ fn costs_have_limits_too() {
         return;
     }
     let sandbox = Sandbox::new();
-    let limit = 250_000;
+    let limit = 110_000;
     let bytes = limit.to_string();
     let object = json(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
     assert!(file_size(&sandbox, "torus.pelage") <= limit);
@@ -98,7 +98,7 @@ fn costs_have_limits_too() {
     let chosen = &trials[choice["chosen"].as_u64().unwrap() as usize];
     let error = |trial: &Value| trial["error"].as_f64().unwrap();
     let within = trials.iter().filter(|t| t["bytes"].as_u64().unwrap() <= limit);
-    assert!(within.clone().count() > 1 && within.clone().all(|t| error(t) >= error(chosen)), "{choice}");
+    assert!(within.clone().count() > 0 && within.clone().all(|t| error(t) >= error(chosen)), "{choice}");
     // What more would give is there to be seen.
     assert!(choice["next_better"].is_u64(), "{choice}");
     // A person reads the same.

@@ -9,7 +9,7 @@ use pelage_runtime::{
     Camera, FrameParams, FrameReport, Instance, Motion, PassId, Projection, Renderer, RendererOptions, wgpu,
 };
 use pelage_tests::gpu::gpu;
-use pelage_tests::pictures::{difference, draw, draw_passes};
+use pelage_tests::pictures::{draw, draw_passes};
 use pelage_tests::plane::plane;
 use pelage_tests::silhouette::half_to_f32;
 use pelage_tests::support::headless::{Gpu, Targets};

@@ -1,3 +1,5 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
 use super::*;
 use std::convert::Infallible;
 
@@ -39,9 +41,7 @@ const ANIMALS: [Animal; 4] = [
 ];
 
 fn exhaustive(space: &Space, limits: &Limits, mut judge: Animal) -> Option<Trial> {
-    let decision = match super::exhaustive(space, limits, &mut judge) {
-        Ok(decision) => decision,
-    };
+    let Ok(decision) = super::exhaustive(space, limits, &mut judge);
     assert_eq!(decision.trials.len(), space.settings().len());
     decision.meets.then(|| *decision.chosen())
 }

@@ -107,6 +107,8 @@ impl Field for Vec<CameraView> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
     use super::*;
     use crate::recipe::Recipe;
 
