@@ -21,6 +21,7 @@ pub mod picture;
 pub mod pipeline;
 pub mod recipe;
 pub mod reference;
+pub mod reslice;
 pub mod stability;
 pub mod surface;
 pub mod textures;

@@ -16,7 +16,7 @@ use pelage_formats::{Bounds, FurInfo, Shading};
 pub const STAGES: [&str; 7] = ["surface", "simulate", "slice", "groom", "fins", "textures", "pack"];
 
 /// Array layers that WebGPU promises of a texture.
-const MOST_TEXTURE_LAYERS: u32 = 256;
+pub(crate) const MOST_TEXTURE_LAYERS: u32 = 256;
 
 /// A finished bake.
 #[derive(Clone, Debug)]

@@ -6,6 +6,7 @@ use pelage_bake::groom::MapImages;
 use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::pipeline::{self, Baked, STAGES};
 use pelage_bake::recipe::Recipe;
+use pelage_bake::reslice::reslice;
 use pelage_formats::{Limits, Package};
 use std::path::PathBuf;
 
@@ -249,5 +250,26 @@ fn the_groom_says_how_dense_and_which_way_hair_lies() {
     for comb in [glam::Vec3::Y, glam::Vec3::NEG_Y] {
         let (_, along) = baked(&format!("groom.comb=[0, {}, 0]", comb.y));
         assert!(along.dot(comb) > 0.9, "combed along {comb}, lies along {along}");
+    }
+}
+
+#[test]
+fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
+    for name in ["hare", "torus"] {
+        let first = bake(name, &recipe(name)).unwrap().package;
+        let package = Package::open(&first, &Limits::default()).unwrap();
+        let mut other = Recipe::parse("resolved", &package.manifest().recipe).unwrap();
+        assert!(reslice(name, &package, &other).unwrap() == first, "{name}: nothing was changed");
+        for sets in [
+            &["slice.layers=8", "slice.tile_texels=32"][..],
+            &["fins.enabled=false", "pack.shell_format=rgba8"],
+            &["slice.filter_width=1.0", "detail.enabled=false"],
+        ] {
+            sets.iter().try_for_each(|set| other.set(set)).unwrap();
+            let (ours, baked) = (reslice(name, &package, &other).unwrap(), bake(name, &other).unwrap().package);
+            let textures = |bytes: &[u8]| Package::open(bytes, &Limits::default()).unwrap().manifest().textures.clone();
+            assert_eq!(textures(&ours), textures(&baked), "{name}, {sets:?}");
+            assert!(ours == baked, "{name}, {sets:?}");
+        }
     }
 }

@@ -157,6 +157,12 @@ fn the_shells_chart() {
             assert!(row[column].as_f64().unwrap() > 0.0, "{column}: {row}");
         }
     }
+    // A package has all that slicing it anew needs.
+    assert_eq!(bake(&sandbox, &["-q"]).code, Some(0));
+    let run = sandbox.run(&["chart", "shells", "torus.pelage", "-o", "again", "--rows", "1,2", "--json"]);
+    let own = json(&run, "chart");
+    assert_eq!(own["rows"][0]["fins.enabled"], "true");
+    assert!(own["rows"][0]["flip"].as_f64() > own["rows"][0]["coverage_error"].as_f64(), "{own}");
     // More layers cost more; a picture of the chart is there.
     assert!(rows[2]["slice.layers"].as_f64() > rows[0]["slice.layers"].as_f64(), "{rows:?}");
     assert!(rows[2]["package_bytes"].as_f64() != rows[0]["package_bytes"].as_f64());

@@ -141,9 +141,9 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     if !limits.is_empty() {
         #[cfg(feature = "preview")]
         {
-            let source = Source { file: &file, name: &name, model: &model, images: &images };
+            let source = Source::Model { file: &file, name: &name, model: &model, images: &images };
             watch.begin("choose");
-            let chosen = choose(source, &recipe, limits, args.limits.exhaustive, watch.output())?;
+            let chosen = choose(&file, source, &recipe, limits, args.limits.exhaustive, watch.output())?;
             recipe = chosen.recipe;
             choice = Some((chosen.choice, chosen.text));
         }

@@ -30,6 +30,7 @@ pub struct Chosen {
 ///
 /// [`BakeError::Input`], exit code 3, where no setting meets them; it names the nearest.
 pub fn choose(
+    file: &str,
     source: Source<'_>,
     recipe: &Recipe,
     limits: &Limits,
@@ -50,7 +51,7 @@ pub fn choose(
     };
     let text = describe(&decision, limits, &adapter, space.settings().len());
     if !decision.meets {
-        return Err(BakeError::Input { file: source.file.into(), place: asked(limits), reason: text }.into());
+        return Err(BakeError::Input { file: file.into(), place: asked(limits), reason: text }.into());
     }
     let evidence = Choice {
         adapter: adapter.clone(),

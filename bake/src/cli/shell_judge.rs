@@ -14,6 +14,7 @@ use pelage_bake::groom::MapImages;
 use pelage_bake::mesh::Model;
 use pelage_bake::pipeline;
 use pelage_bake::recipe::{CameraView, Recipe};
+use pelage_bake::reslice::reslice;
 use std::time::Instant;
 
 /// Timed frames of each view, of which the fastest counts: what else the machine does only adds. And those before, in which pipelines are
@@ -21,17 +22,22 @@ use std::time::Instant;
 const FRAMES: usize = 9;
 const WARM_UP: usize = 2;
 
-/// A model as it was read.
+/// What packages are made from.
 #[derive(Clone, Copy)]
-pub struct Source<'a> {
-    /// As the user named it.
-    pub file: &'a str,
-    /// Its name in the package.
-    pub name: &'a str,
-    /// The model.
-    pub model: &'a Model,
-    /// The images that the recipe names.
-    pub images: &'a MapImages,
+pub enum Source<'a> {
+    /// A model as it was read.
+    Model {
+        /// As the user named it.
+        file: &'a str,
+        /// Its name in the package.
+        name: &'a str,
+        /// The model.
+        model: &'a Model,
+        /// The images that the recipe names.
+        images: &'a MapImages,
+    },
+    /// A package, to be sliced anew.
+    Package(&'a PackageFile),
 }
 
 /// Bakes settings of one model, draws them and compares them with the truth.
@@ -128,9 +134,16 @@ impl<'a> ShellJudge<'a> {
 
 impl Source<'_> {
     fn bake(&self, recipe: &Recipe) -> Result<PackageFile, Failure> {
-        let Self { file, name, model, images } = *self;
-        let baked = pipeline::bake(file, name, model, recipe, images, &mut |_| ())?;
-        Ok(PackageFile { name: name.into(), bytes: baked.package })
+        match *self {
+            Self::Model { file, name, model, images } => {
+                let baked = pipeline::bake(file, name, model, recipe, images, &mut |_| ())?;
+                Ok(PackageFile { name: name.into(), bytes: baked.package })
+            }
+            Self::Package(package) => {
+                let bytes = reslice(&package.name, &package.open()?, recipe)?;
+                Ok(PackageFile { name: package.name.clone(), bytes })
+            }
+        }
     }
 }
 

@@ -34,8 +34,8 @@ pub struct ChartArgs {
     /// What to measure
     #[arg(value_name = "TOPIC", value_enum)]
     topic: Topic,
-    /// The model: .glb, .gltf or .obj; by default the built-in hare
-    #[arg(value_name = "MODEL")]
+    /// The model, .glb, .gltf or .obj, or a package, whose own mesh and recipe then serve; by default the built-in hare
+    #[arg(value_name = "MODEL|PKG")]
     model: Option<PathBuf>,
     /// Folder for TOPIC.csv and TOPIC.svg, made where it is missing; stability needs none, and draws no picture
     #[arg(long, short, value_name = "DIR")]
@@ -89,6 +89,16 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
     let subject = Subject::new(args)?;
+    if subject.package.is_some() && args.topic != Topic::Shells {
+        if args.topic == Topic::Surface {
+            let why = "a package's mesh is parted into its patches already";
+            return Err(Failure::Usage(format!("chart surface needs the model: {why}")));
+        }
+        if let Some((key, _)) = subject.recipe.images().first() {
+            let why = format!("the image of {key} is not in a package");
+            return Err(Failure::Usage(format!("chart {name} needs the model: {why}")));
+        }
+    }
     let mut topic = topic(args.topic, &subject)?;
     driver::run(args, &subject, folder, &mut *topic, output)
 }

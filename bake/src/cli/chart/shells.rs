@@ -45,10 +45,13 @@ impl Topic for ShellsTopic<'_> {
     }
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
-        let Subject { file, name, model, images, recipe, .. } = self.subject;
+        let Subject { file, name, model, images, recipe, package, .. } = self.subject;
         let gpu = &self.gpu;
-        let judge =
-            once(&mut self.judge, || ShellJudge::new(Source { file, name, model, images }, recipe, gpu, doing))?;
+        let source = match package {
+            Some(package) => Source::Package(package),
+            None => Source::Model { file, name, model, images },
+        };
+        let judge = once(&mut self.judge, || ShellJudge::new(source, recipe, gpu, doing))?;
         let configuration = &self.configurations[index];
         doing("baking and drawing");
         let measured = judge.measure(&configuration.recipe)?;

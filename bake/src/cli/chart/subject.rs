@@ -3,11 +3,14 @@
 use super::ChartArgs;
 use crate::cli::built_in::HARE;
 use crate::cli::exit::Failure;
+use crate::cli::mesh_glb;
+use crate::cli::package_file::PackageFile;
 use pelage_bake::groom::MapImages;
-use pelage_bake::import::ImportOptions;
-use pelage_bake::io;
+use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::mesh::Model;
 use pelage_bake::recipe::Recipe;
+use pelage_bake::{BakeError, io};
+use std::path::Path;
 
 /// A model with its recipe.
 pub struct Subject {
@@ -17,6 +20,8 @@ pub struct Subject {
     pub name: String,
     /// The model.
     pub model: Model,
+    /// The package, where that was named instead of a model.
+    pub package: Option<PackageFile>,
     /// The recipe that all rows start from.
     pub recipe: Recipe,
     /// The images that the recipe names.
@@ -35,6 +40,9 @@ impl Subject {
         let sets = args.recipe.set.clone();
         let set_words = set_words(&sets);
         if let Some(path) = &args.model {
+            if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pelage")) {
+                return Self::of_package(args, path);
+            }
             let (recipe, _) = args.recipe.read()?;
             let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m })?;
             let mut files = format!(" {}", shell_word(&path.display().to_string()));
@@ -44,7 +52,7 @@ impl Subject {
             let (command, arguments) = (format!("pelage bake{files}"), files + &set_words);
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             let (file, images) = (path.display().to_string(), args.recipe.images(&recipe)?);
-            return Ok(Self { file, name, model, recipe, images, command, sets, arguments });
+            return Ok(Self { file, name, model, package: None, recipe, images, command, sets, arguments });
         }
         if args.recipe.recipe.is_some() {
             return Err(Failure::Usage("--recipe needs a MODEL: the built-in hare has its own".into()));
@@ -53,7 +61,34 @@ impl Subject {
         args.recipe.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
         let command = format!("pelage bake assets/models/{0}.glb --recipe assets/recipes/{0}.toml", HARE.name);
         let (file, name, images) = (HARE.file(), HARE.name.into(), args.recipe.images(&recipe)?);
-        Ok(Self { file, name, model: HARE.import(&recipe)?, recipe, images, command, sets, arguments: set_words })
+        let model = HARE.import(&recipe)?;
+        Ok(Self { file, name, model, package: None, recipe, images, command, sets, arguments: set_words })
+    }
+
+    /// A package with the recipe in it. Its mesh stands for the model.
+    fn of_package(args: &ChartArgs, path: &Path) -> Result<Self, Failure> {
+        if args.recipe.recipe.is_some() {
+            return Err(Failure::Usage("--recipe needs a MODEL: a package has its own".into()));
+        }
+        let package = PackageFile::read(path)?;
+        let (file, opened) = (path.display().to_string(), package.open()?);
+        let manifest = opened.manifest();
+        let mut recipe = Recipe::parse(&format!("{file}, recipe"), &manifest.recipe)?;
+        recipe.model.unit_m = 1.0;
+        args.recipe.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
+        let mesh = opened.mesh().map_err(|error| package.fault(error))?;
+        let glb = mesh.and_then(|mesh| mesh_glb::write(&mesh.to_data(), manifest)).ok_or_else(|| BakeError::Input {
+            file: file.clone(),
+            place: "mesh".into(),
+            reason: "it has no triangles, expected at least one".into(),
+        })?;
+        let mut no_files = |uri: &str| Err(BakeError::Internal(format!("the mesh of a package names the file {uri}")));
+        let model = import(&file, &glb, &mut no_files, &ImportOptions { unit_m: 1.0 })?;
+        let (name, word) = (manifest.model.clone(), format!(" {}", shell_word(&file)));
+        let sets = args.recipe.set.clone();
+        let (command, arguments) = (format!("pelage bake{word}"), word + &set_words(&sets));
+        let images = MapImages::default();
+        Ok(Self { file, name, model, recipe, images, command, sets, arguments, package: Some(package) })
     }
 }
 

@@ -1,0 +1,122 @@
+//! A package sliced anew: other layers, tile, filter, formats or fins of the same strands on the same skin, without the model that it was baked from.
+//!
+//! Skin, materials and motions stay byte for byte; the strands grow again from the package's own recipe, and only what `slice` makes of them is new.
+
+use crate::BakeError;
+use crate::detail;
+use crate::pipeline::MOST_TEXTURE_LAYERS;
+use crate::recipe::Recipe;
+use crate::reference::tile_hair;
+use crate::textures::{self, SLABS};
+use pelage_formats::{FinInfo, FurInfo, Manifest, Package, PackageWriter, ShellTextures, Tag, TextureEntry};
+
+/// Textures of the new package, and where each of the old ones went.
+struct Textures {
+    entries: Vec<TextureEntry>,
+    files: Vec<Vec<u8>>,
+}
+
+impl Textures {
+    fn add(&mut self, name: &str, file: Vec<u8>) -> u32 {
+        self.entries.push(TextureEntry { name: name.into() });
+        self.files.push(file);
+        self.files.len() as u32 - 1
+    }
+
+    fn add_shells(&mut self, prefix: &str, shells: textures::ShellTextures) -> ShellTextures {
+        ShellTextures {
+            color_texture: self.add(&format!("{prefix}_color"), shells.color),
+            direction_texture: self.add(&format!("{prefix}_direction"), shells.direction),
+        }
+    }
+}
+
+/// Slices a package as the sections `[slice]`, `[fins]`, `[detail]` and `[pack]` of `recipe` say; what else it says should be the package's own.
+/// A package without fins gets none: on which edges they stand is known from the model alone.
+///
+/// # Errors
+///
+/// As [`tile_hair`]; [`BakeError::Params`] for values out of their ranges, [`BakeError::Input`] for a package without fur.
+pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
+    recipe.validate()?;
+    let fault = |source| BakeError::Package { file: file.to_owned(), source };
+    let old = package.manifest();
+    let Some(hair) = tile_hair(file, old)? else {
+        let reason = "there is none, expected a package with hair to slice".into();
+        return Err(BakeError::Input { file: file.into(), place: "the manifest's fur".into(), reason });
+    };
+    let with_coat = recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS;
+    let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat);
+    let (mut shells, wet) = (slice(&hair.strands)?, hair.wet.as_ref().map(slice).transpose()?);
+    let coat = shells.coat.take();
+    let fins = match (&old.fur.fins, recipe.fins.depth) {
+        (Some(_), Some(depth)) if recipe.fins.enabled => {
+            Some(textures::fin_textures(&hair.strands, depth, &recipe.slice, &recipe.pack)?)
+        }
+        _ => None,
+    };
+
+    let mut textures = Textures { entries: Vec::new(), files: Vec::new() };
+    let new_shells = textures.add_shells("shell", shells);
+    // What materials name moves along.
+    let mut moved = vec![None; old.textures.len()];
+    let mut keep = |textures: &mut Textures, index: Option<u32>| {
+        let Some(index) = index else { return Ok(None) };
+        let slot = &mut moved[index as usize];
+        if slot.is_none() {
+            let sections = package.sections().iter().enumerate().filter(|(_, s)| s.tag == Tag::TEXTURE);
+            let nth = sections.map(|(i, _)| i).nth(index as usize).unwrap_or(usize::MAX);
+            let bytes = package.section_bytes(nth).map_err(fault)?.to_vec();
+            *slot = Some(textures.add(&old.textures[index as usize].name, bytes));
+        }
+        Ok::<_, BakeError>(*slot)
+    };
+    let mut materials = old.materials.clone();
+    for material in &mut materials {
+        material.base_color_texture = keep(&mut textures, material.base_color_texture)?;
+        material.groom_texture = keep(&mut textures, material.groom_texture)?;
+    }
+    let wet = wet.map(|shells| textures.add_shells("wet_shell", shells));
+    let fin_info = fins.map(|fins| {
+        let (width, height) = (fins.width, fins.height);
+        let indices = textures.add_shells("fin", fins.textures);
+        FinInfo {
+            width,
+            height,
+            slabs: SLABS.len() as u32,
+            color_texture: indices.color_texture,
+            direction_texture: indices.direction_texture,
+        }
+    });
+    let with_fins = fin_info.is_some();
+    let manifest = Manifest {
+        recipe: recipe.to_toml(),
+        fur: FurInfo {
+            layers: recipe.slice.layers,
+            tile_texels: recipe.slice.tile_texels,
+            color_texture: new_shells.color_texture,
+            direction_texture: new_shells.direction_texture,
+            wet,
+            fins: fin_info,
+            ..old.fur
+        },
+        materials,
+        textures: textures.entries,
+        coat: coat.as_ref().map(|coat| coat.info),
+        detail: detail::levels(&recipe.detail, recipe.slice.layers, coat.as_ref()),
+        choice: None,
+        ..old.clone()
+    };
+    let mut writer = PackageWriter::new(manifest);
+    let sections = || package.sections().iter().enumerate();
+    for (index, section) in sections().filter(|(_, s)| ![Tag::MANIFEST, Tag::TEXTURE, Tag::FINS].contains(&s.tag)) {
+        writer = writer.section(section.tag, package.section_bytes(index).map_err(fault)?);
+    }
+    for file in textures.files {
+        writer = writer.texture(file);
+    }
+    for (index, section) in sections().filter(|(_, s)| with_fins && s.tag == Tag::FINS) {
+        writer = writer.section(section.tag, package.section_bytes(index).map_err(fault)?);
+    }
+    writer.finish().map_err(|fault| BakeError::Internal(format!("the package sliced anew does not read back: {fault}")))
+}
