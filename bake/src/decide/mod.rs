@@ -5,6 +5,8 @@
 //! seconds; so a coarse model ([`model`]) says which setting to measure next, and each measurement corrects the model. What is chosen was always
 //! measured: the model only decides what need not be.
 //!
+//! Frames that take as long as each other are told apart by the size of their packages.
+//!
 //! What is measured, and how, is the caller's matter ([`Judge`]): this module neither draws nor reads files.
 
 mod model;

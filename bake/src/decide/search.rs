@@ -6,6 +6,10 @@ use super::{Decision, Figure, Judge, Limits, Measured, Setting, Space, Trial};
 /// A gain of less than this share of the objective is not worth a measurement.
 const WORTH: f64 = 0.02;
 
+/// Settings whose objective is this little above the least count as equal, and the smallest package wins: frame times are not measured better than
+/// that, and a difference of error that small is not seen.
+const TIE: f64 = 0.04;
+
 /// Looks for the setting that the limits ask for: the cheapest frame where the error is limited, else the least error. Returns the best that
 /// meets all limits, or the nearest to them where none does.
 ///
@@ -16,6 +20,9 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
     let mut search = Search { space, limits, trials: Vec::new(), models: models() };
     search.measure(space.start, judge)?;
     while let Some(setting) = search.next() {
+        search.measure(setting, judge)?;
+    }
+    while let Some(setting) = search.smaller() {
         search.measure(setting, judge)?;
     }
     let chosen = search.best();
@@ -80,15 +87,27 @@ impl Search<'_> {
 
     /// The best trial that meets the limits, or the nearest.
     fn best(&self) -> usize {
-        let rank = |i: &usize| {
-            let excess = self.excess(*i);
-            if excess <= 0.0 { (0.0, self.objective(*i)) } else { (excess, f64::INFINITY) }
+        let meets = |i: &usize| self.excess(*i) <= 0.0;
+        let least = (0..self.trials.len()).filter(meets).map(|i| self.objective(i)).fold(f64::INFINITY, f64::min);
+        let rank = |i: &usize| match self.excess(*i) {
+            excess if excess > 0.0 => (excess, 0.0),
+            _ if self.objective(*i) <= (1.0 + TIE) * least => (-1.0, self.trials[*i].1.bytes as f64),
+            _ => (0.0, self.objective(*i)),
         };
         let order = |a: &usize, b: &usize| {
             let (a, b) = (rank(a), rank(b));
             a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
         };
         (0..self.trials.len()).min_by(order).unwrap_or_default()
+    }
+
+    /// What the best one is to be held against before it is chosen: as many layers of the next coarser tile, which take as long and less memory.
+    fn smaller(&self) -> Option<Setting> {
+        let best = self.trials[self.best()].0;
+        let coarser = |s: &&Setting| (s.layers, s.fins) == (best.layers, best.fins) && s.tile_texels < best.tile_texels;
+        let next = self.space.settings.iter().filter(coarser).max_by_key(|s| s.tile_texels)?;
+        let optimistic = self.models.each_ref().map(|model| model.optimistic(next, true));
+        (!self.is_measured(next) && self.limits.excess(optimistic) <= 0.0).then_some(*next)
     }
 
     fn is_measured(&self, setting: &Setting) -> bool {

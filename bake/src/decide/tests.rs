@@ -159,3 +159,28 @@ fn limits_are_positive_numbers() {
         assert!(error.contains("--max-frame-ms"), "{error}");
     }
 }
+
+#[test]
+fn what_takes_as_long_is_told_apart_by_its_size() {
+    // Texels make no difference to this one, neither to its error nor to its time.
+    struct Coarse;
+    impl Judge for Coarse {
+        type Error = Infallible;
+
+        fn measure(&mut self, s: &Setting) -> Result<Measured, Infallible> {
+            let n = f64::from(s.layers - 1);
+            let wobble = 1.0 + 0.01 * f64::from(s.tile_texels).sin();
+            let bytes = u64::from(s.layers * s.tile_texels * s.tile_texels) * 8;
+            Ok(Measured { error: 0.02 + 0.1 / n, frame_ms: (5.0 + 3.0 * n) * wobble, bytes })
+        }
+    }
+    let space = Space::around(&Recipe::default());
+    for limits in [
+        Limits { max_error: Some(0.05), ..Limits::default() },
+        Limits { max_frame_ms: Some(60.0), ..Limits::default() },
+    ] {
+        let Ok(decision) = decide(&space, &limits, &mut Coarse);
+        assert!(decision.meets);
+        assert_eq!(decision.chosen().setting.tile_texels, 32, "{limits:?}: {:?}", decision.chosen());
+    }
+}
