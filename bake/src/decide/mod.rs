@@ -2,7 +2,7 @@
 //!
 //! The settings of a [`Space`] differ in what they cost and in how far their picture is from the true one. [`decide`] looks for the cheapest that
 //! is true enough, or for the truest that is cheap enough, by [`Limits`]. Measuring a setting means baking, drawing and comparing it, which takes
-//! seconds; so a coarse model ([`model`]) says which setting to measure next, and each measurement corrects the model. What is chosen was always
+//! seconds; so a coarse model says which setting to measure next, and each measurement corrects the model. What is chosen was always
 //! measured: the model only decides what need not be.
 //!
 //! Frames that take as long as each other are told apart by the size of their packages.

@@ -6,9 +6,10 @@ use super::{Decision, Figure, Judge, Limits, Measured, Setting, Space, Trial};
 /// A gain of less than this share of the objective is not worth a measurement.
 const WORTH: f64 = 0.02;
 
-/// Settings whose objective is this little above the least count as equal, and the smallest package wins: frame times are not measured better than
-/// that, and a difference of error that small is not seen.
-const TIE: f64 = 0.04;
+/// Settings whose frame or whose error is this little above the least count as equal, and the smallest package wins: two measurements of one frame
+/// are apart by about as much, and a difference of error that small is not seen.
+const FRAME_TIE: f64 = 0.08;
+const ERROR_TIE: f64 = 0.01;
 
 /// Looks for the setting that the limits ask for: the cheapest frame where the error is limited, else the least error. Returns the best that
 /// meets all limits, or the nearest to them where none does.
@@ -89,9 +90,10 @@ impl Search<'_> {
     fn best(&self) -> usize {
         let meets = |i: &usize| self.excess(*i) <= 0.0;
         let least = (0..self.trials.len()).filter(meets).map(|i| self.objective(i)).fold(f64::INFINITY, f64::min);
+        let tie = if self.limits.objective() == Figure::Error { ERROR_TIE } else { FRAME_TIE };
         let rank = |i: &usize| match self.excess(*i) {
             excess if excess > 0.0 => (excess, 0.0),
-            _ if self.objective(*i) <= (1.0 + TIE) * least => (-1.0, self.trials[*i].1.bytes as f64),
+            _ if self.objective(*i) <= (1.0 + tie) * least => (-1.0, self.trials[*i].1.bytes as f64),
             _ => (0.0, self.objective(*i)),
         };
         let order = |a: &usize, b: &usize| {
@@ -171,7 +173,8 @@ impl Search<'_> {
         let of = |i: usize| self.trials[i].1;
         let beyond = |i: &usize| match side {
             Side::Better => of(*i).error < of(chosen).error,
-            Side::Cheaper => of(*i).frame_ms < of(chosen).frame_ms,
+            // What takes as long and is larger was left out on purpose.
+            Side::Cheaper => of(*i).frame_ms < of(chosen).frame_ms && of(*i).bytes <= of(chosen).bytes,
         };
         let order = |a: &usize, b: &usize| match side {
             Side::Better => of(*a).frame_ms.total_cmp(&of(*b).frame_ms),
@@ -185,7 +188,12 @@ impl Search<'_> {
         let here = self.predict(&self.trials[chosen].0);
         let figure = if side == Side::Better { Figure::Error } else { Figure::FrameMs } as usize;
         let other = if side == Side::Better { Figure::FrameMs } else { Figure::Error } as usize;
-        let beyond = |s: &&Setting| !self.is_measured(s) && self.predict(s)[figure] < (1.0 - WORTH) * here[figure];
+        let room = if side == Side::Better { f64::INFINITY } else { here[Figure::Bytes as usize] };
+        let beyond = |s: &&Setting| {
+            let predicted = self.predict(s);
+            let gains = predicted[figure] < (1.0 - WORTH) * here[figure];
+            !self.is_measured(s) && gains && predicted[Figure::Bytes as usize] <= room
+        };
         let order = |a: &&Setting, b: &&Setting| self.predict(a)[other].total_cmp(&self.predict(b)[other]);
         self.space.settings.iter().filter(beyond).min_by(order).copied()
     }
