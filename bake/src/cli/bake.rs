@@ -188,6 +188,7 @@ impl<'a> StageWatch<'a> {
     }
 
     /// Where a stage shows its own progress.
+    #[cfg(feature = "preview")]
     pub fn output(&mut self) -> &mut Output {
         self.output
     }
