@@ -107,7 +107,7 @@ fn describe(decision: &Decision, limits: &Limits, adapter: &str, settings: usize
     match decision.binding {
         Some(figure) if decision.meets => line(format_args!("{} binds", figure.option())),
         Some(figure) => line(format_args!("{} cannot be met", figure.option())),
-        None => line(format_args!("no limit binds: there is no setting beyond")),
+        None => line(format_args!("no limit binds: what lies beyond them is no gain")),
     }
     let neighbours = [("next better", decision.next_better), ("next cheaper", decision.next_cheaper)];
     for (what, index) in neighbours {

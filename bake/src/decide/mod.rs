@@ -236,8 +236,8 @@ pub struct Decision {
     pub next_better: Option<usize>,
     /// The best of the measured settings that are cheaper.
     pub next_cheaper: Option<usize>,
-    /// The limit without which another setting had been chosen: the one that the next better (or, where the error is limited, the next cheaper)
-    /// setting breaks. `None` where the space ends before a limit does.
+    /// The limit without which another setting had been chosen: the one that the nearest better (or, where the error is limited, cheaper) setting
+    /// breaks. `None` where nothing was found beyond the limits that would be better or cheaper.
     pub binding: Option<Figure>,
 }
 

@@ -168,14 +168,20 @@ impl Search<'_> {
         unmeasured().filter(nearer).min_by(order).copied()
     }
 
+    /// Whether one trial lies on that side of another.
+    fn is_beyond(&self, i: usize, chosen: usize, side: Side) -> bool {
+        let (other, own) = (self.trials[i].1, self.trials[chosen].1);
+        match side {
+            Side::Better => other.error < own.error,
+            // What takes as long and is larger was left out on purpose.
+            Side::Cheaper => other.frame_ms < own.frame_ms && other.bytes <= own.bytes,
+        }
+    }
+
     /// The nearest measured setting on one side of `chosen` that nothing measured beats.
     fn neighbour(&self, chosen: usize, side: Side) -> Option<usize> {
         let of = |i: usize| self.trials[i].1;
-        let beyond = |i: &usize| match side {
-            Side::Better => of(*i).error < of(chosen).error,
-            // What takes as long and is larger was left out on purpose.
-            Side::Cheaper => of(*i).frame_ms < of(chosen).frame_ms && of(*i).bytes <= of(chosen).bytes,
-        };
+        let beyond = |i: &usize| self.is_beyond(*i, chosen, side);
         let order = |a: &usize, b: &usize| match side {
             Side::Better => of(*a).frame_ms.total_cmp(&of(*b).frame_ms),
             Side::Cheaper => of(*a).error.total_cmp(&of(*b).error),
@@ -202,7 +208,10 @@ impl Search<'_> {
         let chosen = self.best();
         let meets = self.excess(chosen) <= 0.0;
         let (next_better, next_cheaper) = (self.neighbour(chosen, Side::Better), self.neighbour(chosen, Side::Cheaper));
-        let beyond = if self.limits.objective() == Figure::Error { next_better } else { next_cheaper };
+        // The nearest of those that would have been chosen but for a limit.
+        let side = if self.limits.objective() == Figure::Error { Side::Better } else { Side::Cheaper };
+        let kept_out = |i: &usize| self.is_beyond(*i, chosen, side) && self.excess(*i) > 0.0;
+        let beyond = (0..self.trials.len()).filter(kept_out).min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)));
         let subject = if meets { beyond } else { Some(chosen) };
         let worst = |a: &Figure, b: &Figure| {
             let excess = |f: &Figure| {
