@@ -30,6 +30,8 @@ impl Tag {
     pub const ANIMATION: Self = Self(*b"ANIM");
     /// Fins, from version 2 on. At most one.
     pub const FINS: Self = Self(*b"FINS");
+    /// The ink style, since version 3. At most one.
+    pub const INK: Self = Self(*b"INKW");
     /// A complete .ktx2 file; the k-th one belongs to the k-th texture of the manifest.
     pub const TEXTURE: Self = Self(*b"KTX2");
     /// Stands for header, table and padding in errors; never in a file's table.

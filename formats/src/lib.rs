@@ -38,6 +38,7 @@ mod direction;
 mod encoding;
 mod error;
 mod fins;
+mod ink;
 mod limits;
 mod manifest;
 mod manifest_v1;
@@ -54,12 +55,13 @@ pub use detail::{CoatInfo, DetailLevel};
 pub use direction::{decode_direction, encode_direction};
 pub use error::FormatError;
 pub use fins::{Fin, FinData, FinsView};
+pub use ink::{InkData, InkInfo, InkShading, InkVertex, InkView};
 pub use limits::Limits;
 pub use manifest::{
     Bounds, FinInfo, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, ShellTextures,
     TextureEntry,
 };
 pub use mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
-pub use package::{FurTextures, Package, PackageWriter};
+pub use package::{FurTextures, InkTextures, Package, PackageWriter};
 pub use sampling::Pose;
 pub use texture::{TextureFormat, TextureView};

@@ -4,6 +4,7 @@ use crate::animation::Animation;
 use crate::container::{self, FORMAT_VERSION, Section, Tag};
 use crate::encoding::{decode_section, encode_section};
 use crate::fins::{Fin, FinData, FinsView};
+use crate::ink::{InkData, InkView};
 use crate::manifest_v1::ManifestV1;
 use crate::manifest_v2;
 use crate::mesh::{MeshData, MeshView};
@@ -46,8 +47,8 @@ impl<'a> Package<'a> {
             reason: "every package begins with its manifest".into(),
         };
         let first = *sections.first().filter(|s| s.tag == Tag::MANIFEST).ok_or_else(missing)?;
-        for tag in [Tag::MANIFEST, Tag::MESH, Tag::ANIMATION, Tag::FINS] {
-            if tag == Tag::FINS && version == 1 {
+        for tag in [Tag::MANIFEST, Tag::MESH, Tag::ANIMATION, Tag::FINS, Tag::INK] {
+            if !means(tag, version) {
                 continue;
             }
             if let Some(second) = sections.iter().filter(|s| s.tag == tag).nth(1) {
@@ -100,7 +101,8 @@ impl<'a> Package<'a> {
             add(match section.tag {
                 Tag::MESH => package.mesh().map(drop),
                 Tag::ANIMATION => package.animation().map(drop),
-                Tag::FINS if package.version > 1 => package.fins().map(drop),
+                Tag::FINS if means(Tag::FINS, package.version) => package.fins().map(drop),
+                Tag::INK if means(Tag::INK, package.version) => package.ink().map(drop),
                 Tag::TEXTURE => {
                     texture += 1;
                     package.texture(texture - 1).map(drop)
@@ -118,6 +120,7 @@ impl<'a> Package<'a> {
         add(package.fur_textures().err());
         add(package.wet_textures().err());
         add(package.fin_textures().err());
+        add(package.ink_textures().err());
         // Each texture once, however many materials share it.
         let (mut colors, mut grooms) = (BTreeSet::new(), BTreeSet::new());
         for (index, material) in package.manifest.materials.iter().enumerate() {
@@ -306,8 +309,7 @@ impl<'a> Package<'a> {
     /// Fails where the manifest has no fin textures for them (or textures and no fins), the parts are not the manifest's, or a fin
     /// stands on a vertex or shows a slab that is not there.
     pub fn fins(&self) -> Result<Option<FinsView<'a>>, FormatError> {
-        // To version 1 the tag meant nothing.
-        let section = self.find(Tag::FINS, 0).filter(|_| self.version > 1);
+        let section = self.find(Tag::FINS, 0).filter(|_| means(Tag::FINS, self.version));
         let (info, (index, section)) = match (&self.manifest.fur.fins, section) {
             (None, None) => return Ok(None),
             (Some(info), Some(found)) => (info, found),
@@ -334,6 +336,47 @@ impl<'a> Package<'a> {
             return Err(fail(view.offset_of(i), reason));
         }
         Ok(Some(view))
+    }
+
+    /// The ink style; `None` for a package without. Checks every vertex anew at every call.
+    ///
+    /// Fails where the section is damaged, or has not a vertex for each of the mesh.
+    pub fn ink(&self) -> Result<Option<InkView<'a>>, FormatError> {
+        let Some((index, section)) = self.find(Tag::INK, 0).filter(|_| means(Tag::INK, self.version)) else {
+            return Ok(None);
+        };
+        let view = InkView::parse(self.section_bytes(index)?, section.offset, &self.limits)?;
+        let (found, expected) = (view.vertices().len(), self.mesh()?.map_or(0, |mesh| mesh.vertex_count));
+        if found != expected as usize {
+            let reason = format!("{found} vertices, expected the {expected} of the mesh");
+            return Err(FormatError::Content { tag: Tag::INK, offset: section.offset, reason });
+        }
+        Ok(Some(view))
+    }
+
+    /// The textures of the ink style; `None` for a package without.
+    ///
+    /// Fails where one of them is damaged or not as [`crate::InkInfo`] says: in layers, components or colour space.
+    pub fn ink_textures(&self) -> Result<Option<InkTextures<'a>>, FormatError> {
+        let Some(ink) = self.ink()? else { return Ok(None) };
+        let read = |what: &str, index: u32, layers: u32| {
+            let view = self.texture(index)?;
+            if view.layers != layers || view.format.components() != 4 || view.format.is_srgb() {
+                let reason = format!(
+                    "is {} in {} layers, expected four components that are not sRGB in {layers} as {what} of the ink style",
+                    view.format.name(),
+                    view.layers
+                );
+                return Err(self.texture_fault(index, &reason));
+            }
+            Ok(view)
+        };
+        Ok(Some(InkTextures {
+            stroke: read("stroke", ink.info.stroke_texture, 1)?,
+            wash: read("wash", ink.info.wash_texture, 1)?,
+            paper: read("paper", ink.info.paper_texture, 1)?,
+            fur: ink.info.fur_texture.map(|index| read("fur", index, 2)).transpose()?,
+        }))
     }
 
     /// The base-colour texture of a material; `None` for a material without one, or a material that does not exist.
@@ -380,6 +423,28 @@ pub struct FurTextures<'a> {
     pub color: TextureView<'a>,
     /// Hair direction in the tile frame, of the same size (`FORMAT.md`, "Directions").
     pub direction: TextureView<'a>,
+}
+
+/// The textures of the ink style, see [`Package::ink_textures`] and [`crate::InkInfo`].
+#[derive(Clone, Copy, Debug)]
+pub struct InkTextures<'a> {
+    /// The stroke of the sphere map.
+    pub stroke: TextureView<'a>,
+    /// The tile of wash on the surface.
+    pub wash: TextureView<'a>,
+    /// The tile of paper.
+    pub paper: TextureView<'a>,
+    /// Strokes of fur in the hair's tile, where the package has fur.
+    pub fur: Option<TextureView<'a>>,
+}
+
+/// Whether a tag means something to a version: to those before it, it is one of the sections that are kept unread.
+fn means(tag: Tag, version: u32) -> bool {
+    match tag {
+        Tag::FINS => version > 1,
+        Tag::INK => version > 2,
+        _ => true,
+    }
 }
 
 fn check_limit(what: &'static str, section: &Section, limit: u64) -> Result<(), FormatError> {
@@ -435,6 +500,11 @@ impl<'a> PackageWriter<'a> {
     /// Adds the fins.
     pub fn fins(self, fins: &FinData) -> Self {
         self.push(Tag::FINS, fins.encode())
+    }
+
+    /// Adds the ink style.
+    pub fn ink(self, ink: &InkData) -> Self {
+        self.push(Tag::INK, ink.encode())
     }
 
     /// Adds a complete .ktx2 file; the k-th belongs to the manifest's k-th texture.

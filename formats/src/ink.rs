@@ -1,0 +1,203 @@
+//! The `INKW` section: what a package needs to be drawn as an ink-wash painting (Fang 2006). Layout in `FORMAT.md`, "INKW".
+
+use crate::container::Tag;
+use crate::encoding::{decode_section, encode_section};
+use crate::{FormatError, Limits};
+use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Textures and constants of the ink style.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct InkInfo {
+    /// Index into the manifest's `textures`: the stroke, looked up by the normal in the frame perpendicular to the view, so that the rim
+    /// of the unit disc is the outline. One layer, four components, not sRGB: red is the stroke's grey, 0 black to 1 none, green the same
+    /// drawn with a dry brush, blue what varies its width (mean 0.5).
+    pub stroke_texture: u32,
+    /// Index into `textures`: a periodic tile on the surface. One layer, four components, not sRGB: red is the grain of the wash, green
+    /// its blotches, blue the pressure of lines (each of mean 0.5), alpha a threshold of even histogram for dry brushes.
+    pub wash_texture: u32,
+    /// Index into `textures`: a periodic tile of the paper. One layer, four components, not sRGB: red is the relief of its fibres, green how
+    /// much it absorbs (each of mean 0.5), blue its tone, 1 for clean paper, alpha a threshold of even histogram.
+    pub paper_texture: u32,
+    /// Index into `textures`: strokes of fur in the hair's tile. Two array layers, four components, not sRGB: the first seen from above,
+    /// periodic both ways, the second from the side as the fin textures are. Each component is the ink of one density, from few
+    /// strokes in red to all of them in alpha; what has ink in one has it in the next.
+    pub fur_texture: Option<u32>,
+    /// Period of the wash texture on the surface, metres, above 0.
+    pub grain_size_m: f32,
+    /// Constants of the style.
+    pub shading: InkShading,
+}
+
+/// Constants of the ink style, of one model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InkShading {
+    /// a of Fang 2006, §3, finite (default 0.6): how fast the wash fades from its centre.
+    pub wash_speed: f32,
+    /// b of Fang 2006, §3, finite (default 0.35): grey at the centre, 0 black to 1 white.
+    pub wash_range: f32,
+    /// Whether the wash follows the angle alone instead of the printed product (default false).
+    pub normalised: bool,
+    /// Share of the wash texture in the wash, 0..=1 (default 0.5).
+    pub grain: f32,
+    /// Share of the base colour's darkness that the wash takes on, 0..=1 (default 0.6).
+    pub tone: f32,
+    /// Strength of strokes of fur, 0..=1 (default 1).
+    pub fur: f32,
+    /// Factor on the width of lines, 0..=4 (default 1).
+    pub line: f32,
+}
+
+impl Default for InkShading {
+    fn default() -> Self {
+        Self { wash_speed: 0.6, wash_range: 0.35, normalised: false, grain: 0.5, tone: 0.6, fur: 1.0, line: 1.0 }
+    }
+}
+
+impl InkShading {
+    /// Checks every number; returns the field, what was found and what was expected.
+    ///
+    /// # Errors
+    ///
+    /// The first number that is out of its range.
+    pub fn check(&self) -> Result<(), String> {
+        for (what, value) in [("wash_speed", self.wash_speed), ("wash_range", self.wash_range)] {
+            if !value.is_finite() {
+                return Err(format!("{what} is {value}, expected a finite number"));
+            }
+        }
+        for (what, value, most) in
+            [("grain", self.grain, 1.0), ("tone", self.tone, 1.0), ("fur", self.fur, 1.0), ("line", self.line, 4.0)]
+        {
+            // Not a number is in no range.
+            if !(0.0..=most).contains(&value) {
+                return Err(format!("{what} is {value}, expected 0..={most}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the ink style needs of a vertex, in the order of the mesh's vertices. 8 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct InkVertex {
+    /// Fang 2006, §3, at rest, in 32767ths: half of ((V − CP)·N)/ρ, where ρ is the radius of the manifest's bounds, and
+    /// ((V − CP)/|V − CP|)·N; each −32767..=32767.
+    pub wash: [i16; 2],
+    /// Share of the wash, in 255ths: 0 is left blank.
+    pub amount: u8,
+    /// Share of full ink, in 255ths.
+    pub solid: u8,
+    /// Share of the width of lines, in 255ths.
+    pub line: u8,
+    /// 0.
+    pub reserved: u8,
+}
+
+/// The ink style of a package to be written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InkData {
+    /// Textures and constants.
+    pub info: InkInfo,
+    /// One per vertex of the mesh.
+    pub vertices: Vec<InkVertex>,
+}
+
+/// The ink style of an opened package; vertices are a slice of the package's bytes, ready to upload.
+#[derive(Clone)]
+pub struct InkView<'a> {
+    /// Textures and constants.
+    pub info: InkInfo,
+    /// One [`InkVertex`] for each vertex of the mesh, 8 bytes each.
+    pub vertices: &'a [u8],
+}
+
+impl fmt::Debug for InkView<'_> {
+    /// Says how many vertices, not each.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "InkView({:?}, {} vertices)", self.info, self.vertices.len() / size_of::<InkVertex>())
+    }
+}
+
+const HEADER_BYTES: u64 = 16;
+
+/// Offset of the first vertex, relative to the section.
+fn first_vertex(info_bytes: u64) -> u64 {
+    (HEADER_BYTES + info_bytes).next_multiple_of(16)
+}
+
+impl InkData {
+    /// Bytes of the section.
+    pub(crate) fn encode(&self) -> Result<Vec<u8>, FormatError> {
+        let fail = |reason: &str| FormatError::Content { tag: Tag::INK, offset: 0, reason: reason.into() };
+        let info = encode_section(Tag::INK, &self.info)?;
+        let count = u32::try_from(self.vertices.len()).map_err(|_| fail("more than 2^32 vertices"))?;
+        let first = first_vertex(info.len() as u64);
+        let mut out = Vec::new();
+        out.extend_from_slice(&count.to_le_bytes());
+        out.extend_from_slice(&(info.len() as u32).to_le_bytes());
+        out.extend_from_slice(&first.to_le_bytes());
+        out.extend_from_slice(&info);
+        out.resize(first as usize, 0);
+        out.extend_from_slice(bytemuck::cast_slice(&self.vertices));
+        InkView::parse(&out, 0, &Limits { vertices: u32::MAX, ..Limits::default() })?;
+        Ok(out)
+    }
+}
+
+impl<'a> InkView<'a> {
+    /// Reads the section that begins at `offset` of the package and checks every number in it by itself.
+    pub(crate) fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
+        let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::INK, offset: offset + at, reason };
+        if (bytes.len() as u64) < HEADER_BYTES {
+            let reason = format!("the section has {} bytes, expected a header of {HEADER_BYTES}", bytes.len());
+            return Err(fail(0, reason));
+        }
+        let u32_at = |at: usize| bytemuck::pod_read_unaligned::<u32>(&bytes[at..at + 4]);
+        let (count, info_bytes) = (u32_at(0), u32_at(4));
+        if count > limits.vertices {
+            let (found, limit) = (count.into(), limits.vertices.into());
+            return Err(FormatError::Limit { tag: Tag::INK, what: "vertex count", offset, found, limit });
+        }
+        let first = first_vertex(info_bytes.into());
+        let found = bytemuck::pod_read_unaligned::<u64>(&bytes[8..16]);
+        if found != first {
+            return Err(fail(8, format!("vertex offset is {found}, expected {first} behind {info_bytes} bytes")));
+        }
+        let end = first + u64::from(count) * size_of::<InkVertex>() as u64;
+        if bytes.len() as u64 != end {
+            let reason = format!("the section has {} bytes, expected {end} for these counts", bytes.len());
+            return Err(fail(0, reason));
+        }
+        let info_end = HEADER_BYTES + u64::from(info_bytes);
+        let info: InkInfo =
+            decode_section(Tag::INK, offset + HEADER_BYTES, &bytes[HEADER_BYTES as usize..info_end as usize])?;
+        if let Some(at) = (info_end..first).find(|at| bytes[*at as usize] != 0) {
+            return Err(fail(at, format!("padding byte is {}, expected 0", bytes[at as usize])));
+        }
+        info.shading.check().map_err(|reason| fail(HEADER_BYTES, format!("shading.{reason}")))?;
+        if !(info.grain_size_m > 0.0 && info.grain_size_m.is_finite()) {
+            let reason = format!("grain_size_m is {}, expected a finite number above 0", info.grain_size_m);
+            return Err(fail(HEADER_BYTES, reason));
+        }
+        let view = Self { info, vertices: &bytes[first as usize..] };
+        let sound = |v: &InkVertex| v.reserved == 0 && v.wash.iter().all(|w| *w > i16::MIN);
+        if let Some((i, vertex)) = view.vertices().enumerate().find(|(_, v)| !sound(v)) {
+            let reason = format!("vertex {i} is {vertex:?}, expected wash -32767..=32767 and reserved 0");
+            return Err(fail(first + i as u64 * size_of::<InkVertex>() as u64, reason));
+        }
+        Ok(view)
+    }
+
+    /// The vertices, decoded.
+    pub fn vertices(&self) -> impl ExactSizeIterator<Item = InkVertex> + 'a {
+        self.vertices.chunks_exact(size_of::<InkVertex>()).map(bytemuck::pod_read_unaligned)
+    }
+
+    /// Copies everything out.
+    pub fn to_data(&self) -> InkData {
+        InkData { info: self.info.clone(), vertices: self.vertices().collect() }
+    }
+}
