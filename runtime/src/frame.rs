@@ -5,22 +5,27 @@
 //! | `pose` | [`crate::Renderer::prepare`] | compute: posed vertices | an instance's pose changed |
 //! | `layer_shadow` | [`crate::Renderer::prepare`] | transmittance above each layer, seen from the key light | self-shadow on, and light, pose or package changed |
 //! | `shadow_width` | [`crate::Renderer::prepare`] | depth maps, occlusion, shrunk and stretched | soft shadow on, and light, pose or package changed |
+//! | `ink_normals`, `ink_features`, `ink_dilate`, `ink_stroke` | [`crate::Renderer::prepare`] | surfaces, the pixels that lines run through, the lines | style is ink |
 //! | `skin` | [`Frame::draw`] | opaque base mesh, depth written | always |
 //! | `fins` | [`Frame::draw`] | quads of hair along the outline | fur visible, package has fins |
 //! | `shells` | [`Frame::draw`] | layers of hair, inside to outside | fur visible |
+//! | `ink_composite` | [`Frame::draw`] | paper, wash and lines | style is ink |
+//! | `ink_fur` | [`Frame::draw`] | strokes of fur on fins and outer shells | style is ink, package has strokes |
+//!
+//! In ink none of `layer_shadow` to `shells` runs but those named so: an ink painting has no light.
 
 use crate::detail::Drawing;
 use crate::light_view::{Hull, LightView};
 use crate::params::MAX_FILL_LIGHTS;
 use crate::passes::fins::{self, FinDraws};
 use crate::passes::key::{Look, ShadowLook};
-use crate::passes::{PassId, layer_shadow, pose, shadow_width, shells, skin};
+use crate::passes::{PassId, ink, ink_fur, layer_shadow, pose, shadow_width, shells, skin};
 use crate::renderer::Pipelines;
 use crate::report::{self, FrameReport};
 use crate::shadow::{CasterPass, Casters, PenumbraForm, ShadowKey, ShadowMaps, SlantForm};
 use crate::shared::receiver::ShadowReceiver;
 use crate::shared::{detail, frame as blocks, kajiya_kay, skinning};
-use crate::{FrameParams, Instance, Model, RuntimeError};
+use crate::{FrameParams, Instance, Model, RuntimeError, Style};
 use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::{CoatInfo, Shading};
 use std::ops::Range;
@@ -35,6 +40,8 @@ pub struct Frame {
     shadows: Option<Arc<ShadowMaps>>,
     /// Of the shadow-width map, or a white texel.
     shadow_map: wgpu::TextureView,
+    /// What paints an ink frame.
+    sheet: Option<ink::Sheet>,
     report: FrameReport,
 }
 
@@ -55,6 +62,8 @@ pub(crate) struct Drawn {
     pub(crate) casters: [Vec<(usize, wgpu::RenderPipeline)>; 2],
     /// How much of its fur is drawn.
     pub(crate) drawing: Drawing,
+    /// What it draws in ink.
+    pub(crate) ink: Option<ink::InkDraws>,
     /// Instances of the shells' draw.
     pub(crate) shell_instances: Range<u32>,
 }
@@ -84,6 +93,10 @@ pub(crate) fn prepare(
     params.check(&device.limits())?;
     let clip_from_view = params.camera.check(pipelines.reversed_depth())?;
     instances.iter().try_for_each(|instance| instance.check())?;
+    let in_ink = params.ink.as_ref().filter(|_| params.style == Style::Ink);
+    if in_ink.is_some() {
+        instances.iter().try_for_each(|instance| instance.model().has_ink())?;
+    }
     let light_ws = params.light.homogeneous()?;
     let fills = fill_lights(device, params)?;
     let posed = pose::record(device, encoder, pipelines, instances)?;
@@ -102,7 +115,7 @@ pub(crate) fn prepare(
             model: model.clone(),
             geometry: instance.geometry().clone(),
             uniform_offset: (index as u32 + 1) * stride,
-            skin: skin::plan(device, pipelines, model, &look),
+            skin: if in_ink.is_some() { Vec::new() } else { skin::plan(device, pipelines, model, &look) },
             shells: if drawing.has_shells() { shells::plan(device, pipelines, model, &look) } else { Vec::new() },
             fins: if look.fins { fins::draws(device, pipelines, instance, &look) } else { None },
             layer_shadow: if redraw && params.self_shadow && drawing.has_shells() {
@@ -115,6 +128,7 @@ pub(crate) fn prepare(
             } else {
                 Default::default()
             },
+            ink: in_ink.and_then(|ink| pipelines.plan_ink(device, params, ink, instance)),
             drawing: *drawing,
             shell_instances: params
                 .only_layer
@@ -178,9 +192,22 @@ pub(crate) fn prepare(
     let report = report::report(posed, &drawn, params, maps.as_deref(), redraw);
     let buffer = upload(&frame, None);
     let bind_group = pipelines.layouts.frame_bind_group(device, &buffer, &fills, maps.as_deref());
+    let sheet = in_ink.map(|ink| {
+        let (inks, options, layouts) = pipelines.ink(device);
+        let recording = ink::Recording {
+            device,
+            options,
+            layouts,
+            params: ink,
+            clip_from_view,
+            frame: &bind_group,
+            instances: &drawn,
+        };
+        ink::record(inks, encoder, &recording, mark)
+    });
     let width = maps.as_deref().and_then(ShadowMaps::width);
     let shadow_map = width.map_or_else(|| pipelines.layouts.white.clone(), |map| map.create_view(&Default::default()));
-    Ok(Frame { bind_group, instances: drawn, shadows: maps, shadow_map, report })
+    Ok(Frame { bind_group, instances: drawn, shadows: maps, shadow_map, sheet, report })
 }
 
 /// What the shadow maps of a frame depend on; `None` where it needs none.
@@ -193,7 +220,10 @@ fn shadow_key(
     // The finest instance decides; what draws other layers reads between the maps.
     let layers = drawings.iter().map(|d| d.map_layers).max()?;
     let self_shadow = params.self_shadow && layers > 1;
-    // A light without light throws no shadow.
+    // A light without light throws no shadow, and in ink there is none.
+    if params.style == Style::Ink {
+        return None;
+    }
     if !(self_shadow || params.soft_shadow) || params.light.color() == Vec3::ZERO {
         return None;
     }
@@ -224,27 +254,35 @@ impl Frame {
         self.draw_pass(PassId::Skin, pass);
         self.draw_pass(PassId::Fins, pass);
         self.draw_pass(PassId::Shells, pass);
+        self.draw_pass(PassId::InkComposite, pass);
+        self.draw_pass(PassId::InkFur, pass);
     }
 
     /// Records one pass alone, for measuring, or for drawing between skin and shells. [`PassId::Pose`] and those of the shadows
     /// were recorded by [`crate::Renderer::prepare`] and do nothing here.
     pub fn draw_pass(&self, id: PassId, pass: &mut wgpu::RenderPass<'_>) {
+        if let (PassId::InkComposite, Some(sheet)) = (id, &self.sheet) {
+            sheet.draw(pass);
+        }
         for instance in &self.instances {
             let empty = match id {
-                PassId::Pose | PassId::LayerShadow | PassId::ShadowWidth => true,
                 PassId::Skin => instance.skin.is_empty(),
                 PassId::Fins => instance.fins.is_none(),
                 PassId::Shells => instance.shells.is_empty(),
+                PassId::InkFur => instance.ink.as_ref().is_none_or(ink::InkDraws::is_bald),
+                // Recorded before, or not an instance's.
+                _ => true,
             };
             if empty {
                 continue;
             }
             instance.bind(pass, &self.bind_group);
             match id {
-                PassId::Pose | PassId::LayerShadow | PassId::ShadowWidth => {}
                 PassId::Skin => skin::record(pass, instance),
                 PassId::Fins => instance.fins.iter().for_each(|fins| fins::record(pass, &instance.model, fins)),
                 PassId::Shells => shells::record(pass, instance),
+                PassId::InkFur => ink_fur::record(pass, instance),
+                _ => {}
             }
         }
     }
@@ -276,6 +314,13 @@ impl Frame {
 
 /// Compiles what a frame with these parameters needs, whatever the model's size on screen.
 pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &Model, params: &FrameParams) {
+    if model.skeleton().is_some() {
+        pipelines.pose(device);
+    }
+    if let (Style::Ink, Some(ink)) = (params.style, &params.ink) {
+        pipelines.compile_ink(device, model, params, ink);
+        return;
+    }
     for drawing in Drawing::all(model.manifest(), params) {
         let key = light_alone(model, params, &drawing);
         let look = look(model, params, &drawing, Mat4::IDENTITY, key.as_ref());
@@ -296,9 +341,6 @@ pub(crate) fn compile(device: &wgpu::Device, pipelines: &mut Pipelines, model: &
         if look.fins {
             fins::plan(device, pipelines, model, &look);
         }
-    }
-    if model.skeleton().is_some() {
-        pipelines.pose(device);
     }
 }
 

@@ -1,6 +1,7 @@
 //! A package on the GPU.
 
 use crate::extent::Extent;
+use crate::model_ink::{self, ModelInk};
 use crate::passes::surface::{MaterialUniform, SurfaceLayouts};
 use crate::{RendererOptions, RuntimeError};
 use pelage_formats::{Animation, Clip, FinsView, FurTextures, Manifest, MeshView, Package, TextureFormat, TextureView};
@@ -27,6 +28,7 @@ struct Resources {
     varies: Varies,
     parts: Vec<Part>,
     extent: Extent,
+    ink: Option<ModelInk>,
     /// Tells models apart, also from those that are gone.
     number: u64,
     gpu_bytes: u64,
@@ -129,6 +131,23 @@ impl Model {
 
     pub(crate) fn varies(&self) -> Varies {
         self.0.varies
+    }
+
+    /// Fails for a model that has no ink style.
+    pub(crate) fn has_ink(&self) -> Result<(), RuntimeError> {
+        if self.0.ink.is_some() {
+            return Ok(());
+        }
+        Err(RuntimeError::Content {
+            package: self.manifest().model.clone(),
+            what: "ink style".into(),
+            reason: "there is none, expected one: bake the model again with ink.enabled = true in its recipe".into(),
+        })
+    }
+
+    /// Its ink style, where the package has one.
+    pub(crate) fn ink(&self) -> Option<&ModelInk> {
+        self.0.ink.as_ref()
     }
 
     /// How far the skin reaches.
@@ -292,6 +311,8 @@ pub(crate) fn load(
         previous = Some(part.material);
     }
 
+    let (ink, ink_bytes) = model_ink::load(&uploader, package, &mesh)?.unzip();
+    gpu_bytes += ink_bytes.unwrap_or(0);
     let manifest = manifest.clone();
     let has_skeleton = animation.is_some();
     let resources = Resources {
@@ -308,12 +329,13 @@ pub(crate) fn load(
         extent: Extent::of(&mesh, skinned && has_skeleton),
         number: LOADED.fetch_add(1, Ordering::Relaxed),
         parts,
+        ink,
         gpu_bytes,
     };
     Ok(Model(Arc::new(resources)))
 }
 
-struct Uploader<'a> {
+pub(crate) struct Uploader<'a> {
     device: &'a wgpu::Device,
     queue: &'a wgpu::Queue,
     package: &'a Package<'a>,
@@ -341,7 +363,7 @@ impl Uploader<'_> {
         Ok(())
     }
 
-    fn buffer(&self, name: &str, contents: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RuntimeError> {
+    pub(crate) fn buffer(&self, name: &str, contents: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RuntimeError> {
         let limits = self.device.limits();
         let what = || format!("size in bytes of the {name} of package {:?}", self.package.manifest().model);
         self.within(what, contents.len() as u64, "max_buffer_size", limits.max_buffer_size)?;
@@ -378,7 +400,7 @@ impl Uploader<'_> {
         Ok([color, self.texture(direction, &textures.direction)?.create_view(&array)])
     }
 
-    fn texture(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::Texture, RuntimeError> {
+    pub(crate) fn texture(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::Texture, RuntimeError> {
         let name = self.texture_name(index);
         let limits = self.device.limits();
         let edge = view.width.max(view.height);

@@ -1,6 +1,6 @@
 //! What is set once and what is set per frame.
 
-use crate::{Camera, Detail, Light, RuntimeError, ShadowParams, SlantForm};
+use crate::{Camera, Detail, InkParams, Light, RuntimeError, ShadowParams, SlantForm};
 use glam::Vec3;
 use pelage_formats::Shading;
 
@@ -73,6 +73,8 @@ pub enum Style {
     Fur,
     /// The skin alone, in its base colour.
     Bare,
+    /// As an ink-wash painting, as [`FrameParams::ink`] says; for packages that have the style.
+    Ink,
 }
 
 /// Where the key light's diffuse and specular factors, Yang 2006, eq. (1), are computed.
@@ -121,6 +123,8 @@ pub struct FrameParams {
     pub ambient_attenuation: bool,
     /// Whether the light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
     pub back_attenuation: bool,
+    /// How [`Style::Ink`] paints, which needs it (default `None`).
+    pub ink: Option<InkParams>,
     /// Constants of the lighting equation instead of the package's own (default `None`).
     pub shading: Option<Shading>,
     /// Draws the shells with one texture read and no lighting: what `pelage bench` measures their cost against.
@@ -150,6 +154,7 @@ impl FrameParams {
             shadows: ShadowParams::default(),
             ambient_attenuation: true,
             back_attenuation: true,
+            ink: None,
             shading: None,
             yardstick: false,
             only_layer: None,
@@ -169,6 +174,13 @@ impl FrameParams {
             && !(1..=MAX_LAYERS).contains(&layers)
         {
             return fail("FrameParams::layers", layers.to_string(), "1..=1024");
+        }
+        match &self.ink {
+            Some(ink) => ink.check(limits)?,
+            None if self.style == Style::Ink => {
+                return fail("FrameParams::ink", "None".into(), "how the ink style paints, such as InkParams::new");
+            }
+            None => {}
         }
         if !self.ambient.is_finite() {
             return fail("FrameParams::ambient", self.ambient.to_string(), "finite numbers");

@@ -1,11 +1,12 @@
 //! What is made once per device and set of options: layouts and pipelines.
 
+use crate::passes::ink::{self, InkDraws, InkPipelines};
 use crate::passes::key::{SurfaceKey, SurfaceShader};
 use crate::passes::shadow_width::FilterPipelines;
 use crate::passes::surface::SurfaceLayouts;
 use crate::passes::{PassId, fins, layer_shadow, pose, shadow_width, shells, skin};
 use crate::shadow::{Casters, ShadowMaps};
-use crate::{Frame, FrameParams, Instance, Model, RendererOptions, RuntimeError, frame, model};
+use crate::{Frame, FrameParams, InkParams, Instance, Model, RendererOptions, RuntimeError, frame, model};
 use pelage_formats::{Limits, Package};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -28,6 +29,7 @@ impl Renderer {
             layouts: SurfaceLayouts::new(device, queue),
             pose: None,
             filter: None,
+            ink: None,
             modules: HashMap::new(),
             surfaces: HashMap::new(),
         };
@@ -119,6 +121,7 @@ pub(crate) struct Pipelines {
     pub(crate) layouts: SurfaceLayouts,
     pose: Option<wgpu::ComputePipeline>,
     filter: Option<FilterPipelines>,
+    ink: Option<InkPipelines>,
     modules: HashMap<&'static str, wgpu::ShaderModule>,
     surfaces: HashMap<SurfaceKey, wgpu::RenderPipeline>,
 }
@@ -152,6 +155,36 @@ impl Pipelines {
         self.filter.get_or_insert_with(|| {
             FilterPipelines::new(device, &module(device, "pelage shadow width", shadow_width::FILTER_WGSL))
         })
+    }
+
+    /// The ink style's, with what they are made from.
+    pub(crate) fn ink(&mut self, device: &wgpu::Device) -> (&mut InkPipelines, &RendererOptions, &SurfaceLayouts) {
+        (self.ink.get_or_insert_with(|| InkPipelines::new(device)), &self.options, &self.layouts)
+    }
+
+    /// What an instance draws in ink; `None` for a model without the style.
+    pub(crate) fn plan_ink(
+        &mut self,
+        device: &wgpu::Device,
+        params: &FrameParams,
+        ink_params: &InkParams,
+        instance: &Instance,
+    ) -> Option<InkDraws> {
+        let model = instance.model().clone();
+        let (inks, options, layouts) = self.ink(device);
+        Some(ink::plan(device, inks, layouts, options, params, ink_params, instance, model.ink()?))
+    }
+
+    /// Compiles what a model needs in ink.
+    pub(crate) fn compile_ink(
+        &mut self,
+        device: &wgpu::Device,
+        model: &Model,
+        params: &FrameParams,
+        ink_params: &InkParams,
+    ) {
+        let (inks, options, layouts) = self.ink(device);
+        ink::compile(device, inks, layouts, options, params, ink_params, model);
     }
 
     pub(crate) fn surface(&mut self, device: &wgpu::Device, key: SurfaceKey) -> wgpu::RenderPipeline {

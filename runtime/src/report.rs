@@ -1,7 +1,8 @@
 //! What became of each pass of a frame, and of the fur of each instance.
 
 use crate::frame::Drawn;
-use crate::passes::PassId;
+use crate::ink::InkShow;
+use crate::passes::{PassId, ink_fur};
 use crate::shadow::ShadowMaps;
 use crate::{FrameParams, InstanceDetail, Light, Style};
 use glam::Vec3;
@@ -49,9 +50,15 @@ pub(crate) fn report(
             posed,
             report_layer_shadow(drawn, params, maps, redrawn),
             report_shadow_width(drawn, params, maps, redrawn),
-            report_skin(drawn),
+            report_ink(PassId::InkNormals, drawn, params),
+            report_ink(PassId::InkFeatures, drawn, params),
+            report_ink(PassId::InkDilate, drawn, params),
+            report_ink(PassId::InkStroke, drawn, params),
+            report_skin(drawn, params),
             report_fins(drawn, params),
             report_shells(drawn, params),
+            report_ink(PassId::InkComposite, drawn, params),
+            report_ink(PassId::InkFur, drawn, params),
         ],
         instances: drawn.iter().map(|d| d.drawing.detail).collect(),
     }
@@ -68,7 +75,7 @@ fn report_layer_shadow(drawn: &[Drawn], params: &FrameParams, maps: Option<&Shad
         None if drawn.is_empty() => PassReport::skipped(name, "no instances"),
         None if !params.self_shadow => PassReport::skipped(name, "switched off"),
         None if params.light.color() == Vec3::ZERO => PassReport::skipped(name, "the key light is dark"),
-        None if params.style == Style::Bare => PassReport::skipped(name, "style is bare"),
+        None if params.style != Style::Fur => PassReport::skipped(name, not_fur(params.style)),
         None if all_reduced(drawn) => {
             PassReport::skipped(name, "far coats alone, which have their light from the package")
         }
@@ -86,6 +93,7 @@ fn report_shadow_width(drawn: &[Drawn], params: &FrameParams, maps: Option<&Shad
         Some(_) => PassReport::skipped(name, "light, poses and models as in the maps"),
         None if drawn.is_empty() => PassReport::skipped(name, "no instances"),
         None if !params.soft_shadow => PassReport::skipped(name, "switched off"),
+        None if params.style == Style::Ink => PassReport::skipped(name, not_fur(params.style)),
         None => PassReport::skipped(name, "the key light is dark"),
     }
 }
@@ -101,8 +109,46 @@ fn light_inside(maps: &ShadowMaps) -> &'static str {
     }
 }
 
-fn report_skin(drawn: &[Drawn]) -> PassReport {
+/// Why passes of the furry style do nothing.
+fn not_fur(style: Style) -> &'static str {
+    match style {
+        Style::Fur => "style is fur",
+        Style::Bare => "style is bare",
+        Style::Ink => "style is ink",
+    }
+}
+
+fn report_ink(id: PassId, drawn: &[Drawn], params: &FrameParams) -> PassReport {
+    let name = id.name();
+    let Some(ink) = params.ink.as_ref().filter(|_| params.style == Style::Ink) else {
+        return PassReport::skipped(name, not_fur(params.style));
+    };
+    let draws = || drawn.iter().filter_map(|d| d.ink.as_ref());
+    let [width, height] = ink.target_px;
+    match id {
+        PassId::InkNormals => {
+            let parts: usize = draws().map(|d| d.normals().len()).sum();
+            PassReport::ran(name, format!("{} instances, {parts} parts, {width} x {height}", drawn.len()))
+        }
+        PassId::InkFur => {
+            let furry = draws().filter(|d| !d.is_bald()).count();
+            match (furry, ink.show) {
+                (0, InkShow::Painting) => PassReport::skipped(name, "no package has strokes of fur to draw"),
+                (0, _) => PassReport::skipped(name, "the painting is not shown"),
+                _ => PassReport::ran(name, format!("{furry} instances, {} shells and fins", ink_fur::SHELLS)),
+            }
+        }
+        PassId::InkDilate => PassReport::ran(name, format!("{} pixels along rows", ink.reach_px())),
+        PassId::InkStroke => PassReport::ran(name, format!("{} pixels along columns", ink.reach_px())),
+        _ => PassReport::ran(name, format!("{width} x {height}")),
+    }
+}
+
+fn report_skin(drawn: &[Drawn], params: &FrameParams) -> PassReport {
     let draws: usize = drawn.iter().map(|d| d.skin.len()).sum();
+    if params.style == Style::Ink {
+        return PassReport::skipped("skin", not_fur(params.style));
+    }
     if draws == 0 {
         return PassReport::skipped("skin", "no instances");
     }
@@ -126,7 +172,7 @@ fn report_fins(drawn: &[Drawn], params: &FrameParams) -> PassReport {
         "fins",
         match (drawn.is_empty(), params.style, params.layers) {
             (true, ..) => "no instances",
-            (_, Style::Bare, _) => "style is bare",
+            (_, Style::Bare | Style::Ink, _) => not_fur(params.style),
             (_, _, Some(1)) => "one layer is the skin alone",
             _ if !params.fins => "switched off",
             _ if all_reduced(drawn) => "the fur is too small on screen",
@@ -151,7 +197,7 @@ fn report_shells(drawn: &[Drawn], params: &FrameParams) -> PassReport {
         "shells",
         match (drawn.is_empty(), params.style, params.layers) {
             (true, ..) => "no instances",
-            (_, Style::Bare, _) => "style is bare",
+            (_, Style::Bare | Style::Ink, _) => not_fur(params.style),
             (_, _, Some(1)) => "one layer is the skin alone",
             _ if all_reduced(drawn) => "the fur is too small on screen: far coats on the skin",
             _ => "no package has fur",

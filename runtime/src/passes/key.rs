@@ -203,6 +203,16 @@ const MULTIPLIED: wgpu::BlendState = {
     wgpu::BlendState { color: times, alpha: wgpu::BlendComponent { dst_factor: wgpu::BlendFactor::SrcAlpha, ..times } }
 };
 
+/// What is nearer, or with `strictly` not as far as well, is drawn.
+pub(crate) fn depth_compare(strictly: bool, reversed_depth: bool) -> wgpu::CompareFunction {
+    match (strictly, reversed_depth) {
+        (true, false) => wgpu::CompareFunction::Less,
+        (true, true) => wgpu::CompareFunction::Greater,
+        (false, false) => wgpu::CompareFunction::LessEqual,
+        (false, true) => wgpu::CompareFunction::GreaterEqual,
+    }
+}
+
 /// What a pipeline draws to.
 pub(crate) struct Target {
     pub(crate) color: Option<wgpu::ColorTargetState>,
@@ -307,12 +317,7 @@ impl SurfaceShader {
                 depth_format: options.depth_format,
                 depth_write: self != Self::Fins,
                 // Layers that coincide with the skin (fur of height 0) stay hidden: strictly nearer only.
-                depth_compare: match (self.is_blended(), options.reversed_depth) {
-                    (true, false) => wgpu::CompareFunction::Less,
-                    (true, true) => wgpu::CompareFunction::Greater,
-                    (false, false) => wgpu::CompareFunction::LessEqual,
-                    (false, true) => wgpu::CompareFunction::GreaterEqual,
-                },
+                depth_compare: depth_compare(self.is_blended(), options.reversed_depth),
                 sample_count: options.sample_count,
             },
         }

@@ -1,6 +1,13 @@
 //! One pass is one folder: what it needs, its pipelines, and how it is recorded.
 
 pub(crate) mod fins;
+pub(crate) mod ink;
+pub(crate) mod ink_composite;
+pub(crate) mod ink_dilate;
+pub(crate) mod ink_features;
+pub(crate) mod ink_fur;
+pub(crate) mod ink_normals;
+pub(crate) mod ink_stroke;
 pub(crate) mod key;
 pub(crate) mod layer_shadow;
 pub(crate) mod pose;
@@ -82,11 +89,36 @@ pub enum PassId {
     Fins,
     /// The layers of hair, inside to outside.
     Shells,
+    /// Ink: the surfaces' normals, wash and stroke. Recorded by [`crate::Renderer::prepare`].
+    InkNormals,
+    /// Ink: the pixels that lines run through. Recorded by [`crate::Renderer::prepare`].
+    InkFeatures,
+    /// Ink: how far their lines reach along rows. Recorded by [`crate::Renderer::prepare`].
+    InkDilate,
+    /// Ink: the lines. Recorded by [`crate::Renderer::prepare`].
+    InkStroke,
+    /// Ink: paper, wash and lines.
+    InkComposite,
+    /// Ink: strokes of fur over them.
+    InkFur,
 }
 
 impl PassId {
     /// All of them, in order.
-    pub const ALL: [Self; 6] = [Self::Pose, Self::LayerShadow, Self::ShadowWidth, Self::Skin, Self::Fins, Self::Shells];
+    pub const ALL: [Self; 12] = [
+        Self::Pose,
+        Self::LayerShadow,
+        Self::ShadowWidth,
+        Self::InkNormals,
+        Self::InkFeatures,
+        Self::InkDilate,
+        Self::InkStroke,
+        Self::Skin,
+        Self::Fins,
+        Self::Shells,
+        Self::InkComposite,
+        Self::InkFur,
+    ];
 
     /// Name in reports.
     pub fn name(self) -> &'static str {
@@ -97,6 +129,12 @@ impl PassId {
             Self::Skin => "skin",
             Self::Fins => "fins",
             Self::Shells => "shells",
+            Self::InkNormals => "ink_normals",
+            Self::InkFeatures => "ink_features",
+            Self::InkDilate => "ink_dilate",
+            Self::InkStroke => "ink_stroke",
+            Self::InkComposite => "ink_composite",
+            Self::InkFur => "ink_fur",
         }
     }
 }

@@ -13,7 +13,7 @@ use wgpu::util::DeviceExt;
 
 /// Source of the shared part, joined before each surface shader.
 macro_rules! surface_wgsl {
-    ($pass:literal) => {
+    ($($pass:literal),+) => {
         concat!(
             include_str!("../../shared/detail.wgsl"),
             include_str!("../../shared/fins.wgsl"),
@@ -24,8 +24,9 @@ macro_rules! surface_wgsl {
             include_str!("../../shared/skinning.wgsl"),
             include_str!("../../shared/soft_shadow.wgsl"),
             include_str!("../../shared/tile_frame.wgsl"),
+            include_str!("../place.wgsl"),
             include_str!("../surface.wgsl"),
-            include_str!($pass),
+            $(include_str!($pass),)+
         )
     };
 }
@@ -66,17 +67,17 @@ pub(crate) struct SurfaceLayouts {
     /// Group 0: frame, and the instance at a dynamic offset.
     pub(crate) frame: wgpu::BindGroupLayout,
     /// Group 1.
-    material: wgpu::BindGroupLayout,
+    pub(crate) material: wgpu::BindGroupLayout,
     /// Group 2.
     fur: wgpu::BindGroupLayout,
     /// Group 3, of the fins alone: posed vertices, attributes, fins. `None` where vertex shaders have no storage buffers.
     pub(crate) fins: Option<wgpu::BindGroupLayout>,
     pub(crate) white: wgpu::TextureView,
-    white_array: wgpu::TextureView,
+    pub(crate) white_array: wgpu::TextureView,
     pub(crate) map_sampler: wgpu::Sampler,
 }
 
-fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
+pub(crate) fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
@@ -103,7 +104,7 @@ fn storage<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     }
 }
 
-fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
+pub(crate) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::FRAGMENT,
@@ -122,7 +123,7 @@ fn directions(binding: u32) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry { visibility, ..texture(binding, wgpu::TextureViewDimension::D2Array) }
 }
 
-fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
+pub(crate) fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::FRAGMENT,
@@ -131,7 +132,7 @@ fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
     }
 }
 
-fn layout(device: &wgpu::Device, label: &str, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
+pub(crate) fn layout(device: &wgpu::Device, label: &str, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
 }
 

@@ -9,6 +9,8 @@ pub mod detail;
 pub mod fins;
 /// Where camera, light and the drawn copy stand: the uniform blocks of every pass.
 pub mod frame;
+/// The ink-wash style: sphere map, features, lines, wash (Fang 2006).
+pub mod ink;
 /// Yang 2006, eq. (1), and the attenuations of eqs. (2) and (3) that need no map.
 pub mod kajiya_kay;
 /// Layer-wise shadow maps: what a layer of hair leaves of the light.
@@ -21,5 +23,7 @@ pub mod receiver;
 pub mod skinning;
 /// Soft shadows from a shadow-width map.
 pub mod soft_shadow;
+/// Colours as displays encode them.
+pub mod srgb;
 /// The hair tile's frame on the skin, and directions in it.
 pub mod tile_frame;

@@ -4,11 +4,11 @@
 use crate::Instance;
 use crate::model::Model;
 use crate::passes::key::{Look, SurfaceShader, plan_parts};
-use crate::passes::surface::surface_wgsl;
+use crate::passes::surface::{SurfaceLayouts, surface_wgsl};
 use crate::renderer::Pipelines;
 
 /// The shader.
-pub(crate) const WGSL: &str = surface_wgsl!("fins.wgsl");
+pub(crate) const WGSL: &str = surface_wgsl!("../fins/fin_corner.wgsl", "fins.wgsl");
 
 /// Vertices of a quad, as in the shader.
 pub(crate) const CORNERS: u32 = 6;
@@ -40,11 +40,23 @@ pub(crate) fn draws(
     look: &Look,
 ) -> Option<FinDraws> {
     let model = instance.model();
-    let fins = model.fins()?;
+    model.fins()?;
     let parts = plan(device, pipelines, model, look);
+    bind(device, &pipelines.layouts, instance, parts)
+}
+
+/// Planned parts with the vertices that the shader reads; `None` for a model without fins.
+pub(crate) fn bind(
+    device: &wgpu::Device,
+    layouts: &SurfaceLayouts,
+    instance: &Instance,
+    parts: Vec<(usize, wgpu::RenderPipeline)>,
+) -> Option<FinDraws> {
+    let model = instance.model();
+    let fins = model.fins()?;
     let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("pelage fins"),
-        layout: pipelines.layouts.fins.as_ref()?,
+        layout: layouts.fins.as_ref()?,
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: instance.geometry().as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: model.attributes().as_entire_binding() },
@@ -56,7 +68,17 @@ pub(crate) fn draws(
 
 /// Records the draws of one instance; group 0 is set.
 pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, model: &Model, draws: &FinDraws) {
-    pass.set_bind_group(2, model.fins().map(|fins| &fins.textures), &[]);
+    record_with(pass, model, draws, model.fins().map(|fins| &fins.textures));
+}
+
+/// [`record`] with other textures in group 2.
+pub(crate) fn record_with(
+    pass: &mut wgpu::RenderPass<'_>,
+    model: &Model,
+    draws: &FinDraws,
+    textures: Option<&wgpu::BindGroup>,
+) {
+    pass.set_bind_group(2, textures, &[]);
     pass.set_bind_group(3, &draws.bind_group, &[]);
     let vertices = if model.varies().lean { CORNERS * LEANING_ROWS } else { CORNERS };
     for (part, pipeline) in &draws.parts {

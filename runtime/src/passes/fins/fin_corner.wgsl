@@ -1,0 +1,91 @@
+// The corners of fins. There is no vertex buffer: a fin needs both ends of its edge at every corner, and reads them from the posed
+// vertices.
+
+struct GeometryVertex {
+    position: vec3<f32>,
+    fur_height: f32,
+    normal: vec3<f32>,
+    lean: f32,
+    tangent: vec4<f32>,
+}
+
+// Its colour is packed.
+struct AttributeVertex {
+    tile_uv: vec2<f32>,
+    base_uv: vec2<f32>,
+    color: u32,
+    groom: u32,
+}
+
+struct Fin {
+    a: u32,
+    b: u32,
+    start: f32,
+    length: f32,
+    slab: u32,
+    opacity: f32,
+}
+
+@group(3) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
+@group(3) @binding(1) var<storage, read> attributes: array<AttributeVertex>;
+@group(3) @binding(2) var<storage, read> fins: array<Fin>;
+
+// Vertices of a quad: two triangles.
+const CORNERS: u32 = 6u;
+// Quads above each other where hair leans, which bends it.
+const LEANING_ROWS: u32 = 3u;
+
+fn vertex_of(index: u32) -> Vertex {
+    let g = vertices[index];
+    let a = attributes[index];
+    let color = unpack4x8unorm(a.color);
+    return Vertex(
+        g.position, g.fur_height, g.normal, g.tangent, a.tile_uv, a.base_uv, color, g.lean, unpack4x8unorm(a.groom),
+    );
+}
+
+// A corner of a fin.
+struct FinCorner {
+    // The vertex that it stands on, with its normal and tile frame.
+    vertex: Vertex,
+    tile: TileFrame,
+    // 0 on the skin, 1 at the outermost layer.
+    height: f32,
+    // Along the slab.
+    along: f32,
+    slab: u32,
+    // Of the whole fin: by the angle it is seen at, and what stands beside it.
+    opacity: f32,
+}
+
+fn fin_corner(index: u32) -> FinCorner {
+    let rows = select(1u, LEANING_ROWS, LEAN);
+    let quad = index / CORNERS;
+    let corner = index % CORNERS;
+    let fin = fins[quad / rows];
+    // a, b, b above, a, b above, a above.
+    let at_b = corner == 1u || corner == 2u || corner == 4u;
+    let above = corner == 2u || corner > 3u;
+
+    let a = vertex_of(fin.a);
+    let b = vertex_of(fin.b);
+    let normal_a = normal_ws(a);
+    let normal_b = normal_ws(b);
+    let skin_a = position_ws(a);
+    let skin_b = position_ws(b);
+    // The fin's own plane: by the edge and the mean of the normals, the same at all corners.
+    let face = normalize_or(cross(skin_b - skin_a, normal_a + normal_b), vec3(0.0));
+    let eye = direction_to(frame.eye_ws, 0.5 * (skin_a + skin_b));
+    let opacity = fin.opacity * fin_opacity(dot(face, eye));
+
+    var v = a;
+    var normal = normal_a;
+    if at_b {
+        v = b;
+        normal = normal_b;
+    }
+    let height = f32(quad % rows + select(0u, 1u, above)) / f32(rows);
+    let tile = tile_frame_of(v, normal);
+    let along = fin.start + select(0.0, fin.length, at_b);
+    return FinCorner(v, tile, height, along, fin.slab, opacity);
+}

@@ -1,0 +1,72 @@
+// Everything on one sheet: paper, wash and lines, into the application's picture with the depth of what is drawn.
+
+@group(0) @binding(1) var normals: texture_2d<f32>;
+@group(0) @binding(2) var surfaces: texture_2d<f32>;
+@group(0) @binding(3) var strokes: texture_2d<f32>;
+@group(0) @binding(4) var depths: texture_depth_2d;
+@group(0) @binding(5) var paper: texture_2d<f32>;
+@group(0) @binding(6) var paper_sampler: sampler;
+@group(0) @binding(7) var clamped: sampler;
+
+// 0: the painting; 1: lines, black on white; 2: features; 3: wash.
+override SHOW: u32 = 0u;
+// The application's own picture stays where nothing is painted.
+override PICTURE: bool = false;
+
+struct Painted {
+    @location(0) color: vec4<f32>,
+    @builtin(frag_depth) depth: f32,
+}
+
+// Grey of the wash, which runs a little into the paper.
+fn soft_wash(uv: vec2<f32>) -> f32 {
+    let px = 1.4 / ink.size;
+    var sum = 2.0 * textureSampleLevel(surfaces, clamped, uv, 0.0).r;
+    sum += textureSampleLevel(surfaces, clamped, uv + vec2(px.x, 0.35 * px.y), 0.0).r;
+    sum += textureSampleLevel(surfaces, clamped, uv - vec2(px.x, 0.35 * px.y), 0.0).r;
+    sum += textureSampleLevel(surfaces, clamped, uv + vec2(-0.35 * px.x, px.y), 0.0).r;
+    sum += textureSampleLevel(surfaces, clamped, uv + vec2(0.35 * px.x, -px.y), 0.0).r;
+    return sum / 6.0;
+}
+
+@fragment
+fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
+    let p = inside(vec2<i32>(position.xy));
+    let uv = position.xy / ink.size;
+    let here = textureLoad(normals, p, 0);
+    let line = textureLoad(strokes, p, 0);
+    let q = inside(p + vec2<i32>(round(line.zw * 255.0)) - 128);
+    let depth = select(textureLoad(depths, q, 0), textureLoad(depths, p, 0), here.w > 0.0 || line.x <= 0.0);
+    if SHOW == 1u {
+        return Painted(vec4(vec3(1.0 - line.x), 1.0), depth);
+    }
+    if SHOW == 2u {
+        let is_feature = line.x > 0.0 && all(q == p);
+        return Painted(vec4(vec3(select(1.0, 0.0, is_feature)), 1.0), depth);
+    }
+    var wash = soft_wash(uv);
+    let sheet = textureSampleLevel(paper, paper_sampler, position.xy / ink.paper_period, 0.0);
+    // The wash gathers between the fibres.
+    let dens = 1.0 - wash;
+    wash = clamp(1.0 - dens * (1.0 + ink.paper_grain * (0.55 * (sheet.g - 0.5) + 0.35 * (0.5 - sheet.r))), 0.0, 1.0);
+    if SHOW == 3u {
+        return Painted(vec4(linear_of(vec3(wash)), 1.0), depth);
+    }
+    var grey = wash * mix(1.0, line.y, line.x);
+    if ink.mist_to > ink.mist_from {
+        let far = select(textureLoad(normals, q, 0).w, here.w, here.w > 0.0);
+        grey = mix(grey, 1.0, clamp((far - ink.mist_from) / (ink.mist_to - ink.mist_from), 0.0, 1.0));
+    }
+    let relief = 1.0 + ink.paper_grain * (0.05 * (sheet.r - 0.5) - 0.30 * (1.0 - sheet.b));
+    let sheet_color = ink.paper * relief;
+    let color = linear_of(sheet_color * mix(ink.ink, vec3(1.0), grey));
+    if !PICTURE {
+        return Painted(vec4(color, 1.0), depth);
+    }
+    // Beside the body only its lines are there, and the wash that ran out.
+    let opacity = select(max(line.x, 1.0 - wash), 1.0, here.w > 0.0);
+    if opacity <= 0.0 {
+        discard;
+    }
+    return Painted(vec4(select(linear_of(sheet_color * ink.ink), color, here.w > 0.0) * opacity, opacity), depth);
+}

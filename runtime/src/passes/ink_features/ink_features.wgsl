@@ -1,0 +1,48 @@
+// Which pixels lines run through: where the normal turns, Fang 2006, §2.
+
+@group(0) @binding(1) var normals: texture_2d<f32>;
+@group(0) @binding(2) var surfaces: texture_2d<f32>;
+
+// The printed rule: all four dots must be low, and nothing is between yes and no.
+override ALL_BELOW: bool = false;
+
+// Half of the widest line through the pixel over WIDEST_HALF, 0 for no feature; its strength.
+@fragment
+fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let p = vec2<i32>(position.xy);
+    let here = textureLoad(normals, p, 0);
+    // Nothing is there.
+    if here.w <= 0.0 {
+        return vec4(0.0);
+    }
+    let s = ink.step;
+    let a = textureLoad(normals, inside(p + vec2(-s, -s)), 0);
+    let b = textureLoad(normals, inside(p + vec2(-s, s)), 0);
+    let c = textureLoad(normals, inside(p + vec2(s, s)), 0);
+    let d = textureLoad(normals, inside(p + vec2(s, -s)), 0);
+    let dots = vec4(dot(here.xyz, a.xyz), dot(here.xyz, b.xyz), dot(here.xyz, c.xyz), dot(here.xyz, d.xyz));
+    var strength = 0.0;
+    if ALL_BELOW {
+        strength = select(0.0, 1.0, all(dots <= vec4(ink.t1)));
+        // Between the thresholds lines are weak, which here is little more than nothing.
+        strength *= select(0.004, 1.0, all(dots <= vec4(ink.t2)));
+    } else {
+        strength = ink_feature_strength(min(min(dots.x, dots.y), min(dots.z, dots.w)), ink.t1, ink.t2);
+        if ink.depth_step > 0.0 {
+            // Second differences: a slanted plane has none.
+            let bend = max(abs(a.w + c.w - 2.0 * here.w), abs(b.w + d.w - 2.0 * here.w)) / here.w;
+            // The nearer side draws: farther neighbours that are there.
+            let farther = min(max(a.w, c.w), max(b.w, d.w)) > 0.0 && max(max(a.w, c.w), max(b.w, d.w)) > here.w;
+            let step = clamp(bend / ink.depth_step - 1.0, 0.0, 1.0);
+            strength = max(strength, select(0.0, step, farther));
+        }
+    }
+    let surface = textureLoad(surfaces, p, 0);
+    var half_width = ink.half_width + ink.half_width_scaled / here.w;
+    half_width = min(half_width * 4.0 * surface.b, WIDEST_HALF);
+    if strength <= 0.0 || half_width <= 0.0 {
+        return vec4(0.0);
+    }
+    // What is a feature stays one in eight bits.
+    return vec4(max(half_width / WIDEST_HALF, 1.0 / 255.0), max(strength, 1.0 / 255.0), 0.0, 1.0);
+}

@@ -1,0 +1,147 @@
+// What the other ink passes look at: normals in the frame perpendicular to the view, and what the surface says of wash and lines.
+
+struct InkVertex {
+    @location(0) position: vec3<f32>,
+    @location(1) fur_height: f32,
+    @location(2) normal: vec3<f32>,
+    @location(3) tangent: vec4<f32>,
+    @location(4) tile_uv: vec2<f32>,
+    @location(5) base_uv: vec2<f32>,
+    @location(6) color: vec4<f32>,
+    @location(7) lean: f32,
+    @location(8) groom: vec4<f32>,
+    // As stored, before any pose: what textures of the surface hold on to.
+    @location(9) rest_position: vec3<f32>,
+    @location(10) rest_normal: vec3<f32>,
+    // Halved product and normalised product of the wash.
+    @location(11) wash: vec2<f32>,
+    // Shares of wash, full ink and lines.
+    @location(12) load: vec4<f32>,
+}
+
+struct InkVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) normal_ws: vec3<f32>,
+    @location(1) position_ws: vec3<f32>,
+    @location(2) rest_position: vec3<f32>,
+    @location(3) rest_normal: vec3<f32>,
+    @location(4) tint: vec4<f32>,
+    @location(5) base_uv: vec2<f32>,
+    @location(6) tile_uv: vec2<f32>,
+    // The wash's product; shares of wash, full ink, lines.
+    @location(7) load: vec4<f32>,
+    // 1 where fur grows.
+    @location(8) fur: f32,
+}
+
+struct Surface {
+    // Normal, and clip w; 0 where nothing is.
+    @location(0) normal: vec4<f32>,
+    // Grey of the wash, grey of the sphere map's stroke, a quarter of the factor on the width of lines, how dry they are.
+    @location(1) surface: vec4<f32>,
+}
+
+// How the sphere map is looked up: 0 perpendicular to the view, 1 by reflection, 2 as printed.
+override SPHERE_MAP: u32 = 0u;
+// What varies holds on to the picture instead of the surface: what is bad about doing so is measured.
+override ON_SCREEN: bool = false;
+// Hair grows on the part, and the package has strokes for it.
+override FUR_STROKES: bool = true;
+
+@vertex
+fn vs_ink(v: InkVertex) -> InkVarying {
+    let plain = Vertex(v.position, v.fur_height, v.normal, v.tangent, v.tile_uv, v.base_uv, v.color, v.lean, v.groom);
+    var out: InkVarying;
+    out.position_ws = position_ws(plain);
+    out.position = frame.clip_from_world * vec4(out.position_ws, 1.0);
+    out.normal_ws = normal_ws(plain);
+    out.rest_position = v.rest_position * model.periods;
+    out.rest_normal = v.rest_normal;
+    out.tint = v.color * material.base_color;
+    out.base_uv = v.base_uv;
+    out.tile_uv = v.tile_uv;
+    out.load = vec4(mix(2.0 * v.wash.x, v.wash.y, model.normalised), v.load.xyz);
+    out.fur = select(0.0, 1.0 - v.groom.x, v.fur_height > 0.0);
+    return out;
+}
+
+// What varies over the surface: three looks at one tile, one along each axis of the model as stored.
+fn grain_at(p: vec3<f32>, n: vec3<f32>) -> vec4<f32> {
+    let m = abs(n);
+    let w = m * m * m * m;
+    let sum = textureSample(wash_tile, tile_sampler, p.zy) * w.x
+        + textureSample(wash_tile, tile_sampler, p.xz + 0.37) * w.y
+        + textureSample(wash_tile, tile_sampler, p.xy + 0.71) * w.z;
+    return sum / max(w.x + w.y + w.z, 1e-6);
+}
+
+fn eye_frame(eye: vec3<f32>) -> mat3x3<f32> {
+    let right = model.right_ws - eye * dot(eye, model.right_ws);
+    let x = normalize_or(right, vec3(1.0, 0.0, 0.0));
+    return mat3x3(x, cross(eye, x), eye);
+}
+
+@fragment
+fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
+    let base = base_color(in.tint, in.base_uv);
+    var grain = grain_at(in.rest_position, in.rest_normal);
+    if ON_SCREEN {
+        grain = textureSample(wash_tile, tile_sampler, in.position.xy / 160.0);
+    }
+    var strokes = vec4(0.0);
+    if FUR_STROKES {
+        strokes = textureSample(fur_strokes, tile_sampler, in.tile_uv, 0u);
+    }
+    let eye = direction_to(frame.eye_ws, in.position_ws);
+    let axes = eye_frame(eye);
+    let facing = normalize_or(in.normal_ws, eye) * select(-1.0, 1.0, front);
+    // From surface to eye what is seen faces the eye, whatever the vertices say.
+    var normal = facing * axes;
+    normal = normalize_or(vec3(normal.xy, max(normal.z, 0.0)), vec3(0.0, 0.0, 1.0));
+    var sphere_uv = ink_sphere_uv(normal, model.swell);
+    if SPHERE_MAP > 0u {
+        // View space: the eye's frame at the middle of the picture.
+        let view = mat3x3(model.right_ws, model.up_ws, cross(model.right_ws, model.up_ws));
+        if SPHERE_MAP == 1u {
+            sphere_uv = ink_sphere_uv_reflected(facing * view, eye * view);
+        } else {
+            sphere_uv = ink_sphere_uv_printed(facing * view, eye * view);
+        }
+    }
+    let stroke = textureSample(stroke_map, clamp_sampler, sphere_uv);
+    if is_cut(base.a) {
+        discard;
+    }
+
+    // Wash. Its edge wanders with the blotches of the tile, and pigment gathers there.
+    let share = in.load.y;
+    let product = in.load.x + (grain.g - 0.5) * 0.55 * model.grain;
+    var density = 1.0 - ink_wash_grey(product, model.wash_speed, model.wash_range);
+    let edge = smoothstep(0.0, 0.07, density) * (1.0 - smoothstep(0.07, 0.3, density));
+    density = clamp(density * (1.0 + model.grain * 0.7 * (grain.r - 0.5)) + edge * 0.07 * model.grain, 0.0, 1.0) * share;
+    // What is dark takes more ink, as a display shows its base colour.
+    let light = pow(clamp(dot(base.rgb, vec3(0.2126, 0.7152, 0.0722)), 0.0, 1.0), 1.0 / 2.2);
+    let dark = model.tone * share * smoothstep(0.5, 0.08, light) * (0.75 + 0.4 * (grain.r - 0.5));
+    density = 1.0 - (1.0 - density) * (1.0 - dark);
+    // Full ink is not black all over either.
+    density = max(density, in.load.z * (0.88 + 0.3 * model.grain * (grain.r - 0.5)));
+
+    var width = model.line * in.load.w;
+    if FUR_STROKES {
+        // Inner fur is wash; strokes stand where the coat turns away, and where the wash is heavy.
+        let fur = in.fur * model.fur;
+        let turned = 1.0 - normal.z;
+        let ink = ink_nested(strokes, fur * (turned * (0.35 + 0.65 * density) + 0.25 * density)) * fur;
+        density = 1.0 - (1.0 - density) * (1.0 - ink * (0.3 + 0.45 * turned));
+        width *= 1.0 - 0.55 * fur;
+    }
+    // The hand presses unevenly.
+    let pressure = smoothstep(0.25, 0.75, grain.b);
+    width *= 1.0 - model.pressure * (1.0 - pressure) * 0.65;
+    let dry = smoothstep(0.4, 0.8, grain.g);
+    let rim = mix(stroke.r, stroke.g, dry);
+    return Surface(
+        vec4(normal, in.position.w),
+        vec4(1.0 - density, rim, clamp(width * 0.25, 0.0, 1.0), dry),
+    );
+}

@@ -1,0 +1,88 @@
+// The lines: the feature that reaches a pixel, and how the brush and the sphere map fill the line about it, Fang 2006, §2.
+
+@group(0) @binding(1) var normals: texture_2d<f32>;
+@group(0) @binding(2) var surfaces: texture_2d<f32>;
+@group(0) @binding(3) var features: texture_2d<f32>;
+@group(0) @binding(4) var rows: texture_2d<f32>;
+@group(0) @binding(5) var paper: texture_2d<f32>;
+@group(0) @binding(6) var paper_sampler: sampler;
+
+override SQUARES: bool = false;
+// As printed: a pixel is ink or not.
+override HARD: bool = false;
+// Lines are no wider than the template. Without it the sphere map alone decides.
+override TEMPLATE: bool = true;
+
+// Below this grey the sphere map is ink, where it is one or the other.
+const DARK: f32 = 0.5;
+
+// Opacity and grey of the line, and (offset to the feature + 128) / 255.
+@fragment
+fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let p = vec2<i32>(position.xy);
+    let first = max(p.y - ink.reach, 0);
+    let last = min(p.y + ink.reach, i32(ink.size.y) - 1);
+    var best = 1e9;
+    var offset = vec2(0);
+    var half_width = 0.0;
+    for (var y = first; y <= last; y++) {
+        let row = textureLoad(rows, vec2(p.x, y), 0);
+        let w = row.g * WIDEST_HALF;
+        let d = vec2(round(row.r * 255.0) - 128.0, f32(y - p.y));
+        var cost = dot(d, d) - w * w;
+        if SQUARES {
+            cost = max(abs(d.x), abs(d.y)) - w;
+        }
+        if w > 0.0 && cost < best {
+            best = cost;
+            offset = vec2<i32>(d);
+            half_width = w;
+        }
+    }
+    let here = textureLoad(normals, p, 0);
+    let stroke = textureLoad(surfaces, p, 0).g;
+    let in_reach = half_width > 0.0;
+    if !in_reach && (TEMPLATE || here.w <= 0.0) {
+        return vec4(0.0, 1.0, 128.0 / 255.0, 128.0 / 255.0);
+    }
+    let q = p + offset;
+    let feature = textureLoad(features, q, 0);
+    let strength = select(1.0, feature.g, in_reach);
+    let source = textureLoad(normals, q, 0);
+    let surface = textureLoad(surfaces, q, 0);
+    let sheet = textureSampleLevel(paper, paper_sampler, position.xy / ink.paper_period, 0.0);
+
+    let far = vec2<f32>(offset);
+    var distance = length(far);
+    if SQUARES {
+        distance = max(abs(far.x), abs(far.y));
+    }
+    var band = 0.0;
+    var core = 0.0;
+    var dark = 0.0;
+    if HARD {
+        band = select(0.0, 1.0, in_reach && distance <= half_width);
+        core = select(0.0, 1.0, in_reach && distance == 0.0);
+        dark = select(0.0, 1.0, here.w > 0.0 && stroke < DARK);
+    } else {
+        // The brush is thinner where the line is weak, and its edge follows the paper.
+        let moved = (sheet.r - 0.5) * ink.roughness;
+        let thin = max(half_width * mix(0.18, 0.5, strength), 0.6);
+        core = select(0.0, clamp(thin - distance + 0.5 + moved, 0.0, 1.0), in_reach);
+        band = select(0.0, clamp(half_width * sqrt(strength) - distance + 0.5 + moved, 0.0, 1.0), in_reach);
+        // Where the pen lifts, lines fade before they end.
+        core *= smoothstep(0.0, 0.35, strength);
+        dark = select(0.0, 1.0 - stroke, here.w > 0.0);
+    }
+    if !TEMPLATE {
+        band = 1.0;
+    }
+    var opacity = max(core, band * dark);
+    if !HARD {
+        // A dry brush leaves ink on what stands out of the paper alone.
+        let dry = surface.a * ink.dryness;
+        opacity *= smoothstep(-0.12, 0.12, 1.0 - dry - 0.88 * sheet.a);
+    }
+    let grey = ink_line_grey(select(here.z, source.z, in_reach), ink.tone, ink.lightness, strength);
+    return vec4(opacity, grey, (far + 128.0) / 255.0);
+}
