@@ -1,9 +1,10 @@
 //! `pelage doctor`: what a package will cost on a screen, and what to change.
 
+use super::cast::{camera_of, rest_points};
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file::PackageFile;
-use super::scene::{self, rest_points};
+use super::view::View;
 use super::view_args::Size;
 use pelage_bake::BakeError;
 use pelage_bake::doctor::{self, PassWork, Prognosis};
@@ -41,10 +42,10 @@ pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
     output.progress("counting pixels");
     let size = (args.size.width, args.size.height);
     let camera = args.camera.map(|c| (c.eye, c.target, c.fov_deg));
-    let shown = scene::View { size, camera, ..scene::View::default() };
+    let shown = View { size, camera, ..View::default() };
     let animation = package.animation().map_err(|e| file.fault(e))?;
     let points = rest_points(&file, &package, animation.as_ref())?;
-    let (eye, target, fov_deg) = scene::camera_of(&shown, &points, package.manifest().fur.height_m);
+    let (eye, target, fov_deg) = camera_of(&shown, &points, package.manifest().fur.height_m);
     let (instances, shadow_map) = (args.instances, args.shadow_map);
     let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances, shadow_map };
     let fault = |source| BakeError::Package { file: file.name.clone(), source };

@@ -4,6 +4,8 @@ mod bake;
 #[cfg(feature = "preview")]
 mod bench;
 mod built_in;
+#[cfg(feature = "preview")]
+mod cast;
 mod chart;
 mod compare;
 #[cfg(feature = "preview")]
@@ -36,10 +38,14 @@ mod scene;
 mod shell_judge;
 mod threads;
 #[cfg(feature = "preview")]
+mod track;
+#[cfg(feature = "preview")]
 mod truth;
 mod unpack;
 mod unpacked;
 mod validate;
+#[cfg(feature = "preview")]
+mod view;
 #[cfg(feature = "preview")]
 mod view_args;
 

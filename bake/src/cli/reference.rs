@@ -3,9 +3,9 @@
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file::PackageFile;
-use super::scene::View;
 use super::threads;
 use super::truth::{Truth, encode};
+use super::view::View;
 use super::view_args::{LightingArg, Penumbra, Slant, ViewArgs};
 use pelage_bake::reference::{GroomReport, Lens, TracedPicture, TrueCamera};
 use pelage_bake::{BakeError, io};

@@ -1,165 +1,22 @@
-//! A package on a canvas: what `render`, `bench` and `demo` draw.
+//! Packages on a canvas: what `render`, `bench` and `demo` draw.
 
+use super::cast::{Actor, Cast, Shot};
 use super::exit::Failure;
-use super::framing;
 use super::gpu::{COLOR_FORMAT, Canvas, DEPTH_FORMAT, Gpu};
 use super::package_file::PackageFile;
-use super::view_args::{Background, DetailArg, LightingArg, Penumbra, Slant, StyleArg, Switch, ViewArgs};
-use glam::{Mat4, Vec3};
+use super::view::View;
+use super::view_args::DetailArg;
+use glam::Vec3;
 use pelage_bake::BakeError;
-use pelage_bake::mesh::blend;
 use pelage_bake::textures::srgb_to_linear;
-use pelage_formats::{Animation, GeometryVertex, Manifest, Package, Pose};
 use pelage_runtime::{
-    Camera, Detail, Frame, FrameParams, Instance, InstanceDetail, Light, Lighting, Model, Motion, PassId, PenumbraForm,
-    Projection, Renderer, RendererOptions, RuntimeError, ShadowMaps, ShadowParams, SlantForm, Style, wgpu,
+    Camera, Detail, Frame, FrameParams, Instance, InstanceDetail, PassId, Projection, Renderer, RendererOptions,
+    RuntimeError, ShadowMaps, wgpu,
 };
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
-/// How a package is looked at; what the arguments that `render` and `bench` share come to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct View {
-    /// Width and height of the picture, pixels.
-    pub size: (u32, u32),
-    /// Samples per pixel, 1 or 4.
-    pub samples: u32,
-    /// With fur or without.
-    pub style: Style,
-    /// Eye, target and vertical field of view in degrees; `None` frames the model from its front left.
-    pub camera: Option<(Vec3, Vec3, f32)>,
-    /// The key light.
-    pub light: Light,
-    /// Name of the clip; `None` shows the rest pose.
-    pub clip: Option<String>,
-    /// Moment of the clip, seconds; clips loop.
-    pub time_s: f32,
-    /// Layers to draw; `None` for as many as were baked.
-    pub layers: Option<u32>,
-    /// What the slant of the look does to the opacity of a layer.
-    pub slant: SlantForm,
-    /// How much of the fur is drawn where it is small.
-    pub detail: DetailArg,
-    /// Copies of the model, at least 1.
-    pub crowd: u32,
-    /// Whether fins are drawn where the package has them.
-    pub fins: bool,
-    /// Lights without shadow.
-    pub fill_lights: Vec<Light>,
-    /// Where the key light is computed.
-    pub lighting: Lighting,
-    /// Terms of Yang 2006, eq. (3).
-    pub terms: Terms,
-    /// How the key light's shadows are made.
-    pub shadows: ShadowParams,
-    /// sRGB-encoded, or `None` for transparent.
-    pub background: Option<[u8; 3]>,
-}
-
-/// Which terms of Yang 2006, eq. (3) are taken into account.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Terms {
-    /// γ: ambient light fades towards the skin.
-    pub ambient_attenuation: bool,
-    /// t: hair shadows hair.
-    pub self_shadow: bool,
-    /// Attenu_Back: the light ends behind the body.
-    pub back_attenuation: bool,
-    /// Attenu_Shadow: things throw soft shadows.
-    pub soft_shadow: bool,
-}
-
-impl Default for View {
-    fn default() -> Self {
-        Self {
-            size: (834, 424),
-            samples: 1,
-            style: Style::Fur,
-            camera: None,
-            light: distant(framing::TOWARDS_LIGHT, 1.0),
-            clip: None,
-            time_s: 0.0,
-            layers: None,
-            slant: SlantForm::default(),
-            detail: DetailArg::Full,
-            crowd: 1,
-            fins: true,
-            fill_lights: Vec::new(),
-            lighting: Lighting::Pixel,
-            terms: Terms { ambient_attenuation: true, self_shadow: true, back_attenuation: true, soft_shadow: true },
-            shadows: ShadowParams::default(),
-            background: None,
-        }
-    }
-}
-
-impl TryFrom<&ViewArgs> for View {
-    type Error = Failure;
-
-    fn try_from(args: &ViewArgs) -> Result<Self, Failure> {
-        args.check()?;
-        let defaults = Self::default();
-        let light = match (args.light, args.point_light) {
-            (Some(direction), _) => distant(direction.0, 1.0),
-            (None, Some(position)) => Light::Point { position: position.0, color: Vec3::ONE },
-            (None, None) => defaults.light,
-        };
-        Ok(Self {
-            size: (args.size.width, args.size.height),
-            style: if args.style == StyleArg::Bare { Style::Bare } else { Style::Fur },
-            camera: args.camera.map(|c| (c.eye, c.target, c.fov_deg)),
-            light,
-            clip: args.clip.clone(),
-            time_s: args.time,
-            layers: args.layers,
-            slant: slant(args.view_slant),
-            detail: args.detail,
-            crowd: args.crowd,
-            fins: args.fins != Some(Switch::Off),
-            fill_lights: args.fill_light.iter().map(|f| distant(f.direction, f.strength)).collect(),
-            terms: Terms {
-                ambient_attenuation: args.ambient_attenuation == Switch::On,
-                self_shadow: args.self_shadow == Switch::On,
-                back_attenuation: args.back_attenuation == Switch::On,
-                soft_shadow: args.soft_shadow == Switch::On,
-            },
-            shadows: ShadowParams {
-                map_size: args.shadow_map,
-                map_layers: args.shadow_layers,
-                density: args.shadow_density,
-                slant: slant(args.slant),
-                penumbra: args.penumbra,
-                penumbra_form: match args.penumbra_form {
-                    Penumbra::Centred => PenumbraForm::Centred,
-                    Penumbra::Inner => PenumbraForm::Inner,
-                },
-                shrink: args.shadow_shrink,
-            },
-            lighting: match args.lighting {
-                LightingArg::Pixel => Lighting::Pixel,
-                LightingArg::Vertex => Lighting::Vertex,
-            },
-            background: match args.background {
-                Background::Transparent => None,
-                Background::Color(rgb) => Some(rgb),
-            },
-            ..defaults
-        })
-    }
-}
-
-fn slant(slant: Slant) -> SlantForm {
-    match slant {
-        Slant::Corrected => SlantForm::Corrected,
-        Slant::Printed => SlantForm::Printed,
-    }
-}
-
-fn distant(towards_light: Vec3, strength: f32) -> Light {
-    Light::Directional { towards_light, color: Vec3::splat(strength) }
-}
-
-/// Everything that is made once for a view of a package.
+/// Everything that is made once for a view of a cast.
 #[derive(Debug)]
 pub struct Scene {
     /// The device.
@@ -168,31 +25,39 @@ pub struct Scene {
     pub canvas: Canvas,
     /// Camera, light and style.
     pub params: FrameParams,
-    /// The model.
+    /// The model; of several the first.
     pub instance: Instance,
-    /// The other copies of a crowd.
+    /// The other models, and other copies of it.
     pub others: Vec<Instance>,
-    /// Time from the opened package to its textures and buffers on the device.
+    /// Time from the opened packages to their textures and buffers on the device.
     pub upload: Duration,
     /// Time to compile the pipelines of the style.
     pub compile: Duration,
     renderer: Renderer,
     shadow_bytes: u64,
     clear: [f64; 4],
-    clip: Option<(usize, f32)>,
+    /// Of `instance` and `others`, in order.
+    actors: Vec<Actor>,
+    shot: Shot,
+    aspect: f32,
 }
 
 impl Scene {
-    /// Opens and loads the package in `file` and sets up `view` on the device that `open_gpu` gives.
-    ///
-    /// The device comes last, so that what is wrong with the package is said on machines without one, too.
+    /// The model of the package in `file`, or a crowd of it, as [`Self::of`] sets it up.
     pub fn new(
         file: &PackageFile,
         view: &View,
         open_gpu: impl FnOnce() -> Result<Gpu, Failure>,
     ) -> Result<Self, Failure> {
-        let package = &file.open()?;
-        let clip = find_clip(file, package, view.clip.as_deref())?;
+        Self::of(&Cast::crowd(file, view)?, view, open_gpu)
+    }
+
+    /// Loads the packages of `cast` and sets up `view` on the device that `open_gpu` gives.
+    ///
+    /// The device comes last, so that what is wrong with a package is said on machines without one, too.
+    pub fn of(cast: &Cast<'_>, view: &View, open_gpu: impl FnOnce() -> Result<Gpu, Failure>) -> Result<Self, Failure> {
+        let packages =
+            cast.packages.iter().map(|file| Ok((*file, file.open()?))).collect::<Result<Vec<_>, Failure>>()?;
         let gpu = open_gpu()?;
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let (width, height) = view.size;
@@ -208,37 +73,22 @@ impl Scene {
             reversed_depth: true,
             ..RendererOptions::default()
         };
-        let fault = |error| runtime_failure(file, error);
-        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).map_err(fault)?;
+        let renderer = Renderer::new(&gpu.device, &gpu.queue, &options);
+        let mut renderer = renderer.map_err(|error| BakeError::Internal(error.to_string()))?;
         let start = Instant::now();
-        let model = renderer.load(&gpu.device, &gpu.queue, package).map_err(fault)?;
+        let mut models = Vec::new();
+        for (file, package) in &packages {
+            let model = renderer.load(&gpu.device, &gpu.queue, package);
+            models.push(model.map_err(|error| runtime_failure(file, error))?);
+        }
         gpu.queue.submit([]);
         gpu.wait()?;
         let upload = start.elapsed();
 
-        let canvas = Canvas::new(&gpu, width, height, view.samples);
-        let points = rest_points(file, package, model.skeleton())?;
-        let camera = camera_of(view, &points, package.manifest().fur.height_m);
-        let mut params = FrameParams::new(look(camera, view));
-        params.light = view.light;
-        params.style = view.style;
-        params.layers = view.layers;
-        params.slant = view.slant;
-        params.detail = match view.detail {
-            DetailArg::Full => Detail::Full,
-            DetailArg::Auto => Detail::Auto { target_height_px: height as f32, bias: 1.0 },
-            DetailArg::Level(level) => Detail::Level(level),
-        };
-        params.fins = view.fins;
-        params.fill_lights.clone_from(&view.fill_lights);
-        params.lighting = view.lighting;
-        params.self_shadow = view.terms.self_shadow;
-        params.soft_shadow = view.terms.soft_shadow;
-        params.ambient_attenuation = view.terms.ambient_attenuation;
-        params.back_attenuation = view.terms.back_attenuation;
-        params.shadows = view.shadows;
+        let aspect = width as f32 / height as f32;
+        let params = frame_params(view, look(cast.camera.at(view.time_s), aspect));
         let start = Instant::now();
-        renderer.prepare_pipelines(&gpu.device, &model, &params);
+        models.iter().for_each(|model| renderer.prepare_pipelines(&gpu.device, model, &params));
         let compile = start.elapsed();
         let clear = match view.background {
             Some(rgb) => {
@@ -247,36 +97,46 @@ impl Scene {
             }
             None => [0.0; 4],
         };
+        let mut instances = cast.actors.iter().filter_map(|actor| models.get(actor.package)).map(Instance::new);
+        let (Some(instance), others) = (instances.next(), instances.collect()) else {
+            return Err(BakeError::Internal("a scene without a model".into()).into());
+        };
         let mut scene = Self {
-            instance: Instance::new(&model),
-            others: crowd(&model, view.crowd),
+            instance,
+            others,
+            canvas: Canvas::new(&gpu, width, height, view.samples),
             gpu,
-            canvas,
             params,
             upload,
             compile,
             renderer,
             shadow_bytes: 0,
             clear,
-            clip,
+            actors: cast.actors.clone(),
+            shot: cast.camera.clone(),
+            aspect,
         };
         scene.set_time(view.time_s);
         Ok(scene)
     }
 
-    /// Poses the model at a moment of the clip; times beyond its end go round.
+    /// Places and poses the models and the camera as they are at that time.
     pub fn set_time(&mut self, time_s: f32) {
-        if let Some((clip, duration_s)) = self.clip {
-            for instance in std::iter::once(&mut self.instance).chain(&mut self.others) {
-                instance.motion = Motion::Clip { clip, time_s: within(time_s, duration_s) };
+        let instances = std::iter::once(&mut self.instance).chain(&mut self.others);
+        for (instance, actor) in instances.zip(&self.actors) {
+            instance.transform = actor.place.transform(time_s);
+            if let Some(clip) = &actor.clip {
+                instance.motion = clip.motion(time_s);
             }
         }
+        self.params.camera = look(self.shot.at(time_s), self.aspect);
     }
 
-    /// Looks at the model from the camera of `view`, which names one.
+    /// Looks from the camera of `view`, which names one.
     pub fn look_from(&mut self, view: &View) {
         if let Some(camera) = view.camera {
-            self.params.camera = look(camera, view);
+            self.shot = Shot::fixed(camera);
+            self.params.camera = look(camera, self.aspect);
         }
     }
 
@@ -353,49 +213,6 @@ fn runtime_failure(file: &PackageFile, error: RuntimeError) -> Failure {
     }
 }
 
-/// A time in a clip that loops.
-pub fn within(time_s: f32, duration_s: f32) -> f32 {
-    let inside = (0.0..=duration_s).contains(&time_s) || duration_s <= 0.0;
-    if inside { time_s } else { time_s.rem_euclid(duration_s) }
-}
-
-/// Index and length of the named clip.
-pub fn find_clip(
-    file: &PackageFile,
-    package: &Package<'_>,
-    name: Option<&str>,
-) -> Result<Option<(usize, f32)>, Failure> {
-    let Some(name) = name else { return Ok(None) };
-    let clips = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default().clips;
-    if let Some(index) = clips.iter().position(|clip| clip.name == name) {
-        return Ok(Some((index, clips[index].duration_s)));
-    }
-    let names: Vec<_> = clips.iter().map(|c| c.name.as_str()).collect();
-    let has = if names.is_empty() { "no animation".into() } else { format!("the clips {}", names.join(", ")) };
-    Err(Failure::Usage(format!("--clip {name}: no such clip; {} has {has}", file.name)))
-}
-
-/// Where the copies of a crowd stand: the first where the model is, the others in rows beside and behind it, metres.
-fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
-    let b = &manifest.bounds;
-    let fur_m = 2.0 * manifest.fur.height_m;
-    let [width, _, depth] = std::array::from_fn(|axis| 1.1 * (b.max[axis] - b.min[axis] + fur_m));
-    let columns = f64::from(crowd).sqrt().ceil() as u32;
-    let place = |i: u32| Vec3::new((i % columns) as f32 * width, 0.0, -((i / columns) as f32) * depth);
-    (0..crowd).map(place).collect()
-}
-
-/// The copies of a crowd besides the first, farthest last.
-fn crowd(model: &Model, crowd: u32) -> Vec<Instance> {
-    let places = places(model.manifest(), crowd);
-    let instance = |place: &Vec3| {
-        let mut instance = Instance::new(model);
-        instance.transform = Mat4::from_translation(*place);
-        instance
-    };
-    places.iter().skip(1).map(instance).collect()
-}
-
 /// What is drawn of each copy's fur, as JSON.
 pub fn detail(frame: &Frame) -> Vec<Value> {
     let of = |d: &InstanceDetail| {
@@ -413,41 +230,32 @@ pub fn detail(frame: &Frame) -> Vec<Value> {
     frame.report().instances.iter().map(of).collect()
 }
 
-/// The places of a package's vertices at rest, by which the default camera frames it; those of all copies of a crowd.
-pub fn rest_points(
-    file: &PackageFile,
-    package: &Package<'_>,
-    skeleton: Option<&Animation>,
-) -> Result<Vec<Vec3>, Failure> {
-    let mesh = package.mesh().map_err(|error| file.fault(error))?;
-    let mut pose = Pose::default();
-    if let Some(skeleton) = skeleton {
-        pose.sample(skeleton, None, 0.0);
-    }
-    Ok(mesh.map_or_else(Vec::new, |mesh| {
-        let skin: Vec<_> = mesh.skin().collect();
-        let place = |(i, v): (usize, GeometryVertex)| {
-            let position = Vec3::from(v.position);
-            skin.get(i).map_or(position, |s| blend(&pose, s).transform_point3(position))
-        };
-        mesh.geometry().enumerate().map(place).collect()
-    }))
-}
-
-/// Eye, target and height of the view in degrees: the view's own, or those that frame `rest_points` with hair of `height_m`.
-pub fn camera_of(view: &View, rest_points: &[Vec3], height_m: f32) -> (Vec3, Vec3, f32) {
-    view.camera.unwrap_or_else(|| {
-        let aspect = view.size.0 as f32 / view.size.1 as f32;
-        let margin_m = if view.style == Style::Fur { height_m } else { 0.0 };
-        let (eye, target) = framing::frame(rest_points, margin_m, aspect, framing::TOWARDS_CAMERA);
-        (eye, target, framing::FOV_DEG)
-    })
-}
-
-fn look((eye, target, fov_deg): (Vec3, Vec3, f32), view: &View) -> Camera {
-    let aspect = view.size.0 as f32 / view.size.1 as f32;
+fn look((eye, target, fov_deg): (Vec3, Vec3, f32), aspect: f32) -> Camera {
     // With reversed depth only the near plane costs precision; a thousandth of the distance keeps close-ups whole.
     let near_m = (eye.distance(target) * 1e-3).max(1e-6);
     let projection = Projection::Perspective { fov_y_rad: fov_deg.to_radians(), aspect, near_m, far_m: f32::INFINITY };
     Camera::look_at(eye, target, projection)
+}
+
+/// What the runtime is told of `view`.
+fn frame_params(view: &View, camera: Camera) -> FrameParams {
+    let mut params = FrameParams::new(camera);
+    params.light = view.light;
+    params.style = view.style;
+    params.layers = view.layers;
+    params.slant = view.slant;
+    params.detail = match view.detail {
+        DetailArg::Full => Detail::Full,
+        DetailArg::Auto => Detail::Auto { target_height_px: view.size.1 as f32, bias: 1.0 },
+        DetailArg::Level(level) => Detail::Level(level),
+    };
+    params.fins = view.fins;
+    params.fill_lights.clone_from(&view.fill_lights);
+    params.lighting = view.lighting;
+    params.self_shadow = view.terms.self_shadow;
+    params.soft_shadow = view.terms.soft_shadow;
+    params.ambient_attenuation = view.terms.ambient_attenuation;
+    params.back_attenuation = view.terms.back_attenuation;
+    params.shadows = view.shadows;
+    params
 }

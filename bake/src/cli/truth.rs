@@ -1,9 +1,10 @@
 //! The picture that `render` comes near to: the same view of the same package, with its strands traced one by one. No adapter is needed.
 
+use super::cast::{camera_of, find_clip, rest_points, within};
 use super::exit::Failure;
 use super::framing;
 use super::package_file::PackageFile;
-use super::scene::{View, camera_of, find_clip, rest_points, within};
+use super::view::View;
 use glam::Vec3;
 use pelage_bake::reference::{
     GroomReport, Lens, Skin, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScene, grow_on, tile_hair,

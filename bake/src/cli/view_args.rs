@@ -5,17 +5,18 @@ use super::exit::Failure;
 use clap::ValueEnum;
 use glam::Vec3;
 use pelage_bake::recipe::{CameraView, parse_vec3};
+use pelage_runtime::Style;
 use std::str::FromStr;
 
 /// Options of `render` and `bench`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ViewArgs {
-    /// Size of the picture, pixels; the default is the size in Fang 2006
-    #[arg(long, value_name = "WxH", default_value = "834x424")]
-    pub size: Size,
-    /// How the model is drawn
-    #[arg(long, value_enum, default_value_t = StyleArg::Fur)]
-    pub style: StyleArg,
+    /// Size of the picture, pixels [default: 834x424, the size in Fang 2006]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// How the model is drawn [default: fur]
+    #[arg(long, value_enum)]
+    pub style: Option<StyleArg>,
     /// Eye and target in metres, height of the view in degrees: ex,ey,ez/tx,ty,tz/fov
     ///
     /// Without it the camera frames the model from the front left.
@@ -91,15 +92,15 @@ pub struct ViewArgs {
     /// Frames: numbered pictures of `render`, timed frames of `bench`
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
-    /// What is behind the model: transparent, or sRGB red,green,blue of 0..=255
-    #[arg(long, value_name = "transparent|R,G,B", default_value = "transparent")]
-    pub background: Background,
+    /// What is behind the model: transparent, or sRGB red,green,blue of 0..=255 [default: transparent]
+    #[arg(long, value_name = "transparent|R,G,B")]
+    pub background: Option<Background>,
 }
 
 impl ViewArgs {
     /// Refuses what this version cannot draw, rather than drawing something else.
     pub fn check(&self) -> Result<(), Failure> {
-        if self.style == StyleArg::Ink {
+        if self.style == Some(StyleArg::Ink) {
             return Err(Failure::Usage("--style ink is not in this version of pelage".into()));
         }
         Ok(())
@@ -140,6 +141,17 @@ pub enum StyleArg {
     Ink,
     /// The skin alone
     Bare,
+}
+
+impl StyleArg {
+    /// The runtime's word for it.
+    pub fn style(self) -> Style {
+        match self {
+            Self::Bare => Style::Bare,
+            // What is refused before anything is drawn counts as the default.
+            Self::Fur | Self::Ink => Style::Fur,
+        }
+    }
 }
 
 /// `--detail`.
@@ -264,6 +276,16 @@ pub enum Background {
     Color([u8; 3]),
 }
 
+impl Background {
+    /// sRGB-encoded; `None` for transparent.
+    pub fn color(self) -> Option<[u8; 3]> {
+        match self {
+            Self::Transparent => None,
+            Self::Color(rgb) => Some(rgb),
+        }
+    }
+}
+
 impl FromStr for Background {
     type Err = String;
 
@@ -279,6 +301,7 @@ impl FromStr for Background {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::super::view::View;
     use super::*;
     use clap::Parser;
 
@@ -296,9 +319,10 @@ mod tests {
     #[test]
     fn defaults_are_those_of_the_manual() {
         let view = parse("").unwrap();
-        assert_eq!(view.size, Size { width: 834, height: 424 });
-        assert_eq!((view.style, view.lighting), (StyleArg::Fur, LightingArg::Pixel));
-        assert_eq!(view.background, Background::Transparent);
+        let default = View::try_from(&view).unwrap();
+        assert_eq!((default.size, default.style, default.background), ((834, 424), Style::Fur, None));
+        assert_eq!(default, View::default());
+        assert_eq!(view.lighting, LightingArg::Pixel);
         assert!(view.camera.is_none() && view.light.is_none() && view.point_light.is_none() && view.clip.is_none());
         assert_eq!((view.time, view.layers, view.frames), (0.0, None, None));
         assert_eq!((view.detail, view.crowd), (DetailArg::Full, 1));
@@ -315,7 +339,7 @@ mod tests {
         )
         .unwrap();
         assert_eq!(view.lighting, LightingArg::Vertex);
-        assert_eq!(view.size, Size { width: 64, height: 32 });
+        assert_eq!(view.size, Some(Size { width: 64, height: 32 }));
         let camera = view.camera.unwrap();
         assert_eq!(
             (camera.eye, camera.target, camera.fov_deg),
@@ -328,7 +352,7 @@ mod tests {
         assert_eq!((view.shadow_map, view.shadow_layers, view.shadow_shrink), (256, Some(4), 16));
         let fills: Vec<_> = view.fill_light.iter().map(|f| (f.direction, f.strength)).collect();
         assert_eq!(fills, [(Vec3::NEG_X, 0.25), (Vec3::Y, 1.0)]);
-        assert_eq!(view.background, Background::Color([10, 20, 255]));
+        assert_eq!((view.style, view.background), (Some(StyleArg::Bare), Some(Background::Color([10, 20, 255]))));
         let detail = parse("--detail 1.5 --crowd 100").unwrap();
         assert_eq!((detail.detail, detail.crowd), (DetailArg::Level(1.5), 100));
         assert_eq!(parse("--detail auto").unwrap().detail, DetailArg::Auto);

@@ -1,0 +1,229 @@
+//! Who is in the picture, and where each of them and the camera are at what time: what [`super::scene::Scene`] draws, without a device.
+
+use super::exit::Failure;
+use super::framing;
+use super::package_file::PackageFile;
+use super::track::Track;
+use super::view::View;
+use glam::{Mat4, Quat, Vec3};
+use pelage_bake::mesh::blend;
+use pelage_formats::{Animation, GeometryVertex, Manifest, Package, Pose};
+use pelage_runtime::{Motion, Style};
+
+/// Everything that a picture shows, over time.
+pub struct Cast<'a> {
+    /// The packages, each once.
+    pub packages: Vec<&'a PackageFile>,
+    /// The copies of their models; at least one.
+    pub actors: Vec<Actor>,
+    /// From where they are seen.
+    pub camera: Shot,
+}
+
+/// A copy of a package's model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Actor {
+    /// Whose: index into [`Cast::packages`].
+    pub package: usize,
+    /// Where it stands.
+    pub place: Place,
+    /// What it does; `None` at rest.
+    pub clip: Option<Playing>,
+}
+
+/// A place over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Metres.
+    pub position: Track<Vec3>,
+    /// Degrees about the vertical axis, from +z towards +x; `None` along the way, as [`Track::direction`] has it.
+    pub heading_deg: Option<Track<f32>>,
+    /// Size, 1 as baked.
+    pub scale: f32,
+}
+
+/// A clip that plays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Playing {
+    /// Index of the clip in its package.
+    pub clip: usize,
+    /// Its length, seconds.
+    pub duration_s: f32,
+    /// The moment of the clip at time 0, seconds.
+    pub start_s: f32,
+    /// Seconds of the clip in a second.
+    pub speed: f32,
+    /// Whether it begins anew at its end; else it holds there.
+    pub looped: bool,
+}
+
+/// A camera over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shot {
+    /// Metres.
+    pub eye: Track<Vec3>,
+    /// Metres.
+    pub target: Track<Vec3>,
+    /// Height of the view, degrees.
+    pub fov_deg: Track<f32>,
+}
+
+impl Place {
+    /// At one place at all times, looking along +z.
+    pub fn fixed(position: Vec3) -> Self {
+        Self { position: Track::fixed(position), heading_deg: Some(Track::fixed(0.0)), scale: 1.0 }
+    }
+
+    /// Model to world space at `time_s`.
+    pub fn transform(&self, time_s: f32) -> Mat4 {
+        let heading_rad = match &self.heading_deg {
+            Some(track) => track.at(time_s).to_radians(),
+            None => self.position.direction(time_s).map_or(0.0, |way| way.x.atan2(way.z)),
+        };
+        let turn = Quat::from_rotation_y(heading_rad);
+        Mat4::from_scale_rotation_translation(Vec3::splat(self.scale), turn, self.position.at(time_s))
+    }
+}
+
+impl Playing {
+    /// How it moves a model at `time_s` of the scene.
+    pub fn motion(&self, time_s: f32) -> Motion {
+        let time_s = self.start_s + self.speed * time_s;
+        let time_s = if self.looped { within(time_s, self.duration_s) } else { time_s.min(self.duration_s).max(0.0) };
+        Motion::Clip { clip: self.clip, time_s }
+    }
+}
+
+impl Shot {
+    /// The same at all times: eye, target and height of the view in degrees.
+    pub fn fixed((eye, target, fov_deg): (Vec3, Vec3, f32)) -> Self {
+        Self { eye: Track::fixed(eye), target: Track::fixed(target), fov_deg: Track::fixed(fov_deg) }
+    }
+
+    /// Eye, target and height of the view in degrees at `time_s`.
+    pub fn at(&self, time_s: f32) -> (Vec3, Vec3, f32) {
+        // A cubic may swing past its keys.
+        (self.eye.at(time_s), self.target.at(time_s), self.fov_deg.at(time_s).clamp(1.0, 170.0))
+    }
+}
+
+impl<'a> Cast<'a> {
+    /// The model of one package, or a crowd of it, at the clip and from the camera of `view`. Without one, the camera frames the first.
+    pub fn crowd(file: &'a PackageFile, view: &View) -> Result<Self, Failure> {
+        let package = file.open()?;
+        let clip = find_clip(file, &package, view.clip.as_deref())?;
+        let clip = clip.map(|(clip, duration_s)| Playing { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true });
+        let places = places(package.manifest(), view.crowd);
+        let actor = |place| Actor { package: 0, place: Place::fixed(place), clip };
+        let skeleton = package.animation().map_err(|error| file.fault(error))?;
+        let points = rest_points(file, &package, skeleton.as_ref())?;
+        let camera = camera_of(view, &points, package.manifest().fur.height_m);
+        Ok(Self { packages: vec![file], actors: places.into_iter().map(actor).collect(), camera: Shot::fixed(camera) })
+    }
+}
+
+/// A time in a clip that loops.
+pub fn within(time_s: f32, duration_s: f32) -> f32 {
+    let inside = (0.0..=duration_s).contains(&time_s) || duration_s <= 0.0;
+    if inside { time_s } else { time_s.rem_euclid(duration_s) }
+}
+
+/// Index and length of the named clip.
+pub fn find_clip(
+    file: &PackageFile,
+    package: &Package<'_>,
+    name: Option<&str>,
+) -> Result<Option<(usize, f32)>, Failure> {
+    let Some(name) = name else { return Ok(None) };
+    let animation = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default();
+    clip_named(&animation, name)
+        .map(Some)
+        .map_err(|has| Failure::Usage(format!("--clip {name}: no such clip; {} {has}", file.name)))
+}
+
+/// Index and length of the named clip, or what clips there are, in words.
+pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), String> {
+    let clips = &animation.clips;
+    if let Some(index) = clips.iter().position(|clip| clip.name == name) {
+        return Ok((index, clips[index].duration_s));
+    }
+    let names: Vec<_> = clips.iter().map(|c| c.name.as_str()).collect();
+    Err(if names.is_empty() { "has no animation".into() } else { format!("has the clips {}", names.join(", ")) })
+}
+
+/// Where the copies of a crowd stand: the first where the model is, the others in rows beside and behind it, metres.
+fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
+    let b = &manifest.bounds;
+    let fur_m = 2.0 * manifest.fur.height_m;
+    let [width, _, depth] = std::array::from_fn(|axis| 1.1 * (b.max[axis] - b.min[axis] + fur_m));
+    let columns = f64::from(crowd).sqrt().ceil() as u32;
+    let place = |i: u32| Vec3::new((i % columns) as f32 * width, 0.0, -((i / columns) as f32) * depth);
+    (0..crowd).map(place).collect()
+}
+
+/// The places of a package's vertices at rest, by which the default camera frames it.
+pub fn rest_points(
+    file: &PackageFile,
+    package: &Package<'_>,
+    skeleton: Option<&Animation>,
+) -> Result<Vec<Vec3>, Failure> {
+    let mesh = package.mesh().map_err(|error| file.fault(error))?;
+    let mut pose = Pose::default();
+    if let Some(skeleton) = skeleton {
+        pose.sample(skeleton, None, 0.0);
+    }
+    Ok(mesh.map_or_else(Vec::new, |mesh| {
+        let skin: Vec<_> = mesh.skin().collect();
+        let place = |(i, v): (usize, GeometryVertex)| {
+            let position = Vec3::from(v.position);
+            skin.get(i).map_or(position, |s| blend(&pose, s).transform_point3(position))
+        };
+        mesh.geometry().enumerate().map(place).collect()
+    }))
+}
+
+/// Eye, target and height of the view in degrees: the view's own, or those that frame `rest_points` with hair of `height_m`.
+pub fn camera_of(view: &View, rest_points: &[Vec3], height_m: f32) -> (Vec3, Vec3, f32) {
+    view.camera.unwrap_or_else(|| {
+        let aspect = view.size.0 as f32 / view.size.1 as f32;
+        let margin_m = if view.style == Style::Fur { height_m } else { 0.0 };
+        let (eye, target) = framing::frame(rest_points, margin_m, aspect, framing::TOWARDS_CAMERA);
+        (eye, target, framing::FOV_DEG)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clips_loop_or_hold() {
+        let playing = Playing { clip: 2, duration_s: 2.0, start_s: 0.5, speed: 2.0, looped: true };
+        let at = |playing: Playing, time_s| match playing.motion(time_s) {
+            Motion::Clip { clip: 2, time_s } => time_s,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(playing, t)), [0.5, 1.5, 0.5, 1.5]);
+        let once = Playing { looped: false, ..playing };
+        assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(once, t)), [0.5, 1.5, 2.0, 0.0]);
+        // A clip of one pose has no length.
+        assert_eq!(at(Playing { duration_s: 0.0, ..once }, 5.0), 0.0);
+    }
+
+    #[test]
+    fn models_look_along_their_heading_or_their_way() {
+        let nose = |place: &Place, t| place.transform(t).transform_vector3(Vec3::Z);
+        let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-5, "{a} is not {b}");
+        assert_eq!(Place::fixed(Vec3::ZERO).transform(3.0), Mat4::IDENTITY);
+        let turned = Place { heading_deg: Some(Track::fixed(90.0)), scale: 2.0, ..Place::fixed(Vec3::Y) };
+        near(nose(&turned, 0.0), 2.0 * Vec3::X);
+        near(turned.transform(0.0).transform_point3(Vec3::Z), Vec3::new(2.0, 1.0, 0.0));
+        for way in [Vec3::X, Vec3::NEG_Z, Vec3::new(0.6, 0.0, -0.8)] {
+            let position = Track::new(vec![(0.0, Vec3::ONE), (2.0, Vec3::ONE + 3.0 * way)]);
+            let walker =
+                Place { position: position.unwrap_or(Track::fixed(Vec3::ZERO)), heading_deg: None, scale: 1.0 };
+            near(nose(&walker, 0.5), way);
+            near(nose(&walker, 9.0), way);
+        }
+    }
+}
