@@ -192,6 +192,10 @@ pub(crate) fn prepare(
     let report = report::report(posed, &drawn, params, maps.as_deref(), redraw);
     let buffer = upload(&frame, None);
     let bind_group = pipelines.layouts.frame_bind_group(device, &buffer, &fills, maps.as_deref());
+    if in_ink.is_none() {
+        let skipped = [PassId::InkNormals, PassId::InkFeatures, PassId::InkDilate, PassId::InkStroke];
+        skipped.into_iter().for_each(|id| mark(encoder, id));
+    }
     let sheet = in_ink.map(|ink| {
         let (inks, options, layouts) = pipelines.ink(device);
         let recording = ink::Recording {

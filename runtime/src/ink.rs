@@ -9,16 +9,16 @@ use pelage_formats::InkShading;
 pub struct InkParams {
     /// Width and height of the target that the frame is drawn to, pixels, at least 1 each.
     pub target_px: [u32; 2],
-    /// T1 of Fang 2006, §2, 0.15..=1 (default 0.8): where the dot of the normals of neighbouring pixels is lower, there is a line. Higher
+    /// T1 of Fang 2006, §2, 0.15..=1 (default 0.64, the cosine of 50°): where the dot of the normals of neighbouring pixels is lower, there is a line. Higher
     /// draws more lines.
     pub threshold: f32,
     /// T1 − T2, 0..=1 (default 0.15): lines between the two thresholds are weak, thinner and paler.
     pub weak_difference: f32,
     /// Which of the four neighbours must differ (default [`FeatureRule::AnyBelow`]).
     pub features: FeatureRule,
-    /// Relative step of depth between neighbours that is a line as well, at least 0 (default 0.02); 0 looks at normals alone, as printed.
+    /// Relative step of depth between neighbours that is a line as well, at least 0 (default 0.01); 0 looks at normals alone, as printed.
     pub depth_step: f32,
-    /// Distance of the neighbours that are compared, pixels, 1..=8 (default 1; [`InkParams::new`] takes more for tall pictures).
+    /// Distance of the neighbours that are compared, pixels, 1..=8 (default 1).
     pub step_px: u32,
     /// Width of the widest line (default [`InkParams::default_width_px`]).
     pub width: LineWidth,
@@ -133,11 +133,11 @@ impl InkParams {
     pub fn new(width: u32, height: u32) -> Self {
         Self {
             target_px: [width, height],
-            threshold: 0.8,
+            threshold: 0.64,
             weak_difference: 0.15,
             features: FeatureRule::AnyBelow,
-            depth_step: 0.02,
-            step_px: (height as f32 / PRINTED_HEIGHT).round().clamp(1.0, 8.0) as u32,
+            depth_step: 0.01,
+            step_px: 1,
             width: LineWidth::Pixels(Self::default_width_px(height)),
             template: true,
             sphere_map: SphereMapForm::Perpendicular,

@@ -1,10 +1,14 @@
 //! The shaders hold what the Rust side believes about them: all are valid, and the structs agree byte for byte.
 
+use crate::passes::ink::{INK_ATTRIBUTES, InkFrame, InkModel, REST_ATTRIBUTES};
 use crate::passes::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
-use crate::passes::{fins, layer_shadow, pose, shadow_width, shells, skin};
+use crate::passes::{
+    fins, ink_composite, ink_dilate, ink_features, ink_fur, ink_normals, ink_stroke, layer_shadow, pose, shadow_width,
+    shells, skin,
+};
 use crate::shared::{
-    detail, fins as fin_shares, frame, kajiya_kay, layer_shadow as layers, opacity, receiver, skinning, soft_shadow,
-    tile_frame,
+    detail, fins as fin_shares, frame, ink as ink_formulas, kajiya_kay, layer_shadow as layers, opacity, receiver,
+    skinning, soft_shadow, srgb, tile_frame,
 };
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
@@ -45,6 +49,12 @@ fn every_wgsl_file_is_valid_and_used() {
         ("skin", skin::WGSL),
         ("fins", fins::WGSL),
         ("shells", shells::WGSL),
+        ("ink_normals", ink_normals::WGSL),
+        ("ink_features", ink_features::WGSL),
+        ("ink_dilate", ink_dilate::WGSL),
+        ("ink_stroke", ink_stroke::WGSL),
+        ("ink_composite", ink_composite::WGSL),
+        ("ink_fur", ink_fur::WGSL),
     ];
     sources.iter().for_each(|(name, source)| drop(parse(name, source)));
     let mut files = Vec::new();
@@ -58,7 +68,7 @@ fn every_wgsl_file_is_valid_and_used() {
             parse(&file.display().to_string(), &source);
         }
     }
-    assert_eq!(files.len(), 18, "{files:?}");
+    assert_eq!(files.len(), 30, "{files:?}");
 }
 
 /// Offset and size of each member of a struct, and the struct's size.
@@ -96,6 +106,51 @@ fn uniform_structs_agree() {
             fill_lights,
             hair_density,
             reserved,
+        )
+    );
+    assert_eq!(
+        members(ink_stroke::WGSL, "InkFrame"),
+        fields!(
+            InkFrame,
+            ink,
+            roughness,
+            paper,
+            paper_grain,
+            size,
+            t1,
+            t2,
+            step,
+            reach,
+            half_width,
+            half_width_scaled,
+            tone,
+            lightness,
+            dryness,
+            paper_period,
+            mist_from,
+            mist_to,
+            depth_step,
+            reserved,
+        )
+    );
+    assert_eq!(
+        members(ink_fur::WGSL, "InkModel"),
+        fields!(
+            InkModel,
+            right_ws,
+            wash_speed,
+            up_ws,
+            wash_range,
+            periods,
+            normalised,
+            grain,
+            tone,
+            fur,
+            line,
+            pressure,
+            swell,
+            ink,
+            paper_period,
         )
     );
     assert_eq!(members(frame::WGSL, "FillLight"), fields!(frame::FillLight, light_ws, color));
@@ -174,12 +229,12 @@ fn storage_structs_agree() {
     }
 }
 
-#[test]
-fn vertex_inputs_agree() {
-    let module = parse("shells", shells::WGSL);
-    let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Vertex")).unwrap();
-    let TypeInner::Struct { members, .. } = &ty.inner else { panic!("Vertex is not a struct") };
-    let shader: BTreeMap<u32, u32> = members
+/// Location and number of components of each input of a vertex shader.
+fn inputs(source: &str, name: &str) -> BTreeMap<u32, u32> {
+    let module = parse(name, source);
+    let (_, ty) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap();
+    let TypeInner::Struct { members, .. } = &ty.inner else { panic!("{name} is not a struct") };
+    members
         .iter()
         .map(|m| {
             let Some(naga::Binding::Location { location, .. }) = m.binding else { panic!("{m:?} has no location") };
@@ -192,17 +247,26 @@ fn vertex_inputs_agree() {
             };
             (location, components)
         })
-        .collect();
+        .collect()
+}
+
+#[test]
+fn vertex_inputs_agree() {
     let components = |format| match format {
         wgpu::VertexFormat::Float32 => 1,
-        wgpu::VertexFormat::Float32x2 => 2,
+        wgpu::VertexFormat::Float32x2 | wgpu::VertexFormat::Snorm16x2 => 2,
         wgpu::VertexFormat::Float32x3 => 3,
         wgpu::VertexFormat::Float32x4 | wgpu::VertexFormat::Unorm8x4 => 4,
         other => panic!("{other:?}"),
     };
-    let buffers = GEOMETRY_ATTRIBUTES.iter().chain(&ATTRIBUTE_ATTRIBUTES);
-    let rust: BTreeMap<u32, u32> = buffers.map(|a| (a.shader_location, components(a.format))).collect();
-    assert_eq!(shader, rust);
+    let given = |buffers: &[&[wgpu::VertexAttribute]]| -> BTreeMap<u32, u32> {
+        buffers.iter().copied().flatten().map(|a| (a.shader_location, components(a.format))).collect()
+    };
+    let two: [&[_]; 2] = [&GEOMETRY_ATTRIBUTES, &ATTRIBUTE_ATTRIBUTES];
+    assert_eq!(inputs(shells::WGSL, "Vertex"), given(&two));
+    assert_eq!(inputs(ink_fur::WGSL, "Vertex"), given(&two));
+    let four: [&[_]; 4] = [two[0], two[1], &REST_ATTRIBUTES, &INK_ATTRIBUTES];
+    assert_eq!(inputs(ink_normals::WGSL, "InkVertex"), given(&four));
 }
 
 #[test]
@@ -218,6 +282,13 @@ fn workgroups_agree() {
     };
     let naga::Expression::Literal(naga::Literal::U32(found)) = lights(shells::WGSL) else { panic!("not a number") };
     assert_eq!(found as usize, crate::MAX_FILL_LIGHTS);
+    let module_of_strokes = parse("ink_fur", ink_fur::WGSL);
+    let (_, shells) =
+        module_of_strokes.constants.iter().find(|(_, c)| c.name.as_deref() == Some("STROKE_SHELLS")).unwrap();
+    let naga::Expression::Literal(naga::Literal::U32(found)) = module_of_strokes.global_expressions[shells.init] else {
+        panic!("STROKE_SHELLS is not a number")
+    };
+    assert_eq!(found, ink_fur::SHELLS);
     for (name, expected) in [("CORNERS", fins::CORNERS), ("LEANING_ROWS", fins::LEANING_ROWS)] {
         let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
         let naga::Expression::Literal(naga::Literal::U32(found)) = module.global_expressions[constant.init] else {
@@ -233,6 +304,8 @@ fn shared_sources_stand_alone() {
         ("detail", detail::WGSL),
         ("fins", fin_shares::WGSL),
         ("frame", frame::WGSL),
+        ("ink", ink_formulas::WGSL),
+        ("srgb", srgb::WGSL),
         ("kajiya_kay", kajiya_kay::WGSL),
         ("layer_shadow", layers::WGSL),
         ("opacity", opacity::WGSL),

@@ -363,7 +363,12 @@ impl Uploader<'_> {
         Ok(())
     }
 
-    pub(crate) fn buffer(&self, name: &str, contents: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RuntimeError> {
+    pub(crate) fn buffer(
+        &self,
+        name: &str,
+        contents: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, RuntimeError> {
         let limits = self.device.limits();
         let what = || format!("size in bytes of the {name} of package {:?}", self.package.manifest().model);
         self.within(what, contents.len() as u64, "max_buffer_size", limits.max_buffer_size)?;

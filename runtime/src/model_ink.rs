@@ -1,7 +1,7 @@
 //! The ink style of a package on the GPU.
 
-use crate::model::Uploader;
 use crate::RuntimeError;
+use crate::model::Uploader;
 use pelage_formats::{InkInfo, InkTextures, MeshView, Package};
 
 /// Textures and vertices of a model's ink style.

@@ -8,7 +8,7 @@ use super::package_file::PackageFile;
 use super::scene::{Scene, detail};
 use super::view::View;
 use super::view_args::ViewArgs;
-use pelage_runtime::{Frame, Instance, PassId};
+use pelage_runtime::{Frame, Instance, PassId, Style};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -67,23 +67,27 @@ fn report(
     let frame = Spread::of(times.iter().map(|t| t.frame));
     let yardstick = Spread::of(times.iter().map(|t| t.yardstick));
     let medians: [f64; PASSES.len()] = std::array::from_fn(|i| Spread::of(times.iter().map(|t| t.passes[i])).median);
-    let counted = |id| matches!(id, PassId::Skin | PassId::Fins | PassId::Shells);
+    let style = scene.params.style;
+    let in_picture = [PassId::Skin, PassId::Fins, PassId::Shells, PassId::InkComposite, PassId::InkFur];
+    let counted = |id| in_picture.contains(&id);
+    let measured: Vec<_> = (0..PASSES.len()).filter(|i| measure::belongs(PASSES[*i], style)).collect();
     let counts: [Option<u64>; PASSES.len()] =
         std::array::from_fn(|i| fragments.filter(|_| counted(PASSES[i])).map(|f| f[i]));
     let unshadowed = Spread::of(times.iter().map(|t| t.unshadowed));
-    let of = |id| PASSES.iter().position(|p| *p == id).map_or(0.0, |i| medians[i]);
+    let of = |id| medians[measure::index_of(id)];
     let maps_ms = of(PassId::LayerShadow) + of(PassId::ShadowWidth);
-    let shadowed = scene.params.self_shadow || scene.params.soft_shadow;
+    let shadowed = style != Style::Ink && (scene.params.self_shadow || scene.params.soft_shadow);
     // Ratios of one frame each, so that noise that lasts longer than a frame falls out.
     let over_unshadowed = Spread::of(times.iter().filter(|_| shadowed).map(|t| t.frame / t.unshadowed));
     let over_frame = Spread::of(times.iter().filter(|_| shadowed).map(|t| (t.passes[1] + t.passes[2]) / t.frame));
-    let shells = medians[PASSES.len() - 1];
+    let shells = of(PassId::Shells);
     let ratio = (yardstick.median > 0.0).then(|| shells / yardstick.median);
     let gpu_bytes = model.gpu_bytes() + scene.shadow_bytes();
     let gpu_bytes =
         gpu_bytes + std::iter::once(&scene.instance).chain(&scene.others).map(Instance::gpu_bytes).sum::<u64>();
-    let passes: Vec<_> = (0..PASSES.len())
-        .map(|i| json!({ "name": PASSES[i].name(), "median_ms": medians[i], "fragments": counts[i] }))
+    let passes: Vec<_> = measured
+        .iter()
+        .map(|&i| json!({ "name": PASSES[i].name(), "median_ms": medians[i], "fragments": counts[i] }))
         .collect();
     let value = json!({
         "adapter": scene.gpu.info.name,
@@ -116,10 +120,10 @@ fn report(
     for pass in drawn.report().passes.iter().filter(|p| p.name == PassId::Shells.name()) {
         line(format_args!("{}: {}", pass.name, pass.reason));
     }
-    line(format_args!("frame          {:9.2} ms  ({:.2} .. {:.2})", frame.median, frame.min, frame.max));
-    for i in 0..PASSES.len() {
+    line(format_args!("frame           {:9.2} ms  ({:.2} .. {:.2})", frame.median, frame.min, frame.max));
+    for &i in &measured {
         let count = counts[i].map_or(String::new(), |n| format!("  {n} fragments"));
-        line(format_args!("  {:12} {:9.2} ms{count}", PASSES[i].name(), medians[i]));
+        line(format_args!("  {:13} {:9.2} ms{count}", PASSES[i].name(), medians[i]));
     }
     if shadowed {
         let (still, maps) = (over_unshadowed.median, over_frame.median);

@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::gpu::{Gpu, lost, read_buffer};
 use super::scene::Scene;
-use pelage_runtime::{Frame, PassId, wgpu};
+use pelage_runtime::{Frame, PassId, Style, wgpu};
 use std::time::Instant;
 
 /// Where times come from.
@@ -34,16 +34,26 @@ pub struct FrameTimes {
     /// The same without self-shadow and soft shadow; the same as `frame` where there are none anyway.
     pub unshadowed: f64,
     /// Each of [`PASSES`] in a pass of its own, the shadow maps drawn anew.
-    pub passes: [f64; 6],
+    pub passes: [f64; PASSES.len()],
     /// The shells with one texture read and no lighting.
     pub yardstick: f64,
 }
 
 /// The measured passes, in the order of [`FrameTimes::passes`].
-pub const PASSES: [PassId; 6] =
-    [PassId::Pose, PassId::LayerShadow, PassId::ShadowWidth, PassId::Skin, PassId::Fins, PassId::Shells];
-/// Those of them that are recorded while a frame is prepared.
-const PREPARED: usize = 3;
+pub const PASSES: [PassId; PassId::ALL.len()] = PassId::ALL;
+/// Those of them, from the first, that are recorded while a frame is prepared.
+const PREPARED: usize = 7;
+
+/// Where a pass stands in [`PASSES`].
+pub fn index_of(pass: PassId) -> usize {
+    PASSES.iter().position(|id| *id == pass).unwrap_or_default()
+}
+
+/// Whether a style has a pass at all.
+pub fn belongs(pass: PassId, style: Style) -> bool {
+    let furs = [PassId::LayerShadow, PassId::ShadowWidth, PassId::Skin, PassId::Fins, PassId::Shells];
+    pass == PassId::Pose || furs.contains(&pass) == (style != Style::Ink)
+}
 
 /// Measures a scene frame by frame.
 #[derive(Debug)]
@@ -54,7 +64,7 @@ pub struct Meter {
     readback: wgpu::Buffer,
 }
 
-const MARKS: u32 = 8;
+const MARKS: u32 = 16;
 
 impl Meter {
     /// Takes timestamps where the device has them.
@@ -85,10 +95,13 @@ impl Meter {
             times.unshadowed = unshadowed?;
         }
         times.passes = self.passes(scene)?;
+        if scene.params.style == Style::Ink {
+            return Ok(times);
+        }
         scene.params.yardstick = true;
         let yardstick = self.passes(scene);
         scene.params.yardstick = false;
-        times.yardstick = yardstick?[PASSES.len() - 1];
+        times.yardstick = yardstick?[index_of(PassId::Shells)];
         Ok(times)
     }
 

@@ -19,6 +19,8 @@ mod export;
 mod framing;
 #[cfg(feature = "preview")]
 mod gpu;
+#[cfg(feature = "preview")]
+mod ink_args;
 mod inspect;
 #[cfg(feature = "preview")]
 mod limits;

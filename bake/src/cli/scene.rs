@@ -11,7 +11,7 @@ use pelage_bake::BakeError;
 use pelage_bake::textures::srgb_to_linear;
 use pelage_runtime::{
     Camera, Detail, Frame, FrameParams, Instance, InstanceDetail, PassId, Projection, Renderer, RendererOptions,
-    RuntimeError, ShadowMaps, wgpu,
+    RuntimeError, ShadowMaps, Style, wgpu,
 };
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
@@ -242,6 +242,7 @@ fn frame_params(view: &View, camera: Camera) -> FrameParams {
     let mut params = FrameParams::new(camera);
     params.light = view.light;
     params.style = view.style;
+    params.ink = (view.style == Style::Ink).then(|| view.ink.params(view.size));
     params.layers = view.layers;
     params.slant = view.slant;
     params.detail = match view.detail {

@@ -2,6 +2,7 @@
 
 use super::exit::Failure;
 use super::framing;
+use super::ink_args::InkView;
 use super::view_args::{Background, DetailArg, LightingArg, Penumbra, Slant, StyleArg, Switch, ViewArgs};
 use glam::Vec3;
 use pelage_runtime::{Light, Lighting, PenumbraForm, ShadowParams, SlantForm, Style};
@@ -43,6 +44,8 @@ pub struct View {
     pub shadows: ShadowParams,
     /// sRGB-encoded, or `None` for transparent.
     pub background: Option<[u8; 3]>,
+    /// How the ink style is drawn.
+    pub ink: InkView,
 }
 
 /// Which terms of Yang 2006, eq. (3) are taken into account.
@@ -78,6 +81,7 @@ impl Default for View {
             terms: Terms { ambient_attenuation: true, self_shadow: true, back_attenuation: true, soft_shadow: true },
             shadows: ShadowParams::default(),
             background: None,
+            ink: InkView::default(),
         }
     }
 }
@@ -86,7 +90,6 @@ impl TryFrom<&ViewArgs> for View {
     type Error = Failure;
 
     fn try_from(args: &ViewArgs) -> Result<Self, Failure> {
-        args.check()?;
         let defaults = Self::default();
         let light = match (args.light, args.point_light) {
             (Some(direction), _) => distant(direction.0, 1.0),
@@ -128,6 +131,7 @@ impl TryFrom<&ViewArgs> for View {
                 LightingArg::Pixel => Lighting::Pixel,
                 LightingArg::Vertex => Lighting::Vertex,
             },
+            ink: InkView { args: args.ink.clone(), background: args.background },
             background: args.background.map_or(defaults.background, Background::color),
             ..defaults
         })

@@ -1,7 +1,7 @@
 //! What `render` and `bench` share: the picture, the camera, the light and what is drawn.
 
 use super::compare::Rgb;
-use super::exit::Failure;
+use super::ink_args::InkArgs;
 use clap::ValueEnum;
 use glam::Vec3;
 use pelage_bake::recipe::{CameraView, parse_vec3};
@@ -92,19 +92,11 @@ pub struct ViewArgs {
     /// Frames: numbered pictures of `render`, timed frames of `bench`
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
-    /// What is behind the model: transparent, or sRGB red,green,blue of 0..=255 [default: transparent]
+    /// What is behind the model: transparent, or sRGB red,green,blue of 0..=255 [default: transparent; in ink, paper]
     #[arg(long, value_name = "transparent|R,G,B")]
     pub background: Option<Background>,
-}
-
-impl ViewArgs {
-    /// Refuses what this version cannot draw, rather than drawing something else.
-    pub fn check(&self) -> Result<(), Failure> {
-        if self.style == Some(StyleArg::Ink) {
-            return Err(Failure::Usage("--style ink is not in this version of pelage".into()));
-        }
-        Ok(())
-    }
+    #[command(flatten)]
+    pub ink: InkArgs,
 }
 
 /// Largest width and height; every adapter of WebGPU's default limits can draw it.
@@ -137,7 +129,7 @@ impl FromStr for Size {
 pub enum StyleArg {
     /// With its fur
     Fur,
-    /// As a drawing in ink
+    /// As an ink-wash painting
     Ink,
     /// The skin alone
     Bare,
@@ -147,9 +139,9 @@ impl StyleArg {
     /// The runtime's word for it.
     pub fn style(self) -> Style {
         match self {
+            Self::Fur => Style::Fur,
+            Self::Ink => Style::Ink,
             Self::Bare => Style::Bare,
-            // What is refused before anything is drawn counts as the default.
-            Self::Fur | Self::Ink => Style::Fur,
         }
     }
 }
@@ -304,6 +296,7 @@ mod tests {
     use super::super::view::View;
     use super::*;
     use clap::Parser;
+    use pelage_runtime::{InkParams, LineWidth};
 
     #[derive(Parser)]
     struct Line {
@@ -326,7 +319,6 @@ mod tests {
         assert!(view.camera.is_none() && view.light.is_none() && view.point_light.is_none() && view.clip.is_none());
         assert_eq!((view.time, view.layers, view.frames), (0.0, None, None));
         assert_eq!((view.detail, view.crowd), (DetailArg::Full, 1));
-        assert!(view.check().is_ok());
     }
 
     #[test]
@@ -399,8 +391,15 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_there_yet_is_refused() {
-        let error = parse("--style ink").unwrap().check().unwrap_err();
-        assert!(error.to_string().contains("not in this version") && error.exit() as u8 == 1, "{error}");
+    fn ink_has_its_own_options() {
+        let view = View::try_from(&parse("--style ink --ink-width 0.02m --background 255,255,255").unwrap()).unwrap();
+        let ink = view.ink.params((400, 848));
+        assert_eq!((view.style, ink.width, ink.paper), (Style::Ink, LineWidth::Metres(0.02), Vec3::ONE));
+        assert_eq!(ink.target_px, [400, 848]);
+        let default = View::try_from(&parse("--style ink").unwrap()).unwrap();
+        assert_eq!(default.ink.params((400, 848)), InkParams::new(400, 848));
+        for line in ["--ink-width 7", "--ink-width 40px", "--ink-threshold 0.1", "--ink-mist 5,2", "--ink-tone nan"] {
+            assert!(parse(line).unwrap_err().contains("expected"), "{line}");
+        }
     }
 }

@@ -401,9 +401,7 @@ impl InkPipelines {
         let both = [stream::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), stream::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
         let ink = [stream::<GeometryVertex>(&REST_ATTRIBUTES), stream::<InkVertex>(&INK_ATTRIBUTES)];
         let four = [both[0].clone(), both[1].clone(), ink[0].clone(), ink[1].clone()];
-        let color = |format, blend| {
-            Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })
-        };
+        let color = |format, blend| Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL });
         let over = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
         let targets = if normals {
             vec![color(NORMALS_FORMAT, None), color(SURFACES_FORMAT, None)]
@@ -619,10 +617,7 @@ fn screens(params: &InkParams) -> [Screen; 4] {
         Screen::Features { all_below: params.features == FeatureRule::AllBelow },
         Screen::Dilate { squares: printed },
         Screen::Stroke { printed, template: params.template },
-        Screen::Composite {
-            show: ScreenShow::from(params.show),
-            picture: params.background == InkBackground::Picture,
-        },
+        Screen::Composite { show: ScreenShow::from(params.show), picture: params.background == InkBackground::Picture },
     ]
 }
 
@@ -695,7 +690,12 @@ fn fill(
     let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })],
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops,
+        })],
         ..Default::default()
     });
     pass.set_pipeline(pipeline);

@@ -32,8 +32,7 @@ struct InkFrame {
     mist_to: f32,
     // Relative step of clip w between neighbours that is a feature; 0 for none.
     depth_step: f32,
-    // Factor on the rim of the sphere map.
-    swell: f32,
+    reserved: f32,
 }
 
 @group(0) @binding(0) var<uniform> ink: InkFrame;

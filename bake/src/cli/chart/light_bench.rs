@@ -2,7 +2,7 @@
 
 use crate::cli::exit::Failure;
 use crate::cli::gpu::{Gpu, lost, read_texture};
-use crate::cli::measure::{Meter, PASSES};
+use crate::cli::measure::{Meter, index_of};
 use crate::cli::package_file::PackageFile;
 use crate::cli::scene::Scene;
 use crate::cli::view::View;
@@ -51,7 +51,7 @@ impl LightBench {
         let maps = read_maps(&self.scene.gpu, maps)?;
         // What a frame holds is not drawn over, but made anew.
         drop(frame);
-        let index = PASSES.iter().position(|id| *id == pass).unwrap_or_default();
+        let index = index_of(pass);
         let mut milliseconds = f64::INFINITY;
         for _ in 0..DRAWINGS {
             let (_, times) = self.meter.prepared(&mut self.scene)?;

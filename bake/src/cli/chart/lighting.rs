@@ -5,7 +5,7 @@ use super::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::gpu::Gpu;
-use crate::cli::measure::{Meter, PASSES, Spread};
+use crate::cli::measure::{Meter, Spread, index_of};
 use crate::cli::package_file::PackageFile;
 use crate::cli::scene::Scene;
 use crate::cli::view::{Terms, View};
@@ -70,12 +70,11 @@ impl Topic for LightingTopic<'_> {
         let measured = lighting::measure(configuration, self.lengths)?;
         doing("frames");
         let meter = Meter::new(&self.gpu);
-        let shells = PASSES.iter().position(|id| *id == PassId::Shells);
         let mut milliseconds = Vec::new();
         for frame in 0..WARM_UP + FRAMES {
             let times = meter.measure(&mut scene)?;
             if frame >= WARM_UP {
-                milliseconds.extend(shells.map(|pass| times.passes[pass]));
+                milliseconds.push(times.passes[index_of(PassId::Shells)]);
             }
         }
         Ok(lighting::cells(configuration, &measured, Spread::of(milliseconds).min, meter.clock().word()))

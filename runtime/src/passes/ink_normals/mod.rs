@@ -31,10 +31,7 @@ pub(crate) fn record(
     let far = if reversed_depth { 0.0 } else { 1.0 };
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("pelage ink normals"),
-        color_attachments: &[
-            cleared(targets.normals, wgpu::Color::TRANSPARENT),
-            cleared(targets.surfaces, NOTHING),
-        ],
+        color_attachments: &[cleared(targets.normals, wgpu::Color::TRANSPARENT), cleared(targets.surfaces, NOTHING)],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: targets.depth,
             depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(far), store: wgpu::StoreOp::Store }),
