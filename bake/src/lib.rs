@@ -14,6 +14,7 @@ pub mod fins;
 pub mod groom;
 pub mod hair;
 pub mod import;
+pub mod ink;
 pub mod io;
 pub mod mesh;
 pub mod pack;

@@ -17,15 +17,19 @@
 
 mod field;
 mod guides;
+mod ink;
 mod maps;
 mod material_groom;
+mod material_table;
 mod params;
 mod views;
 
 pub use field::SrgbColor;
 pub use guides::GuideParams;
+pub use ink::{InkFill, InkParams, MaterialInk};
 pub use maps::{Channel, ColorMap, ImagePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
+pub use material_table::MaterialTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
     HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat,
@@ -60,6 +64,8 @@ pub struct Recipe {
     pub fins: FinParams,
     /// The levels of detail.
     pub detail: DetailParams,
+    /// The model as an ink-wash painting.
+    pub ink: InkParams,
     /// Texture formats of the package.
     pub pack: PackParams,
     /// The pictures that a bake with limits is judged by.
@@ -101,6 +107,7 @@ pub const KEYS: &[&[Key]] = &[
     SliceParams::KEYS,
     FinParams::KEYS,
     DetailParams::KEYS,
+    InkParams::KEYS,
     PackParams::KEYS,
     JudgeParams::KEYS,
 ];
@@ -238,6 +245,18 @@ impl Recipe {
             named.push((key("color"), m.color.as_ref().and_then(ColorMap::image)));
         }
         named.push(("color.pattern".into(), self.color.pattern.as_ref().map(|path| path.0.as_str())));
+        let ink = &self.ink;
+        for (key, map) in [("wash", &ink.wash), ("solid", &ink.solid), ("lines", &ink.lines)] {
+            named.push((format!("ink.{key}"), map.image()));
+        }
+        for (i, m) in ink.material.iter().enumerate() {
+            for (key, map) in [("amount", &m.amount), ("line", &m.line)] {
+                named.push((format!("ink.material, table {i}, {key}"), map.as_ref().and_then(ScalarMap::image)));
+            }
+        }
+        for (key, path) in [("stroke_image", &ink.stroke_image), ("wash_image", &ink.wash_image)] {
+            named.push((format!("ink.{key}"), path.as_ref().map(|path| path.0.as_str())));
+        }
         let mut images: Vec<(String, &str)> = Vec::new();
         for (key, path) in named {
             if let Some(path) = path.filter(|path| images.iter().all(|(_, known)| known != path)) {
@@ -260,6 +279,7 @@ impl Recipe {
         self.shading.validate()?;
         self.slice.validate()?;
         self.fins.validate()?;
+        self.ink.validate()?;
         self.pack.validate()?;
         self.judge.validate()
     }

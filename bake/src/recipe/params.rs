@@ -54,6 +54,7 @@ macro_rules! words {
         }
     };
 }
+pub(super) use words;
 
 /// Declares a stage's parameters: the struct, its defaults, its checks and its recipe keys.
 ///
@@ -119,6 +120,7 @@ macro_rules! params {
     (@read $ty:ty) => { <$ty as Field>::read };
     (@read $ty:ty, $wrap:ident) => { |raw, range| <$wrap as Field>::read(raw, range).map(|v| v.0) };
 }
+pub(super) use params;
 
 params! {
     /// `[model]`: how the model is read.

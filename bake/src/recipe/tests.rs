@@ -32,6 +32,10 @@ fn every_key_is_a_field_and_every_field_a_key() {
             "color.pattern_size_m",
             "groom.color",
             "fins.depth",
+            "ink.center",
+            "ink.grain_size_m",
+            "ink.stroke_image",
+            "ink.wash_image",
         ]
         .map(str::to_owned),
     );
@@ -222,6 +226,37 @@ fn grooms() -> impl Strategy<Value = GroomParams> {
     })
 }
 
+fn inks() -> impl Strategy<Value = InkParams> {
+    use prop::option::of;
+    let share = || {
+        prop_oneof![(0f32..=1.0).prop_map(ScalarMap::Constant), Just(ScalarMap::Vertex(crate::recipe::Channel::Blue))]
+    };
+    let place = || [-1e3f32..=1e3, -1e3..=1e3, -1e3..=1e3];
+    let path = || of("[a-z /.]{1,9}".prop_filter_map("a path", |p| ImagePath::from_raw(&Raw::String(p))));
+    let fill = of(prop::sample::select(InkFill::ALL));
+    let material = ("\\PC{1,9}", fill, of(place()), of(share()), of(share()))
+        .prop_map(|(name, fill, center, amount, line)| MaterialInk { name, fill, center, amount, line });
+    let numbers = (any::<bool>(), of(place()), 0f32..=100.0, -4f32..=4.0, of(1e-6f32..=1e3), 0f32..=4.0);
+    (numbers, (share(), share(), share()), prop::collection::vec(material, 0..3), (path(), path()), 5u32..=11).prop_map(
+        |(n, (wash, solid, lines), material, (stroke_image, wash_image), texels)| InkParams {
+            enabled: n.0,
+            center: n.1,
+            speed: n.2,
+            range: n.3,
+            grain_size_m: n.4,
+            line: n.5,
+            wash,
+            solid,
+            lines,
+            material,
+            stroke_image,
+            wash_image,
+            wash_texels: 1 << texels,
+            ..InkParams::default()
+        },
+    )
+}
+
 fn recipes() -> impl Strategy<Value = Recipe> {
     let unit = || 0.0f32..=1.0;
     let color = || [unit(), unit(), unit()].prop_map(SrgbColor);
@@ -278,8 +313,8 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         (any::<bool>(), prop::option::of(1e-3f32..=8.0)),
         (any::<bool>(), 0.05f32..=64.0, 0.1f32..=1.0, 0f32..=1e4, 0f32..=1e4),
     );
-    (hair, pack, rest, (coat, grooms(), judge)).prop_map(
-        |(hair, pack, (model, color, shading, slice, fins, detail), (coat, groom, judge))| Recipe {
+    (hair, pack, rest, (coat, grooms(), judge, inks())).prop_map(
+        |(hair, pack, (model, color, shading, slice, fins, detail), (coat, groom, judge, ink))| Recipe {
             model: ModelParams { unit_m: model.0, bare: model.1 },
             surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
             hair,
@@ -311,6 +346,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
                 fins_px: detail.3,
                 coat_px: detail.4,
             },
+            ink,
             pack,
             judge: JudgeParams { views: judge.0, width: judge.1, height: judge.1, samples: judge.2 },
         },

@@ -286,7 +286,7 @@ fn span(center: f32, variance: f32) -> (i64, usize) {
 }
 
 /// Fills `out` with the Gaussian at the texel centres from the returned texel on, normalised to a sum of one.
-pub(super) fn weights(center: f32, variance: f32, out: &mut Vec<f32>) -> i64 {
+pub(crate) fn weights(center: f32, variance: f32, out: &mut Vec<f32>) -> i64 {
     let (first, count) = span(center, variance);
     out.clear();
     let scale = -0.5 / variance;
