@@ -26,7 +26,7 @@ pub struct InkParams {
     pub template: bool,
     /// How the sphere map is looked up (default [`SphereMapForm::Perpendicular`]).
     pub sphere_map: SphereMapForm,
-    /// Factor on the breadth of the sphere map's rim, 0..=4 (default 1).
+    /// Factor on the breadth of the sphere map's rim, 0..=4 (default 1.5).
     pub swell: f32,
     /// Whether lines are the pixels that the printed algorithm draws, ink or not, with squares for the dilation (default false).
     pub printed_lines: bool,
@@ -36,7 +36,7 @@ pub struct InkParams {
     pub weak_lightness: f32,
     /// How unevenly the hand presses, 0..=1 (default 1).
     pub pressure: f32,
-    /// How far lines run dry, 0..=1 (default 0.6).
+    /// How far lines run dry, 0..=1 (default 0.4).
     pub dryness: f32,
     /// How far the relief of the paper moves the edge of lines, pixels, 0..=8 (default 1.2).
     pub roughness_px: f32,
@@ -48,7 +48,7 @@ pub struct InkParams {
     pub paper: Vec3,
     /// How much of the paper's relief and flecks shows, 0..=1 (default 1).
     pub paper_grain: f32,
-    /// Period of the paper's tile, pixels, above 0 (default 512).
+    /// Period of the paper's tile, pixels, above 0 (default 768).
     pub paper_period_px: f32,
     /// What is there beside what is painted (default [`InkBackground::Paper`]).
     pub background: InkBackground,
@@ -141,18 +141,18 @@ impl InkParams {
             width: LineWidth::Pixels(Self::default_width_px(height)),
             template: true,
             sphere_map: SphereMapForm::Perpendicular,
-            swell: 1.0,
+            swell: 1.5,
             printed_lines: false,
             tone: 0.35,
             weak_lightness: 0.35,
             pressure: 1.0,
-            dryness: 0.6,
+            dryness: 0.4,
             roughness_px: 1.2,
             anchoring: Anchoring::Surface,
             ink: Vec3::new(0.008, 0.0085, 0.010),
             paper: Vec3::new(0.896, 0.863, 0.784),
             paper_grain: 1.0,
-            paper_period_px: 512.0,
+            paper_period_px: 768.0,
             background: InkBackground::Paper,
             mist_m: None,
             shading: None,
@@ -160,9 +160,9 @@ impl InkParams {
         }
     }
 
-    /// Seven pixels in a picture of 424 rows, which is what three dilations of one pixel come to in Fang 2006, and in proportion in others.
+    /// Nine pixels in a picture of 424 rows, the size in Fang 2006, whose three dilations come to seven or eight; in proportion in others.
     pub fn default_width_px(height: u32) -> f32 {
-        (7.0 * height as f32 / PRINTED_HEIGHT).clamp(1.5, WIDEST_PX)
+        (9.0 * height as f32 / PRINTED_HEIGHT).clamp(1.5, WIDEST_PX)
     }
 
     pub(crate) fn check(&self, limits: &wgpu::Limits) -> Result<(), RuntimeError> {

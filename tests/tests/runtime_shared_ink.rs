@@ -98,6 +98,8 @@ fn features_tones_wash_and_strokes_on_the_device_are_those_of_the_twin() {
     assert_eq!(ink::ink_line_grey(1.0, 0.6, 0.3, 1.0), 0.6);
     assert!((ink::ink_line_grey(0.0, 0.6, 0.3, 0.0) - (0.3 + 0.7 * 0.3)).abs() < 1e-6);
     assert_eq!([-9.0, 0.0, 1.0, 9.0].map(|p| ink::ink_wash_grey(p, 0.5, 0.25)), [0.0, 0.25, 0.75, 1.0]);
+    assert_eq!([0.0, 0.7, 2.0, -0.5].map(ink::ink_wash_product), [0.0, 0.7, 2.0, -0.25]);
+    assert!(ink::ink_wash_product(-1e6) > -0.5001);
     let nested = Vec4::new(0.1, 0.3, 0.6, 1.0);
     assert_eq!([0.0, 0.25, 0.5, 0.75, 1.0, 2.0].map(|d| ink::ink_nested(nested, d)), [0.0, 0.1, 0.3, 0.6, 1.0, 1.0]);
     for c in [0.0f32, 0.01, 0.04045, 0.2, 0.5, 1.0] {
@@ -114,13 +116,13 @@ fn features_tones_wash_and_strokes_on_the_device_are_those_of_the_twin() {
         })
         .collect();
     let expression = "vec4(ink_feature_strength(in_0.x, 0.8, 0.65), ink_line_grey(in_0.x, in_0.y, in_0.z, in_1.x), \
-                      ink_wash_grey(in_0.w, in_0.y, in_0.z), ink_nested(in_1, in_0.y))";
+                      ink_wash_grey(ink_wash_product(in_0.w), in_0.y, in_0.z), ink_nested(in_1, in_0.y))";
     for (case, found) in cases.iter().zip(evaluate(gpu, ink::WGSL, expression, &cases)) {
         let [a, b] = case;
         let twin = [
             ink::ink_feature_strength(a[0], 0.8, 0.65),
             ink::ink_line_grey(a[0], a[1], a[2], b[0]),
-            ink::ink_wash_grey(a[3], a[1], a[2]),
+            ink::ink_wash_grey(ink::ink_wash_product(a[3]), a[1], a[2]),
             ink::ink_nested(Vec4::from(*b), a[1]),
         ];
         assert!(found.iter().zip(twin).all(|(f, t)| (f - t).abs() < 1e-5), "{case:?}: {found:?}, twin {twin:?}");

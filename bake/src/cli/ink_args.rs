@@ -18,7 +18,7 @@ pub struct InkArgs {
     /// T1 - T2: lines between the two are thinner and paler [default: 0.15]
     #[arg(long, value_name = "D", value_parser = |text: &str| number(text, 0.0, 1.0))]
     pub ink_weak: Option<f32>,
-    /// Widest line: pixels such as 7px, or metres such as 0.01m, which then is thinner with distance [default: 7px at 424 rows]
+    /// Widest line: pixels such as 7px, or metres such as 0.01m, which then is thinner with distance [default: 9px at 424 rows]
     #[arg(long, value_name = "W")]
     pub ink_width: Option<WidthArg>,
     /// Relative step of depth that is a line as well; 0 looks at normals alone [default: 0.01]
@@ -30,13 +30,13 @@ pub struct InkArgs {
     /// How far weak lines are lightened, 0 to 1 [default: 0.35]
     #[arg(long, value_name = "L", value_parser = |text: &str| number(text, 0.0, 1.0))]
     pub ink_lightness: Option<f32>,
-    /// How much the sphere map swells lines, 0 to 4 [default: 1]
+    /// How much the sphere map swells lines, 0 to 4 [default: 1.5]
     #[arg(long, value_name = "F", value_parser = |text: &str| number(text, 0.0, 4.0))]
     pub ink_swell: Option<f32>,
     /// How unevenly the hand presses, 0 to 1 [default: 1]
     #[arg(long, value_name = "P", value_parser = |text: &str| number(text, 0.0, 1.0))]
     pub ink_pressure: Option<f32>,
-    /// How far lines run dry, 0 to 1 [default: 0.6]
+    /// How far lines run dry, 0 to 1 [default: 0.4]
     #[arg(long, value_name = "D", value_parser = |text: &str| number(text, 0.0, 1.0))]
     pub ink_dryness: Option<f32>,
     /// How far the paper moves the edge of lines, pixels, 0 to 8 [default: 1.2]

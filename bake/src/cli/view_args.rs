@@ -348,7 +348,6 @@ mod tests {
         let detail = parse("--detail 1.5 --crowd 100").unwrap();
         assert_eq!((detail.detail, detail.crowd), (DetailArg::Level(1.5), 100));
         assert_eq!(parse("--detail auto").unwrap().detail, DetailArg::Auto);
-        assert!(view.check().is_ok());
         assert_eq!(parse("--point-light -1,0,2").unwrap().point_light.unwrap().0, Vec3::new(-1.0, 0.0, 2.0));
     }
 

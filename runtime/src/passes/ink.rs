@@ -668,7 +668,8 @@ pub(crate) fn record(
     let seen = group(&stroke, &views, &[(6, tile)]);
     fill(encoder, "pelage ink stroke", &t.strokes, &stroke, &seen);
     mark(encoder, PassId::InkStroke);
-    let views = [(1, &t.normals), (2, &t.surfaces), (3, &t.strokes), (4, &t.depth), (5, paper)];
+    let shown = if params.show == crate::ink::InkShow::Features { &t.features } else { &t.strokes };
+    let views = [(1, &t.normals), (2, &t.surfaces), (3, shown), (4, &t.depth), (5, paper)];
     let seen = group(&composite, &views, &[(6, tile), (7, &pipelines.clamp_sampler)]);
     Sheet { pipeline: composite, group: seen, _targets: targets }
 }

@@ -50,6 +50,11 @@ pub fn ink_wash_grey(product: f32, speed: f32, range: f32) -> f32 {
     (product * speed + range).clamp(0.0, 1.0)
 }
 
+/// Where a surface turns back towards the centre of the wash, as between legs, the product falls below 0 without an end; here it ends at −1/2.
+pub fn ink_wash_product(product: f32) -> f32 {
+    if product >= 0.0 { product } else { product / (1.0 - 2.0 * product) }
+}
+
 /// Ink of a density between none (0) and all strokes (1), of a texel whose components hold four nested densities.
 pub fn ink_nested(texel: Vec4, density: f32) -> f32 {
     let x = density.clamp(0.0, 1.0) * 4.0;

@@ -47,6 +47,11 @@ fn ink_wash_grey(product: f32, speed: f32, range: f32) -> f32 {
     return clamp(product * speed + range, 0.0, 1.0);
 }
 
+// Where a surface turns back towards the centre of the wash, as between legs, the product falls below 0 without an end; here it ends at -1/2.
+fn ink_wash_product(product: f32) -> f32 {
+    return select(product / (1.0 - 2.0 * product), product, product >= 0.0);
+}
+
 // Ink of a density between none (0) and all strokes (1), of a texel whose components hold four nested densities.
 fn ink_nested(texel: vec4<f32>, density: f32) -> f32 {
     let x = clamp(density, 0.0, 1.0) * 4.0;

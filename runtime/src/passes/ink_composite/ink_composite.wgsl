@@ -36,19 +36,20 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     let here = textureLoad(normals, p, 0);
     let line = textureLoad(strokes, p, 0);
     let q = inside(p + vec2<i32>(round(line.zw * 255.0)) - 128);
-    let depth = select(textureLoad(depths, q, 0), textureLoad(depths, p, 0), here.w > 0.0 || line.x <= 0.0);
+    // Beside the body the line stands where its feature does. Its faint edge does not hide what comes after.
+    let depth = select(textureLoad(depths, q, 0), textureLoad(depths, p, 0), here.w > 0.0 || line.x <= 0.5);
     if SHOW == 1u {
         return Painted(vec4(vec3(1.0 - line.x), 1.0), depth);
     }
     if SHOW == 2u {
-        let is_feature = line.x > 0.0 && all(q == p);
-        return Painted(vec4(vec3(select(1.0, 0.0, is_feature)), 1.0), depth);
+        // Here the features stand in for the lines.
+        return Painted(vec4(vec3(select(1.0, 0.0, line.x > 0.0)), 1.0), depth);
     }
     var wash = soft_wash(uv);
     let sheet = textureSampleLevel(paper, paper_sampler, position.xy / ink.paper_period, 0.0);
     // The wash gathers between the fibres.
     let dens = 1.0 - wash;
-    wash = clamp(1.0 - dens * (1.0 + ink.paper_grain * (0.55 * (sheet.g - 0.5) + 0.35 * (0.5 - sheet.r))), 0.0, 1.0);
+    wash = clamp(1.0 - dens * (1.0 + ink.paper_grain * (0.3 * (sheet.g - 0.5) + 0.25 * (0.5 - sheet.r))), 0.0, 1.0);
     if SHOW == 3u {
         return Painted(vec4(linear_of(vec3(wash)), 1.0), depth);
     }

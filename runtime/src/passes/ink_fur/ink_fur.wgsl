@@ -24,9 +24,13 @@ fn vs_ink_fins(@builtin(vertex_index) index: u32) -> StrokeVarying {
     let position = hair_position(v, corner.tile, corner.height);
     var out: StrokeVarying;
     // The share of the fin's opacity is how wide a strip of skin it stands for: strokes need all of it.
-    let share = min(corner.opacity * 1.5, 1.0) * (1.0 - v.groom.x);
+    let eye = direction_to(frame.eye_ws, position_ws(v));
+    // On the outline alone: inside it fins of coarse meshes show as flags.
+    let turned = smoothstep(0.6, 0.9, 1.0 - abs(dot(corner.tile.normal_ws, eye)));
+    let share = min(corner.opacity * 1.5, 1.0) * turned * (1.0 - v.groom.x);
     out.position = frame.clip_from_world * vec4(position, 1.0);
-    if share < LEAST_INK {
+    // The same at all corners, or the fin would reach to the middle of the picture.
+    if corner.opacity < LEAST_INK {
         out.position = vec4(0.0, 0.0, 0.0, 1.0);
     }
     out.uv = vec2(corner.along, corner.height);
@@ -71,7 +75,7 @@ fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
     if is_cut(base.a) {
         discard;
     }
-    let ink = ink_nested(strokes, (0.35 + 0.4 * model.fur) * in.share_height.x) * model.fur;
+    let ink = ink_nested(strokes, (0.15 + 0.35 * model.fur) * in.share_height.x) * model.fur;
     // The brush lifts towards the tip.
     return painted(ink * in.share_height.x * (0.9 - 0.35 * in.share_height.y), 0.45 * in.share_height.y, in.position.xy);
 }

@@ -115,7 +115,7 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
 
     // Wash. Its edge wanders with the blotches of the tile, and pigment gathers there.
     let share = in.load.y;
-    let product = in.load.x + (grain.g - 0.5) * 0.55 * model.grain;
+    let product = ink_wash_product(in.load.x) + (grain.g - 0.5) * 0.5 * model.grain;
     var density = 1.0 - ink_wash_grey(product, model.wash_speed, model.wash_range);
     let edge = smoothstep(0.0, 0.07, density) * (1.0 - smoothstep(0.07, 0.3, density));
     density = clamp(density * (1.0 + model.grain * 0.7 * (grain.r - 0.5)) + edge * 0.07 * model.grain, 0.0, 1.0) * share;
@@ -131,13 +131,13 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
         // Inner fur is wash; strokes stand where the coat turns away, and where the wash is heavy.
         let fur = in.fur * model.fur;
         let turned = 1.0 - normal.z;
-        let ink = ink_nested(strokes, fur * (turned * (0.35 + 0.65 * density) + 0.25 * density)) * fur;
-        density = 1.0 - (1.0 - density) * (1.0 - ink * (0.3 + 0.45 * turned));
-        width *= 1.0 - 0.55 * fur;
+        let ink = ink_nested(strokes, fur * (0.5 * turned * turned + 0.45 * density * density)) * fur;
+        density = 1.0 - (1.0 - density) * (1.0 - ink * (0.2 + 0.4 * turned));
+        width *= 1.0 - 0.35 * fur;
     }
     // The hand presses unevenly.
     let pressure = smoothstep(0.25, 0.75, grain.b);
-    width *= 1.0 - model.pressure * (1.0 - pressure) * 0.65;
+    width *= 1.0 - model.pressure * (1.0 - pressure) * 0.6;
     let dry = smoothstep(0.4, 0.8, grain.g);
     let rim = mix(stroke.r, stroke.g, dry);
     return Surface(

@@ -57,6 +57,9 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if SQUARES {
         distance = max(abs(far.x), abs(far.y));
     }
+    // How hard the hand presses.
+    let most = ink.half_width + ink.half_width_scaled / max(source.w, 1e-6);
+    let press = clamp(half_width / max(most, 1e-6), 0.0, 1.0);
     var band = 0.0;
     var core = 0.0;
     var dark = 0.0;
@@ -67,7 +70,7 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     } else {
         // The brush is thinner where the line is weak, and its edge follows the paper.
         let moved = (sheet.r - 0.5) * ink.roughness;
-        let thin = max(half_width * mix(0.18, 0.5, strength), 0.6);
+        let thin = max(half_width * mix(0.2, 0.55, strength), 0.6);
         core = select(0.0, clamp(thin - distance + 0.5 + moved, 0.0, 1.0), in_reach);
         band = select(0.0, clamp(half_width * sqrt(strength) - distance + 0.5 + moved, 0.0, 1.0), in_reach);
         // Where the pen lifts, lines fade before they end.
@@ -80,9 +83,13 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     var opacity = max(core, band * dark);
     if !HARD {
         // A dry brush leaves ink on what stands out of the paper alone.
-        let dry = surface.a * ink.dryness;
+        let dry = surface.a * ink.dryness * (1.0 - 0.7 * press);
         opacity *= smoothstep(-0.12, 0.12, 1.0 - dry - 0.88 * sheet.a);
     }
-    let grey = ink_line_grey(select(here.z, source.z, in_reach), ink.tone, ink.lightness, strength);
+    var grey = ink_line_grey(select(here.z, source.z, in_reach), ink.tone, ink.lightness, strength);
+    if !HARD {
+        // A light hand leaves less ink.
+        grey = mix(grey, 1.0, 0.3 * (1.0 - press));
+    }
     return vec4(opacity, grey, (far + 128.0) / 255.0);
 }
