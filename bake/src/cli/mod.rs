@@ -22,6 +22,7 @@ mod gpu;
 #[cfg(feature = "preview")]
 mod ink_args;
 mod inspect;
+mod journal;
 #[cfg(feature = "preview")]
 mod limits;
 #[cfg(feature = "preview")]

@@ -1,14 +1,14 @@
 //! What all charts share: rows are measured one by one, each is noted down at once, and the table and its picture are written when all are there.
 
-use super::journal::Journal;
+use super::journal::Rows;
 use super::subject::{Subject, shell_word};
 use super::{ChartArgs, create};
 use crate::cli::exit::{Exit, Failure};
+use crate::cli::journal::Key;
 use crate::cli::output::Output;
 use pelage_bake::chart::{self, Cell, Chart, Panel, Row};
 use pelage_bake::io;
 use serde_json::{Map, Value, json};
-use sha2::{Digest as _, Sha256};
 use std::path::Path;
 
 /// A topic: what could be measured, and how a row of it is.
@@ -76,7 +76,10 @@ pub fn run(
     let plan = topic.plan();
     let numbers: Vec<usize> = args.numbers(plan.rows.len())?.collect();
     create(folder)?;
-    let mut journal = Journal::open(folder, plan.topic, &key(subject, &plan), args.restart)?;
+    let mut journal = Rows::open(folder, plan.topic, &key(subject, &plan), args.restart)?;
+    if journal.others() > 0 {
+        output.note(&format!("{} rows of another model, recipe, tool or adapter do not count", journal.others()));
+    }
     let known = numbers.iter().filter(|n| journal.cells(**n).is_some()).count();
     if known > 0 {
         output.note(&format!(
@@ -88,7 +91,7 @@ pub fn run(
     for (done, number) in numbers.iter().enumerate() {
         let planned = &plan.rows[number - 1];
         let cells = match journal.cells(*number) {
-            Some(cells) => cells.clone(),
+            Some(cells) => cells,
             None => {
                 let name = if planned.label.is_empty() {
                     planned.series.clone()
@@ -124,27 +127,12 @@ fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> Stri
 
 /// Stands for everything that a row's figures depend on beside its number: another tool, model, recipe or adapter gives another key.
 fn key(subject: &Subject, plan: &Plan) -> String {
-    let mut hash = Sha256::new();
-    let mut add = |text: &str| {
-        hash.update((text.len() as u64).to_le_bytes());
-        hash.update(text.as_bytes());
-    };
-    add(env!("CARGO_PKG_VERSION"));
-    add(&build());
-    add(&plan.adapter);
-    add(&subject.recipe.to_toml());
+    let mut key = Key::new().and(&plan.adapter).and(subject.recipe.to_toml());
     for input in subject.model.inputs.iter().chain(&subject.images.inputs) {
-        add(&format!("{} {} {:?}", input.role, input.name, input.sha256));
+        key = key.and(format!("{} {} {:?}", input.role, input.name, input.sha256));
     }
-    plan.columns.iter().for_each(|column| add(column));
-    plan.rows.iter().for_each(|row| add(&format!("{} {}", row.series, row.label)));
-    crate::cli::unpacked::hex(&hash.finalize())
-}
-
-/// Tells one build of a version from another, for those who change what is measured; empty where the system does not say.
-fn build() -> String {
-    let file = std::env::current_exe().and_then(std::fs::metadata);
-    file.map_or_else(|_| String::new(), |file| format!("{} {:?}", file.len(), file.modified().ok()))
+    key = plan.columns.iter().fold(key, Key::and);
+    plan.rows.iter().fold(key, |key, row| key.and(format!("{} {}", row.series, row.label))).finish()
 }
 
 /// Writes table and picture, and says where they are.
