@@ -26,5 +26,6 @@ pub mod reslice;
 pub mod stability;
 pub mod surface;
 pub mod textures;
+pub mod y4m;
 
 pub use error::BakeError;

@@ -38,6 +38,10 @@ mod render;
 #[cfg(feature = "preview")]
 mod scene;
 #[cfg(feature = "preview")]
+mod scene_file;
+#[cfg(feature = "preview")]
+mod sequence;
+#[cfg(feature = "preview")]
 mod shell_judge;
 mod threads;
 #[cfg(feature = "preview")]

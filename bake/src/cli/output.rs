@@ -14,13 +14,24 @@ pub struct Output {
     json: bool,
     /// A whole result was written: then a later failure must not add a second JSON object.
     done: bool,
-    bar: Option<ProgressBar>,
+    /// With the template that it has.
+    bar: Option<(ProgressBar, &'static str)>,
 }
+
+/// Templates of the progress: without and with known steps.
+const DOING: &str = "{spinner} {msg} {elapsed}";
+const STEPS: &str = "{bar:30} {pos}/{len} {msg} {elapsed}, {eta} left";
 
 impl Output {
     /// `quiet` silences notes and progress, `json` makes stdout one JSON object.
     pub fn new(quiet: bool, json: bool) -> Self {
         Self { quiet, json, done: false, bar: None }
+    }
+
+    /// Whether stdout is one JSON object.
+    #[cfg(feature = "preview")]
+    pub fn is_json(&self) -> bool {
+        self.json
     }
 
     /// Prints the result: `json` with `--json`, else the lines of `text`.
@@ -40,7 +51,7 @@ impl Output {
         if !self.quiet {
             let line = || to_stderr(&format!("{text}\n"));
             match &self.bar {
-                Some(bar) => bar.suspend(line),
+                Some((bar, _)) => bar.suspend(line),
                 None => line(),
             }
         }
@@ -48,34 +59,41 @@ impl Output {
 
     /// Shows what is being done, on a terminal only.
     pub fn progress(&mut self, doing: &str) {
-        self.show(doing, "{spinner} {msg} {elapsed}", None);
+        self.show(doing, DOING, None);
     }
 
-    /// As [`Self::progress`], and that `done` of `total` steps are over.
+    /// As [`Self::progress`], that `done` of `total` steps are over, and how long the others may take: as long as those since the first call.
     pub fn progress_of(&mut self, done: usize, total: usize, doing: &str) {
-        self.show(doing, "{bar:30} {pos}/{len} {msg} {elapsed}", Some((done as u64, total as u64)));
+        self.show(doing, STEPS, Some((done as u64, total as u64)));
     }
 
-    fn show(&mut self, doing: &str, template: &str, steps: Option<(u64, u64)>) {
+    fn show(&mut self, doing: &str, template: &'static str, steps: Option<(u64, u64)>) {
         if self.quiet || !io::stderr().is_terminal() {
             return;
         }
-        let bar = self.bar.get_or_insert_with(|| {
+        let (bar, shown) = self.bar.get_or_insert_with(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            // The templates are constants; should indicatif refuse one, its default will do.
-            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner()));
             bar.enable_steady_tick(Duration::from_millis(100));
-            bar
+            (bar, "")
         });
-        if let Some((done, total)) = steps {
+        let (done, total) = steps.unwrap_or_default();
+        if steps.is_some() {
             bar.set_length(total);
             bar.set_position(done);
+        }
+        if *shown != template {
+            *shown = template;
+            // The templates are constants; should indicatif refuse one, its default will do.
+            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner()));
+            // Steps that an earlier run has done took no time of this one.
+            bar.reset_eta();
         }
         bar.set_message(doing.to_owned());
     }
 
-    fn end_progress(&mut self) {
-        if let Some(bar) = self.bar.take() {
+    /// Takes the progress off the terminal, as [`Self::result`] does.
+    pub fn end_progress(&mut self) {
+        if let Some((bar, _)) = self.bar.take() {
             bar.finish_and_clear();
         }
     }
@@ -144,6 +162,11 @@ mod tests {
         assert_eq!(human_bytes(1023), "1023 B");
         assert_eq!(human_bytes(1536), "1.5 KiB");
         assert_eq!(human_bytes(5 << 30), "5.0 GiB");
+    }
+
+    #[test]
+    fn the_progress_is_understood() {
+        assert!([DOING, STEPS].iter().all(|template| ProgressStyle::with_template(template).is_ok()));
     }
 
     #[test]

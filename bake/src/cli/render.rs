@@ -1,89 +1,229 @@
-//! `pelage render`: a package into a picture, or a clip into many.
+//! `pelage render`: a package or a scene into a picture, or over time into many.
 
+use super::cast::Cast;
 use super::exit::{Exit, Failure};
 use super::gpu::Gpu;
-use super::output::{Output, require_parent};
+use super::journal::Key;
+use super::output::Output;
 use super::package_file::PackageFile;
 use super::scene::{Scene, detail};
+use super::scene_file::SceneFile;
+use super::sequence::{Drawn, Sink};
 use super::view::View;
 use super::view_args::ViewArgs;
 use glam::Quat;
+use image::RgbaImage;
 use pelage_bake::io;
 use pelage_bake::picture::encode_png;
 use pelage_bake::textures::srgb_to_linear;
+use pelage_formats::MAGIC;
 use pelage_runtime::{Frame, Light};
-use serde_json::json;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Draw a package into a PNG, or a clip into numbered ones
+/// Draw a package or a scene into a PNG, or over time into numbered ones or a video
+///
+/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; assets/scenes has one with comments. What the
+/// arguments say goes before what the file says. Its [sequence] counts for numbered pictures and videos; a plain name is one picture, at --time.
+///
+/// Numbered pictures that were interrupted go on where they stopped: beside them stands a journal, OUTPUT.pictures.jsonl, until the last is drawn. A picture
+/// that was made from other packages, with another scene, other arguments, another tool or adapter is drawn anew, and so is one that is missing or was changed.
+///
+/// A video is Y4M: 4:4:4, BT.709, limited range. The format does not say which matrix, so tell its reader:
+/// pelage render fox.pelage --clip Walk --frames 96 -o - | ffmpeg -i - -vf setparams=colorspace=bt709:color_primaries=bt709 walk.mp4
 #[derive(Clone, Debug, clap::Args)]
 pub struct RenderArgs {
-    /// The package
-    #[arg(value_name = "PKG")]
-    package: PathBuf,
-    /// The picture to write; with --frames, %04d in it stands for the picture's number, from 0
-    #[arg(long, short, value_name = "PNG")]
+    /// The package, or a scene file that ends in .toml
+    #[arg(value_name = "PKG|SCENE")]
+    input: PathBuf,
+    /// The picture to write; with --frames, %04d in it stands for the picture's number, from 0. A name that ends in .y4m is a video, and - is one on stdout; what is transparent is white there
+    #[arg(long, short, value_name = "PNG|Y4M|-")]
     output: PathBuf,
-    /// Pictures per second of the clip, with --frames
-    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    fps: u32,
+    /// Pictures per second of the clip, with --frames [default: 24]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    fps: Option<u32>,
     /// Samples per pixel, 1 or 4: 4 smooths the edges of the skin
     #[arg(long, value_name = "N", default_value = "1", value_parser = ["1", "4"])]
     samples: String,
     /// The light goes once around the vertical axis while the pictures last, with --frames
-    #[arg(long, requires = "frames")]
+    #[arg(long)]
     turn_light: bool,
+    /// Draws all numbered pictures, also those that are there from a run that was interrupted
+    #[arg(long)]
+    restart: bool,
     #[command(flatten)]
     view: ViewArgs,
 }
 
+/// Pictures per second where nothing says how many.
+const FPS: u32 = 24;
+
 /// What a picture turned out to be.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Picture {
     /// Pixels with any opacity.
     pub covered_pixels: u64,
     /// Mean luminance of the covered pixels, linear, 0..=1; 0 where none is.
     pub mean_luminance: f64,
     /// The frame it was drawn from, with its report.
-    passes: Vec<serde_json::Value>,
+    passes: Vec<Value>,
     /// What is drawn of each copy's fur.
-    detail: Vec<serde_json::Value>,
+    detail: Vec<Value>,
+}
+
+/// What is drawn: one package, or a scene of several.
+enum Subject {
+    Package(PackageFile),
+    Scene(Box<SceneFile>),
+}
+
+impl Subject {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let file = PackageFile::read(path)?;
+        let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+        // Whatever its name is: every scene has a model.
+        let is_scene = || std::str::from_utf8(&file.bytes).is_ok_and(|text| text.contains("[[model]]"));
+        if !file.bytes.starts_with(&MAGIC) && (named || is_scene()) {
+            return Ok(Self::Scene(Box::new(SceneFile::new(path, file.bytes)?)));
+        }
+        Ok(Self::Package(file))
+    }
+
+    fn scene(&self) -> Option<&SceneFile> {
+        match self {
+            Self::Package(_) => None,
+            Self::Scene(scene) => Some(scene),
+        }
+    }
+
+    fn packages(&self) -> &[PackageFile] {
+        match self {
+            Self::Package(file) => std::slice::from_ref(file),
+            Self::Scene(scene) => &scene.packages,
+        }
+    }
+
+    fn cast(&self, view: &View) -> Result<Cast<'_>, Failure> {
+        match self {
+            Self::Package(file) => Cast::crowd(file, view),
+            Self::Scene(scene) => scene.cast(view),
+        }
+    }
 }
 
 /// Runs the subcommand.
 pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let samples = if args.samples == "4" { 4 } else { 1 };
-    let view = View { samples, ..View::try_from(&args.view)? };
-    let names = names(&args.output, args.view.frames)?;
-    names.iter().try_for_each(|name| require_parent(name))?;
-    let file = PackageFile::read(&args.package)?;
-    output.progress("loading");
-    let mut scene = Scene::new(&file, &view, Gpu::open)?;
-    let mut pictures = Vec::new();
-    for (index, name) in names.iter().enumerate() {
-        output.progress(&format!("picture {} of {}", index + 1, names.len()));
-        scene.set_time(view.time_s + index as f32 / args.fps as f32);
-        if args.turn_light {
-            scene.params.light = turned(view.light, std::f32::consts::TAU * index as f32 / names.len() as f32);
-        }
-        pictures.push(draw(&mut scene, name)?);
+    if args.output == Path::new("-") && output.is_json() {
+        return Err(Failure::Usage("--json: standard output is the video with -o -, expected one of them".into()));
     }
-    report(output, &scene, &view, &names, &pictures)?;
+    let view_args = |scene: Option<&SceneFile>| scene.map_or_else(|| Ok(args.view.clone()), |s| s.complete(&args.view));
+    // What is wrong with the arguments alone is said before anything is read.
+    View::try_from(&args.view)?;
+    Sink::new(&args.output, args.view.frames, None)?;
+    output.progress("loading");
+    let subject = Subject::read(&args.input)?;
+    let scene = subject.scene();
+    let samples = if args.samples == "4" { 4 } else { 1 };
+    let view = View { samples, ..View::try_from(&view_args(scene)?)? };
+    let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.frames))?;
+    let frames = args.view.frames.or(scene.and_then(|s| s.frames)).filter(|_| sink.is_sequence());
+    if args.turn_light && frames.is_none() {
+        return Err(Failure::Usage(
+            "--turn-light: expected --frames beside it, or a sequence in the scene file".into(),
+        ));
+    }
+    let count = frames.unwrap_or(1) as usize;
+    let fps = args.fps.or(scene.and_then(|s| s.fps)).unwrap_or(FPS);
+    let stage = Scene::of(&subject.cast(&view)?, &view, Gpu::open)?;
+    let mut shoot = Shoot { scene: stage, view, count, fps, turn_light: args.turn_light };
+    let key = shoot.key(&subject);
+    let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
+    if sink == Sink::Stdout {
+        output.end_progress();
+    } else {
+        report(output, &shoot, &subject, &sink.files(), &drawn)?;
+    }
     Ok(Exit::Done)
+}
+
+/// A scene, and the moments at which pictures are taken of it.
+pub struct Shoot {
+    scene: Scene,
+    view: View,
+    turn_light: bool,
+    /// Pictures.
+    pub count: usize,
+    /// Of them a second.
+    pub fps: u32,
+}
+
+impl Shoot {
+    /// Width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.view.size
+    }
+
+    /// What is behind everything, sRGB-encoded; `None` for nothing.
+    pub fn background(&self) -> Option<[u8; 3]> {
+        self.view.background
+    }
+
+    /// Draws picture `index`, from 0.
+    pub fn picture(&mut self, index: usize, output: &mut Output) -> Result<(Picture, RgbaImage), Failure> {
+        if self.count > 1 {
+            output.progress_of(index, self.count, "pictures");
+        } else {
+            output.progress("drawing");
+        }
+        self.scene.set_time(self.view.time_s + index as f32 / self.fps as f32);
+        if self.turn_light {
+            let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
+            self.scene.params.light = turned(self.view.light, angle_rad);
+        }
+        picture(&mut self.scene)
+    }
+
+    /// Stands for everything that a picture depends on beside its number.
+    fn key(&self, subject: &Subject) -> Key {
+        let info = &self.scene.gpu.info;
+        let mut key = Key::new()
+            .and(format!("{:?} {} {} {}", info.backend, info.name, info.driver, info.driver_info))
+            .and(format!("{:?}", self.view))
+            .and(self.fps.to_le_bytes());
+        if self.turn_light {
+            key = key.and(self.count.to_le_bytes());
+        }
+        key = key.and(subject.scene().map_or("", |scene| &scene.text));
+        subject.packages().iter().fold(key, |key, file| key.and(&file.bytes))
+    }
 }
 
 /// Draws the scene as it stands into a PNG file.
 pub fn draw(scene: &mut Scene, path: &Path) -> Result<Picture, Failure> {
+    let (picture, pixels) = picture(scene)?;
+    write_png(path, &pixels)?;
+    Ok(picture)
+}
+
+/// Writes a picture, and returns the bytes of the file.
+pub fn write_png(path: &Path, pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
+    let bytes = encode_png(pixels)?;
+    io::write_atomic(path, &bytes)?;
+    Ok(bytes)
+}
+
+/// Draws the scene as it stands: what it turned out to be, and its pixels, sRGB-encoded with straight alpha.
+fn picture(scene: &mut Scene) -> Result<(Picture, RgbaImage), Failure> {
     let frame = scene.draw()?;
     let pixels = scene.canvas.read(&scene.gpu)?;
-    let covered_pixels = pixels.pixels().filter(|p| p.0[3] > 0).count() as u64;
-    io::write_atomic(path, &encode_png(&pixels)?)?;
-    Ok(Picture {
-        covered_pixels,
+    let picture = Picture {
+        covered_pixels: pixels.pixels().filter(|p| p.0[3] > 0).count() as u64,
         mean_luminance: mean_luminance(&pixels),
         passes: passes(&frame),
         detail: detail(&frame),
-    })
+    };
+    Ok((picture, pixels))
 }
 
 /// A light carried around the world's vertical axis.
@@ -98,7 +238,7 @@ fn turned(light: Light, angle_rad: f32) -> Light {
 }
 
 /// Mean luminance (Rec. 709) of the pixels with any opacity.
-fn mean_luminance(pixels: &image::RgbaImage) -> f64 {
+fn mean_luminance(pixels: &RgbaImage) -> f64 {
     let covered = || pixels.pixels().filter(|p| p.0[3] > 0);
     let of = |p: &image::Rgba<u8>| {
         let [r, g, b, _] = p.0.map(|byte| f64::from(srgb_to_linear(byte)));
@@ -108,49 +248,35 @@ fn mean_luminance(pixels: &image::RgbaImage) -> f64 {
 }
 
 /// The frame's report as JSON.
-fn passes(frame: &Frame) -> Vec<serde_json::Value> {
+fn passes(frame: &Frame) -> Vec<Value> {
     let report = frame.report();
     report.passes.iter().map(|p| json!({ "name": p.name, "ran": p.ran, "reason": p.reason })).collect()
 }
 
-/// File names of the pictures: the output itself, or one per frame.
-fn names(output: &Path, frames: Option<u32>) -> Result<Vec<PathBuf>, Failure> {
-    let Some(frames) = frames else { return Ok(vec![output.to_owned()]) };
-    let text = output.to_str().ok_or_else(|| Failure::Usage(format!("-o {}: not UTF-8", output.display())))?;
-    let pattern = match text.split_once('%') {
-        Some((head, tail)) => {
-            let digits = tail.split_once('d').and_then(|(d, rest)| Some((d.parse::<usize>().ok()?, rest)));
-            let Some((width @ 1..=9, rest)) = digits else {
-                let expected = "expected a number pattern such as %04d after the first %";
-                return Err(Failure::Usage(format!("-o {text}: {expected}")));
-            };
-            (head.to_owned(), width, rest.to_owned())
-        }
-        None => {
-            let extension = output.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));
-            (format!("{}_", text.strip_suffix(&extension).unwrap_or(text)), 4, extension)
-        }
-    };
-    let (head, width, tail) = pattern;
-    Ok((0..frames).map(|i| PathBuf::from(format!("{head}{i:0width$}{tail}"))).collect())
-}
-
 fn report(
     output: &mut Output,
-    scene: &Scene,
-    view: &View,
-    names: &[PathBuf],
-    pictures: &[Picture],
+    shoot: &Shoot,
+    subject: &Subject,
+    files: &[String],
+    Drawn { pictures, skipped }: &Drawn,
 ) -> Result<(), Failure> {
     let covered = |p: &Picture| json!(p.covered_pixels);
-    let files: Vec<_> = names.iter().map(|n| n.display().to_string()).collect();
+    let info = &shoot.scene.gpu.info;
+    let scene = subject.scene().map(|scene| {
+        let packages: Vec<&str> = scene.packages.iter().map(|file| file.name.as_str()).collect();
+        json!({ "models": scene.names, "packages": packages })
+    });
     let value = json!({
         "output": files[0],
         "outputs": files,
-        "adapter": scene.gpu.info.name,
-        "driver": format!("{} {}", scene.gpu.info.driver, scene.gpu.info.driver_info),
-        "width": view.size.0,
-        "height": view.size.1,
+        "adapter": info.name,
+        "driver": format!("{} {}", info.driver, info.driver_info),
+        "width": shoot.view.size.0,
+        "height": shoot.view.size.1,
+        "frames": pictures.len(),
+        "fps": shoot.fps,
+        "skipped": skipped,
+        "scene": scene,
         "covered_pixels": covered(&pictures[0]),
         "covered_pixels_per_picture": pictures.iter().map(covered).collect::<Vec<_>>(),
         "mean_luminance_per_picture": pictures.iter().map(|p| p.mean_luminance).collect::<Vec<_>>(),
@@ -158,19 +284,4 @@ fn report(
         "detail": pictures[0].detail,
     });
     output.result(&files.join("\n"), &value)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pictures_are_numbered() {
-        let list =
-            |o: &str, n| names(Path::new(o), n).map(|v| v.iter().map(|p| p.display().to_string()).collect::<Vec<_>>());
-        assert_eq!(list("a.png", None).ok(), Some(vec!["a.png".to_owned()]));
-        assert_eq!(list("d/%04d.png", Some(2)).ok(), Some(vec!["d/0000.png".to_owned(), "d/0001.png".to_owned()]));
-        assert_eq!(list("walk.png", Some(1)).ok(), Some(vec!["walk_0000.png".to_owned()]));
-        assert!(list("a%s.png", Some(1)).is_err());
-    }
 }

@@ -34,7 +34,6 @@ impl<T: Value> Track<T> {
     /// # Errors
     ///
     /// The number of the first key, from 0, that is not at least [`LEAST_STEP_S`] after the one before it; 0 where there is none at all.
-    #[allow(dead_code, reason = "scene files make paths of keys, and they are read in the commit after this one")]
     pub fn new(keys: Vec<(f32, T)>) -> Result<Self, usize> {
         if keys.is_empty() {
             return Err(0);

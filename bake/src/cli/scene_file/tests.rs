@@ -1,0 +1,104 @@
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+use super::*;
+
+/// Reads a scene file of that text; it names packages that are not there.
+fn read(text: &str) -> Result<SceneFile, Failure> {
+    SceneFile::new(Path::new("nowhere/a.toml"), text.into())
+}
+
+/// A scene with this before its one model, and this in it.
+fn scene(before: &str, model: &str) -> String {
+    format!("{before}\n[[model]]\npackage = \"no.pelage\"\n{model}\n")
+}
+
+#[test]
+fn what_is_wrong_is_said_with_line_and_key() {
+    let path = |keys: &str| format!("path = [\n{keys}\n]");
+    let (camera, go) = ("[camera]\n", "{ time_s = 0, position = [0, 0, 0] },\n");
+    for (text, words) in [
+        ("", &["model", "found none", "[[model]]"][..]),
+        ("[camera\n", &["line 1"]),
+        (&scene("colour = 1", ""), &["line 1", "unknown field `colour`", "background"]),
+        (&scene("", "plaice = 1"), &["line 4", "model[0]", "unknown field `plaice`", "package"]),
+        ("[[model]]\nname = \"a\"\n", &["line 1", "model[0]", "missing field `package`"]),
+        (&scene("", "position = [0, nan, 0]"), &["line 4", "model[0].position", "found NaN", "-1000000 to 1000000"]),
+        (&scene("", "position = [0, 1]"), &["line 4", "model[0].position", "length 2", "length 3"]),
+        (&scene("", "position = \"here\""), &["line 4", "model[0].position", "string", "array"]),
+        (&scene("", "heading_deg = inf"), &["line 4", "model[0].heading_deg", "found inf"]),
+        (&scene("", "scale = 0"), &["line 4", "model[0].scale", "found 0", "0.0001 to 10000"]),
+        (&scene("", &path("")), &["line 4", "model[0].path", "found no keys", "at least one"]),
+        (
+            &scene(
+                "",
+                &path(&format!(
+                    "{go}{{ time_s = 2, position = [1, 0, 0] }},\n{{ time_s = 1.5, position = [2, 0, 0] }}"
+                )),
+            ),
+            &["line 7", "model[0].path[2].time_s", "found 1.5 after 2"],
+        ),
+        (
+            &scene("", &path(&format!("{go}{{ time_s = nan, position = [1, 0, 0] }}"))),
+            &["line 6", "path[1]", "found NaN"],
+        ),
+        (
+            &scene("", &path(&format!("{go}{{ time_s = 1, position = [1, 0, 0], heading_deg = 3 }}"))),
+            &["line 5", "model[0].path[0]", "no heading_deg", "in all keys"],
+        ),
+        (&scene("", &format!("position = [0, 0, 0]\n{}", path(go))), &["line 4", "model[0].position", "beside a path"]),
+        (&scene("", "speed = 2"), &["line 4", "model[0].speed", "without a clip"]),
+        (&scene("", "loop = \"yes\"\nclip = \"a\""), &["line 4", "model[0].loop", "boolean"]),
+        (&scene(camera, ""), &["line 1", "camera", "expected eye and target, or a path"]),
+        (&scene("[camera]\npath = []", ""), &["line 2", "camera.path", "found no keys"]),
+        (&scene("[camera]\neye = [0, 1, 2]\ntarget = [0, 1, 2]", ""), &["line 3", "camera.target", "same point"]),
+        (
+            &scene("[camera]\neye = [0, 1, 2]\ntarget = [0, 0, 0]\nfov_deg = 171", ""),
+            &["line 4", "camera.fov_deg", "found 171", "1 to 170"],
+        ),
+        (
+            &scene("[camera]\nfov_deg = 30\npath = [{ time_s = 0, eye = [0, 0, 1], target = [0, 0, 0] }]", ""),
+            &["line 1", "camera", "in the keys of the path"],
+        ),
+        (&scene("[light]", ""), &["line 1", "light", "found neither"]),
+        (&scene("[light]\ndirection = [0, 0, 0]", ""), &["line 2", "light.direction", "no length"]),
+        (
+            &scene("[light]\ndirection = [0, 1, 0]\nposition = [0, 1, 0]", ""),
+            &["light", "found direction and position"],
+        ),
+        (&scene("[sequence]\nframes = 0", ""), &["line 2", "sequence.frames", "found 0", "1 to 100000"]),
+        (&scene("[sequence]\nfps = 24.5", ""), &["line 2", "sequence.fps", "24.5"]),
+        (&scene("size = \"9x\"", ""), &["line 1", "size", "found \"9x\"", "WIDTHxHEIGHT"]),
+        (&scene("style = \"fluffy\"", ""), &["line 1", "style", "found \"fluffy\"", "fur, ink, bare"]),
+        (&scene("background = \"red\"", ""), &["line 1", "background", "found \"red\"", "0 to 255"]),
+        (
+            &scene("", "name = \"a\"\n[[model]]\npackage = \"b\"\nname = \"a\""),
+            &["line 7", "model[1].name", "model[0]"],
+        ),
+        (&scene("", ""), &["line 3", "model[0].package", "no.pelage", "cannot read"]),
+    ] {
+        let error = read(text).err().unwrap();
+        assert_eq!(error.exit() as u8, 3, "{text}: {error}");
+        let message = error.to_string();
+        for word in ["a.toml"].iter().chain(words) {
+            assert!(message.contains(word), "no {word:?} in {message:?} of\n{text}");
+        }
+    }
+}
+
+#[test]
+fn places_and_cameras_are_those_of_the_file() {
+    let text = scene(
+        "[camera]\npath = [\n{ time_s = 0, eye = [0, 1, 5], target = [0, 0, 0] },\n{ time_s = 2, eye = [4, 1, 5], target = [4, 0, 0], fov_deg = 40 }]",
+        "path = [{ time_s = 1, position = [0, 0, 0] }, { time_s = 3, position = [2, 0, 0] }]\nscale = 2",
+    );
+    let source = Source { name: "a.toml", text: &text };
+    let words = source.parse().unwrap();
+    let shot = shot(&source, words.camera.as_ref().unwrap()).unwrap();
+    assert_eq!(shot.at(0.0), (Vec3::new(0.0, 1.0, 5.0), Vec3::ZERO, FOV_DEG));
+    assert_eq!(shot.at(1.0), (Vec3::new(2.0, 1.0, 5.0), Vec3::new(2.0, 0.0, 0.0), (FOV_DEG + 40.0) / 2.0));
+    let place = place(&source, 0, &words.models[0]).unwrap();
+    let moved = place.transform(2.0);
+    assert!(moved.transform_point3(Vec3::ZERO).distance(Vec3::X) < 1e-6);
+    // Its nose, baked along +z, goes first.
+    assert!(moved.transform_vector3(Vec3::Z).distance(2.0 * Vec3::X) < 1e-6);
+    assert_eq!(names(&source, &words.models).unwrap(), ["no"]);
+}

@@ -1,0 +1,250 @@
+//! What a scene file may say, and where in it something is wrong.
+
+use super::super::track::{LEAST_STEP_S, Track};
+use super::super::view_args::{Background, Size, StyleArg};
+use glam::Vec3;
+use pelage_bake::BakeError;
+use serde::Deserialize;
+use std::str::FromStr;
+use toml::de::{DeTable, DeValue};
+
+/// Largest coordinate, metres, and largest time, seconds.
+const FARTHEST: f64 = 1e6;
+
+/// A scene file, word for word.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneText {
+    pub size: Option<Word<Size>>,
+    pub style: Option<Word<StyleArg>>,
+    pub background: Option<Word<Background>>,
+    pub camera: Option<CameraText>,
+    pub light: Option<LightText>,
+    pub sequence: Option<SequenceText>,
+    #[serde(default, rename = "model")]
+    pub models: Vec<ModelText>,
+}
+
+/// `[camera]`: eye and target, or a path of them.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraText {
+    pub eye: Option<Point>,
+    pub target: Option<Point>,
+    pub fov_deg: Option<FieldOfView>,
+    pub path: Option<Vec<CameraKey>>,
+}
+
+/// A moment of a camera's path.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraKey {
+    pub time_s: Number,
+    pub eye: Point,
+    pub target: Point,
+    pub fov_deg: Option<FieldOfView>,
+}
+
+/// `[light]`: one of the two.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightText {
+    pub direction: Option<Point>,
+    pub position: Option<Point>,
+}
+
+/// `[sequence]`.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SequenceText {
+    pub frames: Option<Whole<100_000>>,
+    pub fps: Option<Whole<1000>>,
+}
+
+/// `[[model]]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelText {
+    pub name: Option<String>,
+    pub package: String,
+    pub position: Option<Point>,
+    pub heading_deg: Option<Number>,
+    pub scale: Option<Scale>,
+    pub path: Option<Vec<PlaceKey>>,
+    pub clip: Option<String>,
+    pub speed: Option<Number>,
+    pub start_s: Option<Number>,
+    #[serde(rename = "loop")]
+    pub looped: Option<bool>,
+}
+
+/// A moment of a model's path.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaceKey {
+    pub time_s: Number,
+    pub position: Point,
+    pub heading_deg: Option<Number>,
+}
+
+/// A word of the command line.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "String", bound = "T: FromStr<Err = String>")]
+pub struct Word<T>(pub T);
+
+impl<T: FromStr<Err = String>> TryFrom<String> for Word<T> {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse().map(Self).map_err(|expected| format!("found {text:?}, {expected}"))
+    }
+}
+
+/// A number that is neither infinite nor absurd.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "f64")]
+pub struct Number(pub f32);
+
+impl TryFrom<f64> for Number {
+    type Error = String;
+
+    fn try_from(x: f64) -> Result<Self, String> {
+        within(x, -FARTHEST, FARTHEST).map(Self)
+    }
+}
+
+/// Three of them.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "[f64; 3]")]
+pub struct Point(pub Vec3);
+
+impl TryFrom<[f64; 3]> for Point {
+    type Error = String;
+
+    fn try_from(xyz: [f64; 3]) -> Result<Self, String> {
+        let [x, y, z] = xyz.map(|x| within(x, -FARTHEST, FARTHEST));
+        Ok(Self(Vec3::new(x?, y?, z?)))
+    }
+}
+
+/// Height of a view, degrees.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "f64")]
+pub struct FieldOfView(pub f32);
+
+impl TryFrom<f64> for FieldOfView {
+    type Error = String;
+
+    fn try_from(x: f64) -> Result<Self, String> {
+        within(x, 1.0, 170.0).map(Self)
+    }
+}
+
+/// A size beside the one that was baked.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "f64")]
+pub struct Scale(pub f32);
+
+impl TryFrom<f64> for Scale {
+    type Error = String;
+
+    fn try_from(x: f64) -> Result<Self, String> {
+        within(x, 1e-4, 1e4).map(Self)
+    }
+}
+
+/// A whole number from 1 to `MOST`.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "i64")]
+pub struct Whole<const MOST: u32>(pub u32);
+
+impl<const MOST: u32> TryFrom<i64> for Whole<MOST> {
+    type Error = String;
+
+    fn try_from(n: i64) -> Result<Self, String> {
+        let whole = u32::try_from(n).ok().filter(|n| (1..=MOST).contains(n));
+        whole.map(Self).ok_or_else(|| format!("found {n}, expected a whole number from 1 to {MOST}"))
+    }
+}
+
+fn within(x: f64, least: f64, most: f64) -> Result<f32, String> {
+    // NaN is in no range.
+    let inside = (least..=most).contains(&x);
+    if inside { Ok(x as f32) } else { Err(format!("found {x}, expected a number from {least} to {most}")) }
+}
+
+/// A scene file's text, for messages that name the line.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// As the user named it.
+    pub name: &'a str,
+    /// All of it.
+    pub text: &'a str,
+}
+
+impl Source<'_> {
+    /// Reads the words.
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Input`] with line and key for broken TOML, a key that there is none of, and a value that is not what it should be.
+    pub fn parse(&self) -> Result<SceneText, BakeError> {
+        let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
+        let document = toml::Deserializer::parse(self.text).map_err(broken)?;
+        serde_path_to_error::deserialize(document).map_err(|e| {
+            let key = e.path().to_string();
+            let key = if key == "." { "" } else { &key };
+            let inner = e.inner();
+            let at = inner.span().map(|s| s.start).or_else(|| self.find(key));
+            self.fault_at(at, key, inner.message().trim().to_owned())
+        })
+    }
+
+    /// An error at a key such as `model[1].path[0].time_s`.
+    pub fn fault(&self, key: &str, reason: impl Into<String>) -> BakeError {
+        self.fault_at(self.find(key), key, reason.into())
+    }
+
+    fn fault_at(&self, byte: Option<usize>, key: &str, reason: String) -> BakeError {
+        let line = byte.map(|byte| self.text.bytes().take(byte).filter(|b| *b == b'\n').count() + 1);
+        let place = match (line, key) {
+            (Some(line), "") => format!("line {line}"),
+            (Some(line), key) => format!("line {line}, {key}"),
+            (None, "") => "whole file".to_owned(),
+            (None, key) => key.to_owned(),
+        };
+        BakeError::Input { file: self.name.to_owned(), place, reason }
+    }
+
+    /// The byte where a key's value stands, or that of the nearest thing around it that is there.
+    fn find(&self, key: &str) -> Option<usize> {
+        let document = DeTable::parse(self.text).ok()?;
+        let mut steps = key.split(['.', '[']).map(|step| step.trim_end_matches(']'));
+        let mut here = document.get_ref().get(steps.next()?)?;
+        for step in steps {
+            let inner = match here.get_ref() {
+                DeValue::Table(table) => table.get(step),
+                DeValue::Array(array) => step.parse().ok().and_then(|i: usize| array.get(i)),
+                _ => None,
+            };
+            let Some(inner) = inner else { break };
+            here = inner;
+        }
+        Some(here.span().start)
+    }
+
+    /// A path of keys at `key`, times and values, which must rise.
+    pub fn track<T>(&self, key: &str, keys: Vec<(f32, T)>) -> Result<Track<T>, BakeError>
+    where
+        T: super::super::track::Value,
+    {
+        let times: Vec<f32> = keys.iter().map(|key| key.0).collect();
+        Track::new(keys).map_err(|i| match (i.checked_sub(1).and_then(|before| times.get(before)), times.get(i)) {
+            (Some(before), Some(time)) => self.fault(
+                &format!("{key}[{i}].time_s"),
+                format!("found {time} after {before}, expected at least {LEAST_STEP_S} s later than the key before"),
+            ),
+            _ => self.fault(key, "found no keys, expected at least one"),
+        })
+    }
+}

@@ -1,0 +1,240 @@
+//! Where the pictures of `render` go: one file, numbered files, or a video.
+
+use super::exit::Failure;
+use super::journal::{Entry, Journal, Key};
+use super::output::{Output, require_parent};
+use super::render::{Picture, Shoot, write_png};
+use pelage_bake::io::{read_file, write_atomic_with};
+use pelage_bake::picture;
+use pelage_bake::y4m::Y4m;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+use std::io::{self, BufWriter, IsTerminal as _, Write};
+use std::path::{Path, PathBuf};
+
+/// What is behind transparent pixels of a video that has no background: Y4M knows no transparency.
+const WHITE: [u8; 3] = [255; 3];
+
+/// Where pictures go.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sink {
+    /// One picture.
+    Picture(PathBuf),
+    /// Numbered ones; the journal of a run that was interrupted stands beside them.
+    Numbered {
+        /// A name for each.
+        names: Vec<PathBuf>,
+        /// The journal's.
+        journal: PathBuf,
+    },
+    /// A Y4M file.
+    Video(PathBuf),
+    /// Y4M on stdout.
+    Stdout,
+}
+
+/// What has become of the pictures.
+#[derive(Debug)]
+pub struct Drawn {
+    /// Of each picture.
+    pub pictures: Vec<Picture>,
+    /// How many of them an earlier run had drawn.
+    pub skipped: usize,
+}
+
+impl Sink {
+    /// What `-o` means.
+    ///
+    /// * `frames`: `--frames`
+    /// * `sequence`: how many the scene file asks for, where its pictures are numbered or a video
+    pub fn new(output: &Path, frames: Option<u32>, sequence: Option<u32>) -> Result<Self, Failure> {
+        if output == Path::new("-") {
+            return Ok(Self::Stdout);
+        }
+        require_parent(output)?;
+        if output.extension().is_some_and(|e| e.eq_ignore_ascii_case("y4m")) {
+            return Ok(Self::Video(output.to_owned()));
+        }
+        let pattern = output.to_string_lossy().contains('%');
+        let Some(frames) = frames.or(sequence.filter(|_| pattern)) else { return Ok(Self::Picture(output.to_owned())) };
+        let names = names(output, frames)?;
+        names.iter().try_for_each(|name| require_parent(name))?;
+        let mut journal = output.as_os_str().to_owned();
+        journal.push(".pictures.jsonl");
+        Ok(Self::Numbered { names, journal: journal.into() })
+    }
+
+    /// Whether it holds as many pictures as a sequence has.
+    pub fn is_sequence(&self) -> bool {
+        !matches!(self, Self::Picture(_))
+    }
+
+    /// The files that are written.
+    pub fn files(&self) -> Vec<String> {
+        let display = |path: &PathBuf| path.display().to_string();
+        match self {
+            Self::Picture(path) | Self::Video(path) => vec![display(path)],
+            Self::Numbered { names, .. } => names.iter().map(display).collect(),
+            Self::Stdout => Vec::new(),
+        }
+    }
+
+    /// Draws all pictures into it.
+    ///
+    /// * `key`: stands for everything that they depend on, for numbered ones
+    /// * `restart`: draws also what is there from a run before
+    pub fn fill(&self, shoot: &mut Shoot, key: Key, restart: bool, output: &mut Output) -> Result<Drawn, Failure> {
+        let pictures = match self {
+            Self::Picture(path) => {
+                vec![shoot.picture(0, output).and_then(|(p, pixels)| write_png(path, &pixels).and(Ok(p)))?]
+            }
+            Self::Numbered { names, journal } => return numbered(names, journal, shoot, key, restart, output),
+            Self::Video(path) => video(path, shoot, output)?,
+            Self::Stdout => {
+                if io::stdout().is_terminal() {
+                    let expected = "expected a pipe, such as | ffmpeg -i - walk.mp4";
+                    return Err(Failure::Usage(format!("-o -: standard output is a terminal; {expected}")));
+                }
+                film(&mut BufWriter::new(io::stdout().lock()), shoot, output)?
+            }
+        };
+        Ok(Drawn { pictures, skipped: 0 })
+    }
+}
+
+/// A picture of a numbered sequence, in the journal.
+#[derive(Debug, Serialize, Deserialize)]
+struct Noted {
+    picture: usize,
+    /// Of the file, in hexadecimal: one that was changed since is drawn anew.
+    sha256: String,
+    #[serde(flatten)]
+    drawn: Picture,
+}
+
+impl Entry for Noted {
+    fn number(&self) -> usize {
+        self.picture
+    }
+}
+
+fn numbered(
+    names: &[PathBuf],
+    journal: &Path,
+    shoot: &mut Shoot,
+    key: Key,
+    restart: bool,
+    output: &mut Output,
+) -> Result<Drawn, Failure> {
+    let mut journal = Journal::<Noted>::open(journal.to_owned(), &key.finish(), restart)?;
+    if journal.others() > 0 {
+        let what = "another scene, view, tool or adapter are drawn anew";
+        output.note(&format!("{} pictures of {what}", journal.others()));
+    }
+    let digest = |bytes: &[u8]| super::unpacked::hex(&Sha256::digest(bytes));
+    let there = |noted: &Noted| read_file(&names[noted.picture]).is_ok_and(|bytes| digest(&bytes) == noted.sha256);
+    let known: Vec<Option<Picture>> = (0..names.len())
+        .map(|i| journal.get(i).filter(|noted| there(noted)).map(|noted| noted.drawn.clone()))
+        .collect();
+    let skipped = known.iter().flatten().count();
+    if skipped > 0 {
+        output.note(&format!(
+            "{skipped} of {} pictures are there from a run before; --restart draws them anew",
+            names.len()
+        ));
+    }
+    let mut pictures = Vec::new();
+    for (index, (name, known)) in names.iter().zip(known).enumerate() {
+        pictures.push(match known {
+            Some(picture) => picture,
+            None => {
+                let (picture, pixels) = shoot.picture(index, output)?;
+                let bytes = write_png(name, &pixels)?;
+                journal.add(Noted { picture: index, sha256: digest(&bytes), drawn: picture.clone() })?;
+                picture
+            }
+        });
+    }
+    journal.finish(&(0..names.len()).collect::<Vec<_>>())?;
+    Ok(Drawn { pictures, skipped })
+}
+
+fn video(path: &Path, shoot: &mut Shoot, output: &mut Output) -> Result<Vec<Picture>, Failure> {
+    let mut result = Ok(Vec::new());
+    let written = write_atomic_with(path, |out| {
+        // What fails may be the file or the drawing; only the first is said in terms of the file.
+        match film(out, shoot, output) {
+            Err(Failure::Stdout(error)) => Err(error),
+            other => {
+                let failed = other.is_err();
+                result = other;
+                if failed { Err(io::Error::other("a picture could not be drawn")) } else { Ok(()) }
+            }
+        }
+    });
+    let pictures = result?;
+    written?;
+    Ok(pictures)
+}
+
+/// Draws a video into `out`, whose errors are [`Failure::Stdout`].
+fn film(out: &mut dyn Write, shoot: &mut Shoot, output: &mut Output) -> Result<Vec<Picture>, Failure> {
+    let (width, height) = shoot.size();
+    let background = shoot.background().unwrap_or(WHITE);
+    let mut video = Y4m::new(out, width, height, shoot.fps).map_err(Failure::Stdout)?;
+    let mut pictures = Vec::new();
+    for index in 0..shoot.count {
+        let (picture, pixels) = shoot.picture(index, output)?;
+        video.frame(&picture::Picture::from(&pixels).over(background)).map_err(Failure::Stdout)?;
+        pictures.push(picture);
+    }
+    video.flush().map_err(Failure::Stdout)?;
+    Ok(pictures)
+}
+
+/// File names of numbered pictures.
+fn names(output: &Path, frames: u32) -> Result<Vec<PathBuf>, Failure> {
+    let text = output.to_str().ok_or_else(|| Failure::Usage(format!("-o {}: not UTF-8", output.display())))?;
+    let pattern = match text.split_once('%') {
+        Some((head, tail)) => {
+            let digits = tail.split_once('d').and_then(|(d, rest)| Some((d.parse::<usize>().ok()?, rest)));
+            let Some((width @ 1..=9, rest)) = digits else {
+                let expected = "expected a number pattern such as %04d after the first %";
+                return Err(Failure::Usage(format!("-o {text}: {expected}")));
+            };
+            (head.to_owned(), width, rest.to_owned())
+        }
+        None => {
+            let extension = output.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));
+            (format!("{}_", text.strip_suffix(&extension).unwrap_or(text)), 4, extension)
+        }
+    };
+    let (head, width, tail) = pattern;
+    Ok((0..frames).map(|i| PathBuf::from(format!("{head}{i:0width$}{tail}"))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_numbered() {
+        let list = |o: &str, n, sequence| Sink::new(Path::new(o), n, sequence).map(|sink| sink.files());
+        assert_eq!(list("a.png", None, None).ok(), Some(vec!["a.png".to_owned()]));
+        assert_eq!(list("%04d.png", Some(2), None).ok(), Some(vec!["0000.png".to_owned(), "0001.png".to_owned()]));
+        assert_eq!(list("walk.png", Some(1), None).ok(), Some(vec!["walk_0000.png".to_owned()]));
+        assert!(list("a%s.png", Some(1), None).is_err());
+        // A scene's sequence is for names with numbers; a plain name is one picture of it.
+        assert_eq!(list("%1d.png", None, Some(2)).ok(), Some(vec!["0.png".to_owned(), "1.png".to_owned()]));
+        assert_eq!(list("%1d.png", Some(1), Some(2)).ok(), Some(vec!["0.png".to_owned()]));
+        assert_eq!(list("a.png", None, Some(2)).ok(), Some(vec!["a.png".to_owned()]));
+    }
+
+    #[test]
+    fn videos_are_known_by_their_name() {
+        let sink = |o: &str| Sink::new(Path::new(o), None, None).ok();
+        assert_eq!(sink("-"), Some(Sink::Stdout));
+        assert_eq!(sink("a.Y4M"), Some(Sink::Video("a.Y4M".into())));
+        assert_eq!(sink("./-"), Some(Sink::Picture("./-".into())));
+    }
+}

@@ -1,0 +1,359 @@
+//! Scene files, numbered pictures and videos of `pelage render`, through the real binary.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::gpu::gpu;
+use pelage_tests::schema;
+use serde_json::Value;
+use std::io::Read as _;
+use std::process::Stdio;
+use std::time::Duration;
+
+/// Small, and in formats that an adapter in software need not decode.
+const SMALL: [&str; 12] = [
+    "--set",
+    "slice.tile_texels=32",
+    "--set",
+    "slice.layers=4",
+    "--set",
+    "hair.density=60",
+    "--set",
+    "pack.shell_format=rgba8",
+    "--set",
+    "pack.direction_format=rg8",
+    "--set",
+    "pack.base_color_format=rgba8",
+];
+
+/// A sandbox with `hare.pelage` and `torus.pelage`.
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    for name in ["hare", "torus"] {
+        let (model, package) = (workspace().join(format!("assets/models/{name}.glb")), format!("{name}.pelage"));
+        let run = sandbox.run(&[&["bake", model.to_str().unwrap(), "-o", &package], &SMALL[..]].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+    }
+    sandbox
+}
+
+#[track_caller]
+fn rendered(sandbox: &Sandbox, args: &[&str]) -> (Value, Run) {
+    let run = sandbox.run(&[&["render", "--json"], args].concat());
+    assert_eq!(run.code, Some(0), "{args:?}: {run:?}");
+    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
+    let text = std::fs::read(workspace().join("bake/src/cli/schema/render.json")).unwrap();
+    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap();
+    (value, run)
+}
+
+/// The bytes of a picture that these arguments draw.
+#[track_caller]
+fn picture(sandbox: &Sandbox, args: &[&str]) -> Vec<u8> {
+    rendered(sandbox, &[args, &["-o", "picture.png"]].concat());
+    bytes(sandbox, "picture.png")
+}
+
+#[track_caller]
+fn bytes(sandbox: &Sandbox, name: &str) -> Vec<u8> {
+    std::fs::read(sandbox.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+#[test]
+fn a_scene_of_one_model_is_the_picture_of_its_package() {
+    let Some(_) = gpu("a_scene_of_one_model_is_the_picture_of_its_package") else { return };
+    let sandbox = sandbox();
+    let model = "[[model]]\npackage = \"../hare.pelage\"\n";
+    let clip = format!("{model}clip = \"EarBreath\"\n");
+    let words = "size = \"120x90\"\nbackground = \"200,210,220\"\n";
+    let package = &["hare.pelage", "--size", "120x90", "--background", "200,210,220"][..];
+    let moving = [package, &["--clip", "EarBreath"]].concat();
+    let camera =
+        "[camera]\neye = [0.5, 0.6, 1.5]\ntarget = [0, 0.2, 0]\nfov_deg = 25\n[light]\ndirection = [3, 1, 0]\n";
+    let seen = ["--camera", "0.5,0.6,1.5/0,0.2,0/25", "--light", "3,1,0"];
+    let mut drawn = Vec::new();
+    for (scene, more, arguments) in [
+        (format!("{words}{model}"), &[][..], package.to_vec()),
+        (format!("{words}style = \"bare\"\n{model}"), &[], [package, &["--style", "bare"]].concat()),
+        (format!("{words}{camera}{model}"), &[], [package, &seen].concat()),
+        (format!("{words}{camera}{clip}"), &["--time", "0.7"], [&moving[..], &seen, &["--time", "0.7"]].concat()),
+        (format!("{words}{clip}start_s = 0.5\n"), &[], [&moving[..], &["--time", "0.5"]].concat()),
+        (format!("{words}{clip}speed = 2\n"), &["--time", "0.5"], [&moving[..], &["--time", "1"]].concat()),
+        (format!("{words}{clip}loop = false\n"), &["--time", "99"], [&moving[..], &["--time", "2"]].concat()),
+        // What the command line says goes first.
+        (
+            format!("size = \"7x7\"\nstyle = \"bare\"\nbackground = \"1,2,3\"\n{camera}{model}"),
+            &[
+                "--size",
+                "120x90",
+                "--style",
+                "fur",
+                "--background",
+                "200,210,220",
+                "--light",
+                "0,1,1",
+                "--camera",
+                "0,1,2/0,0,0/30",
+            ],
+            [package, &["--light", "0,1,1", "--camera", "0,1,2/0,0,0/30"]].concat(),
+        ),
+    ] {
+        sandbox.write("scenes/a.toml", &scene);
+        let of_scene = picture(&sandbox, &[&["scenes/a.toml"], more].concat());
+        assert!(of_scene == picture(&sandbox, &arguments), "{scene}, {more:?} is not {arguments:?}");
+        drawn.push(of_scene);
+    }
+    // None of the words above is without effect: at its end, the clip is back in the pose at rest of the third, and all others differ.
+    drawn.sort();
+    drawn.dedup();
+    assert_eq!(drawn.len(), 7);
+}
+
+#[test]
+fn models_and_camera_follow_their_paths() {
+    let Some(_) = gpu("models_and_camera_follow_their_paths") else { return };
+    let sandbox = sandbox();
+    let scene = |target: &str, place: &str| {
+        let camera = format!("[camera]\npath = [\n{{ time_s = 0, {target} }},\n{{ time_s = 2, {target} }}]\n");
+        sandbox.write("a.toml", format!("size = \"96x96\"\n{camera}[light]\ndirection = [0, 1, 0]\n[[model]]\npackage = \"hare.pelage\"\n{place}\n"));
+        let (value, _) = rendered(&sandbox, &["a.toml", "-o", "a.png", "--time", "1"]);
+        (value["covered_pixels"].as_f64().unwrap(), image::open(sandbox.path().join("a.png")).unwrap().into_rgba8())
+    };
+    let (at_origin, first) = scene("eye = [0, 0.3, 2], target = [0, 0.2, 0]", "");
+    assert!(at_origin > 300.0);
+    // Half way between two places, with the camera moved as far: the same picture, but for the last bits of where its edges lie.
+    let path = "path = [{ time_s = 0, position = [4, 1, 0], heading_deg = 0 }, { time_s = 2, position = [6, 1, 0], heading_deg = 0 }]";
+    let (moved, second) = scene("eye = [5, 1.3, 2], target = [5, 1.2, 0]", path);
+    assert!((moved / at_origin - 1.0).abs() < 0.02, "{at_origin} and {moved} pixels");
+    let differ =
+        first.pixels().zip(second.pixels()).filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 24));
+    assert!(differ.count() < 96 * 96 / 50);
+    // From the side it goes along the picture; seen along +x, from its left, a hare that walks along +x shows what one at rest shows from its front.
+    let way = "path = [{ time_s = 0, position = [-1, 0, 0] }, { time_s = 2, position = [1, 0, 0] }]";
+    let (front, _) = scene("eye = [2, 0.3, 0], target = [0, 0.2, 0]", way);
+    assert!((front / at_origin - 1.0).abs() < 0.02, "{at_origin} and {front} pixels");
+    let (side, _) = scene("eye = [0, 0.3, 2], target = [0, 0.2, 0]", way);
+    assert!((side / at_origin - 1.0).abs() > 0.1, "{at_origin} and {side} pixels");
+    let (large, _) = scene("eye = [0, 0.6, 4], target = [0, 0.4, 0]", "scale = 2");
+    assert!((large / at_origin - 1.0).abs() < 0.02, "{at_origin} and {large} pixels");
+}
+
+#[test]
+fn packages_are_loaded_once_and_stand_together() {
+    let Some(_) = gpu("packages_are_loaded_once_and_stand_together") else { return };
+    let sandbox = sandbox();
+    sandbox.write(
+        "a.toml",
+        "size = \"160x80\"\n[sequence]\nframes = 3\nfps = 5\n\
+         [[model]]\nname = \"left\"\npackage = \"hare.pelage\"\nposition = [-0.5, 0, 0]\n\
+         [[model]]\nname = \"right\"\npackage = \"./hare.pelage\"\nposition = [0.5, 0, 0]\nclip = \"EarBreath\"\n\
+         [[model]]\npackage = \"torus.pelage\"\nposition = [0, 0.2, -1]\nscale = 0.3\n",
+    );
+    let (value, _) = rendered(&sandbox, &["a.toml", "-o", "a.png", "--layers", "2"]);
+    assert_eq!(value["scene"]["models"], serde_json::json!(["left", "right", "torus"]));
+    assert_eq!(value["scene"]["packages"], serde_json::json!(["hare.pelage", "torus.pelage"]));
+    assert_eq!(value["detail"].as_array().unwrap().len(), 3);
+    // A plain name is one picture, whatever the file says of sequences; numbered ones are as many as it says.
+    assert_eq!((&value["frames"], value["output"].as_str()), (&1.into(), Some("a.png")));
+    let (value, _) = rendered(&sandbox, &["a.toml", "-o", "%02d.png"]);
+    assert_eq!(value["outputs"], serde_json::json!(["00.png", "01.png", "02.png"]));
+    assert_eq!((&value["frames"], &value["fps"]), (&3.into(), &5.into()));
+    let (value, _) = rendered(&sandbox, &["a.toml", "-o", "b%1d.png", "--frames", "2", "--fps", "10"]);
+    assert_eq!((&value["frames"], &value["fps"]), (&2.into(), &10.into()));
+    // The second picture of one is the third of the other.
+    sandbox.write("c.toml", "[[model]]\npackage = \"hare.pelage\"\nclip = \"EarBreath\"\n");
+    let draw =
+        |fps: &str| rendered(&sandbox, &["c.toml", "--size", "64x64", "-o", "c%1d.png", "--frames", "3", "--fps", fps]);
+    draw("5");
+    let second = bytes(&sandbox, "c1.png");
+    draw("10");
+    assert!(second == bytes(&sandbox, "c2.png") && second != bytes(&sandbox, "c1.png"));
+}
+
+#[test]
+fn bad_scenes_are_refused() {
+    let sandbox = sandbox();
+    let model = "[[model]]\npackage = \"hare.pelage\"\n";
+    sandbox.write("good.toml", model);
+    sandbox.write("latin.toml", b"# \xe9\n[[model]]\n");
+    sandbox.write("no words.pelage", "hello");
+    let go = "{ time_s = 0, position = [0, 0, 0] }";
+    for (name, text) in [
+        ("missing", "[[model]]\npackage = \"cow.pelage\"\n".to_owned()),
+        ("broken", "\n[[model]]\npackage = \"no words.pelage\"\n".to_owned()),
+        ("unknown", format!("{model}colour = \"red\"\n")),
+        ("empty", "# nobody\n".to_owned()),
+        ("no-keys", format!("{model}path = []\n")),
+        ("back", format!("{model}path = [\n{go},\n{{ time_s = -1, position = [0, 0, 1] }},\n]\n")),
+        ("nan", format!("[camera]\neye = [0, nan, 1]\ntarget = [0, 0, 0]\n{model}")),
+        ("clip", format!("{model}clip = \"Gallop\"\n")),
+    ] {
+        sandbox.write(&format!("{name}.toml"), text);
+    }
+    // Not by its name, but by what stands in it.
+    sandbox.write("scene.txt", format!("{model}speed = 1\n"));
+    let before = sandbox.files();
+    for (args, code, words) in [
+        (&["missing.toml"][..], 3, &["missing.toml: line 2, model[0].package", "cow.pelage: cannot read"][..]),
+        (&["broken.toml"], 3, &["no words.pelage", "byte 0"]),
+        (&["unknown.toml"], 3, &["unknown.toml: line 3, model[0]", "unknown field `colour`", "package"]),
+        (&["empty.toml"], 3, &["empty.toml: model: found none"]),
+        (&["no-keys.toml"], 3, &["line 3, model[0].path: found no keys"]),
+        (&["back.toml"], 3, &["line 5, model[0].path[1].time_s: found -1 after 0, expected at least 0.001 s later"]),
+        (&["nan.toml"], 3, &["line 2, camera.eye: found NaN, expected a number"]),
+        (&["clip.toml"], 3, &["line 3, model[0].clip: found \"Gallop\"", "hare.pelage", "EarBreath"]),
+        (&["latin.toml"], 3, &["latin.toml: byte 2", "UTF-8"]),
+        (&["scene.txt"], 3, &["scene.txt: line 3, model[0].speed: found without a clip"]),
+        (&["no.toml"], 2, &["no.toml: cannot read"]),
+        (&["good.toml", "--crowd", "4"], 1, &["--crowd", "good.toml", "left out"]),
+        (&["good.toml", "--clip", "EarBreath"], 1, &["--clip", "good.toml", "left out"]),
+        (&["good.toml", "--turn-light"], 1, &["--turn-light", "--frames"]),
+        (&["hare.pelage", "--turn-light"], 1, &["--turn-light", "--frames"]),
+    ] {
+        let run = sandbox.run(&[&["render", "-o", "a.png"], args].concat());
+        println!("{}", run.stderr.trim());
+        assert_eq!(run.code, Some(code), "{args:?}: {run:?}");
+        for word in words {
+            assert!(run.stderr.contains(word), "{args:?}: no {word:?} in {}", run.stderr);
+        }
+        assert_eq!(sandbox.files(), before, "{args:?} left something behind");
+    }
+}
+
+#[test]
+fn videos_hold_the_pictures() {
+    let Some(_) = gpu("videos_hold_the_pictures") else { return };
+    let sandbox = sandbox();
+    let (width, height) = (180, 130);
+    let view = ["hare.pelage", "--size", "180x130", "--clip", "EarBreath", "--frames", "4", "--fps", "12"];
+    let (value, _) = rendered(&sandbox, &[&view[..], &["-o", "a.y4m"]].concat());
+    assert_eq!((&value["frames"], value["output"].as_str()), (&4.into(), Some("a.y4m")));
+    assert_eq!(value["covered_pixels_per_picture"].as_array().unwrap().len(), 4);
+    rendered(&sandbox, &[&view[..], &["-o", "%1d.png"]].concat());
+    let video = bytes(&sandbox, "a.y4m");
+    let header = b"YUV4MPEG2 W180 H130 F12:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
+    assert!(video.starts_with(header));
+    let planes = width * height;
+    let frames: Vec<&[u8]> = video[header.len()..].chunks(6 + 3 * planes).collect();
+    assert_eq!(frames.len(), 4);
+    for (i, frame) in frames.iter().enumerate() {
+        assert!(frame.starts_with(b"FRAME\n") && frame.len() == 6 + 3 * planes);
+        let png = image::open(sandbox.path().join(format!("{i}.png"))).unwrap().into_rgba8();
+        let mut transparent = 0;
+        for (k, pixel) in png.pixels().enumerate() {
+            let [y, cb, cr] = [0, 1, 2].map(|plane| f64::from(frame[6 + plane * planes + k]));
+            // BT.709 the other way round; bytes that are not in between two are exact to about a step of luma.
+            let (y, cb, cr) = ((y - 16.0) / 219.0, (cb - 128.0) / 224.0, (cr - 128.0) / 224.0);
+            let (r, b) = (y + 1.5748 * cr, y + 1.8556 * cb);
+            let g = (y - 0.2126 * r - 0.0722 * b) / 0.7152;
+            let expected = match pixel.0 {
+                [_, _, _, 0] => [255.0; 3],
+                [r, g, b, 255] => [r, g, b].map(f64::from),
+                _ => continue,
+            };
+            transparent += usize::from(pixel.0[3] == 0);
+            let found = [r, g, b].map(|x| 255.0 * x);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 2.5), "{i}, {k}: {found:?}, {expected:?}");
+        }
+        assert!(transparent > planes / 4);
+    }
+
+    // The same on stdout, and nothing else; who stops reading is no error.
+    let mut child =
+        sandbox.command(&[&["render"], &view[..], &["-o", "-"]].concat()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut piped = Vec::new();
+    child.stdout.take().unwrap().read_to_end(&mut piped).unwrap();
+    assert!(child.wait().unwrap().success() && piped == video);
+    let mut child = sandbox
+        .command(&[&["render"], &view[..], &["-o", "-"]].concat())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdout.take().unwrap().read_exact(&mut [0; 100]).unwrap();
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(0), "{ended:?}");
+    assert!(!String::from_utf8_lossy(&ended.stderr).contains("error:"), "{ended:?}");
+    let both = sandbox.run(&[&["render", "--json"], &view[..], &["-o", "-"]].concat());
+    assert!(both.code == Some(1) && both.stderr.contains("--json") && both.stdout.contains("exit_code"), "{both:?}");
+}
+
+#[test]
+fn a_sequence_that_was_interrupted_goes_on() {
+    let Some(_) = gpu("a_sequence_that_was_interrupted_goes_on") else { return };
+    let sandbox = sandbox();
+    sandbox.write(
+        "a.toml",
+        "size = \"200x150\"\n[sequence]\nframes = 14\n[camera]\npath = [{ time_s = 0, eye = [0, 1, 2], target = [0, 0.2, 0] }, { time_s = 1, eye = [1, 1, 2], target = [0, 0.2, 0] }]\n\
+         [[model]]\npackage = \"hare.pelage\"\nclip = \"EarBreath\"\npath = [{ time_s = 0, position = [-0.5, 0, 0] }, { time_s = 1, position = [0.5, 0, 0] }]\n\
+         [[model]]\npackage = \"torus.pelage\"\nposition = [0, 0.2, -1]\nscale = 0.3\n",
+    );
+    std::fs::create_dir(sandbox.path().join("whole")).unwrap();
+    std::fs::create_dir(sandbox.path().join("out")).unwrap();
+    let (whole, _) = rendered(&sandbox, &["a.toml", "-o", "whole/%04d.png"]);
+    assert_eq!((&whole["frames"], &whole["skipped"]), (&14.into(), &0.into()));
+
+    let args = ["a.toml", "-o", "out/%04d.png"];
+    let journal = sandbox.path().join("out/%04d.png.pictures.jsonl");
+    let lines = || std::fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count());
+    let mut child = sandbox
+        .command(&[&["render"], &args[..]].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while lines() < 3 {
+        assert_eq!(child.try_wait().unwrap(), None, "it ended before it could be killed");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let kept = lines();
+    assert!(kept < 14);
+    let saved = std::fs::read(&journal).unwrap();
+    // A picture that somebody painted over, and one that is gone.
+    sandbox.write("out/0001.png", b"red");
+    std::fs::remove_file(sandbox.path().join("out/0002.png")).unwrap();
+
+    let same = || {
+        for i in 0..14 {
+            let name = format!("{i:04}.png");
+            assert!(bytes(&sandbox, &format!("out/{name}")) == bytes(&sandbox, &format!("whole/{name}")), "{name}");
+        }
+        assert!(!journal.exists(), "the journal goes when the pictures are whole");
+    };
+    let (value, run) = rendered(&sandbox, &args);
+    assert_eq!(value["skipped"], kept - 2, "{}", run.stderr);
+    assert!(run.stderr.contains(&format!("{} of 14 pictures are there", kept - 2)), "{}", run.stderr);
+    same();
+    // What an earlier run found is told again.
+    for key in ["covered_pixels_per_picture", "mean_luminance_per_picture", "passes", "detail"] {
+        assert_eq!(value[key], whole[key], "{key}");
+    }
+
+    // Nothing counts with another view, and when told so; with the same, pictures are not drawn again.
+    for (more, skipped, word) in [
+        (
+            &["--background", "1,2,3"][..],
+            0,
+            format!("{kept} pictures of another scene, view, tool or adapter are drawn anew"),
+        ),
+        (&["--fps", "23"], 0, format!("{kept} pictures of another")),
+        (&["--restart"], 0, String::new()),
+        (&[], kept, format!("{kept} of 14 pictures are there")),
+    ] {
+        std::fs::write(&journal, &saved).unwrap();
+        let (value, run) = rendered(&sandbox, &[&args[..], more].concat());
+        assert_eq!(value["skipped"], skipped, "{more:?}: {}", run.stderr);
+        assert!(run.stderr.contains(&word), "{more:?}: {}", run.stderr);
+    }
+    same();
+    // Other words in the scene file are another scene, and another package of the same name is another package.
+    let text = std::fs::read_to_string(sandbox.path().join("a.toml")).unwrap();
+    sandbox.write("a.toml", text.replace("0.3\n", "0.31\n"));
+    std::fs::write(&journal, &saved).unwrap();
+    assert_eq!(rendered(&sandbox, &args).0["skipped"], 0);
+    sandbox.write("a.toml", text);
+    std::fs::copy(sandbox.path().join("hare.pelage"), sandbox.path().join("torus.pelage")).unwrap();
+    std::fs::write(&journal, &saved).unwrap();
+    assert_eq!(rendered(&sandbox, &args).0["skipped"], 0);
+}
