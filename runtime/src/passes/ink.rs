@@ -100,6 +100,8 @@ pub(crate) struct InkModel {
     pub(crate) swell: f32,
     pub(crate) ink: [f32; 3],
     pub(crate) paper_period: f32,
+    pub(crate) stroke_px: f32,
+    pub(crate) reserved: [f32; 3],
 }
 
 impl InkFrame {
@@ -154,6 +156,8 @@ impl InkModel {
             swell: params.swell,
             ink: encoded(params.ink).to_array(),
             paper_period: params.paper_period_px,
+            stroke_px: (0.17 * InkParams::default_width_px(params.target_px[1])).max(1.2),
+            reserved: [0.0; 3],
         }
     }
 }

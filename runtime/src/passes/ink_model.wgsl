@@ -24,6 +24,11 @@ struct InkModel {
     ink: vec3<f32>,
     // Period of the paper, pixels.
     paper_period: f32,
+    // Width of a stroke of fur, pixels.
+    stroke_px: f32,
+    reserved0: f32,
+    reserved1: f32,
+    reserved2: f32,
 }
 
 @group(2) @binding(0) var<uniform> model: InkModel;
@@ -33,3 +38,23 @@ struct InkModel {
 @group(2) @binding(4) var paper_tile: texture_2d<f32>;
 @group(2) @binding(5) var tile_sampler: sampler;
 @group(2) @binding(6) var clamp_sampler: sampler;
+
+// Width of a stroke in the texture, tiles.
+const STROKE_TILES: f32 = 0.022;
+
+// Strokes of fur, never thinner on screen than a brush: the texture is spread over twice, four times as many tiles as it gets small, each time
+// with the next mixed in, so that strokes neither blur into grey nor jump. along: the axes that are spread.
+fn fur_strokes_at(uv: vec2<f32>, along: vec2<f32>, layer: u32) -> vec4<f32> {
+    let dx = dpdx(uv) * along;
+    let dy = dpdy(uv) * along;
+    let tiles_per_px = sqrt(max(dot(dx, dx), dot(dy, dy)));
+    let octave = min(log2(STROKE_TILES / max(model.stroke_px * tiles_per_px, 1e-9)), 0.0);
+    let whole = floor(octave);
+    let fine = mix(vec2(1.0), vec2(exp2(min(whole + 1.0, 0.0))), along);
+    let coarse = mix(vec2(1.0), vec2(exp2(whole)), along);
+    return mix(
+        textureSampleGrad(fur_strokes, tile_sampler, uv * coarse, layer, dpdx(uv) * coarse, dpdy(uv) * coarse),
+        textureSampleGrad(fur_strokes, tile_sampler, uv * fine, layer, dpdx(uv) * fine, dpdy(uv) * fine),
+        octave - whole,
+    );
+}

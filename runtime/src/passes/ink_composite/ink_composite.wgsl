@@ -49,7 +49,7 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     let sheet = textureSampleLevel(paper, paper_sampler, position.xy / ink.paper_period, 0.0);
     // The wash gathers between the fibres.
     let dens = 1.0 - wash;
-    wash = clamp(1.0 - dens * (1.0 + ink.paper_grain * (0.3 * (sheet.g - 0.5) + 0.25 * (0.5 - sheet.r))), 0.0, 1.0);
+    wash = clamp(1.0 - dens * (1.0 + ink.paper_grain * (0.25 * (sheet.g - 0.5) + 0.15 * (0.5 - sheet.r))), 0.0, 1.0);
     if SHOW == 3u {
         return Painted(vec4(linear_of(vec3(wash)), 1.0), depth);
     }
@@ -58,7 +58,7 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
         let far = select(textureLoad(normals, q, 0).w, here.w, here.w > 0.0);
         grey = mix(grey, 1.0, clamp((far - ink.mist_from) / (ink.mist_to - ink.mist_from), 0.0, 1.0));
     }
-    let relief = 1.0 + ink.paper_grain * (0.05 * (sheet.r - 0.5) - 0.30 * (1.0 - sheet.b));
+    let relief = 1.0 + ink.paper_grain * (0.035 * (sheet.r - 0.5) - 0.30 * (1.0 - sheet.b));
     let sheet_color = ink.paper * relief;
     let color = linear_of(sheet_color * mix(ink.ink, vec3(1.0), grey));
     if !PICTURE {

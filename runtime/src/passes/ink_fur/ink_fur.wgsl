@@ -70,19 +70,19 @@ fn painted(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
 
 @fragment
 fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
-    let strokes = textureSample(fur_strokes, tile_sampler, in.uv, 1u);
+    let strokes = fur_strokes_at(in.uv, vec2(1.0, 0.0), 1u);
     let base = base_color(in.tint, in.base_uv);
     if is_cut(base.a) {
         discard;
     }
     let ink = ink_nested(strokes, (0.15 + 0.35 * model.fur) * in.share_height.x) * model.fur;
     // The brush lifts towards the tip.
-    return painted(ink * in.share_height.x * (0.9 - 0.35 * in.share_height.y), 0.45 * in.share_height.y, in.position.xy);
+    return painted(smoothstep(0.2, 0.6, ink) * min(2.0 * in.share_height.x, 1.0) * (0.85 - 0.3 * in.share_height.y), 0.4 * in.share_height.y, in.position.xy);
 }
 
 @fragment
 fn fs_ink_shells(in: StrokeVarying) -> @location(0) vec4<f32> {
-    let strokes = textureSample(fur_strokes, tile_sampler, in.uv, 0u);
+    let strokes = fur_strokes_at(in.uv, vec2(1.0), 0u);
     let base = base_color(in.tint, in.base_uv);
     if is_cut(base.a) {
         discard;

@@ -90,7 +90,7 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     }
     var strokes = vec4(0.0);
     if FUR_STROKES {
-        strokes = textureSample(fur_strokes, tile_sampler, in.tile_uv, 0u);
+        strokes = fur_strokes_at(in.tile_uv, vec2(1.0), 0u);
     }
     let eye = direction_to(frame.eye_ws, in.position_ws);
     let axes = eye_frame(eye);
@@ -131,8 +131,8 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
         // Inner fur is wash; strokes stand where the coat turns away, and where the wash is heavy.
         let fur = in.fur * model.fur;
         let turned = 1.0 - normal.z;
-        let ink = ink_nested(strokes, fur * (0.5 * turned * turned + 0.45 * density * density)) * fur;
-        density = 1.0 - (1.0 - density) * (1.0 - ink * (0.2 + 0.4 * turned));
+        let ink = ink_nested(strokes, fur * (0.45 * turned * turned + 0.5 * density * density)) * fur;
+        density = 1.0 - (1.0 - density) * (1.0 - ink * (0.25 + 0.4 * turned));
         width *= 1.0 - 0.35 * fur;
     }
     // The hand presses unevenly.
