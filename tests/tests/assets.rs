@@ -14,7 +14,7 @@ use pelage_bake::recipe::Recipe;
 use pelage_tests::assets::{
     charts::{self, ChartReport},
     glb::{Model, Primitive},
-    hare, patterns, shapes,
+    hare, hare_rig, ox, ox_rig, patterns, pose, shapes,
 };
 
 fn folder(name: &str) -> PathBuf {
@@ -25,6 +25,27 @@ fn folder(name: &str) -> PathBuf {
 fn hare() -> &'static Model {
     static HARE: OnceLock<Model> = OnceLock::new();
     HARE.get_or_init(|| hare::model().unwrap())
+}
+
+/// So does the ox.
+fn ox() -> &'static Model {
+    static OX: OnceLock<Model> = OnceLock::new();
+    OX.get_or_init(|| ox::model().unwrap())
+}
+
+/// The skin of an animal as one primitive: all materials but those of the balls that are its eyes and nose.
+fn whole_skin(model: &Model) -> Primitive {
+    let mut whole = Primitive::new(&model.name, 0);
+    for p in model.primitives.iter().filter(|p| !["eyes", "nose"].contains(&p.name.as_str())) {
+        let first = whole.len() as u32;
+        whole.positions.extend(&p.positions);
+        whole.normals.extend(&p.normals);
+        whole.uvs.extend(&p.uvs);
+        whole.colors.extend(&p.colors);
+        whole.weights.extend(&p.weights);
+        whole.triangles.extend(p.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    whole
 }
 
 fn report(p: &Primitive) -> ChartReport {
@@ -69,7 +90,7 @@ fn volume(p: &Primitive) -> f64 {
 
 #[test]
 fn committed_models_are_what_the_code_makes() {
-    for (name, model) in [("hare", hare()), ("torus", &shapes::torus()), ("knot", &shapes::knot())] {
+    for (name, model) in [("hare", hare()), ("ox", ox()), ("torus", &shapes::torus()), ("knot", &shapes::knot())] {
         let path = folder("models").join(format!("{name}.glb"));
         let committed = fs::read(&path).unwrap();
         let made = model.to_glb().unwrap();
@@ -117,10 +138,29 @@ fn sizes_are_as_promised() {
 }
 
 #[test]
+fn the_ox_is_as_large_as_a_water_buffalo() {
+    let skin = whole_skin(ox());
+    assert!((5_000..=9_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
+    assert!(ox().to_glb().unwrap().len() <= 500_000);
+    let low = skin.positions.iter().fold(DVec3::MAX, |m, &p| m.min(p));
+    let high = skin.positions.iter().fold(DVec3::MIN, |m, &p| m.max(p));
+    assert!(low.y.abs() < 0.01, "it stands on the ground: {}", low.y);
+    assert!((2.5..3.1).contains(&(high.z - low.z)), "{low} {high}");
+    // Every material has its place: hooves below, horns above the back, the muzzle before all else.
+    let range = |name: &str, axis: usize| {
+        let p = ox().primitives.iter().find(|p| p.name == name).unwrap();
+        let values = p.positions.iter().map(|p| p[axis]);
+        values.fold((f64::MAX, f64::MIN), |m, x| (m.0.min(x), m.1.max(x)))
+    };
+    assert!(range("hooves", 1).1 < 0.12 && range("horns", 1).0 > 0.9 && range("muzzle", 2).0 > 1.4);
+    assert_eq!(range("horns", 1).1, high.y);
+}
+
+#[test]
 fn surfaces_are_closed_and_face_outwards() {
-    let (torus, knot) = (shapes::torus(), shapes::knot());
+    let (torus, knot, ox) = (shapes::torus(), shapes::knot(), whole_skin(ox()));
     let coat = &hare().primitives[0];
-    for (p, euler) in [(coat, 2), (&torus.primitives[0], 0), (&knot.primitives[0], 0)] {
+    for (p, euler) in [(coat, 2), (&ox, 2), (&torus.primitives[0], 0), (&knot.primitives[0], 0)] {
         assert!(is_closed_manifold(p), "{}", p.name);
         assert_eq!(euler_characteristic(p), euler, "{}", p.name);
         assert!(volume(p) > 0.0, "{}", p.name);
@@ -136,7 +176,7 @@ fn surfaces_are_closed_and_face_outwards() {
 
 #[test]
 fn normals_are_unit_and_on_the_triangles_side() {
-    for model in [hare(), &shapes::torus(), &shapes::knot()] {
+    for model in [hare(), ox(), &shapes::torus(), &shapes::knot()] {
         for p in &model.primitives {
             assert!(p.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-6), "{}", p.name);
             for t in &p.triangles {
@@ -213,24 +253,77 @@ fn tubes_close_after_whole_tiles() {
     }
 }
 
+/// The joint of a foot, and where its tip rests.
+type Foot = (usize, DVec3);
+
+/// The models with a skeleton: feet, and metres and seconds of a cycle of `Walk`.
+fn animals() -> Vec<(&'static Model, Vec<Foot>, [f64; 2])> {
+    vec![
+        (hare(), hare_rig::feet(), [hare_rig::HOP_M, hare_rig::HOP_S]),
+        (ox(), ox_rig::feet(), [ox_rig::CYCLE_M, ox_rig::CYCLE_S]),
+    ]
+}
+
 #[test]
-fn skin_weights_sum_to_one_and_the_clip_loops() {
-    let joints = hare().skeleton.as_ref().unwrap();
-    assert!((10..=16).contains(&joints.len()));
-    for p in &hare().primitives {
-        for weights in &p.weights {
-            let sum: f64 = weights.iter().map(|w| w.1).sum();
-            assert!((sum - 1.0).abs() < 1e-9 && weights.iter().all(|w| w.1 >= 0.0 && (w.0 as usize) < joints.len()));
+fn skin_weights_sum_to_one_and_clips_loop() {
+    for (model, ..) in animals() {
+        let joints = model.skeleton.as_ref().unwrap();
+        assert!((12..=40).contains(&joints.len()), "{}: {} joints", model.name, joints.len());
+        for p in &model.primitives {
+            for weights in &p.weights {
+                let sum: f64 = weights.iter().map(|w| w.1).sum();
+                assert!((sum - 1.0).abs() < 1e-9);
+                assert!(weights.iter().all(|w| w.1 >= 0.0 && (w.0 as usize) < joints.len()));
+            }
         }
+        for clip in &model.clips {
+            let seconds = *clip.channels[0].times.last().unwrap();
+            for channel in &clip.channels {
+                assert!(channel.times.windows(2).all(|t| t[0] < t[1]));
+                assert_eq!((channel.times[0], *channel.times.last().unwrap()), (0.0, seconds), "{}", clip.name);
+                let n = channel.values.len();
+                let width = n / channel.times.len();
+                assert_eq!(channel.values[..width], channel.values[n - width..], "first and last key agree");
+            }
+        }
+        assert!(model.clips.iter().any(|c| c.name == "Walk"));
     }
-    let [clip] = hare().clips.as_slice() else { panic!("one clip") };
-    assert_eq!(clip.name, "EarBreath");
-    for channel in &clip.channels {
-        assert!(channel.times.windows(2).all(|t| t[0] < t[1]));
-        assert_eq!((channel.times[0], *channel.times.last().unwrap()), (0.0, 2.0));
-        let n = channel.values.len();
-        let width = n / channel.times.len();
-        assert_eq!(channel.values[..width], channel.values[n - width..], "first and last key agree");
+    let names: Vec<&str> = hare().clips.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["EarBreath", "Walk"]);
+}
+
+/// Height over its lowest, and metres a second backwards, of a foot's tip at `steps` moments of `Walk`.
+fn foot_path(model: &Model, (joint, tip): Foot, seconds: f64, steps: u32) -> Vec<[f64; 2]> {
+    let clip = model.clips.iter().find(|c| c.name == "Walk").unwrap();
+    let at = |k: u32| {
+        let time = seconds * f64::from(k % steps) / f64::from(steps);
+        pose::skin_transforms(model, clip, time)[joint].transform_point3(tip)
+    };
+    let path: Vec<DVec3> = (0..=steps).map(at).collect();
+    let lowest = path.iter().map(|p| p.y).fold(f64::MAX, f64::min);
+    let step_s = seconds / f64::from(steps);
+    path.windows(2).map(|p| [p[0].y.max(p[1].y) - lowest, (p[0].z - p[1].z) / step_s]).collect()
+}
+
+#[test]
+fn feet_on_the_ground_go_with_it() {
+    for (model, feet, [metres, seconds]) in animals() {
+        let high = model.primitives[0].positions.iter().map(|p| p.y).fold(0.0, f64::max);
+        for foot in feet {
+            let path = foot_path(model, foot, seconds, 48);
+            // Without the moments in which it comes down or leaves.
+            let low = |k: usize| path[k % 48][0] < 0.006 * high;
+            let down: Vec<f64> = (0..48).filter(|&k| low(k + 47) && low(k) && low(k + 1)).map(|k| path[k][1]).collect();
+            let (slow, fast) = down.iter().fold((f64::MAX, f64::MIN), |m, v| (m.0.min(*v), m.1.max(*v)));
+            let (mean, ground) = (down.iter().sum::<f64>() / down.len() as f64, metres / seconds);
+            assert!(down.len() >= 6, "{}: joint {} is down in {} of 48 steps", model.name, foot.0, down.len());
+            assert!(
+                (mean / ground - 1.0).abs() < 0.08 && slow > 0.7 * ground && fast < 1.3 * ground,
+                "{}: joint {} goes at {slow} to {fast}, mean {mean} m/s on a ground of {ground}",
+                model.name,
+                foot.0
+            );
+        }
     }
 }
 
@@ -242,12 +335,13 @@ fn every_recipe_parses_and_names_materials_that_exist() {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         let recipe = Recipe::parse(&name, &fs::read_to_string(&path).unwrap()).unwrap_or_else(|e| panic!("{e}"));
         recipe.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
-        if name == "hare.toml" {
-            let materials: Vec<&str> = hare().materials.iter().map(|m| m.name.as_str()).collect();
+        let models = [("hare.toml", hare()), ("ox.toml", ox())];
+        if let Some((_, model)) = models.into_iter().find(|m| m.0 == name) {
+            let materials: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
             assert!(recipe.model.bare.iter().all(|b| materials.contains(&b.as_str())), "{materials:?}");
         }
         names.push(name);
     }
     names.sort();
-    assert_eq!(names, ["fox.toml", "hare.toml", "knot.toml", "spots.toml", "torus.toml", "zebra.toml"]);
+    assert_eq!(names, ["fox.toml", "hare.toml", "knot.toml", "ox.toml", "spots.toml", "torus.toml", "zebra.toml"]);
 }

@@ -4,7 +4,7 @@ use anyhow::{Context as _, ensure};
 use glam::{DVec3, DVec4};
 use serde_json::{Value, json};
 
-use super::hare_rig::Weights;
+use super::rig::Weights;
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -92,7 +92,7 @@ pub struct Channel {
     pub interpolation: Interpolation,
     /// Seconds, ascending.
     pub times: Vec<f64>,
-    /// Flat values: 4 (rotation, xyzw) or 3 (scale) per key; three such triples per key for cubic splines.
+    /// Flat values: 4 (rotation, xyzw) or 3 (scale, translation) per key; three such triples per key for cubic splines.
     pub values: Vec<f64>,
 }
 
@@ -103,6 +103,8 @@ pub enum Target {
     Rotation,
     /// Scale.
     Scale,
+    /// Place relative to the parent, metres.
+    Translation,
 }
 
 /// Interpolation between keys.
@@ -314,6 +316,7 @@ impl Clip {
             let (path, width) = match channel.target {
                 Target::Rotation => ("rotation", 4),
                 Target::Scale => ("scale", 3),
+                Target::Translation => ("translation", 3),
             };
             let interpolation = match channel.interpolation {
                 Interpolation::Linear => "LINEAR",

@@ -3,58 +3,25 @@
 //! The body is a smooth union of round cones and ellipsoids. Every solid also carries the way its hair is combed, so that
 //! the comb field, the coat's colours and the skeleton all come from the same list.
 
-use anyhow::Context as _;
-use glam::{DMat3, DVec3, DVec4};
+use glam::{DMat3, DVec3};
 
 use super::{
-    charts::{self, ChartParams},
+    body::{self, Body, Comb, Keep, cone, ellipsoid, on_side, pitch, ramp},
     glb::{Material, Model, Primitive},
     hare_rig,
-    remesh::{Sizing, remesh},
-    sdf::{Solid, normal, smooth_max, smooth_min},
+    regions::Regions,
+    remesh::Sizing,
+    sdf::Solid,
+    shapes::push_ball,
+    skin::Skin,
     trimesh::TriMesh,
 };
 
 /// Metres of skin in one unit of texture coordinates, in all three models.
 pub const METRES_PER_UV: f64 = 0.1;
 
-/// How a solid's hair is combed, before projection onto the skin.
-#[derive(Clone, Copy, Debug)]
-enum Comb {
-    /// Along a fixed direction.
-    Along(DVec3),
-    /// Away from a point.
-    From(DVec3),
-}
-
-struct Piece {
-    solid: Solid,
-    /// Rounding of the union with everything before it, metres.
-    blend: f64,
-    /// Whether it is carved out instead of added.
-    carved: bool,
-    comb: Comb,
-}
-
-/// The body as an implicit surface.
-pub struct Body {
-    pieces: Vec<Piece>,
-}
-
-/// Mirror image across the plane x = 0.
-fn mirror(v: DVec3) -> DVec3 {
-    DVec3::new(-v.x, v.y, v.z)
-}
-
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
-}
-
-/// Rotation about x that turns +Z down by the angle whose sine and cosine are given in the ratio `sin : cos`.
-fn pitch(sin: f64, cos: f64) -> DMat3 {
-    let length = (sin * sin + cos * cos).sqrt();
-    let (s, c) = (sin / length, cos / length);
-    DMat3::from_cols(DVec3::X, v(0.0, c, s), v(0.0, -s, c))
 }
 
 /// Root, tip and unit facing direction of an ear; `side` is +1 for the hare's left ear (towards +X).
@@ -64,121 +31,69 @@ pub fn ear(side: f64) -> [DVec3; 3] {
     [v(side * 0.0165, 0.341, 0.05), v(side * 0.05, tip_height, lean), v(side * 0.5, 0.12, 0.86).normalize()]
 }
 
-impl Body {
-    /// The hare's body without eyes and nose.
-    pub fn new() -> Self {
-        let mut body = Self { pieces: Vec::new() };
-        let back = Comb::Along(v(0.0, -0.55, -0.83));
-        let down = Comb::Along(v(0.0, -1.0, -0.12));
-        let nose = v(0.0, 0.297, 0.165);
+/// The hare's body without eyes and nose.
+pub fn body() -> Body {
+    let mut body = Body::empty(0.008);
+    let back = Comb::Along(v(0.0, -0.55, -0.83));
+    let down = Comb::Along(v(0.0, -1.0, -0.12));
+    let nose = v(0.0, 0.297, 0.165);
 
-        // Trunk: rump, arched back, chest, neck.
-        body.add(cone(v(0.0, 0.088, -0.07), 0.077, v(0.0, 0.19, 0.008), 0.061), 0.02, back);
-        body.add(ellipsoid(v(0.0, 0.15, -0.055), v(0.06, 0.08, 0.07), pitch(-0.4, 0.9)), 0.03, back);
-        body.add(ellipsoid(v(0.0, 0.185, 0.035), v(0.05, 0.066, 0.05), DMat3::IDENTITY), 0.03, down);
-        body.add(cone(v(0.0, 0.215, 0.03), 0.05, v(0.0, 0.285, 0.058), 0.036), 0.03, Comb::From(v(0.0, 0.42, 0.16)));
+    // Trunk: rump, arched back, chest, neck.
+    body.add(cone(v(0.0, 0.088, -0.07), 0.077, v(0.0, 0.19, 0.008), 0.061), 0.02, back);
+    body.add(ellipsoid(v(0.0, 0.15, -0.055), v(0.06, 0.08, 0.07), pitch(-0.4, 0.9)), 0.03, back);
+    body.add(ellipsoid(v(0.0, 0.185, 0.035), v(0.05, 0.066, 0.05), DMat3::IDENTITY), 0.03, down);
+    body.add(cone(v(0.0, 0.215, 0.03), 0.05, v(0.0, 0.285, 0.058), 0.036), 0.03, Comb::From(v(0.0, 0.42, 0.16)));
 
-        // Head: skull, muzzle, cheeks, chin and the two lips.
-        let face = Comb::From(nose);
-        body.add(ellipsoid(v(0.0, 0.316, 0.068), v(0.036, 0.037, 0.048), pitch(0.35, 1.0)), 0.02, face);
-        body.add(cone(v(0.0, 0.31, 0.094), 0.029, v(0.0, 0.297, 0.128), 0.0195), 0.015, face);
-        for side in [1.0, -1.0] {
-            body.add(ellipsoid(v(side * 0.021, 0.298, 0.083), v(0.02, 0.0225, 0.025), DMat3::IDENTITY), 0.015, face);
-            body.add(ellipsoid(v(side * 0.0085, 0.29, 0.135), v(0.0105, 0.0105, 0.0115), DMat3::IDENTITY), 0.008, face);
-        }
-        body.add(ellipsoid(v(0.0, 0.279, 0.118), v(0.011, 0.010, 0.016), DMat3::IDENTITY), 0.01, face);
+    // Head: skull, muzzle, cheeks, chin and the two lips.
+    let face = Comb::From(nose);
+    body.add(ellipsoid(v(0.0, 0.316, 0.068), v(0.036, 0.037, 0.048), pitch(0.35, 1.0)), 0.02, face);
+    body.add(cone(v(0.0, 0.31, 0.094), 0.029, v(0.0, 0.297, 0.128), 0.0195), 0.015, face);
+    for side in [1.0, -1.0] {
+        body.add(ellipsoid(v(side * 0.021, 0.298, 0.083), v(0.02, 0.0225, 0.025), DMat3::IDENTITY), 0.015, face);
+        body.add(ellipsoid(v(side * 0.0085, 0.29, 0.135), v(0.0105, 0.0105, 0.0115), DMat3::IDENTITY), 0.008, face);
+    }
+    body.add(ellipsoid(v(0.0, 0.279, 0.118), v(0.011, 0.010, 0.016), DMat3::IDENTITY), 0.01, face);
 
-        // Haunches, hind feet and the tail.
-        for side in [1.0, -1.0] {
-            let m = |p: DVec3| if side > 0.0 { p } else { mirror(p) };
-            let haunch = Comb::Along(m(v(0.0, -0.75, -0.66)));
-            body.add(ellipsoid(m(v(0.066, 0.088, -0.046)), v(0.04, 0.08, 0.068), pitch(0.4, 0.9)), 0.009, haunch);
-            body.add(cone(m(v(0.074, 0.075, -0.005)), 0.028, m(v(0.075, 0.045, 0.014)), 0.021), 0.02, haunch);
-            let foot = Comb::Along(m(v(0.0, -0.25, 0.97)));
-            body.add(cone(m(v(0.072, 0.021, -0.075)), 0.02, m(v(0.077, 0.0145, 0.05)), 0.0135), 0.012, foot);
-            body.add(ellipsoid(m(v(0.078, 0.0135, 0.06)), v(0.016, 0.0128, 0.021), DMat3::IDENTITY), 0.01, foot);
-        }
-        let tail = Comb::Along(v(0.0, 0.6, -0.8));
-        body.add(ellipsoid(v(0.0, 0.09, -0.153), v(0.023, 0.029, 0.023), pitch(0.5, 0.9)), 0.014, tail);
+    // Haunches, hind feet and the tail.
+    for side in [1.0, -1.0] {
+        let m = |p: DVec3| on_side(side, p);
+        let haunch = Comb::Along(m(v(0.0, -0.75, -0.66)));
+        body.add(ellipsoid(m(v(0.066, 0.088, -0.046)), v(0.04, 0.08, 0.068), pitch(0.4, 0.9)), 0.009, haunch);
+        body.add(cone(m(v(0.074, 0.075, -0.005)), 0.028, m(v(0.075, 0.045, 0.014)), 0.021), 0.02, haunch);
+        let foot = Comb::Along(m(v(0.0, -0.25, 0.97)));
+        body.add(cone(m(v(0.072, 0.021, -0.075)), 0.02, m(v(0.077, 0.0145, 0.05)), 0.0135), 0.012, foot);
+        body.add(ellipsoid(m(v(0.078, 0.0135, 0.06)), v(0.016, 0.0128, 0.021), DMat3::IDENTITY), 0.01, foot);
+    }
+    let tail = Comb::Along(v(0.0, 0.6, -0.8));
+    body.add(ellipsoid(v(0.0, 0.09, -0.153), v(0.023, 0.029, 0.023), pitch(0.5, 0.9)), 0.014, tail);
 
-        // Shoulders, front legs and paws.
-        for side in [1.0, -1.0] {
-            let m = |p: DVec3| if side > 0.0 { p } else { mirror(p) };
-            body.add(ellipsoid(m(v(0.036, 0.168, 0.036)), v(0.025, 0.052, 0.034), pitch(-0.1, 1.0)), 0.02, down);
-            body.add(cone(m(v(0.034, 0.145, 0.05)), 0.0235, m(v(0.028, 0.075, 0.066)), 0.0155), 0.018, down);
-            body.add(cone(m(v(0.028, 0.075, 0.066)), 0.0155, m(v(0.0275, 0.02, 0.073)), 0.0125), 0.006, down);
-            let paw = Comb::Along(m(v(0.0, -0.5, 0.87)));
-            body.add(ellipsoid(m(v(0.028, 0.0128, 0.085)), v(0.015, 0.0125, 0.022), DMat3::IDENTITY), 0.01, paw);
-        }
-
-        // Ears: a leaf of three tapered plates with a rounded back, hollowed on its face.
-        for side in [1.0, -1.0] {
-            let [root, tip, facing] = ear(side);
-            let along = tip - root;
-            let normal = (facing - along * (facing.dot(along) / along.length_squared())).normalize();
-            let axes = DMat3::from_cols(normal.cross(along).normalize(), along.normalize(), normal);
-            let comb = Comb::Along(along.normalize());
-            let at = |t: f64| root + along * t;
-            let leaf = |a, ra, b, rb| Solid::Leaf { a, b, ra, rb, normal, rim: 0.0042 };
-            body.add(leaf(root, 0.0125, at(0.32), 0.0215), 0.012, comb);
-            body.add(leaf(at(0.32), 0.0215, at(0.58), 0.0215), 0.001, comb);
-            body.add(leaf(at(0.58), 0.0215, at(0.94), 0.0085), 0.001, comb);
-            body.add(ellipsoid(at(0.4) - normal * 0.002, v(0.016, 0.06, 0.0095), axes), 0.006, comb);
-            let hollow = ellipsoid(at(0.46) + normal * 0.0125, v(0.015, 0.055, 0.0125), axes);
-            body.pieces.push(Piece { solid: hollow, blend: 0.005, carved: true, comb });
-        }
-        body
+    // Shoulders, front legs and paws.
+    for side in [1.0, -1.0] {
+        let m = |p: DVec3| on_side(side, p);
+        body.add(ellipsoid(m(v(0.036, 0.168, 0.036)), v(0.025, 0.052, 0.034), pitch(-0.1, 1.0)), 0.02, down);
+        body.add(cone(m(v(0.034, 0.145, 0.05)), 0.0235, m(v(0.028, 0.075, 0.066)), 0.0155), 0.018, down);
+        body.add(cone(m(v(0.028, 0.075, 0.066)), 0.0155, m(v(0.0275, 0.02, 0.073)), 0.0125), 0.006, down);
+        let paw = Comb::Along(m(v(0.0, -0.5, 0.87)));
+        body.add(ellipsoid(m(v(0.028, 0.0128, 0.085)), v(0.015, 0.0125, 0.022), DMat3::IDENTITY), 0.01, paw);
     }
 
-    fn add(&mut self, solid: Solid, blend: f64, comb: Comb) {
-        self.pieces.push(Piece { solid, blend, carved: false, comb });
+    // Ears: a leaf of three tapered plates with a rounded back, hollowed on its face.
+    for side in [1.0, -1.0] {
+        let [root, tip, facing] = ear(side);
+        let along = tip - root;
+        let normal = (facing - along * (facing.dot(along) / along.length_squared())).normalize();
+        let axes = DMat3::from_cols(normal.cross(along).normalize(), along.normalize(), normal);
+        let comb = Comb::Along(along.normalize());
+        let at = |t: f64| root + along * t;
+        let leaf = |a, ra, b, rb| Solid::Leaf { a, b, ra, rb, normal, rim: 0.0042 };
+        body.add(leaf(root, 0.0125, at(0.32), 0.0215), 0.012, comb);
+        body.add(leaf(at(0.32), 0.0215, at(0.58), 0.0215), 0.001, comb);
+        body.add(leaf(at(0.58), 0.0215, at(0.94), 0.0085), 0.001, comb);
+        body.add(ellipsoid(at(0.4) - normal * 0.002, v(0.016, 0.06, 0.0095), axes), 0.006, comb);
+        let hollow = ellipsoid(at(0.46) + normal * 0.0125, v(0.015, 0.055, 0.0125), axes);
+        body.carve(hollow, 0.005, comb);
     }
-
-    /// Signed distance, roughly, negative inside.
-    pub fn distance(&self, p: DVec3) -> f64 {
-        let mut d = 1.0;
-        for piece in &self.pieces {
-            let own = piece.solid.distance(p);
-            d = if piece.carved { smooth_max(d, -own, piece.blend) } else { smooth_min(d, own, piece.blend) };
-        }
-        d
-    }
-
-    /// Direction in which the hair at `p` lies, not yet in the skin's plane: the solids' combs, weighted by how near they are.
-    pub fn comb(&self, p: DVec3) -> DVec3 {
-        let added = self.pieces.iter().filter(|piece| !piece.carved);
-        let near: Vec<(f64, &Piece)> = added.map(|piece| (piece.solid.distance(p), piece)).collect();
-        let nearest = near.iter().fold(f64::MAX, |m, &(d, _)| m.min(d));
-        near.iter().fold(DVec3::ZERO, |sum, &(d, piece)| {
-            let q = (d - nearest) / 0.008;
-            let weight = 1.0 / ((1.0 + q * q) * (1.0 + q * q));
-            let direction = match piece.comb {
-                Comb::Along(direction) => direction,
-                Comb::From(point) => (p - point).normalize_or_zero(),
-            };
-            sum + direction * weight
-        })
-    }
-}
-
-impl Default for Body {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64) -> Solid {
-    Solid::RoundCone { a, b, ra, rb }
-}
-
-fn ellipsoid(centre: DVec3, radii: DVec3, axes: DMat3) -> Solid {
-    Solid::Ellipsoid { centre, radii, axes }
-}
-
-/// 0 below `low`, 1 above `high`, smooth between.
-fn ramp(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    body
 }
 
 /// Centre and radii of an eye.
@@ -247,43 +162,38 @@ fn hair_length(p: DVec3) -> f64 {
 
 /// Makes the body's mesh: closed, about 5 000 triangles, vertices on the surface.
 pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
-    let field = |p: DVec3| body.distance(p);
-    let (low, high) = (v(-0.1413, -0.0312, -0.2117), v(0.14, 0.5, 0.17));
-    // Surface nets pinch where the signs alternate round a cell's face; a shifted grid meets no such cell.
-    let mut mesh = (0..8)
-        .map(|k| TriMesh::from_field(&field, low + DVec3::splat(0.0007 * f64::from(k)), high, 0.004))
-        .find(|mesh| mesh.neighbours().is_ok())
-        .context("no grid gives a manifold")?;
-    mesh.keep_largest_component();
-    remesh(&mut mesh, &field, Sizing { sagitta: 0.00057, shortest: 0.0034, longest: 0.0145 }, 12);
-    Ok(mesh)
+    let bounds = [v(-0.1413, -0.0312, -0.2117), v(0.14, 0.5, 0.17)];
+    body::mesh(
+        &|p| body.distance(p),
+        bounds,
+        0.004,
+        Sizing { sagitta: 0.00057, shortest: 0.0034, longest: 0.0145 },
+        Keep::Largest,
+    )
 }
 
 /// The whole model.
 pub fn model() -> anyhow::Result<Model> {
-    let body = Body::new();
-    let field = |p: DVec3| body.distance(p);
+    let body = body();
     let mesh = body_mesh(&body)?;
-    let comb = |p: DVec3| body.comb(p);
-    let atlas = charts::make(&mesh, &comb, &ChartParams { metres_per_uv: METRES_PER_UV, ..ChartParams::default() })?;
-
-    let mut coat_primitive = Primitive::new("body", 0);
-    let normals: Vec<DVec3> = mesh.positions.iter().map(|&p| normal(&field, p)).collect();
     let weights = hare_rig::weights(&mesh);
-    for vertex in &atlas.vertices {
-        let source = vertex.position as usize;
-        let (p, n) = (mesh.positions[source], normals[source]);
-        coat_primitive.push_vertex(p, n, vertex.uv, coat(p, n).extend(hair_length(p)), weights[source]);
-    }
-    coat_primitive.triangles = atlas.triangles;
+    let skin = Skin {
+        field: &|p| body.distance(p),
+        comb: &|p| body.comb(p),
+        color: &|_, p, n| coat(p, n).extend(hair_length(p)),
+        metres_per_uv: METRES_PER_UV,
+    };
+    let mut primitives = skin.primitives(&Regions::new(mesh), &["body"], &weights)?;
 
     let mut eyes = Primitive::new("eyes", 1);
     for side in [1.0, -1.0] {
         let (centre, radii) = eye(side);
-        push_ball(&mut eyes, centre, radii, 6);
+        push_ball(&mut eyes, centre, radii, 6, hare_rig::HEAD_ONLY);
     }
     let mut nose = Primitive::new("nose", 2);
-    push_ball(&mut nose, v(0.0, 0.3005, 0.1455), v(0.0075, 0.0055, 0.0058), 4);
+    push_ball(&mut nose, v(0.0, 0.3005, 0.1455), v(0.0075, 0.0055, 0.0058), 4, hare_rig::HEAD_ONLY);
+
+    primitives.extend([eyes, nose]);
 
     Ok(Model {
         name: "Hare".into(),
@@ -292,39 +202,8 @@ pub fn model() -> anyhow::Result<Model> {
             Material { name: "Eye".into(), color: [0.012, 0.007, 0.004], roughness: 0.1 },
             Material { name: "Nose".into(), color: [0.045, 0.022, 0.018], roughness: 0.5 },
         ],
-        primitives: vec![coat_primitive, eyes, nose],
+        primitives,
         skeleton: Some(hare_rig::skeleton()),
-        clips: vec![hare_rig::ear_breath()],
+        clips: vec![hare_rig::ear_breath(), hare_rig::walk()],
     })
-}
-
-/// A bare ball on the head: a cube with `n` cells along an edge, blown up, so that no triangle is a sliver.
-fn push_ball(to: &mut Primitive, centre: DVec3, radii: DVec3, n: u32) {
-    let faces = [
-        [DVec3::X, DVec3::Y, DVec3::Z],
-        [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z],
-        [DVec3::Y, DVec3::Z, DVec3::X],
-        [DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X],
-        [DVec3::Z, DVec3::X, DVec3::Y],
-        [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y],
-    ];
-    for [out, along_u, along_v] in faces {
-        let first = to.len() as u32;
-        for j in 0..=n {
-            for i in 0..=n {
-                let (s, t) = (f64::from(i) / f64::from(n) * 2.0 - 1.0, f64::from(j) / f64::from(n) * 2.0 - 1.0);
-                let unit = (out + along_u * s + along_v * t).normalize();
-                let uv = [(s + 1.0) * radii.x / METRES_PER_UV, (t + 1.0) * radii.y / METRES_PER_UV];
-                to.push_vertex(centre + unit * radii, (unit / radii).normalize(), uv, DVec4::ONE, hare_rig::HEAD_ONLY);
-            }
-        }
-        for j in 0..n {
-            for i in 0..n {
-                let a = first + j * (n + 1) + i;
-                let (b, c, d) = (a + 1, a + n + 2, a + n + 1);
-                to.triangles.push([a, b, c]);
-                to.triangles.push([a, c, d]);
-            }
-        }
-    }
 }

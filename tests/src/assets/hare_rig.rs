@@ -1,18 +1,16 @@
-//! The hare's skeleton, its skin weights and its one clip.
+//! The hare's skeleton, its skin weights and its clips.
 
-use std::collections::BTreeSet;
-
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use super::{
+    gait::{self, Leg, Pose, Step, cycle},
     glb::{Channel, Clip, Interpolation, Joint, Target},
     hare::ear,
+    rig::{self, Bone, Weights, bound_to, rotations, turn},
     trimesh::TriMesh,
 };
 
-/// Up to four joints with their weights, which sum to one.
-pub type Weights = [(u8, f64); 4];
-
+const HIPS: u8 = 0;
 const SPINE: u8 = 1;
 const CHEST: u8 = 2;
 const RIBS: u8 = 3;
@@ -23,123 +21,79 @@ const EAR_L_TIP: u8 = 7;
 const EAR_R: u8 = 8;
 const EAR_R_TIP: u8 = 9;
 const TAIL: u8 = 10;
+const FORELEGS: [Leg; 2] =
+    [Leg { upper: 11, lower: 13, cannon: None, foot: 14 }, Leg { upper: 12, lower: 15, cannon: None, foot: 16 }];
+const HIND_LEGS: [Leg; 2] =
+    [Leg { upper: 17, lower: 18, cannon: None, foot: 19 }, Leg { upper: 20, lower: 21, cannon: None, foot: 22 }];
 
 /// Bound wholly to the head: eyes and nose.
-pub const HEAD_ONLY: Weights = [(HEAD, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
+pub const HEAD_ONLY: Weights = bound_to(HEAD);
 
-/// Name, parent, world position of the joint, world position of the bone's far end.
-fn bones() -> Vec<(&'static str, Option<u8>, DVec3, DVec3)> {
+/// Seconds of one hop of `Walk`.
+pub const HOP_S: f64 = 0.8;
+/// How far one hop of `Walk` goes, metres; the clip itself stays in its place.
+pub const HOP_M: f64 = 0.48;
+
+fn bones() -> Vec<Bone> {
     let v = DVec3::new;
     let [root_l, tip_l, _] = ear(1.0);
     let [root_r, tip_r, _] = ear(-1.0);
     let (mid_l, mid_r) = (root_l.lerp(tip_l, 0.5), root_r.lerp(tip_r, 0.5));
-    vec![
-        ("hips", None, v(0.0, 0.075, -0.075), v(0.0, 0.09, -0.07)),
-        ("spine", Some(0), v(0.0, 0.125, -0.055), v(0.0, 0.17, -0.03)),
-        ("chest", Some(SPINE), v(0.0, 0.175, 0.0), v(0.0, 0.215, 0.02)),
+    let bone = |name, parent, from, to| Bone::new(name, parent, from, to, 0.0);
+    let mut bones = vec![
+        bone("hips", None, v(0.0, 0.075, -0.075), v(0.0, 0.09, -0.07)),
+        bone("spine", Some(HIPS), v(0.0, 0.125, -0.055), v(0.0, 0.17, -0.03)),
+        bone("chest", Some(SPINE), v(0.0, 0.175, 0.0), v(0.0, 0.215, 0.02)),
         // A leaf, so that its breathing scale reaches neither neck nor legs.
-        ("ribs", Some(CHEST), v(0.0, 0.165, 0.02), v(0.0, 0.185, 0.055)),
-        ("neck", Some(CHEST), v(0.0, 0.235, 0.035), v(0.0, 0.275, 0.05)),
-        ("head", Some(NECK), v(0.0, 0.295, 0.06), v(0.0, 0.3, 0.12)),
-        ("ear_l", Some(HEAD), root_l, mid_l),
-        ("ear_l_tip", Some(EAR_L), mid_l, tip_l),
-        ("ear_r", Some(HEAD), root_r, mid_r),
-        ("ear_r_tip", Some(EAR_R), mid_r, tip_r),
-        ("tail", Some(0), v(0.0, 0.075, -0.138), v(0.0, 0.1, -0.165)),
-        ("leg_l", Some(CHEST), v(0.033, 0.145, 0.05), v(0.0275, 0.012, 0.08)),
-        ("leg_r", Some(CHEST), v(-0.033, 0.145, 0.05), v(-0.0275, 0.012, 0.08)),
-    ]
+        bone("ribs", Some(CHEST), v(0.0, 0.165, 0.02), v(0.0, 0.185, 0.055)),
+        bone("neck", Some(CHEST), v(0.0, 0.235, 0.035), v(0.0, 0.275, 0.05)),
+        bone("head", Some(NECK), v(0.0, 0.295, 0.06), v(0.0, 0.3, 0.12)),
+        bone("ear_l", Some(HEAD), root_l, mid_l),
+        bone("ear_l_tip", Some(EAR_L), mid_l, tip_l),
+        bone("ear_r", Some(HEAD), root_r, mid_r),
+        bone("ear_r_tip", Some(EAR_R), mid_r, tip_r),
+        bone("tail", Some(HIPS), v(0.0, 0.075, -0.138), v(0.0, 0.1, -0.165)),
+    ];
+    let side = |x: f64, p: DVec3| v(x * p.x, p.y, p.z);
+    let (shoulder, elbow, wrist, paw) =
+        (v(0.033, 0.145, 0.05), v(0.0285, 0.082, 0.0645), v(0.0275, 0.022, 0.073), v(0.028, 0.008, 0.095));
+    for (name, x) in [("leg_l", 1.0), ("leg_r", -1.0)] {
+        bones.push(Bone::new(name, Some(CHEST), side(x, shoulder), side(x, elbow), 0.008));
+    }
+    for (names, x, leg) in [(["forearm_l", "paw_l"], 1.0, 0), (["forearm_r", "paw_r"], -1.0, 1)] {
+        let Leg { upper, lower, .. } = FORELEGS[leg];
+        bones.push(Bone::new(names[0], Some(upper), side(x, elbow), side(x, wrist), 0.008));
+        bones.push(Bone::new(names[1], Some(lower), side(x, wrist), side(x, paw), 0.008));
+    }
+    let (hip, knee, hock, toe) =
+        (v(0.06, 0.112, -0.082), v(0.073, 0.062, 0.008), v(0.073, 0.022, -0.072), v(0.078, 0.008, 0.066));
+    let names = [["thigh_l", "shank_l", "foot_l"], ["thigh_r", "shank_r", "foot_r"]];
+    for ((names, x), Leg { upper, lower, .. }) in names.into_iter().zip([1.0, -1.0]).zip(HIND_LEGS) {
+        bones.push(Bone::new(names[0], Some(HIPS), side(x, hip), side(x, knee), 0.03));
+        bones.push(Bone::new(names[1], Some(upper), side(x, knee), side(x, hock), 0.012));
+        bones.push(Bone::new(names[2], Some(lower), side(x, hock), side(x, toe), 0.012));
+    }
+    bones
 }
 
-/// Joints in rest pose: translations only, so that every inverse bind matrix is a translation too.
+/// The feet: joint, and where in the model the foot's tip rests.
+pub fn feet() -> Vec<(usize, DVec3)> {
+    gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
+}
+
+/// Joints in rest pose.
 pub fn skeleton() -> Vec<Joint> {
-    let bones = bones();
-    let joint = |&(name, parent, at, _): &(&str, Option<u8>, DVec3, DVec3)| {
-        let origin = parent.map_or(DVec3::ZERO, |p| bones[p as usize].2);
-        Joint { name: name.into(), parent: parent.map(usize::from), translation: at - origin, world: at }
-    };
-    bones.iter().map(joint).collect()
+    rig::skeleton(&bones())
 }
 
-/// Skin weights: each vertex belongs to near bones by the inverse fourth power of the distance, then smoothed over the mesh.
+/// Skin weights for the vertices of `mesh`.
 pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
-    let bones = bones();
-    let mut dense: Vec<Vec<f64>> = mesh
-        .positions
-        .iter()
-        .map(|&p| {
-            let mut row: Vec<f64> = bones
-                .iter()
-                .map(|&(_, _, a, b)| {
-                    let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-                    let d2 = (p - a.lerp(b, t)).length_squared() + 1e-5;
-                    1.0 / (d2 * d2)
-                })
-                .collect();
-            normalise(&mut row);
-            row
-        })
-        .collect();
-    let mut rings = vec![BTreeSet::new(); mesh.positions.len()];
-    for t in &mesh.triangles {
-        for k in 0..3 {
-            rings[t[k] as usize].insert(t[(k + 1) % 3] as usize);
-        }
-    }
-    for _ in 0..4 {
-        dense = rings
-            .iter()
-            .zip(&dense)
-            .map(|(ring, own)| {
-                let mut row = own.clone();
-                for &w in ring {
-                    for (sum, x) in row.iter_mut().zip(&dense[w]) {
-                        *sum += x;
-                    }
-                }
-                normalise(&mut row);
-                row
-            })
-            .collect();
-    }
-    dense.iter().map(|row| four_largest(row)).collect()
+    rig::weights(mesh, &bones(), 0.0032, 4)
 }
 
-fn normalise(row: &mut [f64]) {
-    let sum: f64 = row.iter().sum();
-    for x in row {
-        *x /= sum;
-    }
-}
-
-fn four_largest(row: &[f64]) -> Weights {
-    let mut order: Vec<usize> = (0..row.len()).collect();
-    order.sort_by(|&a, &b| row[b].total_cmp(&row[a]));
-    // Weights under one per cent move nothing that one could see.
-    let kept: Vec<usize> = order.into_iter().take(4).filter(|&j| row[j] > 0.01).collect();
-    let sum: f64 = kept.iter().map(|&j| row[j]).sum();
-    let mut weights = [(0, 0.0); 4];
-    for (slot, &j) in weights.iter_mut().zip(&kept) {
-        *slot = (j as u8, row[j] / sum);
-    }
-    weights
-}
-
-fn turn(axis: DVec3, degrees: f64) -> [f64; 4] {
-    let half = degrees * core::f64::consts::PI / 360.0;
-    let (s, c) = (libm::sin(half), libm::cos(half));
-    let q = DQuat::from_xyzw(axis.x * s, axis.y * s, axis.z * s, c);
-    [q.x, q.y, q.z, q.w]
-}
-
-fn rotations(joint: u8, axis: DVec3, keys: &[(f64, f64)]) -> Channel {
-    Channel {
-        joint: joint.into(),
-        target: Target::Rotation,
-        interpolation: Interpolation::Linear,
-        times: keys.iter().map(|k| k.0).collect(),
-        values: keys.iter().flat_map(|k| turn(axis, k.1)).collect(),
-    }
+/// Keys about one axis: seconds and degrees.
+fn about(joint: u8, axis: DVec3, keys: &[(f64, f64)]) -> Channel {
+    rotations(joint, keys.iter().map(|&(t, degrees)| (t, turn(axis, degrees))))
 }
 
 /// Two seconds, looping: one ear flicks, the other sways, the head nods a little, the ribs breathe twice.
@@ -156,12 +110,12 @@ pub fn ear_breath() -> Clip {
     Clip {
         name: "EarBreath".into(),
         channels: vec![
-            rotations(EAR_L, DVec3::Z, &twitch),
-            rotations(EAR_L_TIP, DVec3::Z, &flick),
-            rotations(EAR_R, DVec3::X, &sway),
-            rotations(EAR_R_TIP, DVec3::X, &bend),
-            rotations(HEAD, DVec3::X, &nod),
-            rotations(TAIL, DVec3::X, &wag),
+            about(EAR_L, DVec3::Z, &twitch),
+            about(EAR_L_TIP, DVec3::Z, &flick),
+            about(EAR_R, DVec3::X, &sway),
+            about(EAR_R_TIP, DVec3::X, &bend),
+            about(HEAD, DVec3::X, &nod),
+            about(TAIL, DVec3::X, &wag),
             Channel {
                 joint: RIBS.into(),
                 target: Target::Scale,
@@ -170,5 +124,62 @@ pub fn ear_breath() -> Clip {
                 values: ribs.iter().flat_map(|&x| breath(x)).flatten().collect(),
             },
         ],
+    }
+}
+
+/// One hop, looping and in place: from the hind feet into the stretched leap, onto the forefeet, and the hind feet swing past
+/// them on the outside. It goes [`HOP_M`] metres in [`HOP_S`] seconds.
+pub fn walk() -> Clip {
+    gait::clip("Walk", &bones(), HOP_S, 24, &hop)
+}
+
+fn hop(phase: f64, pose: &mut Pose<'_>) {
+    // The back: gathered and round when the hind feet come down (phase 0), stretched in the leap (0.45), nose down on the forefeet.
+    let pitch = cycle(&[(0.0, 36.0), (0.2, 31.0), (0.36, 27.0), (0.5, 34.0), (0.66, 44.0), (0.84, 42.0)], phase);
+    let bend = cycle(&[(0.0, 14.0), (0.2, 6.0), (0.4, -6.0), (0.6, 0.0), (0.8, 12.0)], phase);
+    let height =
+        cycle(&[(0.0, 0.045), (0.18, 0.035), (0.38, 0.075), (0.52, 0.085), (0.68, 0.07), (0.86, 0.075)], phase);
+    let forwards = cycle(&[(0.0, -0.03), (0.25, -0.04), (0.5, -0.02), (0.75, -0.02)], phase);
+    pose.shift(DVec3::new(0.0, height, forwards));
+    pose.pitch(HIPS, pitch);
+    pose.pitch(SPINE, bend);
+    pose.pitch(CHEST, bend + 6.0);
+    let carried = pitch + 2.0 * bend + 6.0;
+    // The head keeps its height and looks ahead; the ears trail, later than the back that moves them.
+    pose.pitch(NECK, 0.25 * (30.0 - carried));
+    pose.pitch(HEAD, 0.75 * (14.0 - carried));
+    let ears = cycle(&[(0.0, -52.0), (0.25, -40.0), (0.5, -62.0), (0.75, -48.0)], phase);
+    let tips = cycle(&[(0.1, -8.0), (0.35, 4.0), (0.6, -22.0), (0.85, -10.0)], phase);
+    for (ear, tip, more) in [(EAR_L, EAR_L_TIP, 0.0), (EAR_R, EAR_R_TIP, -6.0)] {
+        pose.pitch(ear, ears + more);
+        pose.pitch(tip, tips);
+    }
+    pose.pitch(TAIL, cycle(&[(0.0, -10.0), (0.4, 22.0), (0.7, 5.0)], phase));
+
+    for (leg, touch) in HIND_LEGS.into_iter().zip([0.0, 0.02]) {
+        let step = Step { touch, duty: 0.36, front: 0.03, stride: HOP_M, lift: 0.05 };
+        let mut foot = step.foot(phase);
+        foot.pitch_deg = cycle(
+            &[
+                (0.0, -4.0),
+                (0.08, 0.0),
+                (0.16, 4.0),
+                (0.3, 36.0),
+                (0.39, 58.0),
+                (0.5, 34.0),
+                (0.62, 12.0),
+                (0.78, 4.0),
+                (0.9, -6.0),
+            ],
+            step.since(phase),
+        );
+        pose.lead(&leg, foot);
+    }
+    for (leg, touch) in FORELEGS.into_iter().zip([0.6, 0.55]) {
+        let step = Step { touch, duty: 0.27, front: 0.1, stride: HOP_M, lift: 0.035 };
+        let mut foot = step.foot(phase);
+        foot.pitch_deg =
+            cycle(&[(0.0, -6.0), (0.06, 0.0), (0.2, 8.0), (0.32, 60.0), (0.6, 70.0), (0.85, 10.0)], step.since(phase));
+        pose.lead(&leg, foot);
     }
 }

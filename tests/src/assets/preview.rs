@@ -3,83 +3,114 @@
 use glam::{DMat3, DVec3};
 use image::{Rgb, RgbImage};
 
-use super::glb::Model;
+use super::{
+    glb::{Clip, Model},
+    pose::posed,
+};
 
 const PANEL: u32 = 480;
+const PAPER: Rgb<u8> = Rgb([205, 208, 214]);
 
 /// Three views above, the same three with checkered texture coordinates below; 1440 x 960 pixels.
 ///
 /// In the checker the squares are a quarter of a unit wide, red grows with u and green with v inside each unit.
 pub fn draw(model: &Model) -> RgbImage {
-    let mut picture = RgbImage::from_pixel(3 * PANEL, 2 * PANEL, Rgb([205, 208, 214]));
+    let mut picture = RgbImage::from_pixel(3 * PANEL, 2 * PANEL, PAPER);
     // Front left, side, back: direction from the model to the eye.
     let eyes = [DVec3::new(0.55, 0.18, 0.8), DVec3::new(1.0, 0.1, 0.05), DVec3::new(-0.55, 0.35, -0.8)];
     for (column, eye) in eyes.into_iter().enumerate() {
         for checker in [false, true] {
-            draw_panel(
-                model,
-                eye.normalize(),
-                checker,
-                &mut picture,
-                column as u32 * PANEL,
-                u32::from(checker) * PANEL,
-            );
+            let (left, top) = (column as u32 * PANEL, u32::from(checker) * PANEL);
+            Panel { left, top, side: PANEL, frame: bounds(model) }.draw(model, eye.normalize(), checker, &mut picture);
         }
     }
     picture
 }
 
-fn draw_panel(model: &Model, eye: DVec3, checker: bool, picture: &mut RgbImage, left: u32, top: u32) {
+/// Lowest and highest corner.
+fn bounds(model: &Model) -> (DVec3, DVec3) {
     let points = || model.primitives.iter().flat_map(|p| &p.positions);
-    let low = points().fold(DVec3::MAX, |m, &p| m.min(p));
-    let high = points().fold(DVec3::MIN, |m, &p| m.max(p));
-    let right = DVec3::Y.cross(eye).normalize();
-    let view = DMat3::from_cols(right, eye.cross(right), eye).transpose();
-    let scale = 0.92 * f64::from(PANEL) / (high - low).max_element();
-    let light = DVec3::new(0.35, 0.8, 0.5).normalize();
-    let mut depth = vec![f64::MIN; (PANEL * PANEL) as usize];
-    for primitive in &model.primitives {
-        for t in &primitive.triangles {
-            let t = t.map(|v| v as usize);
-            let p = t.map(|v| {
-                let q = view * (primitive.positions[v] - (low + high) * 0.5) * scale;
-                let half = 0.5 * f64::from(PANEL);
-                DVec3::new(half + q.x, half - q.y, q.z)
-            });
-            let area = (p[1] - p[0]).cross(p[2] - p[0]).z;
-            // The picture's y points down, so that front faces have negative area.
-            if area >= 0.0 {
-                continue;
-            }
-            let (from, to) = (p[0].min(p[1]).min(p[2]), p[0].max(p[1]).max(p[2]));
-            let last = f64::from(PANEL - 1);
-            for y in from.y.max(0.0).floor() as u32..=to.y.clamp(0.0, last) as u32 {
-                for x in from.x.max(0.0).floor() as u32..=to.x.clamp(0.0, last) as u32 {
-                    let q = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 0.0);
-                    let edge = |a: DVec3, b: DVec3| (b - a).cross(q - a).z / area;
-                    let w = [edge(p[1], p[2]), edge(p[2], p[0]), edge(p[0], p[1])];
-                    let z: f64 = (0..3).map(|k| w[k] * p[k].z).sum();
-                    let at = (y * PANEL + x) as usize;
-                    if w.iter().any(|&w| w < 0.0) || z <= depth[at] {
-                        continue;
+    (points().fold(DVec3::MAX, |m, &p| m.min(p)), points().fold(DVec3::MIN, |m, &p| m.max(p)))
+}
+
+/// A square of the picture.
+struct Panel {
+    left: u32,
+    top: u32,
+    side: u32,
+    /// The box that fills it.
+    frame: (DVec3, DVec3),
+}
+
+impl Panel {
+    fn draw(&self, model: &Model, eye: DVec3, checker: bool, picture: &mut RgbImage) {
+        let (low, high) = self.frame;
+        let (left, top, side) = (self.left, self.top, self.side);
+        let right = DVec3::Y.cross(eye).normalize();
+        let view = DMat3::from_cols(right, eye.cross(right), eye).transpose();
+        let scale = 0.92 * f64::from(side) / (high - low).max_element();
+        let light = DVec3::new(0.35, 0.8, 0.5).normalize();
+        let mut depth = vec![f64::MIN; (side * side) as usize];
+        for primitive in &model.primitives {
+            for t in &primitive.triangles {
+                let t = t.map(|v| v as usize);
+                let p = t.map(|v| {
+                    let q = view * (primitive.positions[v] - (low + high) * 0.5) * scale;
+                    let half = 0.5 * f64::from(side);
+                    DVec3::new(half + q.x, half - q.y, q.z)
+                });
+                let area = (p[1] - p[0]).cross(p[2] - p[0]).z;
+                // The picture's y points down, so that front faces have negative area.
+                if area >= 0.0 {
+                    continue;
+                }
+                let (from, to) = (p[0].min(p[1]).min(p[2]), p[0].max(p[1]).max(p[2]));
+                let last = f64::from(side - 1);
+                for y in from.y.max(0.0).floor() as u32..=to.y.clamp(0.0, last) as u32 {
+                    for x in from.x.max(0.0).floor() as u32..=to.x.clamp(0.0, last) as u32 {
+                        let q = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 0.0);
+                        let edge = |a: DVec3, b: DVec3| (b - a).cross(q - a).z / area;
+                        let w = [edge(p[1], p[2]), edge(p[2], p[0]), edge(p[0], p[1])];
+                        let z: f64 = (0..3).map(|k| w[k] * p[k].z).sum();
+                        let at = (y * side + x) as usize;
+                        if w.iter().any(|&w| w < 0.0) || z <= depth[at] {
+                            continue;
+                        }
+                        depth[at] = z;
+                        let mix = |values: [DVec3; 3]| values[0] * w[0] + values[1] * w[1] + values[2] * w[2];
+                        let n = mix(t.map(|v| primitive.normals[v])).normalize_or_zero();
+                        let color = if checker && primitive.material == 0 {
+                            let uv = mix(t.map(|v| DVec3::new(primitive.uvs[v][0], primitive.uvs[v][1], 0.0)));
+                            let odd = ((uv * 4.0).floor().x + (uv * 4.0).floor().y).rem_euclid(2.0);
+                            let inside = uv - uv.floor();
+                            DVec3::new(0.15 + 0.7 * inside.x, 0.15 + 0.7 * inside.y, 0.4) * (0.35 + 0.65 * odd)
+                        } else {
+                            mix(t.map(|v| primitive.colors[v].truncate()))
+                                * DVec3::from(model.materials[primitive.material].color)
+                        };
+                        let lit = color * (0.35 + 0.75 * n.dot(light).max(0.0));
+                        let srgb = lit.to_array().map(|c| (c.clamp(0.0, 1.0).sqrt() * 255.0) as u8);
+                        picture.put_pixel(left + x, top + y, Rgb(srgb));
                     }
-                    depth[at] = z;
-                    let mix = |values: [DVec3; 3]| values[0] * w[0] + values[1] * w[1] + values[2] * w[2];
-                    let n = mix(t.map(|v| primitive.normals[v])).normalize_or_zero();
-                    let color = if checker && primitive.material == 0 {
-                        let uv = mix(t.map(|v| DVec3::new(primitive.uvs[v][0], primitive.uvs[v][1], 0.0)));
-                        let odd = ((uv * 4.0).floor().x + (uv * 4.0).floor().y).rem_euclid(2.0);
-                        let inside = uv - uv.floor();
-                        DVec3::new(0.15 + 0.7 * inside.x, 0.15 + 0.7 * inside.y, 0.4) * (0.35 + 0.65 * odd)
-                    } else {
-                        mix(t.map(|v| primitive.colors[v].truncate()))
-                            * DVec3::from(model.materials[primitive.material].color)
-                    };
-                    let lit = color * (0.35 + 0.75 * n.dot(light).max(0.0));
-                    let srgb = lit.to_array().map(|c| (c.clamp(0.0, 1.0).sqrt() * 255.0) as u8);
-                    picture.put_pixel(left + x, top + y, Rgb(srgb));
                 }
             }
         }
     }
+}
+
+const FRAME: u32 = 320;
+
+/// A clip in eight even moments from the side, and below them the same from the front left; 2560 x 640 pixels.
+pub fn draw_clip(model: &Model, clip: &Clip) -> RgbImage {
+    let mut picture = RgbImage::from_pixel(8 * FRAME, 2 * FRAME, PAPER);
+    let seconds = clip.channels.iter().filter_map(|c| c.times.last().copied()).fold(0.0, f64::max);
+    let frame = bounds(model);
+    for k in 0..8 {
+        let moment = posed(model, clip, seconds * f64::from(k) / 8.0);
+        for (row, eye) in [DVec3::new(1.0, 0.04, 0.0), DVec3::new(0.6, 0.2, 0.8)].into_iter().enumerate() {
+            let panel = Panel { left: k * FRAME, top: row as u32 * FRAME, side: FRAME, frame };
+            panel.draw(&moment, eye.normalize(), false, &mut picture);
+        }
+    }
+    picture
 }

@@ -47,6 +47,19 @@ pub enum Solid {
 }
 
 impl Solid {
+    /// Middle and radius of a ball that holds the solid, and the least that [`Solid::distance`] grows by for each metre away from the ball;
+    /// inside the ball it is never lower than that of the ball itself.
+    pub fn bound(&self) -> (DVec3, f64, f64) {
+        match *self {
+            Self::Ellipsoid { centre, radii, .. } => {
+                let longest = radii.max_element();
+                (centre, longest, radii.min_element() / longest)
+            }
+            Self::RoundCone { a, b, ra, rb } => ((a + b) * 0.5, (b - a).length() * 0.5 + ra.max(rb), 1.0),
+            Self::Leaf { a, b, ra, rb, rim, .. } => ((a + b) * 0.5, (b - a).length() * 0.5 + ra.max(rb) + rim, 1.0),
+        }
+    }
+
     /// Signed distance of `p` (approximate, see the module's text).
     pub fn distance(&self, p: DVec3) -> f64 {
         match *self {
@@ -71,6 +84,10 @@ impl Solid {
 /// axis and `q` across it, the foot satisfies `(h - t l) / distance = (ra - rb) / l`, hence the closed form of `t`.
 fn round_cone(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> f64 {
     let length = (b - a).length();
+    if length <= (ra - rb).abs() {
+        // One sphere holds the other.
+        return if ra > rb { (p - a).length() - ra } else { (p - b).length() - rb };
+    }
     let axis = (b - a) / length;
     let h = (p - a).dot(axis);
     let q = ((p - a) - axis * h).length();

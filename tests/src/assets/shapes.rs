@@ -1,14 +1,14 @@
 //! The torus and the torus knot: tubes round a closed curve, with texture coordinates that repeat a whole number of times
-//! both round the tube (u) and along it (v), so that hair tiles close without a seam.
+//! both round the tube (u) and along it (v), so that hair tiles close without a seam; and balls for eyes.
 
 use core::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 use super::{
     glb::{Material, Model, Primitive},
     hare::METRES_PER_UV,
-    hare_rig::HEAD_ONLY,
+    rig::{Weights, bound_to},
 };
 
 /// A ring of 0.4 m with a tube of 0.16 m: 19 x 15 quads, 570 triangles.
@@ -69,7 +69,7 @@ fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize
             let side = tangent.cross(normals[i0]);
             let normal = normals[i0] * libm::cos(angle) + side * libm::sin(angle);
             let uv = [round * round_u, along * round_v];
-            primitive.push_vertex(p + normal * radius, normal, uv, DVec3::from(color).extend(1.0), HEAD_ONLY);
+            primitive.push_vertex(p + normal * radius, normal, uv, DVec3::from(color).extend(1.0), bound_to(0));
         }
     }
     let row = sides as u32 + 1;
@@ -104,4 +104,35 @@ fn even_steps(at: &dyn Fn(f64) -> DVec3, count: usize) -> (Vec<f64>, f64) {
         })
         .collect();
     (parameters, length)
+}
+
+/// Adds a ball: a cube with `n` cells along an edge, blown up, so that no triangle is a sliver.
+pub fn push_ball(to: &mut Primitive, centre: DVec3, radii: DVec3, n: u32, weights: Weights) {
+    let faces = [
+        [DVec3::X, DVec3::Y, DVec3::Z],
+        [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z],
+        [DVec3::Y, DVec3::Z, DVec3::X],
+        [DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X],
+        [DVec3::Z, DVec3::X, DVec3::Y],
+        [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y],
+    ];
+    for [out, along_u, along_v] in faces {
+        let first = to.len() as u32;
+        for j in 0..=n {
+            for i in 0..=n {
+                let (s, t) = (f64::from(i) / f64::from(n) * 2.0 - 1.0, f64::from(j) / f64::from(n) * 2.0 - 1.0);
+                let unit = (out + along_u * s + along_v * t).normalize();
+                let uv = [(s + 1.0) * radii.x / METRES_PER_UV, (t + 1.0) * radii.y / METRES_PER_UV];
+                to.push_vertex(centre + unit * radii, (unit / radii).normalize(), uv, DVec4::ONE, weights);
+            }
+        }
+        for j in 0..n {
+            for i in 0..n {
+                let a = first + j * (n + 1) + i;
+                let (b, c, d) = (a + 1, a + n + 2, a + n + 1);
+                to.triangles.push([a, b, c]);
+                to.triangles.push([a, c, d]);
+            }
+        }
+    }
 }

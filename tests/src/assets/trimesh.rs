@@ -29,6 +29,7 @@ impl TriMesh {
                 }
             }
         }
+        part_diagonals(&mut samples, size.map(|n| n as usize));
         let mut buffer = SurfaceNetsBuffer::default();
         surface_nets(&samples, &shape, [0; 3], size.map(|n| n - 1), &mut buffer);
         let positions = buffer.positions.iter().map(|p| at(p[0].into(), p[1].into(), p[2].into())).collect();
@@ -108,6 +109,36 @@ impl TriMesh {
         self.positions = kept;
         for v in self.triangles.iter_mut().flatten() {
             *v = renamed[*v as usize];
+        }
+    }
+}
+
+/// Surface nets pinch where signs alternate round a cell's face, as where a slanting limb just grazes it: the smallest of the four then
+/// changes its sign. `size` counts the samples along x, y and z.
+fn part_diagonals(samples: &mut [f32], size: [usize; 3]) {
+    let steps = [1, size[0], size[0] * size[1]];
+    // A changed sample may make a neighbouring face alternate; a few rounds are enough.
+    for _ in 0..8 {
+        let mut changed = false;
+        for at in 0..samples.len() {
+            let place = [at % size[0], at / steps[1] % size[1], at / steps[2]];
+            for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+                if place[i] + 1 == size[i] || place[j] + 1 == size[j] {
+                    continue;
+                }
+                let face = [at, at + steps[i], at + steps[j], at + steps[i] + steps[j]];
+                let inside = face.map(|k| samples[k] < 0.0);
+                if inside[0] == inside[3] && inside[1] == inside[2] && inside[0] != inside[1] {
+                    let least = face.into_iter().min_by(|a, b| samples[*a].abs().total_cmp(&samples[*b].abs()));
+                    if let Some(k) = least {
+                        samples[k] = if samples[k] < 0.0 { 1e-6 } else { -1e-6 };
+                        changed = true;
+                    }
+                }
+            }
+        }
+        if !changed {
+            break;
         }
     }
 }

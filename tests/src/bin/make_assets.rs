@@ -1,26 +1,37 @@
-//! Writes the project's own models: `cargo run -p pelage-tests --bin make_assets -- [--out DIR] [--preview DIR]`.
+//! Writes the project's own models: `cargo run -p pelage-tests --bin make_assets -- [--out DIR] [--preview DIR] [--only NAME]`.
 //!
-//! `--out` (default `assets` of this checkout) receives hare.glb, torus.glb and knot.glb in `models`, zebra.png and spots.png in
-//! `patterns`; `--preview` also receives a picture of each model. Figures about the models go to stdout.
+//! `--out` (default `assets` of this checkout) receives hare.glb and the other models in `models`, zebra.png and spots.png in
+//! `patterns`; `--preview` also receives a picture of each model and of each of its clips; `--only` makes one model and no pattern.
+//! Figures about the models go to stdout.
 
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
-use pelage_tests::assets::{charts, glb::Model, hare, patterns, preview, shapes};
+use pelage_tests::assets::{charts, glb::Model, hare, ox, patterns, preview, shapes};
+
+type Maker = fn() -> anyhow::Result<Model>;
 
 fn main() -> anyhow::Result<()> {
     let mut out = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../assets"));
-    let mut pictures = None;
+    let (mut pictures, mut only) = (None, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().map(PathBuf::from).with_context(|| format!("{argument} needs a folder"));
+        let mut value = || arguments.next().with_context(|| format!("{argument} needs a value"));
         match argument.as_str() {
-            "--out" => out = value()?,
-            "--preview" => pictures = Some(value()?),
-            other => bail!("unknown argument {other:?}; expected --out DIR or --preview DIR"),
+            "--out" => out = value()?.into(),
+            "--preview" => pictures = Some(PathBuf::from(value()?)),
+            "--only" => only = Some(value()?),
+            other => bail!("unknown argument {other:?}; expected --out DIR, --preview DIR or --only NAME"),
         }
     }
-    for (name, model) in [("hare", hare::model()?), ("torus", shapes::torus()), ("knot", shapes::knot())] {
+    let makers: [(&str, Maker); 4] =
+        [("hare", hare::model), ("ox", ox::model), ("torus", || Ok(shapes::torus())), ("knot", || Ok(shapes::knot()))];
+    let wanted = |name: &str| only.as_deref().is_none_or(|o| o == name);
+    if let Some(name) = only.as_deref().filter(|o| makers.iter().all(|m| m.0 != *o)) {
+        bail!("no model {name:?}; there are {:?}", makers.map(|m| m.0));
+    }
+    for (name, make) in makers.into_iter().filter(|m| wanted(m.0)) {
+        let model = make()?;
         let bytes = model.to_glb()?;
         let path = out.join("models").join(format!("{name}.glb"));
         std::fs::write(&path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
@@ -28,7 +39,16 @@ fn main() -> anyhow::Result<()> {
         if let Some(folder) = &pictures {
             let path = folder.join(format!("{name}.png"));
             preview::draw(&model).save(&path).with_context(|| format!("cannot write {}", path.display()))?;
+            for clip in &model.clips {
+                let path = folder.join(format!("{name}_{}.png", clip.name));
+                preview::draw_clip(&model, clip)
+                    .save(&path)
+                    .with_context(|| format!("cannot write {}", path.display()))?;
+            }
         }
+    }
+    if only.is_some() {
+        return Ok(());
     }
     for (name, picture) in [("zebra", patterns::zebra()), ("spots", patterns::spots())] {
         let path = out.join("patterns").join(format!("{name}.png"));

@@ -1,0 +1,180 @@
+//! Bodies as implicit surfaces: a smooth union of solids, each of which also carries the way its hair is combed.
+
+use anyhow::bail;
+use glam::{DMat3, DVec3};
+
+use super::{
+    pose::hermite,
+    remesh::{Sizing, remesh},
+    sdf::{Solid, smooth_max, smooth_min},
+    trimesh::TriMesh,
+};
+
+/// How a solid's hair is combed, before projection onto the skin.
+#[derive(Clone, Copy, Debug)]
+pub enum Comb {
+    /// Along a fixed direction.
+    Along(DVec3),
+    /// Away from a point.
+    From(DVec3),
+}
+
+struct Piece {
+    solid: Solid,
+    /// Rounding of the union with everything before it, metres.
+    blend: f64,
+    /// Whether it is carved out instead of added.
+    carved: bool,
+    comb: Comb,
+    /// Middle of a ball round the solid, its radius, and how fast the solid's distance grows outside of it at least.
+    bound: (DVec3, f64, f64),
+}
+
+impl Piece {
+    fn new(solid: Solid, blend: f64, carved: bool, comb: Comb) -> Self {
+        let bound = solid.bound();
+        Self { solid, blend, carved, comb, bound }
+    }
+
+    /// Whether the solid's distance at `p` is certainly `limit` or more.
+    fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
+        let (centre, radius, growth) = self.bound;
+        let away = if limit < 0.0 { limit } else { limit / growth } + radius;
+        away < 0.0 || (p - centre).length_squared() > away * away
+    }
+}
+
+/// The body as an implicit surface.
+pub struct Body {
+    pieces: Vec<Piece>,
+    /// Over how much skin combs of neighbouring solids mix, metres.
+    comb_width: f64,
+}
+
+impl Body {
+    /// A body without solids, in which combs mix over `comb_width` metres.
+    pub fn empty(comb_width: f64) -> Self {
+        Self { pieces: Vec::new(), comb_width }
+    }
+
+    /// Adds a solid, rounded over `blend` metres against everything before it.
+    pub fn add(&mut self, solid: Solid, blend: f64, comb: Comb) {
+        self.pieces.push(Piece::new(solid, blend, false, comb));
+    }
+
+    /// Carves a solid out of everything before it.
+    pub fn carve(&mut self, solid: Solid, blend: f64, comb: Comb) {
+        self.pieces.push(Piece::new(solid, blend, true, comb));
+    }
+
+    /// Signed distance, roughly, negative inside.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        // Beyond any blend, so that the first solid stands as it is.
+        let mut d = 1e9;
+        for piece in &self.pieces {
+            // Where a solid is out of reach, joining or carving it would return the same number: most are, nearly everywhere.
+            if piece.is_beyond(p, piece.blend + if piece.carved { -d } else { d }) {
+                continue;
+            }
+            let own = piece.solid.distance(p);
+            d = if piece.carved { smooth_max(d, -own, piece.blend) } else { smooth_min(d, own, piece.blend) };
+        }
+        d
+    }
+
+    /// Direction in which the hair at `p` lies, not yet in the skin's plane: the solids' combs, weighted by how near they are.
+    pub fn comb(&self, p: DVec3) -> DVec3 {
+        let added = self.pieces.iter().filter(|piece| !piece.carved);
+        let near: Vec<(f64, &Piece)> = added.map(|piece| (piece.solid.distance(p), piece)).collect();
+        let nearest = near.iter().fold(f64::MAX, |m, &(d, _)| m.min(d));
+        near.iter().fold(DVec3::ZERO, |sum, &(d, piece)| {
+            let q = (d - nearest) / self.comb_width;
+            let weight = 1.0 / ((1.0 + q * q) * (1.0 + q * q));
+            let direction = match piece.comb {
+                Comb::Along(direction) => direction,
+                Comb::From(point) => (p - point).normalize_or_zero(),
+            };
+            sum + direction * weight
+        })
+    }
+}
+
+/// What is kept of a surface in several pieces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// The one with the most triangles: the others are hollows inside an animal.
+    Largest,
+    /// Every piece.
+    All,
+}
+
+/// The closed mesh of the surface on which `field` is 0 inside the box from `low` to `high`, vertices on the surface: first on cubes of `cell`
+/// metres, which must be finer than the thinnest part, then remeshed to `sizing`.
+pub fn mesh(
+    field: &dyn Fn(DVec3) -> f64,
+    [low, high]: [DVec3; 2],
+    cell: f64,
+    sizing: Sizing,
+    keep: Keep,
+) -> anyhow::Result<TriMesh> {
+    let mut mesh = TriMesh::from_field(field, low, high, cell);
+    if let Err((a, _)) = mesh.neighbours() {
+        bail!("the surface pinches at {}; it needs cubes smaller than {cell} m", mesh.positions[a as usize]);
+    }
+    if keep == Keep::Largest {
+        mesh.keep_largest_component();
+    }
+    remesh(&mut mesh, field, sizing, 12);
+    Ok(mesh)
+}
+
+/// The hull of the spheres of radius `ra` at `a` and `rb` at `b`.
+pub fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64) -> Solid {
+    Solid::RoundCone { a, b, ra, rb }
+}
+
+/// An ellipsoid with half lengths `radii` along the columns of `axes`.
+pub fn ellipsoid(centre: DVec3, radii: DVec3, axes: DMat3) -> Solid {
+    Solid::Ellipsoid { centre, radii, axes }
+}
+
+/// A smooth line through `points` (place and radius) in `steps` pieces between neighbours: Catmull and Rom's spline, straight on at the ends.
+pub fn curve(points: &[(DVec3, f64)], steps: usize) -> Vec<(DVec3, f64)> {
+    let vector = |k: usize| points[k].0.extend(points[k].1);
+    let last = points.len() - 1;
+    let mut line = vec![points[0]];
+    for k in 0..last {
+        let (from, to) = (vector(k), vector(k + 1));
+        let before = if k == 0 { from * 2.0 - to } else { vector(k - 1) };
+        let after = if k + 1 == last { to * 2.0 - from } else { vector(k + 2) };
+        line.extend((1..=steps).map(|i| {
+            let s = i as f64 / steps as f64;
+            let p = hermite(from, (to - before) * 0.5, to, (after - from) * 0.5, s);
+            (p.truncate(), p.w)
+        }));
+    }
+    line
+}
+
+/// Mirror image across the plane x = 0.
+pub fn mirror(v: DVec3) -> DVec3 {
+    DVec3::new(-v.x, v.y, v.z)
+}
+
+/// `v` for `side` +1, its mirror image for -1.
+pub fn on_side(side: f64, v: DVec3) -> DVec3 {
+    if side > 0.0 { v } else { mirror(v) }
+}
+
+/// Rotation about x that turns +Z down by the angle whose sine and cosine are given in the ratio `sin : cos`.
+pub fn pitch(sin: f64, cos: f64) -> DMat3 {
+    let length = (sin * sin + cos * cos).sqrt();
+    let (s, c) = (sin / length, cos / length);
+    DMat3::from_cols(DVec3::X, DVec3::new(0.0, c, s), DVec3::new(0.0, -s, c))
+}
+
+/// 0 below `low`, 1 above `high`, smooth between.
+pub fn ramp(low: f64, high: f64, x: f64) -> f64 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

@@ -1,0 +1,167 @@
+//! The ox's skeleton, its skin weights and its walk.
+
+use glam::DVec3;
+
+use super::{
+    body::on_side,
+    gait::{self, Leg, Pose, Step, cycle, wave},
+    glb::{Clip, Joint},
+    rig::{self, Bone, Weights, bound_to},
+    trimesh::TriMesh,
+};
+
+const HIPS: u8 = 0;
+const SPINE: u8 = 1;
+const CHEST: u8 = 2;
+const NECK: u8 = 3;
+const HEAD: u8 = 4;
+const EARS: [u8; 2] = [5, 6];
+const TAILS: [u8; 3] = [7, 8, 9];
+const FORELEGS: [Leg; 2] = [leg(10), leg(14)];
+const HIND_LEGS: [Leg; 2] = [leg(18), leg(22)];
+
+const fn leg(first: u8) -> Leg {
+    Leg { upper: first, lower: first + 1, cannon: Some(first + 2), foot: first + 3 }
+}
+
+/// Bound wholly to the head: eyes and horns.
+pub const HEAD_ONLY: Weights = bound_to(HEAD);
+
+/// Shoulder, elbow, knee, fetlock and the hoof's front end of the left foreleg.
+pub const FORELEG: [DVec3; 5] = [
+    DVec3::new(0.23, 1.02, 0.56),
+    DVec3::new(0.235, 0.72, 0.43),
+    DVec3::new(0.215, 0.42, 0.48),
+    DVec3::new(0.205, 0.135, 0.465),
+    DVec3::new(0.205, 0.0, 0.57),
+];
+
+/// Hip, stifle, hock, fetlock and the hoof's front end of the left hind leg.
+pub const HIND_LEG: [DVec3; 5] = [
+    DVec3::new(0.17, 1.02, -0.6),
+    DVec3::new(0.235, 0.72, -0.42),
+    DVec3::new(0.21, 0.47, -0.74),
+    DVec3::new(0.205, 0.135, -0.66),
+    DVec3::new(0.205, 0.0, -0.555),
+];
+
+/// Root, two bends and end of the tail, above its tuft.
+pub const TAIL: [DVec3; 4] = [
+    DVec3::new(0.0, 1.2, -0.93),
+    DVec3::new(0.0, 1.0, -1.06),
+    DVec3::new(0.0, 0.76, -1.08),
+    DVec3::new(0.0, 0.54, -1.06),
+];
+
+/// Seconds of one cycle of `Walk`.
+pub const CYCLE_S: f64 = 1.6;
+/// How far one cycle of `Walk` goes, metres; the clip itself stays in its place.
+pub const CYCLE_M: f64 = 1.1;
+
+fn bones() -> Vec<Bone> {
+    let v = DVec3::new;
+    let mut bones = vec![
+        Bone::new("hips", None, v(0.0, 1.1, -0.55), v(0.0, 1.05, -0.8), 0.28),
+        Bone::new("spine", Some(HIPS), v(0.0, 1.1, -0.25), v(0.0, 1.05, 0.1), 0.36),
+        Bone::new("chest", Some(SPINE), v(0.0, 1.1, 0.22), v(0.0, 1.05, 0.6), 0.3),
+        Bone::new("neck", Some(CHEST), v(0.0, 1.08, 0.7), v(0.0, 1.02, 1.06), 0.16),
+        Bone::new("head", Some(NECK), v(0.0, 1.04, 1.15), v(0.0, 0.74, 1.62), 0.1),
+    ];
+    for (name, side) in [("ear_l", 1.0), ("ear_r", -1.0)] {
+        let m = |p| on_side(side, p);
+        bones.push(Bone::new(name, Some(HEAD), m(v(0.17, 0.955, 1.155)), m(v(0.42, 0.9, 1.08)), 0.03));
+    }
+    let end = TAIL[3] + v(0.0, -0.22, 0.0);
+    for (k, (name, to)) in [("tail", TAIL[1]), ("tail_middle", TAIL[2]), ("tail_tip", end)].into_iter().enumerate() {
+        let parent = if k == 0 { HIPS } else { TAILS[k - 1] };
+        bones.push(Bone::new(name, Some(parent), TAIL[k], to, 0.02));
+    }
+    let arms = [["arm_l", "forearm_l", "cannon_l", "hoof_l"], ["arm_r", "forearm_r", "cannon_r", "hoof_r"]];
+    let thighs = [
+        ["thigh_l", "shank_l", "hind_cannon_l", "hind_hoof_l"],
+        ["thigh_r", "shank_r", "hind_cannon_r", "hind_hoof_r"],
+    ];
+    for (names, parent, places, thickness) in
+        [(arms, CHEST, FORELEG, [0.12, 0.08, 0.05, 0.05]), (thighs, HIPS, HIND_LEG, [0.14, 0.09, 0.05, 0.05])]
+    {
+        for (names, side) in names.into_iter().zip([1.0, -1.0]) {
+            let first = bones.len() as u8;
+            for (k, name) in names.into_iter().enumerate() {
+                let parent = if k == 0 { parent } else { first + k as u8 - 1 };
+                let (from, to) = (on_side(side, places[k]), on_side(side, places[k + 1]));
+                bones.push(Bone::new(name, Some(parent), from, to, thickness[k]));
+            }
+        }
+    }
+    bones
+}
+
+/// The feet: joint, and where in the model the foot's tip rests.
+pub fn feet() -> Vec<(usize, DVec3)> {
+    gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
+}
+
+/// Joints in rest pose.
+pub fn skeleton() -> Vec<Joint> {
+    rig::skeleton(&bones())
+}
+
+/// Skin weights for the vertices of `mesh`; horns, where `is_horn`, are bound to the head.
+pub fn weights(mesh: &TriMesh, is_horn: &dyn Fn(DVec3) -> bool) -> Vec<Weights> {
+    let mut weights = rig::weights(mesh, &bones(), 0.02, 5);
+    for (own, &p) in weights.iter_mut().zip(&mesh.positions) {
+        if is_horn(p) {
+            *own = HEAD_ONLY;
+        }
+    }
+    weights
+}
+
+/// A walk of four beats, looping and in place: left hind, left fore, right hind, right fore. It goes [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
+pub fn walk() -> Clip {
+    gait::clip("Walk", &bones(), CYCLE_S, 32, &stride)
+}
+
+fn stride(phase: f64, pose: &mut Pose<'_>) {
+    // Twice a cycle the weight sinks onto a pair of legs; the back follows a little, the heavy head more and later.
+    let beat = |start: f64| wave(2.0 * phase, start);
+    pose.shift(DVec3::new(0.0, -0.035 + 0.012 * beat(0.1), 0.01 * beat(0.3)));
+    pose.pitch(HIPS, 0.8 * beat(0.2));
+    pose.pitch(CHEST, -0.8 * beat(0.3));
+    pose.pitch(NECK, 2.0 + 4.0 * beat(0.35));
+    pose.pitch(HEAD, -2.0 - 2.5 * beat(0.5));
+    pose.turn(NECK, DVec3::Y, 2.5 * wave(phase, 0.1));
+    for (ear, side) in EARS.into_iter().zip([1.0, -1.0]) {
+        pose.turn(ear, DVec3::Z, side * (3.0 + 7.0 * beat(0.6)));
+    }
+    for (k, joint) in TAILS.into_iter().enumerate() {
+        pose.turn(joint, DVec3::Z, [7.0, 9.0, 12.0][k] * wave(phase, 0.1 + 0.09 * k as f64));
+        pose.pitch(joint, [4.0, -2.0, -4.0][k]);
+    }
+
+    for (legs, bend, touches) in [
+        (HIND_LEGS, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, -34.0), (0.94, -4.0)], [0.0, 0.5]),
+        (FORELEGS, [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.78, 58.0), (0.95, 2.0)], [0.25, 0.75]),
+    ] {
+        for (leg, touch) in legs.into_iter().zip(touches) {
+            let step = Step { touch, duty: 0.62, front: 0.36, stride: CYCLE_M, lift: 0.085 };
+            let since = step.since(phase);
+            let mut foot = step.foot(phase);
+            foot.pitch_deg = cycle(
+                &[
+                    (0.0, -6.0),
+                    (0.05, 0.0),
+                    (0.25, 0.0),
+                    (0.45, 2.0),
+                    (0.56, 22.0),
+                    (0.64, 50.0),
+                    (0.76, 52.0),
+                    (0.92, 2.0),
+                ],
+                since,
+            );
+            foot.cannon_deg = cycle(&bend, since);
+            pose.lead(&leg, foot);
+        }
+    }
+}

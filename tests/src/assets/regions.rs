@@ -1,0 +1,105 @@
+//! Materials on a closed mesh: triangles are cut along the level sets of functions, so that materials meet in smooth lines.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::{sdf::project, trimesh::TriMesh};
+
+/// A mesh with a material for each triangle, 0 to begin with.
+#[derive(Clone, Debug)]
+pub struct Regions {
+    /// The mesh; cutting adds vertices and keeps it closed.
+    pub mesh: TriMesh,
+    /// Material of every triangle.
+    pub materials: Vec<usize>,
+}
+
+impl Regions {
+    /// The whole mesh in material 0.
+    pub fn new(mesh: TriMesh) -> Self {
+        let materials = vec![0; mesh.triangles.len()];
+        Self { mesh, materials }
+    }
+
+    /// Gives `material` to the skin where `level` is negative. New vertices are put onto the zero set of `surface`. Regions painted after
+    /// each other must not touch.
+    pub fn paint(&mut self, material: usize, level: &dyn Fn(DVec3) -> f64, surface: &dyn Fn(DVec3) -> f64) {
+        let mut values: Vec<f64> = self.mesh.positions.iter().map(|&p| level(p)).collect();
+        self.snap(&mut values, surface);
+        let mut crossings: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+        for t in 0..self.mesh.triangles.len() {
+            let mut corners = self.mesh.triangles[t];
+            let sign = |v: u32| values[v as usize].partial_cmp(&0.0).map_or(0, |order| order as i32);
+            let signs = corners.map(sign);
+            if !(signs.contains(&1) && signs.contains(&-1)) {
+                if signs.contains(&-1) {
+                    self.materials[t] = material;
+                }
+                continue;
+            }
+            // The corner that is alone on its side comes first; with a corner on the border, it is the one before that.
+            let first = if signs.contains(&0) {
+                (signs.iter().position(|s| *s == 0).unwrap_or(0) + 2) % 3
+            } else {
+                (0..3).find(|&k| signs[(k + 1) % 3] == signs[(k + 2) % 3]).unwrap_or(0)
+            };
+            corners.rotate_left(first);
+            let [a, b, c] = corners;
+            let alone = sign(a) < 0;
+            let old = self.materials[t];
+            let (own, others) = if alone { (material, old) } else { (old, material) };
+            let mut crossing = |mesh: &mut TriMesh, from: u32, to: u32| {
+                *crossings.entry((from.min(to), from.max(to))).or_insert_with(|| {
+                    let (f, g) = (values[from as usize], values[to as usize]);
+                    let (p, q) = (mesh.positions[from as usize], mesh.positions[to as usize]);
+                    mesh.positions.push(project(surface, p + (q - p) * (f / (f - g)), 8));
+                    mesh.positions.len() as u32 - 1
+                })
+            };
+            let far = crossing(&mut self.mesh, a, c);
+            if sign(b) == 0 {
+                self.replace(t, [a, b, far], own, &[([far, b, c], others)]);
+            } else {
+                let near = crossing(&mut self.mesh, a, b);
+                self.replace(t, [a, near, far], own, &[([far, near, b], others), ([far, b, c], others)]);
+            }
+        }
+    }
+
+    fn replace(&mut self, t: usize, corners: [u32; 3], material: usize, more: &[([u32; 3], usize)]) {
+        self.mesh.triangles[t] = corners;
+        self.materials[t] = material;
+        for &(corners, material) in more {
+            self.mesh.triangles.push(corners);
+            self.materials.push(material);
+        }
+    }
+
+    /// Moves vertices that lie near the border onto it, so that cutting leaves no slivers.
+    fn snap(&mut self, values: &mut [f64], surface: &dyn Fn(DVec3) -> f64) {
+        // Per vertex the nearest crossing of its edges: share of the edge, and where.
+        let mut nearest: BTreeMap<u32, (f64, DVec3)> = BTreeMap::new();
+        for t in &self.mesh.triangles {
+            for k in 0..3 {
+                let (a, b) = (t[k], t[(k + 1) % 3]);
+                let (f, g) = (values[a as usize], values[b as usize]);
+                if f * g >= 0.0 {
+                    continue;
+                }
+                let share = f / (f - g);
+                let (p, q) = (self.mesh.positions[a as usize], self.mesh.positions[b as usize]);
+                let at = p + (q - p) * share;
+                for (v, share) in [(a, share), (b, 1.0 - share)] {
+                    if share < 0.3 && nearest.get(&v).is_none_or(|n| share < n.0) {
+                        nearest.insert(v, (share, at));
+                    }
+                }
+            }
+        }
+        for (v, (_, at)) in nearest {
+            self.mesh.positions[v as usize] = project(surface, at, 8);
+            values[v as usize] = 0.0;
+        }
+    }
+}
