@@ -42,7 +42,7 @@ pub fn draw(
     params: &FrameParams,
     instances: &mut [&mut Instance],
 ) -> Picture {
-    let bytes = draw_passes(gpu, renderer, size, params, instances, &[PassId::Skin, PassId::Fins, PassId::Shells]);
+    let bytes = draw_passes(gpu, renderer, size, params, instances, &PassId::ALL);
     Picture { size, rgba: bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect() }
 }
 

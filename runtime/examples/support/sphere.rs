@@ -1,9 +1,9 @@
 //! A furry sphere as a package, made in code: what `pelage bake` does with far more care.
 
 use pelage_runtime::formats::{
-    Animation, AttributeVertex, Bounds, Channel, Clip, FurInfo, GeometryVertex, Interpolation, Joint, Manifest,
-    Material, MeshData, Node, PackageWriter, Part, Property, Shading, SkinVertex, TextureEntry, TextureFormat,
-    encode_direction,
+    Animation, AttributeVertex, Bounds, Channel, Clip, FurInfo, GeometryVertex, InkData, InkInfo, InkShading,
+    InkVertex, Interpolation, Joint, Manifest, Material, MeshData, Node, PackageWriter, Part, Property, Shading,
+    SkinVertex, TextureEntry, TextureFormat, encode_direction,
 };
 use pelage_runtime::glam::{Quat, Vec2, Vec3};
 
@@ -36,6 +36,8 @@ pub struct SphereParams {
     pub skeleton: bool,
     /// A bare band around the equator with a material of its own.
     pub bare_band: bool,
+    /// The ink style: a wash that fades from the top, a hard rim, plain paper.
+    pub ink: bool,
 }
 
 impl Default for SphereParams {
@@ -54,6 +56,7 @@ impl Default for SphereParams {
             white_texture: false,
             skeleton: false,
             bare_band: false,
+            ink: false,
         }
     }
 }
@@ -88,6 +91,10 @@ pub fn package(params: &SphereParams) -> Vec<u8> {
     if params.skeleton {
         writer = writer.animation(&skeleton());
     }
+    if params.ink {
+        let first = 2 + u32::from(params.stripes || params.white_texture);
+        writer = ink_textures().into_iter().fold(writer.ink(&ink(params, &mesh, first)), PackageWriter::texture);
+    }
     writer.finish().unwrap()
 }
 
@@ -106,6 +113,9 @@ pub fn manifest(params: &SphereParams, index_count: u32, bare: u32) -> Manifest 
     let mut texture_names = vec!["shell_color", "shell_direction"];
     if params.stripes || params.white_texture {
         texture_names.push("stripes");
+    }
+    if params.ink {
+        texture_names.extend(["ink_stroke", "ink_wash", "ink_paper", "ink_fur"]);
     }
     let mut parts = vec![Part { material: 0, first_index: 0, index_count: index_count - bare }];
     if bare > 0 {
@@ -188,6 +198,51 @@ fn mesh(params: &SphereParams) -> MeshData {
     }
     mesh.indices.extend(band);
     mesh
+}
+
+/// The ink style, its textures from number `first` on.
+fn ink(params: &SphereParams, mesh: &MeshData, first: u32) -> InkData {
+    let center = Vec3::Y * params.radius_m;
+    let vertex = |v: &GeometryVertex| {
+        let product = (Vec3::from(v.position) - center).dot(Vec3::from(v.normal)) / params.radius_m;
+        let wash = |x: f32| (32767.0 * x.clamp(-1.0, 1.0)).round() as i16;
+        let angle = product / ((Vec3::from(v.position) - center).length() / params.radius_m).max(1e-6);
+        InkVertex { wash: [wash(0.5 * product), wash(angle)], amount: 255, solid: 0, line: 255, reserved: 0 }
+    };
+    InkData {
+        info: InkInfo {
+            stroke_texture: first,
+            wash_texture: first + 1,
+            paper_texture: first + 2,
+            fur_texture: Some(first + 3),
+            grain_size_m: params.radius_m,
+            shading: InkShading { fur: 0.0, ..InkShading::default() },
+        },
+        vertices: mesh.geometry.iter().map(vertex).collect(),
+    }
+}
+
+/// Stroke, wash, paper and fur.
+fn ink_textures() -> [Vec<u8>; 4] {
+    let write = |n: u32, layers: u32, texel: &dyn Fn(f32, f32) -> [u8; 4]| {
+        let at = |i: u32| texel((i % n) as f32 / (n - 1).max(1) as f32, (i / n) as f32 / (n - 1).max(1) as f32);
+        let texels = (0..layers).flat_map(|_| (0..n * n).flat_map(at)).collect();
+        super::ktx2::write(TextureFormat::Rgba8Unorm, n, n, layers, &[texels])
+    };
+    let rim = |u: f32, v: f32| {
+        let r = 2.0 * Vec2::new(u - 0.5, v - 0.5).length();
+        let grey = if r > 0.92 { 0 } else { 255 };
+        [grey, grey, 128, 255]
+    };
+    let mut random = Random(3);
+    let speckles: Vec<u8> = (0..64).map(|_| (255.0 * random.next_f32()) as u8).collect();
+    let speckle = |u: f32, v: f32| speckles[((7.0 * u) as usize + 8 * (7.0 * v) as usize).min(63)];
+    [
+        write(64, 1, &rim),
+        write(8, 1, &|u, v| [speckle(u, v), speckle(v, u), speckle(1.0 - u, v), 128]),
+        write(8, 1, &|u, v| [speckle(v, 1.0 - u), 128, 255, speckle(u, v)]),
+        write(8, 2, &|u, _| if u < 0.3 { [255; 4] } else { [0; 4] }),
+    ]
 }
 
 /// A lower joint that stands, and an upper one that bends to the right and back within a second.

@@ -49,7 +49,7 @@ macro_rules! ink_screen_wgsl {
 }
 pub(crate) use ink_screen_wgsl;
 
-/// Normals and clip w. Dots of normals are compared with thresholds up to 1: eight bits would be too few.
+/// Normals and 1 / clip w. Dots of normals are compared with thresholds up to 1: eight bits would be too few.
 pub(crate) const NORMALS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Wash, stroke, width, dryness; and lines.
 pub(crate) const SURFACES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

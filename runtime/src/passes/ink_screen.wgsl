@@ -30,7 +30,7 @@ struct InkFrame {
     // Clip w where mist begins, and where only it is left.
     mist_from: f32,
     mist_to: f32,
-    // Relative step of clip w between neighbours that is a feature; 0 for none.
+    // Relative step of 1 / clip w between neighbours that is a feature; 0 for none.
     depth_step: f32,
     reserved: f32,
 }

@@ -55,7 +55,8 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     }
     var grey = wash * mix(1.0, line.y, line.x);
     if ink.mist_to > ink.mist_from {
-        let far = select(textureLoad(normals, q, 0).w, here.w, here.w > 0.0);
+        let nearness = select(textureLoad(normals, q, 0).w, here.w, here.w > 0.0);
+        let far = 1.0 / max(nearness, 1e-9);
         grey = mix(grey, 1.0, clamp((far - ink.mist_from) / (ink.mist_to - ink.mist_from), 0.0, 1.0));
     }
     let relief = 1.0 + ink.paper_grain * (0.035 * (sheet.r - 0.5) - 0.30 * (1.0 - sheet.b));

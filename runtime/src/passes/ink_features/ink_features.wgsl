@@ -6,6 +6,9 @@
 // The printed rule: all four dots must be low, and nothing is between yes and no.
 override ALL_BELOW: bool = false;
 
+// Strength of lines with the body on both sides, unless one side is farther.
+const FOLD: f32 = 0.5;
+
 // Half of the widest line through the pixel over WIDEST_HALF, 0 for no feature; its strength.
 @fragment
 fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
@@ -28,17 +31,18 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
         strength *= select(0.004, 1.0, all(dots <= vec4(ink.t2)));
     } else {
         strength = ink_feature_strength(min(min(dots.x, dots.y), min(dots.z, dots.w)), ink.t1, ink.t2);
+        // A fold is a lighter touch than an outline.
+        if min(min(a.w, b.w), min(c.w, d.w)) > 0.0 {
+            strength *= FOLD;
+        }
         if ink.depth_step > 0.0 {
-            // Second differences: a slanted plane has none.
-            let bend = max(abs(a.w + c.w - 2.0 * here.w), abs(b.w + d.w - 2.0 * here.w)) / here.w;
-            // The nearer side draws: farther neighbours that are there.
-            let farther = min(max(a.w, c.w), max(b.w, d.w)) > 0.0 && max(max(a.w, c.w), max(b.w, d.w)) > here.w;
-            let step = clamp(bend / ink.depth_step - 1.0, 0.0, 1.0);
-            strength = max(strength, select(0.0, step, farther));
+            // Second differences: a plane has none, however slanted. The nearer side draws: beside it is what is farther.
+            let bend = max(2.0 * here.w - a.w - c.w, 2.0 * here.w - b.w - d.w) / here.w;
+            strength = max(strength, clamp(bend / ink.depth_step - 1.0, 0.0, 1.0));
         }
     }
     let surface = textureLoad(surfaces, p, 0);
-    var half_width = ink.half_width + ink.half_width_scaled / here.w;
+    var half_width = ink.half_width + ink.half_width_scaled * here.w;
     half_width = min(half_width * 4.0 * surface.b, WIDEST_HALF);
     if strength <= 0.0 || half_width <= 0.0 {
         return vec4(0.0);

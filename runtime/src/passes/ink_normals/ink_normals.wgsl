@@ -35,7 +35,7 @@ struct InkVarying {
 }
 
 struct Surface {
-    // Normal, and clip w; 0 where nothing is.
+    // Normal of the face, and 1 / clip w, in which planes stay planes; 0 where nothing is.
     @location(0) normal: vec4<f32>,
     // Grey of the wash, grey of the sphere map's stroke, a quarter of the factor on the width of lines, how dry they are.
     @location(1) surface: vec4<f32>,
@@ -109,6 +109,9 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
         }
     }
     let stroke = textureSample(stroke_map, clamp_sampler, sphere_uv);
+    // Lines are where faces turn: bakes round the normals of furred skin, and with those its creases would be gone.
+    let across = cross(dpdx(in.position_ws), dpdy(in.position_ws));
+    let face = normalize_or(across * sign(dot(across, eye)), facing) * axes;
     if is_cut(base.a) {
         discard;
     }
@@ -141,7 +144,7 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     let dry = smoothstep(0.4, 0.8, grain.g);
     let rim = mix(stroke.r, stroke.g, dry);
     return Surface(
-        vec4(normal, in.position.w),
+        vec4(face, in.position.w),
         vec4(1.0 - density, rim, clamp(width * 0.25, 0.0, 1.0), dry),
     );
 }

@@ -1,4 +1,4 @@
-//! `ink_normals`: the model's surface into three textures of the picture's size: normals perpendicular to the view with clip w, what the surface
+//! `ink_normals`: the model's surface into three textures of the picture's size: normals perpendicular to the view with 1 / clip w, what the surface
 //! says of wash and lines, and depth. All that the ink style knows of geometry is in them, so that the passes behind it cost the same for any mesh.
 
 use super::draw_part;

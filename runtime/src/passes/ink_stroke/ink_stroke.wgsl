@@ -58,7 +58,7 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         distance = max(abs(far.x), abs(far.y));
     }
     // How hard the hand presses.
-    let most = ink.half_width + ink.half_width_scaled / max(source.w, 1e-6);
+    let most = ink.half_width + ink.half_width_scaled * source.w;
     let press = clamp(half_width / max(most, 1e-6), 0.0, 1.0);
     var band = 0.0;
     var core = 0.0;

@@ -1,0 +1,278 @@
+//! The ink style in the runtime: what is painted where, and how it stands among the application's own things.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_runtime::glam::{Mat4, Vec3};
+use pelage_runtime::{
+    Anchoring, Camera, FrameParams, InkBackground, InkParams, InkShow, Instance, LineWidth, Motion, PassId, Projection,
+    Renderer, RendererOptions, SphereMapForm, Style, wgpu,
+};
+use pelage_tests::gpu::gpu;
+use pelage_tests::pictures::{Picture, difference, draw};
+use pelage_tests::support::headless::{Gpu, Targets};
+use pelage_tests::support::sphere::{SphereParams, package};
+
+const SIZE: (u32, u32) = (160, 160);
+
+fn sphere() -> SphereParams {
+    SphereParams { quads: 12, texels: 16, strands: 40, ink: true, ..SphereParams::default() }
+}
+
+fn from(towards: Vec3) -> FrameParams {
+    let mut params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, towards, 0.6, 1.0));
+    params.style = Style::Ink;
+    // Without what varies, so that what is measured is what the geometry says.
+    let still = InkParams {
+        pressure: 0.0,
+        dryness: 0.0,
+        roughness_px: 0.0,
+        paper_grain: 0.0,
+        ..InkParams::new(SIZE.0, SIZE.1)
+    };
+    params.ink = Some(InkParams { width: LineWidth::Pixels(6.0), ..still });
+    params
+}
+
+fn with(change: impl FnOnce(&mut InkParams)) -> FrameParams {
+    let mut params = from(Vec3::Z);
+    change(params.ink.as_mut().unwrap());
+    params
+}
+
+fn painted(gpu: &Gpu, params: &FrameParams, sphere: &SphereParams) -> Picture {
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(sphere)).unwrap());
+    draw(gpu, &mut renderer, SIZE, params, &mut [&mut instance])
+}
+
+/// Pixels that are darker than middle grey.
+fn dark(picture: &Picture) -> Vec<(u32, u32)> {
+    let pixels = picture.rgba.iter().enumerate().filter(|(_, p)| p[0] < 128);
+    pixels.map(|(i, _)| (i as u32 % picture.size.0, i as u32 / picture.size.0)).collect()
+}
+
+#[test]
+fn lines_stand_on_the_outline_as_wide_as_asked() {
+    let Some(gpu) = gpu("lines_stand_on_the_outline_as_wide_as_asked") else { return };
+    let features = dark(&painted(gpu, &with(|ink| ink.show = InkShow::Features), &sphere()));
+    // The camera sees a sphere of radius 0.1 in a frame made for 0.13.
+    let middle = 0.5 * SIZE.0 as f32 - 0.5;
+    let place = |(x, y): &(u32, u32)| ((*x as f32 - middle).powi(2) + (*y as f32 - middle).powi(2)).sqrt();
+    let radius = features.iter().map(place).sum::<f32>() / features.len() as f32;
+    assert!(features.iter().all(|p| (place(p) - radius).abs() < 1.5), "features off the outline");
+    // A ring: at least one pixel per pixel of the perimeter's shorter way round.
+    let ring = 2.0 * std::f32::consts::PI * radius;
+    assert!((0.85 * ring..1.9 * ring).contains(&(features.len() as f32)), "{} features on {ring}", features.len());
+
+    let lines = |width: f32| {
+        let shown = with(|ink| (ink.show, ink.width, ink.swell) = (InkShow::Lines, LineWidth::Pixels(width), 4.0));
+        dark(&painted(gpu, &shown, &sphere()))
+    };
+    for width in [4.0f32, 8.0, 16.0] {
+        let lines = lines(width);
+        let reach = lines.iter().map(|p| place(p) - radius).fold([0.0f32, 0.0], |[a, b], d| [a.min(d), b.max(d)]);
+        assert!(reach[1] - reach[0] <= width + 1.5, "a line of {width} px reaches from {reach:?}");
+        assert!(reach[1] - reach[0] >= 0.5 * width, "a line of {width} px reaches from {reach:?}");
+    }
+    let templated = lines(6.0).len();
+    let free = with(|ink| (ink.show, ink.template, ink.swell) = (InkShow::Lines, false, 4.0));
+    assert!(dark(&painted(gpu, &free, &sphere())).len() > 2 * templated, "without template the rim fills");
+}
+
+#[test]
+fn lines_in_metres_are_thinner_with_distance() {
+    let Some(gpu) = gpu("lines_in_metres_are_thinner_with_distance") else { return };
+    let area = |distance: f32, width| {
+        let mut params = with(|ink| (ink.show, ink.width) = (InkShow::Lines, width));
+        let projection = Projection::Perspective { fov_y_rad: 0.6, aspect: 1.0, near_m: 0.01, far_m: 10.0 };
+        params.camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, projection);
+        dark(&painted(gpu, &params, &sphere())).len() as f32
+    };
+    // Twice as far: half the perimeter, and half the width, or not.
+    let metres = area(0.45, LineWidth::Metres(0.012)) / area(0.9, LineWidth::Metres(0.012));
+    let pixels = area(0.45, LineWidth::Pixels(8.0)) / area(0.9, LineWidth::Pixels(8.0));
+    assert!(metres > 1.4 * pixels, "metres shrink by {metres}, pixels by {pixels}");
+}
+
+#[test]
+fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
+    let Some(gpu) = gpu("the_wash_fades_from_its_centre_and_blank_paper_stays") else { return };
+    let picture = painted(gpu, &with(|ink| ink.show = InkShow::Wash), &sphere());
+    let mean = |rows: std::ops::Range<u32>| {
+        let texel = |y: u32| f64::from(picture.rgba[(y * SIZE.0 + SIZE.0 / 2) as usize][0]);
+        rows.clone().map(texel).sum::<f64>() / rows.len() as f64
+    };
+    let (top, bottom) = (mean(24..34), mean(110..130));
+    assert!(top + 25.0 < bottom, "grey {top} near the centre of the wash, {bottom} away from it");
+    assert_eq!(picture.rgba[0], [255; 4], "beside the sphere there is no wash");
+}
+
+#[test]
+fn the_style_says_what_it_needs() {
+    let Some(gpu) = gpu("the_style_says_what_it_needs") else { return };
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let load = |ink| {
+        let bytes = package(&SphereParams { ink, ..sphere() });
+        Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &bytes).unwrap())
+    };
+    let (mut inked, mut plain) = (load(true), load(false));
+    let mut prepare = |params: &FrameParams, instance: &mut Instance| {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        renderer.prepare(&gpu.device, &mut encoder, params, &mut [instance]).map(|f| f.report().clone())
+    };
+    let without = FrameParams { ink: None, ..from(Vec3::Z) };
+    assert!(prepare(&without, &mut inked).unwrap_err().to_string().contains("FrameParams::ink is None"));
+    let error = prepare(&from(Vec3::Z), &mut plain).unwrap_err().to_string();
+    assert!(error.contains("ink style") && error.contains("bake the model again"), "{error}");
+    for (bad, expected) in [
+        (with(|ink| ink.threshold = 0.1), "InkParams::threshold is 0.1, expected 0.15..=1"),
+        (with(|ink| ink.width = LineWidth::Pixels(33.0)), "at most 32 pixels"),
+        (with(|ink| ink.target_px = [0, 5]), "InkParams::target_px is 0x5"),
+        (with(|ink| ink.mist_m = Some([2.0, 1.0])), "InkParams::mist_m"),
+        (with(|ink| ink.paper = Vec3::NAN), "InkParams::paper"),
+        (with(|ink| ink.tone = f32::NAN), "InkParams::tone is NaN"),
+    ] {
+        let error = prepare(&bad, &mut inked).unwrap_err().to_string();
+        assert!(error.contains(expected), "expected {expected:?} in: {error}");
+    }
+    let report = prepare(&from(Vec3::Z), &mut inked).unwrap();
+    for pass in &report.passes {
+        let expected =
+            ["ink_normals", "ink_features", "ink_dilate", "ink_stroke", "ink_composite"].contains(&pass.name);
+        assert_eq!(pass.ran, expected, "{pass:?}");
+    }
+    let furry = FrameParams { style: Style::Fur, ..from(Vec3::Z) };
+    let report = prepare(&furry, &mut plain).unwrap();
+    assert!(report.passes.iter().filter(|p| p.name.starts_with("ink")).all(|p| !p.ran && p.reason == "style is fur"));
+}
+
+#[test]
+fn what_the_application_drew_stays_around_and_before_the_painting() {
+    let Some(gpu) = gpu("what_the_application_drew_stays_around_and_before_the_painting") else { return };
+    for (reversed_depth, sample_count) in [(false, 1), (true, 4)] {
+        let options = RendererOptions { reversed_depth, sample_count, ..RendererOptions::default() };
+        let targets = Targets::new(gpu, SIZE, &options);
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+        let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere())).unwrap());
+        let mut over = |background| {
+            let params = with(|ink| ink.background = background);
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let frame = renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut instance]).unwrap();
+            frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::BLUE));
+            gpu.queue.submit([encoder.finish()]);
+            let texels = targets.read(gpu);
+            move |x: u32, y: u32| -> [u8; 4] { texels[((y * SIZE.0 + x) * 4) as usize..][..4].try_into().unwrap() }
+        };
+        let blue = [0, 0, 255, 255];
+        let picture = over(InkBackground::Picture);
+        assert_eq!(picture(2, 2), blue, "beside the painting");
+        assert!(picture(80, 100)[0] > 150, "the body is paper, {:?}", picture(80, 100));
+        let paper = over(InkBackground::Paper);
+        assert!(paper(2, 2)[0] > 200 && paper(2, 2)[3] == 255, "paper all over, {:?}", paper(2, 2));
+        assert_eq!(paper(80, 100), picture(80, 100));
+    }
+}
+
+#[test]
+fn nearer_instances_hide_lines_of_those_behind() {
+    let Some(gpu) = gpu("nearer_instances_hide_lines_of_those_behind") else { return };
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere())).unwrap();
+    let (mut near, mut behind) = (Instance::new(&model), Instance::new(&model));
+    // Smaller and behind: none of it is seen.
+    behind.transform = Mat4::from_translation(Vec3::Z * -0.2) * Mat4::from_scale(Vec3::splat(0.5));
+    let params = with(|ink| ink.show = InkShow::Lines);
+    let alone = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut near]);
+    for order in [false, true] {
+        let mut both: Vec<&mut Instance> = vec![&mut near, &mut behind];
+        if order {
+            both.reverse();
+        }
+        assert_eq!(draw(gpu, &mut renderer, SIZE, &params, &mut both), alone);
+    }
+}
+
+#[test]
+fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
+    let Some(gpu) = gpu("what_varies_moves_with_the_surface_and_not_with_the_picture") else { return };
+    let sphere = SphereParams { skeleton: true, ..sphere() };
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere)).unwrap());
+    // The whole sphere turns with its joints while the camera goes round with them: only what hangs on the picture then changes.
+    let mut shown = |anchoring, angle: f32| {
+        let turn = Mat4::from_rotation_y(angle);
+        let mut params = with(|ink| (ink.show, ink.anchoring) = (InkShow::Wash, anchoring));
+        params.camera = Camera::framing(Vec3::ZERO, 0.13, turn.transform_vector3(Vec3::Z), 0.6, 1.0);
+        instance.motion = Motion::Joints(vec![turn; 2]);
+        draw(gpu, &mut renderer, SIZE, &params, &mut [&mut instance])
+    };
+    let still = shown(Anchoring::Surface, 0.0);
+    let turned = difference(&still, &shown(Anchoring::Surface, 0.7));
+    assert!(turned.mean < 0.2, "the surface's own picture changed by {turned:?}");
+    // The camera alone goes round: the picture's grain stays, the surface's goes with the surface.
+    let mut round = |anchoring, angle: f32| {
+        let mut params = with(|ink| (ink.show, ink.anchoring) = (InkShow::Wash, anchoring));
+        let towards = Mat4::from_rotation_y(angle).transform_vector3(Vec3::Z);
+        params.camera = Camera::framing(Vec3::ZERO, 0.13, towards, 0.6, 1.0);
+        instance.motion = Motion::Joints(vec![Mat4::IDENTITY; 2]);
+        draw(gpu, &mut renderer, SIZE, &params, &mut [&mut instance])
+    };
+    let on_surface = difference(&round(Anchoring::Surface, 0.0), &round(Anchoring::Surface, 0.7));
+    let on_screen = difference(&round(Anchoring::Screen, 0.0), &round(Anchoring::Screen, 0.7));
+    assert!(on_surface.mean > 4.0 * on_screen.mean, "{on_surface:?} and {on_screen:?}");
+}
+
+#[test]
+fn the_printed_sphere_map_knows_no_outline() {
+    let Some(gpu) = gpu("the_printed_sphere_map_knows_no_outline") else { return };
+    let shown = |form| {
+        let params =
+            with(|ink| (ink.show, ink.template, ink.sphere_map, ink.swell) = (InkShow::Lines, false, form, 2.0));
+        dark(&painted(gpu, &params, &sphere())).len()
+    };
+    let [safe, reflected, printed] =
+        [SphereMapForm::Perpendicular, SphereMapForm::Reflection, SphereMapForm::Printed].map(shown);
+    let features = dark(&painted(gpu, &with(|ink| ink.show = InkShow::Lines), &sphere())).len();
+    assert!(safe > features && reflected > 0, "safe {safe}, reflected {reflected}");
+    // All normals have one place: no rim at all, what is left are the features.
+    assert!(printed < safe, "printed {printed}, safe {safe}");
+}
+
+#[test]
+fn two_ink_frames_in_one_submission_do_not_disturb_each_other() {
+    let Some(gpu) = gpu("two_ink_frames_in_one_submission_do_not_disturb_each_other") else { return };
+    let options = RendererOptions::default();
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere())).unwrap());
+    let views = [from(Vec3::Z), from(Vec3::Y)];
+    let targets = [0, 1].map(|_| Targets::new(gpu, SIZE, &options));
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    // Both are prepared before either is drawn.
+    let frames =
+        views.each_ref().map(|v| renderer.prepare(&gpu.device, &mut encoder, v, &mut [&mut instance]).unwrap());
+    for (frame, target) in frames.iter().zip(&targets) {
+        frame.draw(&mut target.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+    }
+    gpu.queue.submit([encoder.finish()]);
+    drop(frames);
+    for (view, target) in views.iter().zip(&targets) {
+        let alone = draw(gpu, &mut renderer, SIZE, view, &mut [&mut instance]);
+        assert!(target.read(gpu) == alone.rgba.as_flattened(), "the other frame shows through");
+    }
+}
+
+#[test]
+fn strokes_of_fur_stand_over_the_outline() {
+    let Some(gpu) = gpu("strokes_of_fur_stand_over_the_outline") else { return };
+    let furry = |fur: f32| {
+        let mut params = from(Vec3::Z);
+        let ink = params.ink.as_mut().unwrap();
+        ink.shading = Some(pelage_runtime::formats::InkShading { fur, line: 0.0, tone: 0.0, ..Default::default() });
+        ink.background = InkBackground::Picture;
+        painted(gpu, &params, &sphere())
+    };
+    let (bald, hairy) = (furry(0.0), furry(1.0));
+    assert!(hairy.covered() > bald.covered() + 100, "{} and {} covered", hairy.covered(), bald.covered());
+    assert!(hairy.covered() < 3 * bald.covered());
+    assert_eq!(PassId::InkFur.name(), "ink_fur");
+}
