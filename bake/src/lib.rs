@@ -5,6 +5,7 @@
 
 pub mod chart;
 pub mod compare;
+pub mod compare_lines;
 pub mod decide;
 pub mod detail;
 pub mod doctor;
@@ -16,6 +17,7 @@ pub mod hair;
 pub mod import;
 pub mod ink;
 pub mod io;
+pub mod mask;
 pub mod mesh;
 pub mod pack;
 pub mod picture;

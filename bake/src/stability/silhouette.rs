@@ -7,6 +7,7 @@
 use super::{Drawer, Drawing};
 use crate::BakeError;
 use crate::groom::MapImages;
+use crate::mask::Mask;
 use crate::mesh::Model;
 use crate::pipeline;
 use crate::recipe::Recipe;
@@ -44,40 +45,10 @@ fn coverage(
     Ok(Coverage { size, alpha })
 }
 
-/// Distance of every pixel's centre to the nearest pixel that the bare `skin` covers by half, up to `reach` pixels; 0 on the skin.
-fn distances(skin: &Coverage, reach: u32) -> Vec<f64> {
-    let (w, h, r) = (skin.size.0 as i32, skin.size.1 as i32, reach as i32);
-    let inside: Vec<bool> = skin.alpha.iter().map(|a| *a >= 0.5).collect();
-    let mut out = vec![f64::INFINITY; inside.len()];
-    for y in 0..h {
-        for x in 0..w {
-            if !inside[(y * w + x) as usize] {
-                continue;
-            }
-            out[(y * w + x) as usize] = 0.0;
-            let edge = [(1, 0), (-1, 0), (0, 1), (0, -1)].iter().any(|(dx, dy)| {
-                let (x, y) = (x + dx, y + dy);
-                x >= 0 && y >= 0 && x < w && y < h && !inside[(y * w + x) as usize]
-            });
-            if !edge {
-                continue;
-            }
-            for dy in -r..=r {
-                for dx in -r..=r {
-                    let (nx, ny) = (x + dx, y + dy);
-                    if nx < 0 || ny < 0 || nx >= w || ny >= h {
-                        continue;
-                    }
-                    let d = f64::from(dx * dx + dy * dy).sqrt();
-                    let slot = &mut out[(ny * w + nx) as usize];
-                    if d <= f64::from(reach) && d < *slot {
-                        *slot = d;
-                    }
-                }
-            }
-        }
-    }
-    out
+/// Distance of every pixel's centre to the nearest pixel that the bare `skin` covers by half; 0 on the skin.
+fn distances(skin: &Coverage) -> Vec<f64> {
+    let (width, height) = skin.size;
+    Mask { width, height, pixels: skin.alpha.iter().map(|a| *a >= 0.5).collect() }.distances()
 }
 
 /// Mean opacity in each band of one pixel of distance from the outline: `(0, 1]`, `(1, 2]`, …
@@ -196,7 +167,7 @@ pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Resul
     ];
     let bare = FrameParams { style: Style::Bare, ..with };
     let skin = coverage(draw, package, &bare, size, &all[..1])?;
-    let distances = distances(&skin, BANDS as u32);
+    let distances = distances(&skin);
     let off = |k: usize| error(&pictures[k], &pictures[0], &distances, REACH, WINDOW);
     Ok(Measured {
         sheets: off(1),

@@ -1,0 +1,71 @@
+//! The exact Euclidean distance transform: P. F. Felzenszwalb, D. P. Huttenlocher, *Distance Transforms of Sampled Functions*, Theory of Computing 8 (2012).
+//!
+//! The squared distance to a set of points is the lower envelope of parabolas over them; a grid is done column by column, then row by row.
+
+/// Squared distance of every point of a grid to the nearest one of a set; infinite where the set is empty.
+///
+/// * `width`, `height`: the grid, row-major
+/// * `is_in`: whether the point of that index is in the set
+pub(super) fn squared(width: usize, height: usize, is_in: impl Fn(usize) -> bool) -> Vec<f64> {
+    let mut grid: Vec<f64> = (0..width * height).map(|i| if is_in(i) { 0.0 } else { f64::INFINITY }).collect();
+    let mut envelope = Envelope::default();
+    let mut column = vec![0.0; height];
+    for x in 0..width {
+        for (y, value) in column.iter_mut().enumerate() {
+            *value = grid[y * width + x];
+        }
+        envelope.lower(&mut column);
+        for (y, value) in column.iter().enumerate() {
+            grid[y * width + x] = *value;
+        }
+    }
+    if width > 0 {
+        grid.chunks_exact_mut(width).for_each(|row| envelope.lower(row));
+    }
+    grid
+}
+
+/// Parabolas of which each is the lowest somewhere, from the left.
+#[derive(Default)]
+struct Envelope {
+    /// Where each has its lowest point, and how high that is.
+    feet: Vec<(f64, f64)>,
+    /// From where on each is the lowest.
+    from: Vec<f64>,
+}
+
+impl Envelope {
+    /// Replaces each value f(q) by the least of f(p) + (p − q)² over all p.
+    fn lower(&mut self, values: &mut [f64]) {
+        self.feet.clear();
+        self.from.clear();
+        for (q, height) in values.iter().enumerate().filter(|(_, height)| height.is_finite()) {
+            let q = q as f64;
+            let mut from = f64::NEG_INFINITY;
+            while let (Some((p, lowest)), Some(last)) = (self.feet.last(), self.from.last()) {
+                // Where this parabola meets the last one; beyond, this one is lower.
+                from = ((height + q * q) - (lowest + p * p)) / (2.0 * (q - p));
+                if from > *last {
+                    break;
+                }
+                self.feet.pop();
+                self.from.pop();
+                from = f64::NEG_INFINITY;
+            }
+            self.feet.push((q, *height));
+            self.from.push(from);
+        }
+        if self.feet.is_empty() {
+            return;
+        }
+        let mut k = 0;
+        for (q, value) in values.iter_mut().enumerate() {
+            let q = q as f64;
+            while self.from.get(k + 1).is_some_and(|from| *from < q) {
+                k += 1;
+            }
+            let (p, lowest) = self.feet[k];
+            *value = lowest + (q - p) * (q - p);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+use super::*;
+use crate::hair::noise::uniform;
+
+/// The set drawn with `#`.
+fn drawn(rows: &[&str]) -> Mask {
+    let cells: Vec<Vec<char>> = rows.iter().map(|row| row.chars().collect()).collect();
+    Mask::from_fn(cells[0].len() as u32, cells.len() as u32, |x, y| cells[y as usize][x as usize] == '#')
+}
+
+fn random(seed: u64, width: u32, height: u32, share: f32) -> Mask {
+    Mask::from_fn(width, height, |x, y| uniform(seed, u64::from(y * width + x)) < share)
+}
+
+fn disc(size: u32, x0: f64, y0: f64, radius: f64) -> Mask {
+    Mask::from_fn(size, size, |x, y| (f64::from(x) + 0.5 - x0).hypot(f64::from(y) + 0.5 - y0) < radius)
+}
+
+#[test]
+fn distances_are_those_of_looking_at_every_pixel() {
+    for (seed, (width, height)) in [(1, 1), (7, 1), (1, 9), (13, 8), (31, 22)].into_iter().enumerate() {
+        for share in [0.0, 0.01, 0.1, 0.6, 1.0] {
+            let mask = random(seed as u64, width, height, share);
+            let set: Vec<usize> = (0..mask.pixels.len()).filter(|i| mask.pixels[*i]).collect();
+            let place = |i: usize| (f64::from(i as u32 % width), f64::from(i as u32 / width));
+            for (i, found) in mask.distances().into_iter().enumerate() {
+                let far = |j: &usize| (place(i).0 - place(*j).0).hypot(place(i).1 - place(*j).1);
+                let nearest = set.iter().map(far).fold(f64::INFINITY, f64::min);
+                assert!(found == nearest || (found - nearest).abs() < 1e-12, "{width}x{height}, pixel {i}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_widest_stroke_is_as_wide_as_it_looks() {
+    for n in 1..=9u32 {
+        let upright = Mask::from_fn(40, 30, |x, _| (7..7 + n).contains(&x)).widest_stroke();
+        let lying = Mask::from_fn(30, 40, |_, y| (7..7 + n).contains(&y)).widest_stroke();
+        assert_eq!((upright.width_px, lying.width_px), (f64::from(n), f64::from(n)));
+        assert_eq!((upright.at_px[0], lying.at_px[1]), (7.0 + f64::from(n) / 2.0, 7.0 + f64::from(n) / 2.0));
+    }
+    // A slanted line 6 wide; what its steps add is under a pixel.
+    let slanted = Mask::from_fn(80, 80, |x, y| ((f64::from(x) - f64::from(y)) / 2f64.sqrt()).abs() <= 3.0);
+    assert!((slanted.widest_stroke().width_px - 6.0).abs() < 1.0, "{:?}", slanted.widest_stroke());
+    // A thin line with a blot on it.
+    let mut blot = disc(64, 40.0, 20.0, 7.0);
+    (0..64).for_each(|i| blot.insert(i, 20));
+    let found = blot.widest_stroke();
+    // A pixel is in by its middle, so that a corner less fits.
+    assert!((12.0..=14.0).contains(&found.width_px), "{found:?}");
+    assert!((found.at_px[0] - 40.0).abs() <= 1.0 && (found.at_px[1] - 20.0).abs() <= 1.0, "{found:?}");
+}
+
+#[test]
+fn ink_ends_where_the_picture_ends() {
+    assert_eq!(Mask::empty(5, 4).widest_stroke(), Stroke::default());
+    assert_eq!(Mask::empty(0, 0).widest_stroke(), Stroke::default());
+    assert_eq!(Mask::from_fn(8, 6, |_, _| true).widest_stroke().width_px, 6.0);
+    assert_eq!(Mask::from_fn(8, 8, |x, _| x < 2).widest_stroke().width_px, 2.0);
+}
+
+#[test]
+fn the_core_of_a_line_runs_in_its_middle() {
+    for n in [1u32, 3, 5, 7] {
+        let core = Mask::from_fn(60, 31, |x, y| (4..56).contains(&x) && y.abs_diff(15) <= n / 2).core();
+        for x in 12..48 {
+            let rows: Vec<u32> = (0..31).filter(|y| core.contains(x, i64::from(*y))).collect();
+            assert_eq!(rows, [15], "a line {n} wide at {x}");
+        }
+    }
+    // A ring stays closed: its inside is cut off from its outside.
+    let ring = Mask::from_fn(64, 64, |x, y| {
+        let r = (f64::from(x) - 31.5).hypot(f64::from(y) - 31.5);
+        (20.0..25.0).contains(&r)
+    });
+    let core = ring.core();
+    let off: Vec<f64> = (0..core.pixels.len())
+        .filter(|i| core.pixels[*i])
+        .map(|i| ((i % 64) as f64 - 31.5).hypot((i / 64) as f64 - 31.5) - 22.0)
+        .collect();
+    let worst = off.iter().fold(0.0f64, |most, d| most.max(d.abs()));
+    let mean = off.iter().map(|d| d.abs()).sum::<f64>() / off.len() as f64;
+    assert!(worst < 2.0 && mean < 0.7, "{mean} pixels beside the middle, {worst} at most");
+    // Between the pixels of a circle of radius 22 that touch by corners and those that touch by sides.
+    assert!((124..=184).contains(&off.len()), "{} pixels", off.len());
+    let mut reached = vec![(31i64, 31i64)];
+    let mut seen = Mask::empty(64, 64);
+    while let Some((x, y)) = reached.pop() {
+        assert!((1..63).contains(&x) && (1..63).contains(&y), "the ring is open");
+        if !seen.contains(x, y) && !core.contains(x, y) {
+            seen.insert(x, y);
+            reached.extend([(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)]);
+        }
+    }
+}
+
+#[test]
+fn thin_lines_and_dots_stay() {
+    let thin = drawn(&["........", ".#....#.", "..#.....", "...#....", "....###.", "........"]);
+    assert_eq!(thin.core(), thin);
+    for size in 1..=6u32 {
+        let block = Mask::from_fn(10, 10, |x, y| (2..2 + size).contains(&x) && (2..2 + size).contains(&y));
+        let core = block.core();
+        assert!((1..=size as usize).contains(&core.count()), "a block of {size}: {core:?}");
+        assert!((0..100).all(|i| !core.pixels[i] || block.pixels[i]));
+    }
+}
+
+#[test]
+fn sets_of_two_sizes_do_not_mix() {
+    let (a, b) = (Mask::empty(3, 4), Mask::empty(4, 3));
+    let error = a.union(&b).unwrap_err().to_string();
+    assert!(error.contains("3x4 and 4x3"), "{error}");
+    let both = drawn(&["#..", "..."]).union(&drawn(&["..#", "#.."])).unwrap();
+    assert_eq!(both, drawn(&["#.#", "#.."]));
+}

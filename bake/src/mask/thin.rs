@@ -1,0 +1,50 @@
+//! Thinning: T. Y. Zhang, C. Y. Suen, *A fast parallel algorithm for thinning digital patterns*, CACM 27 (1984).
+
+use super::Mask;
+
+/// The neighbours of a pixel, clockwise from above.
+const ROUND: [(i64, i64); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
+
+/// Takes pixels from the borders of what is wider than one, in turns from the lower right and the upper left, until nothing is left to take.
+///
+/// All pixels of a turn are chosen at once, which keeps the line in the middle; each is asked again when it goes, because a slanted line of two pixels
+/// is all border and would vanish as printed.
+pub(super) fn thinned(mask: &Mask) -> Mask {
+    let mut out = mask.clone();
+    let mut candidates: Vec<usize> = (0..out.pixels.len()).filter(|i| out.pixels[*i]).collect();
+    loop {
+        let before = candidates.len();
+        for turn in 0..2 {
+            let gone: Vec<usize> = candidates.iter().copied().filter(|i| is_border(&out, *i, turn)).collect();
+            for i in gone {
+                if is_spare(&neighbours(&out, i)) {
+                    out.pixels[i] = false;
+                }
+            }
+            candidates.retain(|i| out.pixels[*i]);
+        }
+        if candidates.len() == before {
+            return out;
+        }
+    }
+}
+
+fn neighbours(mask: &Mask, i: usize) -> [bool; 8] {
+    let (x, y) = ((i % mask.width as usize) as i64, (i / mask.width as usize) as i64);
+    ROUND.map(|(dx, dy)| mask.contains(x + dx, y + dy))
+}
+
+/// Neither an end nor what holds two parts together.
+fn is_spare(n: &[bool; 8]) -> bool {
+    let count = n.iter().filter(|set| **set).count();
+    let begins = (0..8).filter(|k| !n[*k] && n[(k + 1) % 8]).count();
+    (2..=6).contains(&count) && begins == 1
+}
+
+/// Whether a pixel is spare, and on the side whose turn it is.
+fn is_border(mask: &Mask, i: usize, turn: u32) -> bool {
+    let n = neighbours(mask, i);
+    let [above, _, right, _, below, _, left, _] = n;
+    let kept = if turn == 0 { right && below && (above || left) } else { above && left && (right || below) };
+    !kept && is_spare(&n)
+}
