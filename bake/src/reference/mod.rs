@@ -7,25 +7,33 @@
 //! * [`TrueScene`]: all strands of a package one by one on its posed skin, traced: what a whole picture should look like. [`grow_on`] puts them
 //!   there, and [`Curves`] are what is exported for other renderers to judge by.
 //!
+//! * [`TrueLines`]: contours, creases and borders of a posed skin as edges of its mesh, hidden parts removed by rays: what ink lines should be.
+//!
 //! They share with the fast paths the strands, the layers and the mesh that both read, and no code: an error that both had would not show.
 
+mod camera;
 mod capsules;
 mod curves;
 mod disc_light;
 mod groom;
+mod ink_lines;
 mod lighting;
 mod picture;
+mod sight;
 mod skin;
 mod strands;
 mod tracer;
 mod volume;
 mod walk;
 
+pub use camera::{Lens, TrueCamera};
 pub use curves::{CurvePoint, Curves, simplified};
 pub use disc_light::{DiscLight, Occluder};
 pub use groom::{GroomReport, grow_on, tile_hair};
+pub use ink_lines::{ContourForm, LineKind, LineParams, LineSegment, TrueLines, VisibleLines};
 pub use lighting::{TrueLight, TrueLighting};
-pub use picture::{Lens, Rays, TracedPicture, TrueCamera, TrueScene};
+pub use picture::{Rays, TracedPicture, TrueScene};
+pub use sight::{Look, SeenPoint, Sight};
 pub use skin::{Skin, SkinMaterial, SkinPoint};
 pub use strands::StrandField;
 pub use volume::SampledVolume;

@@ -1,5 +1,6 @@
 //! The true picture of a package: its strands and skin, traced.
 
+use super::camera::{RayCaster, TrueCamera};
 use super::curves::Curves;
 use super::lighting::{Material, Sample, TrueLighting, root_directions};
 use super::skin::Skin;
@@ -7,7 +8,7 @@ use super::tracer::Tracer;
 use crate::BakeError;
 use crate::hair::TileHair;
 use crate::hair::noise::{hash, uniform};
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 use pelage_formats::Shading;
 use rayon::prelude::*;
 
@@ -15,34 +16,6 @@ use rayon::prelude::*;
 const SQUARE: u32 = 16;
 /// Squares between two calls of the progress callback.
 const BATCH: usize = 32;
-
-/// From where a scene is seen. Width over height is that of the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrueCamera {
-    /// World space, metres.
-    pub eye_ws: Vec3,
-    /// What is in the middle of the picture; not the eye.
-    pub target_ws: Vec3,
-    /// What is up in the picture; not along the view.
-    pub up_ws: Vec3,
-    /// What the picture's height is of.
-    pub lens: Lens,
-}
-
-/// How far a camera sees up and down.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lens {
-    /// Far things are smaller.
-    Perspective {
-        /// Height of the view, radians, above 0 and below π.
-        fov_y_rad: f32,
-    },
-    /// Far things are as large as near ones.
-    Orthographic {
-        /// Height of the view, metres.
-        height_m: f32,
-    },
-}
 
 /// A traced picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -190,43 +163,6 @@ fn spread(i: u32, shift: DVec2) -> DVec2 {
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
     let p = STEP * f64::from(i) + shift;
     p - p.floor()
-}
-
-/// The rays of a camera.
-struct RayCaster {
-    origin: DVec3,
-    forward: DVec3,
-    /// From the middle of the picture to its right and upper edge: at distance 1 for a perspective, metres for a parallel projection.
-    right: DVec3,
-    up: DVec3,
-    size: DVec2,
-    parallel: bool,
-}
-
-impl RayCaster {
-    fn new(camera: &TrueCamera, (width, height): (u32, u32)) -> Self {
-        let origin = camera.eye_ws.as_dvec3();
-        let forward = (camera.target_ws.as_dvec3() - origin).normalize_or(DVec3::NEG_Z);
-        let right = forward.cross(camera.up_ws.as_dvec3()).normalize_or(DVec3::X);
-        let (half, parallel) = match camera.lens {
-            Lens::Perspective { fov_y_rad } => ((0.5 * f64::from(fov_y_rad)).tan(), false),
-            Lens::Orthographic { height_m } => (0.5 * f64::from(height_m), true),
-        };
-        let size = DVec2::new(f64::from(width), f64::from(height));
-        let aspect = size.x / size.y;
-        Self { origin, forward, right: right * half * aspect, up: right.cross(forward) * half, size, parallel }
-    }
-
-    /// Through a point of the picture, pixels from its upper left corner: origin and unit direction.
-    fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
-        let at = at / self.size * 2.0 - 1.0;
-        let aside = self.right * at.x - self.up * at.y;
-        if self.parallel {
-            (self.origin + aside, self.forward)
-        } else {
-            (self.origin, (self.forward + aside).normalize())
-        }
-    }
 }
 
 #[cfg(test)]

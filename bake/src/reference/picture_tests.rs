@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
-use crate::reference::{CurvePoint, SkinMaterial, SkinPoint, TrueLight};
-use glam::Vec4;
+use crate::reference::{CurvePoint, Lens, SkinMaterial, SkinPoint, TrueLight};
+use glam::{Vec3, Vec4};
 
 /// A straight strand of even radius whose skin faces the eye.
 fn strand(curves: &mut Curves, from: Vec3, to: Vec3, radius_m: f32) {

@@ -96,6 +96,11 @@ impl Tracer {
         Ok(Self { curves, skin, capsules, pieces, hair, facets, skin_tree, center, radius })
     }
 
+    /// Half the diagonal of the box about all there is, metres; 1 where that is nothing.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// Bytes in memory for each strand: points, pieces and tree.
     pub(super) fn bytes_per_strand(&self) -> f64 {
         let tree = self.hair.as_ref().map_or(0, |t| size_of_val(&t.nodes[..]) + size_of_val(&t.primitive_indices[..]));
