@@ -6,6 +6,7 @@
 pub mod chart;
 pub mod compare;
 pub mod compare_lines;
+pub mod compare_motion;
 pub mod decide;
 pub mod detail;
 pub mod doctor;
