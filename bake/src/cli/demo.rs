@@ -2,6 +2,7 @@
 
 use super::bake::StageWatch;
 use super::built_in::{BuiltIn, HARE, TORUS};
+use super::cast::find_clip;
 use super::exit::{Exit, Failure};
 use super::gpu::Gpu;
 use super::output::Output;
@@ -15,7 +16,7 @@ use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_bake::{BakeError, io};
 use pelage_runtime::{Style, wgpu};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Bake and draw the built-in hare and torus; needs no input
 #[derive(Clone, Debug, clap::Args)]
@@ -27,6 +28,9 @@ pub struct DemoArgs {
 
 /// The models, and a clip and a moment of it to draw besides the rest pose.
 const MODELS: [(BuiltIn, Option<(&str, f32)>); 2] = [(HARE, Some(("EarBreath", 0.5))), (TORUS, None)];
+
+/// The hare's gait in ink: a clip, and how many pictures show it once. Its length is divided evenly, so that they loop.
+const GAIT: (&str, u32) = ("Walk", 16);
 
 /// A quiet studio grey, sRGB.
 const BACKGROUND: [u8; 3] = [204, 209, 217];
@@ -54,6 +58,9 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
             render::draw(&mut Scene::new(&file, &view, || Ok(gpu.clone()))?, &path)?;
             pictures.push(path.display().to_string());
         }
+        if moment.is_some() {
+            pictures.extend(gait(&file, &gpu, &args.output.join(format!("{}_walk", model.name)), output)?);
+        }
     }
     let value = json!({ "packages": packages, "pictures": pictures });
     output.result(&[packages, pictures].concat().join("\n"), &value)?;
@@ -77,10 +84,35 @@ fn bake(model: &BuiltIn, software: bool, output: &mut Output) -> Result<Baked, F
     Ok(baked)
 }
 
-/// The pictures of a model: with fur, without, and in motion.
+/// A clip in ink as numbered pictures in `folder`, which is made; their names.
+fn gait(file: &PackageFile, gpu: &Gpu, folder: &Path, output: &mut Output) -> Result<Vec<String>, Failure> {
+    let (clip, count) = GAIT;
+    let package = file.open()?;
+    let Some((_, seconds)) = find_clip(file, &package, Some(clip))? else { return Ok(Vec::new()) };
+    std::fs::create_dir_all(folder).map_err(|source| BakeError::Io {
+        path: folder.to_owned(),
+        action: "create",
+        source,
+    })?;
+    let view = View { clip: Some(clip.into()), style: Style::Ink, size: (640, 480), ..View::default() };
+    let mut scene = Scene::new(file, &view, || Ok(gpu.clone()))?;
+    let mut pictures = Vec::new();
+    for number in 0..count {
+        output.progress(&format!("walking, {} of {count}", number + 1));
+        scene.set_time(seconds * number as f32 / count as f32);
+        let path = folder.join(format!("{number:04}.png"));
+        render::draw(&mut scene, &path)?;
+        pictures.push(path.display().to_string());
+    }
+    Ok(pictures)
+}
+
+/// The pictures of a model: in ink, with fur, without, and in motion.
 fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, View)> {
     let furry = View { size: (834, 834), samples: 4, background: Some(BACKGROUND), ..View::default() };
-    let mut views = vec![("", furry.clone()), ("_bare", View { style: Style::Bare, ..furry.clone() })];
+    let inked = View { style: Style::Ink, background: None, ..furry.clone() };
+    let mut views =
+        vec![("", furry.clone()), ("_bare", View { style: Style::Bare, ..furry.clone() }), ("_ink", inked)];
     if let Some((clip, time_s)) = moment {
         views.push(("_moving", View { clip: Some(clip.into()), time_s, ..furry }));
     }
