@@ -64,7 +64,7 @@ fn a_scene_of_one_model_is_the_picture_of_its_package() {
     let sandbox = sandbox();
     let model = "[[model]]\npackage = \"../hare.pelage\"\n";
     let clip = format!("{model}clip = \"EarBreath\"\n");
-    let words = "size = \"120x90\"\nbackground = \"200,210,220\"\n";
+    let words = "[view]\nsize = \"120x90\"\nbackground = \"200,210,220\"\n";
     let package = &["hare.pelage", "--size", "120x90", "--background", "200,210,220"][..];
     let moving = [package, &["--clip", "EarBreath"]].concat();
     let camera =
@@ -81,7 +81,9 @@ fn a_scene_of_one_model_is_the_picture_of_its_package() {
         (format!("{words}{clip}loop = false\n"), &["--time", "99"], [&moving[..], &["--time", "2"]].concat()),
         // What the command line says goes first.
         (
-            format!("size = \"7x7\"\nstyle = \"bare\"\nbackground = \"1,2,3\"\n{camera}{model}"),
+            format!(
+                "[view]\nsize = \"7x7\"\nstyle = \"bare\"\nbackground = \"1,2,3\"\nself_shadow = false\n{camera}{model}"
+            ),
             &[
                 "--size",
                 "120x90",
@@ -91,6 +93,8 @@ fn a_scene_of_one_model_is_the_picture_of_its_package() {
                 "200,210,220",
                 "--light",
                 "0,1,1",
+                "--self-shadow",
+                "on",
                 "--camera",
                 "0,1,2/0,0,0/30",
             ],
@@ -114,7 +118,7 @@ fn models_and_camera_follow_their_paths() {
     let sandbox = sandbox();
     let scene = |target: &str, place: &str| {
         let camera = format!("[camera]\npath = [\n{{ time_s = 0, {target} }},\n{{ time_s = 2, {target} }}]\n");
-        sandbox.write("a.toml", format!("size = \"96x96\"\n{camera}[light]\ndirection = [0, 1, 0]\n[[model]]\npackage = \"hare.pelage\"\n{place}\n"));
+        sandbox.write("a.toml", format!("[view]\nsize = \"96x96\"\n{camera}[light]\ndirection = [0, 1, 0]\n[[model]]\npackage = \"hare.pelage\"\n{place}\n"));
         let (value, _) = rendered(&sandbox, &["a.toml", "-o", "a.png", "--time", "1"]);
         (value["covered_pixels"].as_f64().unwrap(), image::open(sandbox.path().join("a.png")).unwrap().into_rgba8())
     };
@@ -143,7 +147,7 @@ fn packages_are_loaded_once_and_stand_together() {
     let sandbox = sandbox();
     sandbox.write(
         "a.toml",
-        "size = \"160x80\"\n[sequence]\nframes = 3\nfps = 5\n\
+        "[view]\nsize = \"160x80\"\n[sequence]\nframes = 3\nfps = 5\n\
          [[model]]\nname = \"left\"\npackage = \"hare.pelage\"\nposition = [-0.5, 0, 0]\n\
          [[model]]\nname = \"right\"\npackage = \"./hare.pelage\"\nposition = [0.5, 0, 0]\nclip = \"EarBreath\"\n\
          [[model]]\npackage = \"torus.pelage\"\nposition = [0, 0.2, -1]\nscale = 0.3\n",
@@ -283,7 +287,7 @@ fn a_sequence_that_was_interrupted_goes_on() {
     let sandbox = sandbox();
     sandbox.write(
         "a.toml",
-        "size = \"200x150\"\n[sequence]\nframes = 14\n[camera]\npath = [{ time_s = 0, eye = [0, 1, 2], target = [0, 0.2, 0] }, { time_s = 1, eye = [1, 1, 2], target = [0, 0.2, 0] }]\n\
+        "[view]\nsize = \"200x150\"\n[sequence]\nframes = 14\n[camera]\npath = [{ time_s = 0, eye = [0, 1, 2], target = [0, 0.2, 0] }, { time_s = 1, eye = [1, 1, 2], target = [0, 0.2, 0] }]\n\
          [[model]]\npackage = \"hare.pelage\"\nclip = \"EarBreath\"\npath = [{ time_s = 0, position = [-0.5, 0, 0] }, { time_s = 1, position = [0.5, 0, 0] }]\n\
          [[model]]\npackage = \"torus.pelage\"\nposition = [0, 0.2, -1]\nscale = 0.3\n",
     );

@@ -57,8 +57,12 @@ mod view;
 mod view_args;
 
 use clap::{Args, Parser, Subcommand};
+#[cfg(feature = "preview")]
+use clap::{CommandFactory as _, FromArgMatches as _};
 use exit::{Exit, Failure};
 use output::Output;
+#[cfg(feature = "preview")]
+use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
 
 /// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
@@ -149,6 +153,39 @@ pub fn main() -> std::process::ExitCode {
     exit.into()
 }
 
+/// What this process was asked for, with `options` for what the command line does not say itself about its subcommand.
+#[cfg(feature = "preview")]
+fn again(options: &[String]) -> Result<Command, Failure> {
+    let mut words: Vec<OsString> = std::env::args_os().collect();
+    // What may stand before the subcommand begins with a dash and has no value.
+    let dashed = |word: &OsString| word.to_string_lossy().starts_with('-');
+    let after = words.iter().skip(1).take_while(|word| dashed(word)).count() + 2;
+    let after = after.min(words.len());
+    words.splice(after..after, options.iter().map(OsString::from));
+    // The last of several counts, and the user's come last.
+    let matches = Cli::command().args_override_self(true).try_get_matches_from(words);
+    let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches));
+    cli.map(|cli| cli.command).map_err(|error| Failure::Usage(first_line(&error)))
+}
+
+/// Checks one option of `pelage render`, such as `--size=834x424`; what is wrong with it, in words.
+#[cfg(feature = "preview")]
+fn render_option(option: &str) -> Result<(), String> {
+    let parsed = Cli::try_parse_from(["pelage", "render", "scene.toml", "-o", "picture.png", option]);
+    parsed.map(drop).map_err(|error| {
+        let message = error.to_string();
+        let advice = message.lines().map(str::trim).find(|line| line.starts_with("tip:") || line.starts_with('['));
+        advice.map_or_else(|| first_line(&error), |advice| format!("{} {advice}", first_line(&error)))
+    })
+}
+
+/// What clap found wrong, without its advice.
+fn first_line(error: &clap::Error) -> String {
+    let message = error.to_string();
+    let first = message.lines().next().unwrap_or_default();
+    first.strip_prefix("error: ").unwrap_or(first).to_owned()
+}
+
 /// Runs `body`; a panic in it is an internal error that the hook has reported already.
 fn catch(body: impl FnOnce() -> Result<Exit, Failure>) -> Result<Exit, Failure> {
     panic::catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Failure::Panicked))
@@ -177,10 +214,7 @@ fn usage(error: &clap::Error) -> Exit {
     // With stderr closed there is nobody to tell.
     let _ = error.print();
     if std::env::args_os().any(|arg| arg == "--json") {
-        let message = error.to_string();
-        let first = message.lines().next().unwrap_or_default();
-        let first = first.strip_prefix("error: ").unwrap_or(first).to_owned();
-        Output::new(true, true).error_object(Exit::Usage, &first);
+        Output::new(true, true).error_object(Exit::Usage, &first_line(error));
     }
     Exit::Usage
 }
@@ -205,7 +239,6 @@ mod tests {
 
     #[test]
     fn the_command_line_is_consistent() {
-        use clap::CommandFactory as _;
         Cli::command().debug_assert();
     }
 

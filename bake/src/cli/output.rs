@@ -18,8 +18,9 @@ pub struct Output {
     bar: Option<(ProgressBar, &'static str)>,
 }
 
-/// Templates of the progress: without and with known steps.
+/// Templates of the progress: without known steps; with them, before the first is done and after.
 const DOING: &str = "{spinner} {msg} {elapsed}";
+const BEGUN: &str = "{bar:30} {pos}/{len} {msg} {elapsed}";
 const STEPS: &str = "{bar:30} {pos}/{len} {msg} {elapsed}, {eta} left";
 
 impl Output {
@@ -64,7 +65,13 @@ impl Output {
 
     /// As [`Self::progress`], that `done` of `total` steps are over, and how long the others may take: as long as those since the first call.
     pub fn progress_of(&mut self, done: usize, total: usize, doing: &str) {
-        self.show(doing, STEPS, Some((done as u64, total as u64)));
+        let done = done as u64;
+        let timed = self.bar.as_ref().is_some_and(|(bar, shown)| match *shown {
+            STEPS => true,
+            BEGUN => bar.position() < done,
+            _ => false,
+        });
+        self.show(doing, if timed { STEPS } else { BEGUN }, Some((done, total as u64)));
     }
 
     fn show(&mut self, doing: &str, template: &'static str, steps: Option<(u64, u64)>) {
@@ -85,8 +92,10 @@ impl Output {
             *shown = template;
             // The templates are constants; should indicatif refuse one, its default will do.
             bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner()));
-            // Steps that an earlier run has done took no time of this one.
-            bar.reset_eta();
+            if template == BEGUN {
+                // Steps that an earlier run has done took no time of this one.
+                bar.reset_eta();
+            }
         }
         bar.set_message(doing.to_owned());
     }
@@ -166,7 +175,7 @@ mod tests {
 
     #[test]
     fn the_progress_is_understood() {
-        assert!([DOING, STEPS].iter().all(|template| ProgressStyle::with_template(template).is_ok()));
+        assert!([DOING, BEGUN, STEPS].iter().all(|template| ProgressStyle::with_template(template).is_ok()));
     }
 
     #[test]

@@ -24,8 +24,9 @@ use std::path::{Path, PathBuf};
 
 /// Draw a package or a scene into a PNG, or over time into numbered ones or a video
 ///
-/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; assets/scenes has one with comments. What the
-/// arguments say goes before what the file says. Its [sequence] counts for numbered pictures and videos; a plain name is one picture, at --time.
+/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; options that stand here can stand in its [view] as well.
+/// assets/scenes has one with comments. What the arguments say goes before what the file says. Its [sequence] counts for numbered pictures and videos; a plain
+/// name is one picture, at --time.
 ///
 /// Numbered pictures that were interrupted go on where they stopped: beside them stands a journal, OUTPUT.pictures.jsonl, until the last is drawn. A picture
 /// that was made from other packages, with another scene, other arguments, another tool or adapter is drawn anew, and so is one that is missing or was changed.
@@ -117,15 +118,21 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.output == Path::new("-") && output.is_json() {
         return Err(Failure::Usage("--json: standard output is the video with -o -, expected one of them".into()));
     }
-    let view_args = |scene: Option<&SceneFile>| scene.map_or_else(|| Ok(args.view.clone()), |s| s.complete(&args.view));
     // What is wrong with the arguments alone is said before anything is read.
     View::try_from(&args.view)?;
     Sink::new(&args.output, args.view.frames, None)?;
     output.progress("loading");
     let subject = Subject::read(&args.input)?;
     let scene = subject.scene();
+    let again =
+        scene.filter(|scene| !scene.options.is_empty()).map(|scene| super::again(&scene.options)).transpose()?;
+    let args = match &again {
+        Some(super::Command::Render(args)) => args,
+        _ => args,
+    };
     let samples = if args.samples == "4" { 4 } else { 1 };
-    let view = View { samples, ..View::try_from(&view_args(scene)?)? };
+    let view =
+        View { samples, ..View::try_from(&scene.map_or_else(|| Ok(args.view.clone()), |s| s.complete(&args.view))?)? };
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.frames))?;
     let frames = args.view.frames.or(scene.and_then(|s| s.frames)).filter(|_| sink.is_sequence());
     if args.turn_light && frames.is_none() {

@@ -135,16 +135,6 @@ pub enum StyleArg {
     Bare,
 }
 
-impl FromStr for StyleArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let words = Self::value_variants().iter().filter_map(ValueEnum::to_possible_value);
-        let words: Vec<String> = words.map(|word| word.get_name().to_owned()).collect();
-        <Self as ValueEnum>::from_str(text, false).map_err(|_| format!("expected one of {}", words.join(", ")))
-    }
-}
-
 impl StyleArg {
     /// The runtime's word for it.
     pub fn style(self) -> Style {

@@ -4,7 +4,7 @@
 //!
 //! | key | default | meaning |
 //! |---|---|---|
-//! | `size`, `style`, `background` | those of the command line | the same words as after `--size`, `--style` and `--background` |
+//! | `[view]` | | options of `pelage render` about the picture, with `_` for `-`: `size = "834x424"`, `style = "ink"`, `ink_mist = "5,60"`, `self_shadow = "off"` |
 //! | `camera.eye`, `.target`, `.fov_deg` | frames all models as they stand at time 0; 30 | from where, to where, and the height of the view |
 //! | `camera.path` | | instead of them: a list of `{ time_s, eye, target, fov_deg }`, see [`super::track`] |
 //! | `light.direction` or `.position` | the default light | towards a distant light, or the place of a near one |
@@ -27,6 +27,7 @@ use super::cast::{Actor, Cast, Place, Playing, Shot, camera_of, clip_named, rest
 use super::exit::Failure;
 use super::framing::FOV_DEG;
 use super::package_file::PackageFile;
+use super::render_option;
 use super::track::Track;
 use super::view::View;
 use super::view_args::{Direction, Position, ViewArgs};
@@ -50,7 +51,9 @@ pub struct SceneFile {
     pub frames: Option<u32>,
     /// Pictures a second, where the file says it.
     pub fps: Option<u32>,
-    words: SceneText,
+    /// What the file says in words of the command line: `--size=834x424`.
+    pub options: Vec<String>,
+    light: Option<LightText>,
     actors: Vec<Actor>,
     camera: Option<Shot>,
 }
@@ -74,6 +77,7 @@ impl SceneFile {
         if words.models.is_empty() {
             return Err(source.fault("model", "found none, expected at least one [[model]] with a package").into());
         }
+        let options = options(&source, &words)?;
         check_light(&source, words.light.as_ref())?;
         let camera = words.camera.as_ref().map(|camera| shot(&source, camera)).transpose()?;
         let names = names(&source, &words.models)?;
@@ -93,10 +97,10 @@ impl SceneFile {
         let sequence = words.sequence;
         let frames = sequence.and_then(|s| s.frames).map(|frames| frames.0);
         let fps = sequence.and_then(|s| s.fps).map(|fps| fps.0);
-        Ok(Self { name, text, packages, names, frames, fps, words, actors, camera })
+        Ok(Self { name, text, packages, names, frames, fps, options, light: words.light, actors, camera })
     }
 
-    /// The arguments of the command line, and where they are silent what the file says.
+    /// The arguments, which [`Self::options`] are among, and where they are silent the file's light.
     ///
     /// # Errors
     ///
@@ -109,10 +113,7 @@ impl SceneFile {
             }
         }
         let mut args = args.clone();
-        args.size = args.size.or(self.words.size.map(|word| word.0));
-        args.style = args.style.or(self.words.style.map(|word| word.0));
-        args.background = args.background.or(self.words.background.map(|word| word.0));
-        if let (Some(light), None, None) = (&self.words.light, args.light, args.point_light) {
+        if let (Some(light), None, None) = (&self.light, args.light, args.point_light) {
             args.light = light.direction.map(|towards| Direction(towards.0.normalize()));
             args.point_light = light.position.map(|position| Position(position.0));
         }
@@ -145,6 +146,43 @@ impl SceneFile {
         }
         Ok(Shot::fixed(camera_of(view, &points, margin_m)))
     }
+}
+
+/// Options that have another place in a scene, or none.
+const ELSEWHERE: [(&str, &str); 9] = [
+    ("camera", "in [camera]"),
+    ("light", "in [light]"),
+    ("point_light", "as position in [light]"),
+    ("frames", "in [sequence]"),
+    ("fps", "in [sequence]"),
+    ("clip", "in a [[model]]"),
+    ("crowd", "as several [[model]]"),
+    ("time", "on the command line"),
+    ("output", "on the command line"),
+];
+
+/// `[view]` as words of the command line.
+fn options(source: &Source<'_>, words: &SceneText) -> Result<Vec<String>, BakeError> {
+    let mut options = Vec::new();
+    for (name, value) in &words.view {
+        let fail = |reason: String| source.fault(&format!("view.{name}"), reason);
+        if let Some((_, place)) = ELSEWHERE.iter().find(|(key, _)| key == name) {
+            return Err(fail(format!("expected it {place}")));
+        }
+        let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
+        for value in values {
+            let value = match value {
+                toml::Value::String(text) => text.clone(),
+                toml::Value::Boolean(on) => if *on { "on" } else { "off" }.to_owned(),
+                toml::Value::Integer(_) | toml::Value::Float(_) => value.to_string(),
+                other => return Err(fail(format!("found {}, expected a word or a number", other.type_str()))),
+            };
+            let option = format!("--{}={value}", name.replace('_', "-"));
+            render_option(&option).map_err(fail)?;
+            options.push(option);
+        }
+    }
+    Ok(options)
 }
 
 fn check_light(source: &Source<'_>, light: Option<&LightText>) -> Result<(), BakeError> {

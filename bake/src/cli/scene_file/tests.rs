@@ -18,7 +18,7 @@ fn what_is_wrong_is_said_with_line_and_key() {
     for (text, words) in [
         ("", &["model", "found none", "[[model]]"][..]),
         ("[camera\n", &["line 1"]),
-        (&scene("colour = 1", ""), &["line 1", "unknown field `colour`", "background"]),
+        (&scene("colour = 1", ""), &["line 1", "unknown field `colour`", "view"]),
         (&scene("", "plaice = 1"), &["line 4", "model[0]", "unknown field `plaice`", "package"]),
         ("[[model]]\nname = \"a\"\n", &["line 1", "model[0]", "missing field `package`"]),
         (&scene("", "position = [0, nan, 0]"), &["line 4", "model[0].position", "found NaN", "-1000000 to 1000000"]),
@@ -66,9 +66,15 @@ fn what_is_wrong_is_said_with_line_and_key() {
         ),
         (&scene("[sequence]\nframes = 0", ""), &["line 2", "sequence.frames", "found 0", "1 to 100000"]),
         (&scene("[sequence]\nfps = 24.5", ""), &["line 2", "sequence.fps", "24.5"]),
-        (&scene("size = \"9x\"", ""), &["line 1", "size", "found \"9x\"", "WIDTHxHEIGHT"]),
-        (&scene("style = \"fluffy\"", ""), &["line 1", "style", "found \"fluffy\"", "fur, ink, bare"]),
-        (&scene("background = \"red\"", ""), &["line 1", "background", "found \"red\"", "0 to 255"]),
+        (&scene("[view]\nsize = \"9x\"", ""), &["line 2", "view.size", "'9x'", "WIDTHxHEIGHT"]),
+        (&scene("[view]\nstyle = \"fluffy\"", ""), &["line 2", "view.style", "'fluffy'", "fur, ink, bare"]),
+        (&scene("[view]\nink_widht = 3", ""), &["line 2", "view.ink_widht", "'--ink-widht'", "--ink-width"]),
+        (
+            &scene("[view]\nself_shadow = [[1]]", ""),
+            &["line 2", "view.self_shadow", "found array", "a word or a number"],
+        ),
+        (&scene("[view]\nrestart = true", ""), &["line 2", "view.restart", "'--restart'"]),
+        (&scene("[view]\nframes = 3", ""), &["line 2", "view.frames", "expected it in [sequence]"]),
         (
             &scene("", "name = \"a\"\n[[model]]\npackage = \"b\"\nname = \"a\""),
             &["line 7", "model[1].name", "model[0]"],
@@ -82,6 +88,18 @@ fn what_is_wrong_is_said_with_line_and_key() {
             assert!(message.contains(word), "no {word:?} in {message:?} of\n{text}");
         }
     }
+}
+
+#[test]
+fn options_are_words_of_the_command_line() {
+    let text = scene(
+        "[view]\nsize = \"64x32\"\nself_shadow = false\npenumbra = 0.5\nfill_light = [\"0,1,0\", \"1,0,0/0.5\"]",
+        "",
+    );
+    let source = Source { name: "a.toml", text: &text };
+    let expected =
+        ["--size=64x32", "--self-shadow=off", "--penumbra=0.5", "--fill-light=0,1,0", "--fill-light=1,0,0/0.5"];
+    assert_eq!(options(&source, &source.parse().unwrap()).unwrap(), expected);
 }
 
 #[test]

@@ -1,11 +1,9 @@
 //! What a scene file may say, and where in it something is wrong.
 
 use super::super::track::{LEAST_STEP_S, Track};
-use super::super::view_args::{Background, Size, StyleArg};
 use glam::Vec3;
 use pelage_bake::BakeError;
 use serde::Deserialize;
-use std::str::FromStr;
 use toml::de::{DeTable, DeValue};
 
 /// Largest coordinate, metres, and largest time, seconds.
@@ -15,9 +13,8 @@ const FARTHEST: f64 = 1e6;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneText {
-    pub size: Option<Word<Size>>,
-    pub style: Option<Word<StyleArg>>,
-    pub background: Option<Word<Background>>,
+    #[serde(default)]
+    pub view: toml::Table,
     pub camera: Option<CameraText>,
     pub light: Option<LightText>,
     pub sequence: Option<SequenceText>,
@@ -85,19 +82,6 @@ pub struct PlaceKey {
     pub time_s: Number,
     pub position: Point,
     pub heading_deg: Option<Number>,
-}
-
-/// A word of the command line.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(try_from = "String", bound = "T: FromStr<Err = String>")]
-pub struct Word<T>(pub T);
-
-impl<T: FromStr<Err = String>> TryFrom<String> for Word<T> {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse().map(Self).map_err(|expected| format!("found {text:?}, {expected}"))
-    }
 }
 
 /// A number that is neither infinite nor absurd.
