@@ -6,7 +6,9 @@
 use image::GrayImage;
 use pelage_bake::hair::{VolumeParams, simulate};
 use pelage_bake::ink::{self, Plane};
-use pelage_bake::recipe::Recipe;
+use pelage_bake::io::read_map_images;
+use pelage_bake::recipe::{ImagePath, Recipe};
+use std::path::Path;
 use std::time::Instant;
 
 /// Width of one channel on the sheet, pixels.
@@ -24,6 +26,10 @@ fn main() -> anyhow::Result<()> {
         }
     }
     let strands = simulate(&recipe.hair, &recipe.color, &volume)?;
+    let images = read_map_images("recipe", Path::new(""), &recipe)?;
+    let scan = |path: &Option<ImagePath>| path.as_ref().map(|p| (p.0.clone(), images.get(&p.0)));
+    let band = scan(&recipe.ink.stroke_image).map(|(path, image)| ink::stroke_band(&path, image?)).transpose()?;
+    let tile = scan(&recipe.ink.wash_image).map(|(path, image)| ink::wash_tile(&path, image?)).transpose()?;
     let mut rows = Vec::new();
     let mut row = |name: &str, paint: &dyn Fn() -> Vec<[Plane; 4]>| {
         let start = Instant::now();
@@ -35,12 +41,12 @@ fn main() -> anyhow::Result<()> {
             rows.push(planes);
         }
     };
-    row("stroke", &|| vec![ink::stroke(&recipe.ink)]);
-    row("wash", &|| vec![ink::wash(&recipe.ink, None)]);
+    row("stroke", &|| vec![ink::stroke(&recipe.ink, band.as_ref())]);
+    row("wash", &|| vec![ink::wash(&recipe.ink, tile.as_ref())]);
     row("paper", &|| vec![ink::paper(&recipe.ink)]);
     row("fur", &|| ink::fur(&strands, recipe.ink.fur_texels, recipe.ink.seed).to_vec());
     let start = Instant::now();
-    let textures = ink::textures(&recipe.ink, &recipe.pack, Some(&strands))?;
+    let textures = ink::textures(&recipe.ink, &recipe.pack, &images, Some(&strands))?;
     let bytes = [&textures.stroke, &textures.wash, &textures.paper].map(Vec::len);
     let fur = textures.fur.map_or(0, |fur| fur.len());
     println!("all, encoded: {:.3} s; {bytes:?} and {fur} bytes", start.elapsed().as_secs_f32());

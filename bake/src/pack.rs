@@ -3,12 +3,14 @@
 use crate::BakeError;
 use crate::fins::EdgeFins;
 use crate::groom::{Coat, Colors};
+use crate::ink::Ink;
 use crate::mesh::Model;
 use crate::surface::Surface;
 use crate::textures::{FinTextures, SLABS, ShellTextures};
 use pelage_formats::{
-    AttributeVertex, Bounds, Choice, DetailLevel, FinData, FinInfo, FurInfo, GeometryVertex, InputRecord, Limits,
-    Manifest, Material, MeshData, Package, PackageWriter, Part, QualityFigure, Shading, Tag, TextureEntry,
+    AttributeVertex, Bounds, Choice, DetailLevel, FinData, FinInfo, FurInfo, GeometryVertex, InkData, InkInfo,
+    InputRecord, Limits, Manifest, Material, MeshData, Package, PackageWriter, Part, QualityFigure, Shading, Tag,
+    TextureEntry,
 };
 
 /// What the stages made, ready to be packed.
@@ -48,6 +50,8 @@ pub struct Pieces<'a> {
     pub groom_textures: &'a [Vec<u8>],
     /// One per material: index into `groom_textures`.
     pub groom_of_material: &'a [Option<usize>],
+    /// What the ink style needs, or none.
+    pub ink: Option<&'a Ink>,
     /// Levels of detail, finest first.
     pub detail: &'a [DetailLevel],
     /// What all stages had to say.
@@ -100,6 +104,17 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
             direction_texture: indices.direction_texture,
         }
     });
+    let ink = pieces.ink.map(|ink| InkData {
+        info: InkInfo {
+            stroke_texture: textures.add("ink_stroke", &ink.textures.stroke),
+            wash_texture: textures.add("ink_wash", &ink.textures.wash),
+            paper_texture: textures.add("ink_paper", &ink.textures.paper),
+            fur_texture: ink.textures.fur.as_ref().map(|fur| textures.add("ink_fur", fur)),
+            grain_size_m: ink.grain_size_m,
+            shading: ink.shading,
+        },
+        vertices: ink.vertices.vertices.clone(),
+    });
     let parts = parts(surface);
     let manifest = Manifest {
         generator: concat!("pelage ", env!("CARGO_PKG_VERSION")).into(),
@@ -133,6 +148,9 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
     }
     if let Some((fins, _)) = pieces.fins {
         writer = writer.fins(&fin_data(fins, &parts));
+    }
+    if let Some(ink) = &ink {
+        writer = writer.ink(ink);
     }
     // The stages before have checked everything that comes from the user, so a fault here is ours.
     writer.finish().map_err(|fault| BakeError::Internal(format!("the package does not read back: {fault}")))

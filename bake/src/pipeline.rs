@@ -5,6 +5,7 @@ use crate::detail;
 use crate::fins;
 use crate::groom::{self, Atlas, Lay, Lengths, MapImages, Maps, Pattern};
 use crate::hair::TileHair;
+use crate::ink::{self, Canvas, Ink};
 use crate::mesh::{Image, Model, RestPose};
 use crate::pack::{self, Pieces};
 use crate::recipe::{PackParams, Recipe, Style, SurfaceSource};
@@ -13,7 +14,7 @@ use crate::textures;
 use pelage_formats::{Bounds, FurInfo, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.
-pub const STAGES: [&str; 7] = ["surface", "simulate", "slice", "groom", "fins", "textures", "pack"];
+pub const STAGES: [&str; 8] = ["surface", "simulate", "slice", "groom", "fins", "ink", "textures", "pack"];
 
 /// Array layers that WebGPU promises of a texture.
 pub(crate) const MOST_TEXTURE_LAYERS: u32 = 256;
@@ -124,6 +125,16 @@ pub fn bake(
         None
     };
 
+    on_stage("ink");
+    let ink = if recipe.ink.enabled {
+        let (mesh, rest, radius) = (&surface.mesh, &surface.rest, bounds.radius);
+        let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images };
+        let coated = furred.contains(&true).then_some(&strands);
+        Some(ink::ink(&recipe.ink, &recipe.pack, &canvas, coated, &mut warnings)?)
+    } else {
+        None
+    };
+
     on_stage("textures");
     let encode = |images: &[Image], encode: fn(&Image, &PackParams) -> Result<Vec<u8>, BakeError>| {
         images.iter().map(|image| encode(image, &recipe.pack)).collect::<Result<Vec<_>, _>>()
@@ -152,13 +163,14 @@ pub fn bake(
             ..FurInfo::default()
         },
         shading: if style == Style::Wet { shading.wet() } else { shading },
-        recipe: &resolved(recipe, lengths, depth, pattern.as_ref().map(Pattern::width_m)),
+        recipe: &resolved(recipe, lengths, depth, pattern.as_ref().map(Pattern::width_m), ink.as_ref()),
         shells: &shells,
         wet_shells: wet_shells.as_ref(),
         fins: fin_textures.as_ref().map(|textures| (&fins, textures)),
         base_colors: &base_colors,
         groom_textures: &groom_textures,
         groom_of_material: &grooms.of_material,
+        ink: ink.as_ref(),
         detail: &detail::levels(&recipe.detail, recipe.slice.layers, shells.coat.as_ref()),
         warnings: &warnings,
     })?;
@@ -166,11 +178,21 @@ pub fn bake(
 }
 
 /// The recipe with everything that was left open filled in.
-fn resolved(recipe: &Recipe, lengths: Lengths, fin_depth: f32, pattern_size_m: Option<f32>) -> String {
+fn resolved(
+    recipe: &Recipe,
+    lengths: Lengths,
+    fin_depth: f32,
+    pattern_size_m: Option<f32>,
+    ink: Option<&Ink>,
+) -> String {
     let mut recipe = recipe.clone();
     recipe.hair.length_m = Some(lengths.length_m);
     recipe.surface.tile_size_m = Some(lengths.tile_size_m);
     recipe.fins.depth = Some(fin_depth);
     recipe.color.pattern_size_m = pattern_size_m.or(recipe.color.pattern_size_m);
+    if let Some(ink) = ink {
+        recipe.ink.center = Some(ink.vertices.center.into());
+        recipe.ink.grain_size_m = Some(ink.grain_size_m);
+    }
     recipe.to_toml()
 }

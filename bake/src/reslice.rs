@@ -4,11 +4,14 @@
 
 use crate::BakeError;
 use crate::detail;
+use crate::groom::MapImages;
+use crate::hair::Strands;
+use crate::ink::{self, InkTextures};
 use crate::pipeline::MOST_TEXTURE_LAYERS;
 use crate::recipe::Recipe;
 use crate::reference::tile_hair;
 use crate::textures::{self, SLABS};
-use pelage_formats::{FinInfo, FurInfo, Manifest, Package, PackageWriter, ShellTextures, Tag, TextureEntry};
+use pelage_formats::{FinInfo, FurInfo, InkData, Manifest, Package, PackageWriter, ShellTextures, Tag, TextureEntry};
 
 /// Textures of the new package, and where each of the old ones went.
 struct Textures {
@@ -29,6 +32,23 @@ impl Textures {
             direction_texture: self.add(&format!("{prefix}_direction"), shells.direction),
         }
     }
+}
+
+/// The textures of the ink style anew, where `recipe` has them in another format than the package; `None` where they stay, also where a scan would be
+/// needed that is no part of the package.
+fn repainted(
+    file: &str,
+    old: &Manifest,
+    recipe: &Recipe,
+    strands: Option<&Strands>,
+) -> Result<Option<InkTextures>, BakeError> {
+    let own = Recipe::parse(file, &old.recipe)?;
+    let format = |recipe: &Recipe| (recipe.pack.shell_format, recipe.pack.bc_quality);
+    let scanned = own.ink.stroke_image.is_some() || own.ink.wash_image.is_some();
+    if scanned || format(&own) == format(recipe) {
+        return Ok(None);
+    }
+    ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands).map(Some)
 }
 
 /// Slices a package as the sections `[slice]`, `[fins]`, `[detail]` and `[pack]` of `recipe` say; what else it says should be the package's own.
@@ -89,6 +109,23 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         }
     });
     let with_fins = fin_info.is_some();
+    let mut ink = package.ink().map_err(fault)?.map(|ink| ink.to_data());
+    if let Some(InkData { info, .. }) = &mut ink {
+        // Ink is painted on the skin and after the strands, and neither changes; its textures' format may.
+        let kept = [&mut info.stroke_texture, &mut info.wash_texture, &mut info.paper_texture];
+        if let Some(new) = repainted(file, old, recipe, info.fur_texture.and(Some(&hair.strands)))? {
+            let files = [("ink_stroke", new.stroke), ("ink_wash", new.wash), ("ink_paper", new.paper)];
+            for (index, (name, file)) in kept.into_iter().zip(files) {
+                *index = textures.add(name, file);
+            }
+            info.fur_texture = new.fur.map(|file| textures.add("ink_fur", file));
+        } else {
+            for index in kept {
+                *index = keep(&mut textures, Some(*index))?.unwrap_or(*index);
+            }
+            info.fur_texture = keep(&mut textures, info.fur_texture)?;
+        }
+    }
     let manifest = Manifest {
         recipe: recipe.to_toml(),
         fur: FurInfo {
@@ -109,7 +146,8 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
     };
     let mut writer = PackageWriter::new(manifest);
     let sections = || package.sections().iter().enumerate();
-    for (index, section) in sections().filter(|(_, s)| ![Tag::MANIFEST, Tag::TEXTURE, Tag::FINS].contains(&s.tag)) {
+    let made = [Tag::MANIFEST, Tag::TEXTURE, Tag::FINS, Tag::INK];
+    for (index, section) in sections().filter(|(_, s)| !made.contains(&s.tag)) {
         writer = writer.section(section.tag, package.section_bytes(index).map_err(fault)?);
     }
     for file in textures.files {
@@ -117,6 +155,9 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
     }
     for (index, section) in sections().filter(|(_, s)| with_fins && s.tag == Tag::FINS) {
         writer = writer.section(section.tag, package.section_bytes(index).map_err(fault)?);
+    }
+    if let Some(ink) = &ink {
+        writer = writer.ink(ink);
     }
     writer.finish().map_err(|fault| BakeError::Internal(format!("the package sliced anew does not read back: {fault}")))
 }

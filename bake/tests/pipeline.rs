@@ -202,6 +202,7 @@ fn one_fin_on_every_edge() {
 fn fins_can_be_left_out_and_their_depth_given() {
     let mut without = recipe("torus");
     without.set("fins.enabled=false").unwrap();
+    without.set("ink.enabled=false").unwrap();
     let bytes = bake("torus", &without).unwrap().package;
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert!(package.fins().unwrap().is_none() && package.fin_textures().unwrap().is_none());
@@ -272,4 +273,43 @@ fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
             assert!(ours == baked, "{name}, {sets:?}");
         }
     }
+}
+
+#[test]
+fn ink_is_in_the_package_unless_it_is_left_out() {
+    let mut recipe = recipe("hare");
+    let bytes = bake("hare", &recipe).unwrap().package;
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    let (ink, textures) = (package.ink().unwrap().unwrap(), package.ink_textures().unwrap().unwrap());
+    assert_eq!(ink.vertices().len(), package.mesh().unwrap().unwrap().vertex_count as usize);
+    assert_eq!((textures.stroke.width, textures.wash.width, textures.paper.width), (256, 512, 512));
+    assert_eq!(textures.fur.map(|fur| (fur.width, fur.layers)), Some((256, 2)));
+    let bounds = package.manifest().bounds;
+    assert!((ink.info.grain_size_m / bounds.radius - 0.8).abs() < 1e-4);
+    let resolved = Recipe::parse("resolved", &package.manifest().recipe).unwrap().ink;
+    let center = glam::Vec3::from(resolved.center.unwrap());
+    assert!(center.distance(bounds.center.into()) <= 1.001 * bounds.radius, "{center}");
+    assert_eq!(resolved.grain_size_m, Some(ink.info.grain_size_m));
+    // Some of it is dark, some is paper.
+    let shading = ink.info.shading;
+    let grey = |v: pelage_formats::InkVertex| {
+        (2.0 * f32::from(v.wash[0]) / 32767.0 * shading.wash_speed + shading.wash_range).clamp(0.0, 1.0)
+    };
+    let greys: Vec<f32> = ink.vertices().map(grey).collect();
+    let share = |of: &dyn Fn(f32) -> bool| greys.iter().filter(|g| of(**g)).count() as f32 / greys.len() as f32;
+    assert!(
+        share(&|g| g < 0.5) > 0.15 && share(&|g| g > 0.8) > 0.15,
+        "{} {}",
+        share(&|g| g < 0.5),
+        share(&|g| g > 0.8)
+    );
+
+    recipe.set("model.bare=*").unwrap();
+    let bare = bake("hare", &recipe).unwrap().package;
+    assert!(Package::open(&bare, &Limits::default()).unwrap().ink_textures().unwrap().unwrap().fur.is_none());
+    recipe.set("ink.enabled=false").unwrap();
+    let without = bake("hare", &recipe).unwrap().package;
+    assert!(Package::open(&without, &Limits::default()).unwrap().ink().unwrap().is_none());
+    assert!(without.len() + 500_000 < bare.len());
 }

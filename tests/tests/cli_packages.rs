@@ -148,6 +148,41 @@ fn pack_undoes_unpack() {
         let golden = workspace().join(format!("formats/tests/golden/v{version}.pelage"));
         assert_round_trip(&sandbox, &std::fs::read(golden).unwrap());
     }
+    let files = assert_round_trip(&sandbox, &ink_package());
+    assert!(files.contains(&"ink.bin".to_owned()), "{files:?}");
+}
+
+fn ink_package() -> Vec<u8> {
+    std::fs::read(workspace().join("formats/tests/golden/v3-ink.pelage")).unwrap()
+}
+
+#[test]
+fn inspect_tells_of_ink() {
+    let sandbox = sandbox();
+    assert_eq!(json(&sandbox.run(&["inspect", "a.pelage", "--json"]), "inspect")["ink"], Value::Null);
+    sandbox.write("ink.pelage", ink_package());
+    let ink = json(&sandbox.run(&["inspect", "ink.pelage", "--json"]), "inspect")["ink"].clone();
+    let bytes = ink_package();
+    let expected = Package::open(&bytes, &Limits::default()).unwrap().ink().unwrap().unwrap().info;
+    assert_eq!(ink["stroke_texture"], expected.stroke_texture);
+    assert_eq!(ink["shading"]["wash_speed"].as_f64().unwrap() as f32, expected.shading.wash_speed);
+    let text = sandbox.run(&["inspect", "ink.pelage"]).stdout;
+    let range = format!("wash from {:.2}, fading by {:.2}", expected.shading.wash_range, expected.shading.wash_speed);
+    assert!(text.contains(&range), "{text}");
+}
+
+#[test]
+fn a_fault_in_unpacked_ink_is_placed_in_its_file() {
+    let sandbox = Sandbox::new();
+    sandbox.write("ink.pelage", ink_package());
+    assert_eq!(sandbox.run(&["unpack", "ink.pelage", "folder"]).code, Some(0));
+    let mut ink = std::fs::read(sandbox.path().join("folder/ink.bin")).unwrap();
+    // The last byte is a vertex's reserved one.
+    *ink.last_mut().unwrap() = 7;
+    sandbox.write("folder/ink.bin", ink);
+    let run = sandbox.run(&["pack", "folder", "out.pelage"]);
+    assert_eq!(run.code, Some(3), "{run:?}");
+    assert!(run.stderr.contains("ink.bin") && run.stderr.contains("reserved"), "{}", run.stderr);
 }
 
 #[test]

@@ -48,6 +48,8 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
     gpu_bytes += mesh.map_or(0, |m| (m.geometry.len() + m.attributes.len() + m.skin.len() + m.indices.len()) as u64);
     let fins = package.fins()?;
     gpu_bytes += fins.map_or(0, |f| f.fins.len() as u64);
+    let ink = package.ink()?;
+    gpu_bytes += ink.as_ref().map_or(0, |ink| ink.vertices.len() as u64);
     let animation = package.animation()?.unwrap_or_default();
     let clips: Vec<_> = animation.clips.iter().map(|c| json!({ "name": c.name, "seconds": c.duration_s })).collect();
     let materials: Vec<_> = manifest
@@ -85,6 +87,7 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
         "coat": manifest.coat,
         "detail": manifest.detail,
         "choice": manifest.choice,
+        "ink": ink.map(|ink| ink.info),
         "quality": quality,
         "warnings": manifest.warnings,
         "inputs": inputs,
@@ -167,6 +170,12 @@ fn table(name: &str, object: &Value) -> String {
         let (full, gone, fins) = (&level["full_px"], &level["gone_px"], 100.0 * level["fins"].as_f64().unwrap_or(0.0));
         let range = format!("from {} px of fur, gone at {} px", decimals(full, 2), decimals(gone, 2));
         row("detail", format!("{drawn}, {fins:.0} % of the fins, {range}"));
+    }
+    if let ink @ Value::Object(_) = &object["ink"] {
+        let (shading, grain_mm) = (&ink["shading"], 1000.0 * ink["grain_size_m"].as_f64().unwrap_or(0.0));
+        let (speed, range) = (decimals(&shading["wash_speed"], 2), decimals(&shading["wash_range"], 2));
+        let fur = if ink["fur_texture"].is_null() { "no fur" } else { "strokes of fur" };
+        row("ink", format!("wash from {range}, fading by {speed} a radius, grain every {grain_mm:.1} mm, {fur}"));
     }
     choice_rows(&object["choice"], &mut row);
     row("GPU memory", human_bytes(number(&object["gpu_bytes"])));

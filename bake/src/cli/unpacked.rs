@@ -2,8 +2,8 @@
 //!
 //! `manifest.json` holds the manifest and the list of sections with the file of each; `recipe.toml` the recipe, which the
 //! manifest leaves out so that it stands in one place; `<name>.ktx2` the textures; `mesh.glb` the mesh; `animation.json`
-//! skeleton and clips; `fins.bin` the fins, as `FORMAT.md` lays out their section; `section_<k>_<TAG>.bin` sections that this version does not know, or cannot write in another form
-//! without loss.
+//! skeleton and clips; `fins.bin` the fins and `ink.bin` the ink style, as `FORMAT.md` lays out their sections; `section_<k>_<TAG>.bin`
+//! sections that this version does not know, or cannot write in another form without loss.
 
 use super::mesh_glb;
 use pelage_bake::BakeError;
@@ -21,6 +21,7 @@ const RECIPE: &str = "recipe.toml";
 const MESH: &str = "mesh.glb";
 const ANIMATION: &str = "animation.json";
 const FINS: &str = "fins.bin";
+const INK: &str = "ink.bin";
 /// Key and value that mark the folder's form.
 const FORM: (&str, u64) = ("pelage_unpacked", 3);
 /// Key of the package's version, so that a package of an older version is packed as one again.
@@ -75,6 +76,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
                 None => None,
             },
             Tag::FINS if package.fins().map_err(damaged)?.is_some() => Some((FINS.to_owned(), bytes.to_vec())),
+            Tag::INK if package.ink().map_err(damaged)?.is_some() => Some((INK.to_owned(), bytes.to_vec())),
             Tag::TEXTURE => textures.next().map(|t| (format!("{}.ktx2", t.name), bytes.to_vec())),
             _ => None,
         };
@@ -187,6 +189,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
             Some(Tag::MESH) => MESH,
             Some(Tag::ANIMATION) => ANIMATION,
             Some(Tag::FINS) => FINS,
+            Some(Tag::INK) => INK,
             _ => MANIFEST,
         };
         // Byte offsets would be those of a package that does not exist.

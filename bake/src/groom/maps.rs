@@ -5,7 +5,7 @@ use super::glob;
 use super::sample::{Encoding, Wrap, bilinear};
 use crate::BakeError;
 use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
-use crate::recipe::{ColorMap, GroomParams, MaterialGroom, ScalarMap, VectorMap};
+use crate::recipe::{ColorMap, GroomParams, MaterialTable, ScalarMap, VectorMap};
 use glam::{Vec2, Vec3};
 use pelage_formats::InputRecord;
 use std::collections::BTreeMap;
@@ -65,7 +65,9 @@ pub enum Water {
 impl Water {
     /// How wet furred materials of those names are by that groom.
     pub fn of(groom: &GroomParams, names: &[&str]) -> Self {
-        Self::over(names.iter().map(|name| last(groom, name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness)))
+        Self::over(
+            names.iter().map(|name| last(&groom.material, name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness)),
+        )
     }
 
     fn over<'m>(maps: impl Iterator<Item = &'m ScalarMap> + Clone) -> Self {
@@ -124,19 +126,16 @@ impl<'a> Maps<'a> {
         images: &'a MapImages,
         warnings: &mut Vec<String>,
     ) -> Self {
-        for table in groom.material.iter().filter(|t| !materials.iter().any(|m| glob(&t.name, &m.name))) {
-            let names: Vec<_> = materials.iter().map(|m| m.name.as_str()).collect();
-            warnings.push(format!("groom.material: {:?} matches no material; the model has {names:?}", table.name));
-        }
+        report_unmatched("groom.material", &groom.material, materials, warnings);
         let convert = |(i, m): (usize, &Material)| MaterialMaps {
             furred: furred.get(i).copied().unwrap_or(false),
-            length: last(groom, &m.name, |t| t.length.as_ref()).unwrap_or(&groom.length),
-            density: last(groom, &m.name, |t| t.density.as_ref()).unwrap_or(&groom.density),
-            lean: last(groom, &m.name, |t| t.lean.as_ref()).unwrap_or(&groom.lean),
-            comb: last(groom, &m.name, |t| t.comb.as_ref()).or(groom.comb.as_ref()),
-            wetness: last(groom, &m.name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness),
-            bare: last(groom, &m.name, |t| t.bare.as_ref()).unwrap_or(&groom.bare),
-            color: last(groom, &m.name, |t| t.color.as_ref()).or(groom.color.as_ref()),
+            length: last(&groom.material, &m.name, |t| t.length.as_ref()).unwrap_or(&groom.length),
+            density: last(&groom.material, &m.name, |t| t.density.as_ref()).unwrap_or(&groom.density),
+            lean: last(&groom.material, &m.name, |t| t.lean.as_ref()).unwrap_or(&groom.lean),
+            comb: last(&groom.material, &m.name, |t| t.comb.as_ref()).or(groom.comb.as_ref()),
+            wetness: last(&groom.material, &m.name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness),
+            bare: last(&groom.material, &m.name, |t| t.bare.as_ref()).unwrap_or(&groom.bare),
+            color: last(&groom.material, &m.name, |t| t.color.as_ref()).or(groom.color.as_ref()),
         };
         let maps = Self { images, materials: materials.iter().enumerate().map(convert).collect() };
         for part in maps.furred_parts(mesh).filter(|(part, _)| !part.has_uvs) {
@@ -267,40 +266,19 @@ impl<'a> Maps<'a> {
     }
 
     /// A value per vertex: the mean over the furred parts that it belongs to, `outside` where there is none.
-    fn average<T>(
+    fn average<T: Averaged>(
         &self,
         mesh: &Mesh,
         outside: T,
         each: impl Fn(&MeshPart, &MaterialMaps<'a>, usize) -> Result<T, BakeError>,
-    ) -> Result<Vec<T>, BakeError>
-    where
-        T: Copy + Default + std::ops::AddAssign + std::ops::Mul<f32, Output = T>,
-    {
-        let mut sums = vec![(T::default(), 0u32); mesh.positions.len()];
-        let mut seen_in = vec![0; mesh.positions.len()];
-        for (number, (part, maps)) in self.furred_parts(mesh).enumerate() {
-            let triangles = &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
-            for v in triangles.iter().flatten().map(|v| *v as usize) {
-                if seen_in[v] != number + 1 {
-                    seen_in[v] = number + 1;
-                    sums[v].0 += each(part, maps, v)?;
-                    sums[v].1 += 1;
-                }
-            }
-        }
-        Ok(sums.into_iter().map(|(sum, n)| if n == 0 { outside } else { sum * (n as f32).recip() }).collect())
+    ) -> Result<Vec<T>, BakeError> {
+        let parts = self.furred_parts(mesh).map(|(part, maps)| (part, *maps));
+        average(mesh, parts, outside, |part, maps, v| each(part, maps, v))
     }
 
-    /// Value of a map at a vertex; `None` for an image where there are no texture coordinates.
+    /// As [`scalar_at`].
     fn scalar(&self, mesh: &Mesh, part: &MeshPart, map: &ScalarMap, v: usize) -> Result<Option<f32>, BakeError> {
-        Ok(match map {
-            ScalarMap::Constant(value) => Some(*value),
-            ScalarMap::Vertex(channel) => Some(f32::from(mesh.colors[v][channel.index()]) / 255.0),
-            ScalarMap::Image { .. } if !part.has_uvs => None,
-            ScalarMap::Image { path, channel } => {
-                Some(bilinear(self.images.get(path)?, mesh.uvs[v], Wrap::Repeat, Encoding::Linear)[channel.index()])
-            }
-        })
+        scalar_at(self.images, mesh, part, map, v)
     }
 
     fn vector(
@@ -340,13 +318,72 @@ impl MaterialMaps<'_> {
     }
 }
 
+/// What can be averaged.
+pub(crate) trait Averaged: Copy + Default + std::ops::AddAssign + std::ops::Mul<f32, Output = Self> {}
+
+impl<T: Copy + Default + std::ops::AddAssign + std::ops::Mul<f32, Output = T>> Averaged for T {}
+
+/// A value per vertex: the mean over those of `parts` that it belongs to, `outside` where there is none. Each part comes with what `each` wants to
+/// know of it.
+pub(crate) fn average<'m, M, T: Averaged>(
+    mesh: &'m Mesh,
+    parts: impl Iterator<Item = (&'m MeshPart, M)>,
+    outside: T,
+    each: impl Fn(&MeshPart, &M, usize) -> Result<T, BakeError>,
+) -> Result<Vec<T>, BakeError> {
+    let mut sums = vec![(T::default(), 0u32); mesh.positions.len()];
+    let mut seen_in = vec![0; mesh.positions.len()];
+    for (number, (part, about)) in parts.enumerate() {
+        let triangles = &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
+        for v in triangles.iter().flatten().map(|v| *v as usize) {
+            if seen_in[v] != number + 1 {
+                seen_in[v] = number + 1;
+                sums[v].0 += each(part, &about, v)?;
+                sums[v].1 += 1;
+            }
+        }
+    }
+    Ok(sums.into_iter().map(|(sum, n)| if n == 0 { outside } else { sum * (n as f32).recip() }).collect())
+}
+
+/// Value of a map at a vertex; `None` for an image where there are no texture coordinates.
+pub(crate) fn scalar_at(
+    images: &MapImages,
+    mesh: &Mesh,
+    part: &MeshPart,
+    map: &ScalarMap,
+    v: usize,
+) -> Result<Option<f32>, BakeError> {
+    Ok(match map {
+        ScalarMap::Constant(value) => Some(*value),
+        ScalarMap::Vertex(channel) => Some(f32::from(mesh.colors[v][channel.index()]) / 255.0),
+        ScalarMap::Image { .. } if !part.has_uvs => None,
+        ScalarMap::Image { path, channel } => {
+            Some(bilinear(images.get(path)?, mesh.uvs[v], Wrap::Repeat, Encoding::Linear)[channel.index()])
+        }
+    })
+}
+
 /// What the last table that matches a material of that name and has the key says.
-fn last<'a, T>(
-    groom: &'a GroomParams,
+pub(crate) fn last<'a, M: MaterialTable, T>(
+    tables: &'a [M],
     material: &str,
-    key: impl Fn(&'a MaterialGroom) -> Option<&'a T>,
+    key: impl Fn(&'a M) -> Option<&'a T>,
 ) -> Option<&'a T> {
-    groom.material.iter().rev().filter(|t| glob(&t.name, material)).find_map(key)
+    tables.iter().rev().filter(|t| glob(t.material_name(), material)).find_map(key)
+}
+
+/// Reports tables whose name matches no material; `key` is theirs in the recipe.
+pub(crate) fn report_unmatched<M: MaterialTable>(
+    key: &str,
+    tables: &[M],
+    materials: &[Material],
+    warnings: &mut Vec<String>,
+) {
+    for table in tables.iter().filter(|t| !materials.iter().any(|m| glob(t.material_name(), &m.name))) {
+        let names: Vec<_> = materials.iter().map(|m| m.name.as_str()).collect();
+        warnings.push(format!("{key}: {:?} matches no material; the model has {names:?}", table.material_name()));
+    }
 }
 
 /// Per vertex the unit directions on the skin, at rest, that point right and up on the model's images: the mean over its triangles

@@ -10,6 +10,7 @@ pub(crate) mod sample;
 pub use atlas::Atlas;
 pub use colors::{Colors, MaterialColor, colors};
 pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
+pub(crate) use maps::{average, last, report_unmatched, scalar_at};
 pub use pattern::Pattern;
 
 use crate::mesh::{Material, RestPose};

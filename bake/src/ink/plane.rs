@@ -1,5 +1,6 @@
 //! One channel of a square tile that repeats, and the way of four of them into texels with mips.
 
+use crate::hair::noise::hash;
 use crate::textures::gaussian_weights;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -120,10 +121,13 @@ impl Plane {
         out.map(|v| v.clamp(0.0, 1.0))
     }
 
-    /// Every value replaced by its rank, 0..1: all values are then equally frequent.
+    /// Every value replaced by its rank, 0..1: all values are then equally frequent. Equal ones are ranked at random, lest they become a ramp.
     pub(super) fn equalised(&self) -> Self {
         let mut order: Vec<u32> = (0..self.values.len() as u32).collect();
-        order.par_sort_unstable_by(|a, b| self.values[*a as usize].total_cmp(&self.values[*b as usize]).then(a.cmp(b)));
+        order.par_sort_unstable_by(|a, b| {
+            let by_value = self.values[*a as usize].total_cmp(&self.values[*b as usize]);
+            by_value.then_with(|| (hash(0, (*a).into()), a).cmp(&(hash(0, (*b).into()), b)))
+        });
         let mut values = vec![0.0; order.len()];
         for (rank, i) in order.iter().enumerate() {
             values[*i as usize] = (rank as f32 + 0.5) / order.len() as f32;
@@ -194,6 +198,14 @@ mod tests {
             }
         }
         assert!((f32::from(levels[4][0]) - 255.0 * plane.mean()).abs() < 1.0);
+    }
+
+    #[test]
+    fn equal_values_become_no_ramp() {
+        let ranks = Plane::from_fn(32, |_| 0.3).equalised();
+        let half =
+            |rows: std::ops::Range<usize>| ranks.values[32 * rows.start..32 * rows.end].iter().sum::<f32>() / 512.0;
+        assert!((half(0..16) - half(16..32)).abs() < 0.1, "{} {}", half(0..16), half(16..32));
     }
 
     #[test]

@@ -22,14 +22,15 @@ fn polar(uv: Vec2) -> Vec2 {
 }
 
 /// A ring of ink as wide as a brush leaves it.
-struct Ring {
+struct Ring<'a> {
     seed: u64,
     width: f32,
     variation: f32,
     dryness: f32,
+    scanned: Option<&'a Plane>,
 }
 
-impl Ring {
+impl Ring<'_> {
     /// Noise of its own kind along the rim and inwards; cells to a turn, and to a radius.
     fn noise(&self, kind: u64, at: Vec2, cells: (u32, u32), count: u32) -> f32 {
         octaves(hash(self.seed, kind), at, UVec2::new(cells.0, cells.1), count, 0.55)
@@ -51,7 +52,15 @@ impl Ring {
         // Ink runs on into the paper, thinner and thinner, and gathers a little where it stopped.
         let bleed = 0.22 * libm::expf(-3.0 * (across - 1.0).max(0.0)) * smooth_step(0.7, 1.0, across);
         let pool = 1.0 - 0.10 * smooth_step(0.15, 0.6, across) * (1.0 - smooth_step(0.6, 0.85, across));
-        let wet = (body * pool).max(bleed);
+        let wet = match self.scanned {
+            // The middle rows of the first and the last texel are its ends: beyond, the tile would begin again.
+            Some(band) if across < 1.0 => {
+                let half = 0.5 / band.side as f32;
+                1.0 - band.sample(Vec2::new(at.x, across.clamp(half, 1.0 - half)))
+            }
+            Some(_) => 0.0,
+            None => (body * pool).max(bleed),
+        };
         // Bristles run along the rim; the drier the brush, the more of them leave no ink, first on the side where it is not pressed.
         let bristles = gradient(hash(self.seed, 4), at, UVec2::new(9, 88))
             + 0.6 * gradient(hash(self.seed, 5), at, UVec2::new(23, 150));
@@ -64,13 +73,17 @@ impl Ring {
 
 /// Red: grey of the stroke, 0 black at the rim to 1 white inside; green: the same of a dry brush; blue: how the line's width varies, 0.5 on
 /// average; alpha: 1.
-pub fn stroke(params: &InkParams) -> [Plane; 4] {
+///
+/// `scanned`: a stroke in place of the painted one, along u and from the outer edge to the inner along v, as
+/// [`stroke_band`](super::stroke_band) gives it. Its dry form is the scan with bristles lifted off.
+pub fn stroke(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
     let side = params.stroke_texels as usize;
     let ring = Ring {
         seed: hash(params.seed, 0x5701),
         width: params.stroke_width,
         variation: params.stroke_variation,
         dryness: params.stroke_dryness,
+        scanned,
     };
     let grey = |brush: usize| Plane::from_fn(side, |uv| 1.0 - ring.ink(polar(uv))[brush]);
     [grey(0), grey(1), width_noise(side, params), Plane::from_fn(side, |_| 1.0)]

@@ -62,13 +62,13 @@ fn greys_are_balanced_and_thresholds_even() {
     }
     let [.., pressure, _] = wash(&small(), None);
     assert!((pressure.mean() - 0.5).abs() < 0.01);
-    let [.., variation, opaque] = stroke(&small());
+    let [.., variation, opaque] = stroke(&small(), None);
     assert!((variation.mean() - 0.5).abs() < 0.01 && opaque.values.iter().all(|a| *a == 1.0));
 }
 
 #[test]
 fn the_stroke_is_a_dark_uneven_rim() {
-    let [wet, dry, ..] = stroke(&InkParams { stroke_texels: 512, ..InkParams::default() });
+    let [wet, dry, ..] = stroke(&InkParams { stroke_texels: 512, ..InkParams::default() }, None);
     let on_ray = |plane: &Plane, turn: f32, inward: f32| {
         let (sin, cos) = (turn * std::f32::consts::TAU).sin_cos();
         plane.sample(Vec2::splat(0.5) + 0.5 * (1.0 - inward) * Vec2::new(cos, sin))
@@ -89,7 +89,7 @@ fn the_stroke_is_a_dark_uneven_rim() {
         "a dry brush leaves no more ink than a wet one"
     );
     assert!(dry.mean() > wet.mean() + 0.01);
-    let even = stroke(&InkParams { stroke_variation: 0.0, ..InkParams::default() });
+    let even = stroke(&InkParams { stroke_variation: 0.0, ..InkParams::default() }, None);
     let wobble: Vec<f32> = (0..64).map(|i| on_ray(&even[0], i as f32 / 64.0, 0.085)).collect();
     assert!(wobble.iter().all(|g| (g - wobble[0]).abs() < 0.15), "without variation the line is even: {wobble:?}");
 }
@@ -126,7 +126,7 @@ fn the_same_seed_paints_the_same_on_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let params = InkParams { seed, ..small() };
         let strands = strands();
-        pool.install(|| textures(&params, &PackParams::default(), Some(&strands)).unwrap())
+        pool.install(|| textures(&params, &PackParams::default(), &MapImages::default(), Some(&strands)).unwrap())
     };
     let one = paint(1, 1);
     assert_eq!(one, paint(3, 1));
@@ -147,9 +147,13 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
         let pack = PackParams { shell_format, ..PackParams::default() };
         let block = shell_format == ShellFormat::Bc7;
         let format = if block { TextureFormat::Bc7Unorm } else { TextureFormat::Rgba8Unorm };
-        let encoded = textures(&params, &pack, Some(&strands)).unwrap();
-        let painted =
-            [vec![stroke(&params)], vec![wash(&params, None)], vec![paper(&params)], fur(&strands, 128, 1).to_vec()];
+        let encoded = textures(&params, &pack, &MapImages::default(), Some(&strands)).unwrap();
+        let painted = [
+            vec![stroke(&params, None)],
+            vec![wash(&params, None)],
+            vec![paper(&params)],
+            fur(&strands, 128, 1).to_vec(),
+        ];
         let files = [&encoded.stroke, &encoded.wash, &encoded.paper, encoded.fur.as_ref().unwrap()];
         for (texture, (file, layers)) in files.into_iter().zip(painted).enumerate() {
             reread(file, |view| {
@@ -167,12 +171,13 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
             });
         }
     }
-    assert!(textures(&params, &PackParams::default(), None).unwrap().fur.is_none());
+    assert!(textures(&params, &PackParams::default(), &MapImages::default(), None).unwrap().fur.is_none());
 }
 
 #[test]
 fn textures_of_the_default_sizes_stay_small() {
-    let encoded = textures(&InkParams::default(), &PackParams::default(), Some(&strands())).unwrap();
+    let encoded =
+        textures(&InkParams::default(), &PackParams::default(), &MapImages::default(), Some(&strands())).unwrap();
     let bytes = encoded.stroke.len() + encoded.wash.len() + encoded.paper.len() + encoded.fur.unwrap().len();
     assert!(bytes < 1_500_000, "{bytes}");
 }

@@ -9,6 +9,8 @@ use glam::{UVec2, Vec2};
 
 /// Texels a side that ink runs on; the blotches and marks that it leaves are wider than a texel of it.
 const WET_SIDE: usize = 256;
+/// Texels a side that soft noise is computed for; it has nothing finer.
+const SOFT_SIDE: usize = 256;
 /// Layers of wash, each laid on when the one before is dry.
 const LAYERS: u64 = 3;
 /// Puddles of a layer.
@@ -30,7 +32,8 @@ pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
         |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
     // Fibres and sizing, on which grains of soot settle.
     let tooth = Plane::from_fn(side, |uv| noise(1, uv, 40, 4));
-    let cloud = Plane::from_fn(side, |uv| noise(2, uv, 5, 5));
+    let soft = |f: &(dyn Fn(Vec2) -> f32 + Sync)| Plane::from_fn(side.min(SOFT_SIDE), f).resized(side);
+    let cloud = soft(&|uv| noise(2, uv, 5, 5));
     let (grain, blotches) = match scanned {
         Some(tile) => {
             let tile = tile.resized(side);
@@ -48,7 +51,7 @@ pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
             )
         }
     };
-    let pressure = Plane::from_fn(side, |uv| noise(3, uv, 6, 4));
+    let pressure = soft(&|uv| noise(3, uv, 6, 4));
     let speckle = Plane::from_fn(side, |uv| noise(4, uv, (params.wash_texels / 8).max(4), 3));
     let dry_brush = speckle.with(&tooth, |speckle, tooth| speckle + 0.5 * tooth).with(&pressure, |v, p| v - 0.15 * p);
     [grain.balanced(GRAIN), blotches.balanced(BLOTCHES), pressure.balanced(PRESSURE), dry_brush.equalised()]

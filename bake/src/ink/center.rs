@@ -1,0 +1,127 @@
+//! Where the wash begins, if the recipe does not say.
+//!
+//! Fang 2006, §3 has the user pick a point CP on the model. Here places spread evenly over the washed skin are tried, and the best is the one whose wash
+//! varies most over it (standard deviation of the clamped W, by area), rather dark above than below: a painter loads back and head and leaves the
+//! belly to the paper. Behind a hollow (V − CP)·N is negative; skin that comes out black by that counts against a place.
+
+use super::vertices::product;
+use glam::Vec3;
+use pelage_formats::InkShading;
+use rayon::prelude::*;
+
+/// Places that are tried.
+const CANDIDATES: usize = 96;
+/// How much a wash that is all dark above and pale below counts beyond one that does not care, as a share of the deviation.
+const ABOVE: f64 = 0.6;
+/// Grey below which the wash drowns.
+const BLACK: f32 = 0.08;
+
+/// A point of the washed skin at rest in world space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    pub(super) place: Vec3,
+    pub(super) normal: Vec3,
+    /// Area that it stands for, times its share of the wash.
+    pub(super) weight: f64,
+}
+
+/// The best centre of those tried; `None` where nothing is washed.
+///
+/// * `radius`: of the model's bounding sphere, metres
+pub(super) fn pick(spots: &[Spot], radius: f32, shading: &InkShading) -> Option<Vec3> {
+    let washed: Vec<_> = spots.iter().copied().filter(|s| s.weight > 0.0).collect();
+    let scores = spread(&washed, CANDIDATES);
+    let scores: Vec<_> = scores.par_iter().map(|i| (score(&washed, washed[*i].place, radius, shading), *i)).collect();
+    // The first of equals, so that the choice does not depend on how they were counted.
+    let best = scores.iter().copied().reduce(|best, next| if next.0 > best.0 { next } else { best });
+    best.map(|(_, i)| washed[i].place)
+}
+
+/// Indices of `count` spots far from each other, the highest first.
+fn spread(spots: &[Spot], count: usize) -> Vec<usize> {
+    let mut away = vec![f32::INFINITY; spots.len()];
+    let highest = (0..spots.len()).reduce(|a, b| if spots[b].place.y > spots[a].place.y { b } else { a });
+    let mut next = highest;
+    let mut chosen = Vec::new();
+    while let Some(i) = next.filter(|_| chosen.len() < count) {
+        chosen.push(i);
+        for (away, spot) in away.iter_mut().zip(spots) {
+            *away = away.min(spot.place.distance_squared(spots[i].place));
+        }
+        let farthest = (0..spots.len()).reduce(|a, b| if away[b] > away[a] { b } else { a });
+        next = farthest.filter(|i| away[*i] > 0.0);
+    }
+    chosen
+}
+
+/// How good a centre is.
+fn score(spots: &[Spot], center: Vec3, radius: f32, shading: &InkShading) -> f64 {
+    let grey = |spot: &Spot| {
+        let [literal, normalised] = product(spot.place, spot.normal, center, radius);
+        let x = if shading.normalised { normalised } else { literal };
+        x * shading.wash_speed + shading.wash_range
+    };
+    let (mut weight, mut black) = (0.0, 0.0);
+    let (mut sum, mut squares, mut up, mut ups, mut both) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for spot in spots {
+        let (w, grey, y) = (spot.weight, grey(spot), f64::from(spot.normal.y));
+        let g = f64::from(grey.clamp(0.0, 1.0));
+        weight += w;
+        black += if grey < BLACK { w } else { 0.0 };
+        sum += w * g;
+        squares += w * g * g;
+        up += w * y;
+        ups += w * y * y;
+        both += w * g * y;
+    }
+    let (grey, y) = (sum / weight, up / weight);
+    let deviation = (squares / weight - grey * grey).max(0.0).sqrt();
+    let slant = (ups / weight - y * y).max(0.0).sqrt();
+    // Correlation of darkness with looking up.
+    let above = if deviation * slant > 1e-9 { (grey * y - both / weight) / (deviation * slant) } else { 0.0 };
+    deviation * (1.0 + ABOVE * above) * (1.0 - black / weight).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sphere() -> Vec<Spot> {
+        let at = |i: usize| {
+            let y = 1.0 - 2.0 * (i as f32 + 0.5) / 800.0;
+            let (sin, cos) = (i as f32 * 2.399_963).sin_cos();
+            let normal = Vec3::new(cos * (1.0 - y * y).sqrt(), y, sin * (1.0 - y * y).sqrt());
+            Spot { place: 2.0 * normal, normal, weight: 1.0 }
+        };
+        (0..800).map(at).collect()
+    }
+
+    #[test]
+    fn of_a_sphere_the_top_is_dark() {
+        let center = pick(&sphere(), 2.0, &InkShading::default()).unwrap_or_default();
+        assert!(center.y > 1.7, "{center}");
+    }
+
+    #[test]
+    fn a_wash_that_drowns_is_avoided() {
+        // Two bodies facing each other: what is behind one's hollow, seen from the other, comes out black.
+        let spot = |y: f32, ny: f32| Spot { place: Vec3::new(0.0, y, 0.0), normal: ny * Vec3::Y, weight: 1.0 };
+        let spots = [spot(1.0, 1.0), spot(0.4, -1.0), spot(-0.4, 1.0), spot(-1.0, -1.0)];
+        let shading = InkShading { wash_speed: 1.0, wash_range: 0.3, ..InkShading::default() };
+        let drowned = |c: Vec3| spots.iter().filter(|s| (s.place - c).dot(s.normal) + 0.3 < BLACK).count();
+        let center = pick(&spots, 1.0, &shading).unwrap_or_default();
+        let least = spots.iter().map(|s| drowned(s.place)).min();
+        assert_eq!(Some(drowned(center)), least, "{center}");
+    }
+
+    #[test]
+    fn only_washed_skin_has_a_centre() {
+        let mut spots = sphere();
+        spots.iter_mut().filter(|s| s.place.y > 0.0).for_each(|s| s.weight = 0.0);
+        let center = pick(&spots, 2.0, &InkShading::default()).unwrap_or(Vec3::Y);
+        assert!(center.y <= 0.0, "{center}");
+        spots.iter_mut().for_each(|s| s.weight = 0.0);
+        assert_eq!(pick(&spots, 2.0, &InkShading::default()), None);
+        assert_eq!(pick(&[], 2.0, &InkShading::default()), None);
+    }
+}

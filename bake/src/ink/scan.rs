@@ -1,0 +1,179 @@
+//! Scanned washes and strokes: a painting, or a part of one, made into a tile of grey.
+//!
+//! What the ink lies on is taken out first: silk and old paper are dark themselves, and not evenly so. Then the picture is laid over itself, shifted by
+//! half, each copy fading where the other has its border. A plain mean of the two would be duller than either; here both are given a normal
+//! distribution first, the sum is brought back to its variance, and then given the picture's own histogram again (Heitz and Neyret 2018).
+
+use super::noise::smooth_step;
+use super::plane::Plane;
+use crate::BakeError;
+use crate::mesh::Image;
+use glam::Vec2;
+
+/// Fewer texels a side hold no brushwork.
+const LEAST_SIDE: u32 = 48;
+/// Grey levels, 0..=1, that darkest and lightest hundredth must lie apart.
+const LEAST_CONTRAST: f32 = 0.02;
+/// Width over which the ground is looked for, as a share of the side.
+const GROUND: f32 = 0.16;
+
+/// A grey picture of any shape.
+struct Grey {
+    width: usize,
+    height: usize,
+    values: Vec<f32>,
+}
+
+/// Luma as a display shows it, which is how ink is judged.
+fn grey(image: &Image) -> Grey {
+    let luma = |t: &[u8]| {
+        let share = |i: usize| f32::from(t[i]) / 255.0;
+        // Where nothing is painted there is paper.
+        let ink = 0.2126 * share(0) + 0.7152 * share(1) + 0.0722 * share(2);
+        1.0 - (1.0 - ink) * share(3)
+    };
+    Grey {
+        width: image.width as usize,
+        height: image.height as usize,
+        values: image.rgba.chunks_exact(4).map(luma).collect(),
+    }
+}
+
+/// Checks that a picture can be used; `key` and `path` are the recipe's.
+fn check(key: &str, path: &str, image: &Image, grey: &Grey) -> Result<(), BakeError> {
+    let fail = |reason: String| Err(BakeError::Input { file: path.to_owned(), place: key.to_owned(), reason });
+    if image.width.min(image.height) < LEAST_SIDE {
+        let (w, h) = (image.width, image.height);
+        return fail(format!("it has {w} x {h} texels, expected at least {LEAST_SIDE} x {LEAST_SIDE}"));
+    }
+    let (dark, light) = ends(&grey.values);
+    if light - dark < LEAST_CONTRAST {
+        return fail(format!("its greys are {dark:.3} to {light:.3}, expected a painting with light and dark"));
+    }
+    Ok(())
+}
+
+/// The darkest and the lightest hundredth.
+fn ends(values: &[f32]) -> (f32, f32) {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f32::total_cmp);
+    let at = |share: f32| sorted.get((share * (sorted.len().max(1) - 1) as f32) as usize).copied().unwrap_or(0.0);
+    (at(0.01), at(0.99))
+}
+
+/// The largest square in the middle, as a plane.
+fn square(grey: &Grey) -> Plane {
+    let side = grey.width.min(grey.height);
+    let (x0, y0) = ((grey.width - side) / 2, (grey.height - side) / 2);
+    let values = (0..side * side).map(|i| grey.values[(y0 + i / side) * grey.width + x0 + i % side]).collect();
+    Plane { side, values }
+}
+
+/// Takes the ground out: what the brightest parts round a place have is white there.
+fn without_ground(plane: &Plane) -> Plane {
+    // Bright parts count many times more than dark ones: a soft maximum.
+    let sharp = 24.0;
+    let sigma = GROUND * plane.side as f32;
+    let mirrored = Plane::from_fn(2 * plane.side, |uv| {
+        // The ground goes on beyond the border as it came; the tile of four has none.
+        let p = (uv * 2.0 - 1.0).abs();
+        plane.sample(p.min(Vec2::splat(1.0 - 0.5 / plane.side as f32)))
+    });
+    let weights = mirrored.map(|v| libm::expf(sharp * (v - 1.0)));
+    let sums = weights.with(&mirrored, |w, v| w * v).blurred(sigma);
+    let ground = sums.with(&weights.blurred(sigma), |sum, w| sum / w.max(1e-12));
+    let half = plane.side;
+    let values = (0..plane.side * plane.side).map(|i| {
+        let ground = ground.at((half + i % half) as i64, (half + i / half) as i64);
+        (plane.values[i] / ground.max(1e-3)).min(1.0)
+    });
+    Plane { side: plane.side, values: values.collect() }
+}
+
+/// A scanned wash as a tile that repeats, as large as the picture's shorter side; greys of mean 0.5.
+///
+/// # Errors
+/// [`BakeError::Input`], naming file, key, what was found and what was expected, for a picture that is too small or has no contrast.
+pub fn wash_tile(path: &str, image: &Image) -> Result<Plane, BakeError> {
+    let grey = grey(image);
+    check("ink.wash_image", path, image, &grey)?;
+    let level = without_ground(&square(&grey));
+    Ok(tile(&level, [true, true]).balanced(0.15))
+}
+
+/// A scanned stroke as grey along it (u, which repeats) and across it (v, 0 the outer edge, 1 the inner), 0 ink to 1 paper.
+///
+/// # Errors
+/// As [`wash_tile`].
+pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
+    let grey = grey(image);
+    check("ink.stroke_image", path, image, &grey)?;
+    // The rows that the stroke takes.
+    let (dark, light) = ends(&grey.values);
+    let white = |v: f32| ((v - dark) / (light - dark)).clamp(0.0, 1.0);
+    let rows: Vec<f32> = grey
+        .values
+        .chunks_exact(grey.width)
+        .map(|row| row.iter().map(|v| 1.0 - white(*v)).sum::<f32>() / grey.width as f32)
+        .collect();
+    let most = rows.iter().copied().fold(0.0, f32::max);
+    // Its outer edge is the outline, and full; its inner one may fade.
+    let first = rows.iter().position(|ink| *ink > 0.5 * most).unwrap_or(0);
+    let last = rows.iter().rposition(|ink| *ink > 0.1 * most).unwrap_or(grey.height - 1);
+    let side = grey.width.max(last + 1 - first);
+    let at = |x: f32, y: f32| {
+        let (x, y) = (x.clamp(0.0, (grey.width - 1) as f32), y.clamp(0.0, (grey.height - 1) as f32));
+        let (x0, y0) = (x as usize, y as usize);
+        let value = |dx: usize, dy: usize| {
+            grey.values[(y0 + dy).min(grey.height - 1) * grey.width + (x0 + dx).min(grey.width - 1)]
+        };
+        let row = |dy: usize| value(0, dy) + (value(1, dy) - value(0, dy)) * x.fract();
+        row(0) + (row(1) - row(0)) * y.fract()
+    };
+    let height = (last + 1 - first) as f32;
+    let band = Plane::from_fn(side, |uv| white(at(uv.x * grey.width as f32 - 0.5, first as f32 + uv.y * height - 0.5)));
+    Ok(tile(&band, [true, false]))
+}
+
+/// Lays a picture over itself so that it repeats along u and v as `wanted`; its histogram stays.
+fn tile(plane: &Plane, wanted: [bool; 2]) -> Plane {
+    let n = plane.side;
+    let normal = plane.equalised().map(normal_of_rank);
+    // Weight of the copy that is not shifted: 0 at the borders, 1 from a quarter on.
+    let weight = |i: usize, wanted: bool| {
+        let from_border = (i as f32 + 0.5).min(n as f32 - i as f32 - 0.5) / n as f32;
+        if wanted { smooth_step(0.0, 0.25, from_border) } else { 1.0 }
+    };
+    let half = (n / 2) as i64;
+    let mixed = (0..n * n).map(|i| {
+        let (x, y) = (i % n, i / n);
+        let (wx, wy) = (weight(x, wanted[0]), weight(y, wanted[1]));
+        let (mut sum, mut power) = (0.0, 0.0f32);
+        for (dx, wx) in [(0, wx), (half, 1.0 - wx)] {
+            for (dy, wy) in [(0, wy), (half, 1.0 - wy)] {
+                if wx * wy > 0.0 {
+                    sum += wx * wy * normal.at(x as i64 + dx, y as i64 + dy);
+                    power += (wx * wy).powi(2);
+                }
+            }
+        }
+        sum / power.sqrt().max(1e-6)
+    });
+    let ranks = Plane { side: n, values: mixed.collect() }.equalised();
+    let mut sorted = plane.values.clone();
+    sorted.sort_unstable_by(f32::total_cmp);
+    ranks.map(|rank| sorted[((rank * (n * n) as f32) as usize).min(n * n - 1)])
+}
+
+/// The value of a normal distribution that this share of all values lies below (Abramowitz and Stegun 26.2.23, within 5e-4).
+fn normal_of_rank(rank: f32) -> f32 {
+    let p = rank.min(1.0 - rank).max(1e-7);
+    let t = (-2.0 * libm::logf(p)).sqrt();
+    let value =
+        t - (2.515_517 + t * (0.802_853 + t * 0.010_328)) / (1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308)));
+    if rank < 0.5 { -value } else { value }
+}
+
+#[cfg(test)]
+#[path = "scan_tests.rs"]
+mod tests;
