@@ -6,10 +6,13 @@
 
 pub mod body;
 pub mod charts;
+pub mod crane;
+pub mod crane_rig;
 pub mod gait;
 pub mod glb;
 pub mod hare;
 pub mod hare_rig;
+pub mod hills;
 pub mod ox;
 pub mod ox_rig;
 pub mod patterns;

@@ -8,6 +8,7 @@ use super::{
     regions::Regions,
     rig::Weights,
     sdf::normal,
+    trimesh::TriMesh,
 };
 
 /// What the skin takes from the body under it.
@@ -34,7 +35,7 @@ impl Skin<'_> {
     /// The same with given coordinates.
     pub fn charted(&self, regions: &Regions, atlas: &Atlas, names: &[&str], weights: &[Weights]) -> Vec<Primitive> {
         let mesh = &regions.mesh;
-        let normals: Vec<DVec3> = mesh.positions.iter().map(|&p| normal(self.field, p)).collect();
+        let normals = self.normals(mesh);
         let mut primitives = Vec::new();
         for (material, name) in names.iter().enumerate() {
             let mut primitive = Primitive::new(name, material);
@@ -56,5 +57,30 @@ impl Skin<'_> {
             primitives.push(primitive);
         }
         primitives
+    }
+
+    /// The surface's normals. In a crease narrower than the triangles, where the surface's own points away from one of them, it is bent until
+    /// it points away from none.
+    pub fn normals(&self, mesh: &TriMesh) -> Vec<DVec3> {
+        let mut fans = vec![Vec::new(); mesh.positions.len()];
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let face = mesh.area_normal(t).normalize_or_zero();
+            for &v in corners {
+                fans[v as usize].push(face);
+            }
+        }
+        let bent = |(&p, fan): (&DVec3, &Vec<DVec3>)| {
+            let mut n = normal(self.field, p);
+            // As a perceptron learns: towards the face that it fits worst.
+            for _ in 0..64 {
+                let worst = fan.iter().copied().min_by(|a, b| a.dot(n).total_cmp(&b.dot(n)));
+                match worst.filter(|face| face.dot(n) < 0.15) {
+                    Some(face) => n = (n + face * 0.2).normalize_or(face),
+                    None => break,
+                }
+            }
+            n
+        };
+        mesh.positions.iter().zip(&fans).map(bent).collect()
     }
 }

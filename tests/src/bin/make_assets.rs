@@ -7,7 +7,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
-use pelage_tests::assets::{charts, glb::Model, hare, ox, patterns, preview, shapes};
+use pelage_tests::assets::{charts, crane, glb::Model, hare, hills, ox, patterns, preview, shapes};
 
 type Maker = fn() -> anyhow::Result<Model>;
 
@@ -24,8 +24,14 @@ fn main() -> anyhow::Result<()> {
             other => bail!("unknown argument {other:?}; expected --out DIR, --preview DIR or --only NAME"),
         }
     }
-    let makers: [(&str, Maker); 4] =
-        [("hare", hare::model), ("ox", ox::model), ("torus", || Ok(shapes::torus())), ("knot", || Ok(shapes::knot()))];
+    let makers: [(&str, Maker); 6] = [
+        ("hare", hare::model),
+        ("ox", ox::model),
+        ("crane", crane::model),
+        ("hills", hills::model),
+        ("torus", || Ok(shapes::torus())),
+        ("knot", || Ok(shapes::knot())),
+    ];
     let wanted = |name: &str| only.as_deref().is_none_or(|o| o == name);
     if let Some(name) = only.as_deref().filter(|o| makers.iter().all(|m| m.0 != *o)) {
         bail!("no model {name:?}; there are {:?}", makers.map(|m| m.0));
