@@ -15,6 +15,7 @@
 //! In ink none of `layer_shadow` to `shells` runs but those named so: an ink painting has no light.
 
 use crate::detail::Drawing;
+use crate::ink::painted_rect;
 use crate::light_view::{Hull, LightView};
 use crate::params::MAX_FILL_LIGHTS;
 use crate::passes::fins::{self, FinDraws};
@@ -198,12 +199,16 @@ pub(crate) fn prepare(
     }
     let sheet = in_ink.map(|ink| {
         let (inks, options, layouts) = pipelines.ink(device);
+        let mut hull = Hull::default();
+        instances.iter().for_each(|instance| instance.add_to(&mut hull));
+        let rect = painted_rect(&hull, clip_from_view * params.camera.view_from_world, ink);
         let recording = ink::Recording {
             device,
             options,
             layouts,
             params: ink,
             clip_from_view,
+            rect,
             frame: &bind_group,
             instances: &drawn,
         };

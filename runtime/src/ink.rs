@@ -1,7 +1,8 @@
 //! The ink-wash style (Fang 2006): what a frame can say about it, and the textures that its passes hand on.
 
 use crate::RuntimeError;
-use glam::Vec3;
+use crate::light_view::Hull;
+use glam::{Mat4, Vec2, Vec3};
 use pelage_formats::InkShading;
 
 /// How a frame in [`crate::Style::Ink`] is painted. Greys are 0 for black and 1 for white, as a display shows them.
@@ -227,6 +228,27 @@ impl InkParams {
         };
         half.min(0.5 * WIDEST_PX).ceil() as u32 + 1
     }
+}
+
+/// The part of the target that a frame's lines can reach: left, top, width and height, pixels. Passes over the picture leave out the rest.
+pub(crate) fn painted_rect(hull: &Hull, clip_from_world: Mat4, params: &InkParams) -> [u32; 4] {
+    let size = Vec2::from(params.target_px.map(|n| n as f32));
+    let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    for (point, _) in &hull.0 {
+        let clip = clip_from_world * point.extend(1.0);
+        // Beside or behind the eye there is no place in the picture.
+        if clip.w <= 1e-6 {
+            return [0, 0, params.target_px[0], params.target_px[1]];
+        }
+        let place = (Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * size;
+        (least, most) = (least.min(place), most.max(place));
+    }
+    // Lines reach beyond their features, and those are found beside what is drawn.
+    let margin = (params.reach_px() + params.step_px + 1) as f32;
+    let clamped = |v: Vec2| v.clamp(Vec2::ZERO, size);
+    let (least, most) = (clamped((least - margin).floor()), clamped((most + margin).ceil()));
+    let extent = (most - least).max(Vec2::ZERO);
+    [least.x, least.y, extent.x, extent.y].map(|n| if n.is_finite() { n as u32 } else { 0 })
 }
 
 /// Rows of the pictures in Fang 2006.

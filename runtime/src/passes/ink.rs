@@ -632,6 +632,8 @@ pub(crate) struct Recording<'a> {
     pub(crate) layouts: &'a SurfaceLayouts,
     pub(crate) params: &'a InkParams,
     pub(crate) clip_from_view: Mat4,
+    /// Left, top, width and height of the part of the picture that there is something in.
+    pub(crate) rect: [u32; 4],
     /// Group 0 of the passes over surfaces.
     pub(crate) frame: &'a wgpu::BindGroup,
     pub(crate) instances: &'a [Drawn],
@@ -663,14 +665,14 @@ pub(crate) fn record(
         screen_group(device, pipeline, Some(&constants), views, samplers)
     };
     let seen = group(&features, &[(1, &t.normals), (2, &t.surfaces)], &[]);
-    fill(encoder, "pelage ink features", &t.features, &features, &seen);
+    fill(encoder, recording, "pelage ink features", &t.features, &features, &seen);
     mark(encoder, PassId::InkFeatures);
     let seen = group(&dilate, &[(1, &t.features)], &[]);
-    fill(encoder, "pelage ink dilate", &t.rows, &dilate, &seen);
+    fill(encoder, recording, "pelage ink dilate", &t.rows, &dilate, &seen);
     mark(encoder, PassId::InkDilate);
     let views = [(1, &t.normals), (2, &t.surfaces), (3, &t.features), (4, &t.rows), (5, paper)];
     let seen = group(&stroke, &views, &[(6, tile)]);
-    fill(encoder, "pelage ink stroke", &t.strokes, &stroke, &seen);
+    fill(encoder, recording, "pelage ink stroke", &t.strokes, &stroke, &seen);
     mark(encoder, PassId::InkStroke);
     let shown = if params.show == crate::ink::InkShow::Features { &t.features } else { &t.strokes };
     let views = [(1, &t.normals), (2, &t.surfaces), (3, shown), (4, &t.depth), (5, paper)];
@@ -684,9 +686,10 @@ impl InkTargets {
     }
 }
 
-/// Records a pass that fills a texture.
+/// Records a pass that fills the painted part of a texture.
 fn fill(
     encoder: &mut wgpu::CommandEncoder,
+    recording: &Recording<'_>,
     label: &str,
     view: &wgpu::TextureView,
     pipeline: &wgpu::RenderPipeline,
@@ -703,9 +706,13 @@ fn fill(
         })],
         ..Default::default()
     });
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, group, &[]);
-    pass.draw(0..3, 0..1);
+    let [left, top, width, height] = recording.rect;
+    if width > 0 && height > 0 {
+        pass.set_scissor_rect(left, top, width, height);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[]);
+        pass.draw(0..3, 0..1);
+    }
 }
 
 impl Sheet {

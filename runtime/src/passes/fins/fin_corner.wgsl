@@ -56,6 +56,8 @@ struct FinCorner {
     slab: u32,
     // Of the whole fin: by the angle it is seen at, and what stands beside it.
     opacity: f32,
+    // Of the whole fin: how far the skin at its ends turns away from the eye, 0 to 1.
+    turned: f32,
 }
 
 fn fin_corner(index: u32) -> FinCorner {
@@ -87,5 +89,6 @@ fn fin_corner(index: u32) -> FinCorner {
     let height = f32(quad % rows + select(0u, 1u, above)) / f32(rows);
     let tile = tile_frame_of(v, normal);
     let along = fin.start + select(0.0, fin.length, at_b);
-    return FinCorner(v, tile, height, along, fin.slab, opacity);
+    let turned = 1.0 - min(abs(dot(normal_a, eye)), abs(dot(normal_b, eye)));
+    return FinCorner(v, tile, height, along, fin.slab, opacity, turned);
 }

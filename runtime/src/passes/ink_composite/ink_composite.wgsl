@@ -20,13 +20,10 @@ struct Painted {
 
 // Grey of the wash, which runs a little into the paper.
 fn soft_wash(uv: vec2<f32>) -> f32 {
-    let px = 1.4 / ink.size;
-    var sum = 2.0 * textureSampleLevel(surfaces, clamped, uv, 0.0).r;
-    sum += textureSampleLevel(surfaces, clamped, uv + vec2(px.x, 0.35 * px.y), 0.0).r;
-    sum += textureSampleLevel(surfaces, clamped, uv - vec2(px.x, 0.35 * px.y), 0.0).r;
-    sum += textureSampleLevel(surfaces, clamped, uv + vec2(-0.35 * px.x, px.y), 0.0).r;
-    sum += textureSampleLevel(surfaces, clamped, uv + vec2(0.35 * px.x, -px.y), 0.0).r;
-    return sum / 6.0;
+    // Each look between texels is the mean of four.
+    let px = vec2(1.1, 0.6) / ink.size;
+    let a = textureSampleLevel(surfaces, clamped, uv + px, 0.0).r;
+    return 0.5 * (a + textureSampleLevel(surfaces, clamped, uv - px, 0.0).r);
 }
 
 @fragment

@@ -14,6 +14,8 @@ struct StrokeVarying {
 
 // Shells that strokes are drawn on, from the outermost inwards.
 const STROKE_SHELLS: u32 = 3u;
+// Fins stand where the skin turns away from the eye by this or more.
+const TURNED: f32 = 0.6;
 // Below this there is nothing to see.
 const LEAST_INK: f32 = 1.0 / 255.0;
 
@@ -26,11 +28,11 @@ fn vs_ink_fins(@builtin(vertex_index) index: u32) -> StrokeVarying {
     // The share of the fin's opacity is how wide a strip of skin it stands for: strokes need all of it.
     let eye = direction_to(frame.eye_ws, position_ws(v));
     // On the outline alone: inside it fins of coarse meshes show as flags.
-    let turned = smoothstep(0.6, 0.9, 1.0 - abs(dot(corner.tile.normal_ws, eye)));
+    let turned = smoothstep(TURNED, 0.9, 1.0 - abs(dot(corner.tile.normal_ws, eye)));
     let share = min(corner.opacity * 1.5, 1.0) * turned * (1.0 - v.groom.x);
     out.position = frame.clip_from_world * vec4(position, 1.0);
     // The same at all corners, or the fin would reach to the middle of the picture.
-    if corner.opacity < LEAST_INK {
+    if corner.opacity < LEAST_INK || corner.turned < TURNED {
         out.position = vec4(0.0, 0.0, 0.0, 1.0);
     }
     out.uv = vec2(corner.along, corner.height);
@@ -46,7 +48,9 @@ fn vs_ink_fins(@builtin(vertex_index) index: u32) -> StrokeVarying {
 fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVarying {
     let height = f32(shell + 1u) / f32(STROKE_SHELLS);
     let tile = tile_frame_of(v, normal_ws(v));
-    let position = hair_position(v, tile, height);
+    // Where the coat faces the eye nothing is drawn: there shells sink below the skin, and the depth test leaves them out.
+    let turned = 1.0 - abs(dot(tile.normal_ws, direction_to(frame.eye_ws, position_ws(v))));
+    let position = hair_position(v, tile, mix(-0.1, height, smoothstep(0.25, 0.45, turned)));
     var out: StrokeVarying;
     out.position = frame.clip_from_world * vec4(position, 1.0);
     out.uv = v.tile_uv;
