@@ -349,6 +349,7 @@ fn memory(
         }
     }
     memory.buffers += package.fins().map_err(fault)?.map_or(0, |f| f.fins.len() as u64);
+    memory.buffers += package.ink().map_err(fault)?.map_or(0, |ink| ink.vertices.len() as u64);
     let (map, small) = (u64::from(view.shadow_map).pow(2), u64::from(view.shadow_map.div_ceil(4)).pow(2));
     // Two depth maps of four bytes; transmittances of two bytes a layer; of the soft shadow, eight bytes: one whole map and two shrunk.
     let layer_maps = if layers > 1 { 2 * map * u64::from(layers) } else { 0 };
