@@ -35,7 +35,7 @@ pub struct InkInfo {
 pub struct InkShading {
     /// a of Fang 2006, §3, finite (default 0.8): how fast the wash fades from its centre.
     pub wash_speed: f32,
-    /// b of Fang 2006, §3, finite (default 0.6): grey at the centre, 0 black to 1 white.
+    /// b of Fang 2006, §3, finite (default 0.66): grey at the centre, 0 black to 1 white.
     pub wash_range: f32,
     /// Whether the wash follows the angle alone instead of the printed product (default false).
     pub normalised: bool,
@@ -51,7 +51,7 @@ pub struct InkShading {
 
 impl Default for InkShading {
     fn default() -> Self {
-        Self { wash_speed: 0.8, wash_range: 0.6, normalised: false, grain: 0.5, tone: 0.6, fur: 1.0, line: 1.0 }
+        Self { wash_speed: 0.8, wash_range: 0.66, normalised: false, grain: 0.5, tone: 0.6, fur: 1.0, line: 1.0 }
     }
 }
 

@@ -111,8 +111,7 @@ fn gait(file: &PackageFile, gpu: &Gpu, folder: &Path, output: &mut Output) -> Re
 fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, View)> {
     let furry = View { size: (834, 834), samples: 4, background: Some(BACKGROUND), ..View::default() };
     let inked = View { style: Style::Ink, background: None, ..furry.clone() };
-    let mut views =
-        vec![("", furry.clone()), ("_bare", View { style: Style::Bare, ..furry.clone() }), ("_ink", inked)];
+    let mut views = vec![("", furry.clone()), ("_bare", View { style: Style::Bare, ..furry.clone() }), ("_ink", inked)];
     if let Some((clip, time_s)) = moment {
         views.push(("_moving", View { clip: Some(clip.into()), time_s, ..furry }));
     }

@@ -2,7 +2,7 @@
 //!
 //! Fang 2006, §3 has the user pick a point CP on the model. Here places spread evenly over the washed skin are tried, and the best is the one whose wash
 //! varies most over it (standard deviation of the clamped W, by area), rather dark above than below: a painter loads back and head and leaves the
-//! belly to the paper. Behind a hollow (V − CP)·N is negative; skin that comes out black by that counts against a place.
+//! belly to the paper, and rather pale. Behind a hollow (V − CP)·N is negative; skin that comes out black by that counts against a place.
 
 use super::vertices::product;
 use glam::Vec3;
@@ -14,7 +14,9 @@ const CANDIDATES: usize = 96;
 /// How much a wash that is all dark above and pale below counts beyond one that does not care, as a share of the deviation.
 const ABOVE: f64 = 0.6;
 /// Grey below which the wash drowns.
-const BLACK: f32 = 0.08;
+const BLACK: f32 = 0.3;
+/// Power of the mean grey that counts: most of a painting is paper.
+const PALE: i32 = 3;
 
 /// A point of the washed skin at rest in world space.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +61,8 @@ fn score(spots: &[Spot], center: Vec3, radius: f32, shading: &InkShading) -> f64
     let grey = |spot: &Spot| {
         let [literal, normalised] = product(spot.place, spot.normal, center, radius);
         let x = if shading.normalised { normalised } else { literal };
+        // As the runtime limits it.
+        let x = if x < 0.0 { x / (1.0 - 2.0 * x) } else { x };
         x * shading.wash_speed + shading.wash_range
     };
     let (mut weight, mut black) = (0.0, 0.0);
@@ -79,7 +83,7 @@ fn score(spots: &[Spot], center: Vec3, radius: f32, shading: &InkShading) -> f64
     let slant = (ups / weight - y * y).max(0.0).sqrt();
     // Correlation of darkness with looking up.
     let above = if deviation * slant > 1e-9 { (grey * y - both / weight) / (deviation * slant) } else { 0.0 };
-    deviation * (1.0 + ABOVE * above) * (1.0 - black / weight).powi(2)
+    deviation * (1.0 + ABOVE * above) * (1.0 - black / weight).powi(2) * grey.powi(PALE)
 }
 
 #[cfg(test)]

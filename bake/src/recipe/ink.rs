@@ -51,9 +51,9 @@ params! {
         /// varies most over the skin, dark above and pale below.
         center: Option<[f32; 3]> = None, in PLACE;
         /// a of Fang 2006, §3: how fast the wash fades away from the centre. The model's size does not matter.
-        speed: f32 = 1.0, in 0.0..=100.0;
+        speed: f32 = InkShading::default().wash_speed, in 0.0..=100.0;
         /// b of Fang 2006, §3: grey at the centre, 0 black to 1 white; below 0 all about it is black.
-        range: f32 = 0.5, in -4.0..=4.0;
+        range: f32 = InkShading::default().wash_range, in -4.0..=4.0;
         /// Whether the wash follows the angle to the centre alone, as the paper's abstract has it, and not the printed product.
         normalised: bool = InkShading::default().normalised;
         /// Share of the wash texture in the wash: 0 smooth, 1 as blotchy as the texture.

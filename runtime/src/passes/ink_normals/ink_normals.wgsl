@@ -124,7 +124,7 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     density = clamp(density * (1.0 + model.grain * 0.7 * (grain.r - 0.5)) + edge * 0.07 * model.grain, 0.0, 1.0) * share;
     // What is dark takes more ink, as a display shows its base colour.
     let light = pow(clamp(dot(base.rgb, vec3(0.2126, 0.7152, 0.0722)), 0.0, 1.0), 1.0 / 2.2);
-    let dark = model.tone * share * smoothstep(0.5, 0.08, light) * (0.75 + 0.4 * (grain.r - 0.5));
+    let dark = model.tone * share * (1.0 - smoothstep(0.06, 0.42, light)) * (0.75 + 0.4 * (grain.r - 0.5));
     density = 1.0 - (1.0 - density) * (1.0 - dark);
     // Full ink is not black all over either.
     density = max(density, in.load.z * (0.88 + 0.3 * model.grain * (grain.r - 0.5)));
