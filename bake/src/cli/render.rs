@@ -24,8 +24,8 @@ use std::path::{Path, PathBuf};
 
 /// Draw a package or a scene into a PNG, or over time into numbered ones or a video
 ///
-/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; options that stand here can stand in its [view] as well.
-/// assets/scenes has one with comments. What the arguments say goes before what the file says. Its [sequence] counts for numbered pictures and videos; a plain
+/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; options that stand here can stand in its table `view` as well.
+/// assets/scenes has one with comments. What the arguments say goes before what the file says. Its `sequence` counts for numbered pictures and videos; a plain
 /// name is one picture, at --time.
 ///
 /// Numbered pictures that were interrupted go on where they stopped: beside them stands a journal, OUTPUT.pictures.jsonl, until the last is drawn. A picture
@@ -67,9 +67,11 @@ pub struct Picture {
     pub covered_pixels: u64,
     /// Mean luminance of the covered pixels, linear, 0..=1; 0 where none is.
     pub mean_luminance: f64,
-    /// The frame it was drawn from, with its report.
+    /// The report of the frame that it was drawn from; of a sequence, that of the first alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     passes: Vec<Value>,
-    /// What is drawn of each copy's fur.
+    /// What is drawn of each copy's fur; of a sequence, that of the first alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     detail: Vec<Value>,
 }
 
@@ -188,7 +190,10 @@ impl Shoot {
             let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
             self.scene.params.light = turned(self.view.light, angle_rad);
         }
-        picture(&mut self.scene)
+        let (drawn, pixels) = picture(&mut self.scene)?;
+        // A long sequence of a large crowd would fill memory and journal with what nobody is told.
+        let told = if index == 0 { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
+        Ok((told, pixels))
     }
 
     /// Stands for everything that a picture depends on beside its number.
