@@ -1,7 +1,7 @@
 //! Scene files, numbered pictures and videos of `pelage render`, through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::binary::{Run, Sandbox, walk, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
@@ -360,4 +360,34 @@ fn a_sequence_that_was_interrupted_goes_on() {
     std::fs::copy(sandbox.path().join("hare.pelage"), sandbox.path().join("torus.pelage")).unwrap();
     std::fs::write(&journal, &saved).unwrap();
     assert_eq!(rendered(&sandbox, &args).0["skipped"], 0);
+}
+
+/// Every scene in assets, drawn with small packages of the models that it names.
+#[test]
+fn the_scenes_of_the_assets_are_drawn() {
+    let Some(_) = gpu("the_scenes_of_the_assets_are_drawn") else { return };
+    let sandbox = Sandbox::new();
+    let mut scenes = Vec::new();
+    walk(&workspace().join("assets/scenes"), &mut scenes);
+    assert!(!scenes.is_empty());
+    for scene in scenes {
+        let text = std::fs::read_to_string(&scene).unwrap();
+        // A package is named after its model.
+        let named = text.lines().filter_map(|line| line.strip_prefix("package = \"")?.strip_suffix(".pelage\""));
+        for name in named.clone() {
+            let asset = |path: String| workspace().join("assets").join(path).display().to_string();
+            let (model, recipe) = (asset(format!("models/{name}.glb")), asset(format!("recipes/{name}.toml")));
+            let args = ["bake", &model, "--recipe", &recipe, "-o", &format!("{name}.pelage")];
+            let run = sandbox.run(&[&args, &SMALL[..]].concat());
+            assert_eq!(run.code, Some(0), "{run:?}");
+        }
+        sandbox.write("scene.toml", &text);
+        let small = ["scene.toml", "-o", "scene.png", "--size", "167x85", "--style", "bare"];
+        let moment = |time: &str| rendered(&sandbox, &[&small[..], &["--time", time]].concat()).0;
+        let (start, end) = (moment("0"), moment("2"));
+        assert_eq!(start["scene"]["models"].as_array().unwrap().len(), named.count());
+        for picture in [&start, &end] {
+            assert!(picture["covered_pixels"].as_u64() > Some(500), "{}: {picture}", scene.display());
+        }
+    }
 }
