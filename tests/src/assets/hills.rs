@@ -187,7 +187,7 @@ fn path_middle(x: f64) -> f64 {
 fn ground_height(x: f64, z: f64) -> f64 {
     let away = ramp(1.6, 7.0, z.abs());
     let waves = uneven(v(0.16 * x, 0.0, 0.21 * z)) + 0.25 * uneven(v(0.7 * x, 3.0, 0.8 * z));
-    let side = if z > 0.0 { -0.2 + 0.12 * waves } else { 0.3 * waves - 0.012 * z };
+    let side = if z > 0.0 { -0.2 + 0.12 * waves } else { 0.12 * waves - 0.012 * z };
     away * side
 }
 
