@@ -99,7 +99,7 @@ fn contents_are_checked() {
         data
     };
     for (data, expected) in [
-        (with(&|d| drop(d.vertices.pop())), "4 vertices, expected the 5 of the mesh"),
+        (with(&|d| d.vertices.truncate(4)), "4 vertices, expected the 5 of the mesh"),
         (with(&|d| d.vertices[2].reserved = 1), "vertex 2 is"),
         (with(&|d| d.vertices[3].wash[1] = i16::MIN), "vertex 3 is"),
         (with(&|d| d.info.grain_size_m = 0.0), "grain_size_m is 0"),

@@ -198,20 +198,11 @@ pub(crate) fn prepare(
         skipped.into_iter().for_each(|id| mark(encoder, id));
     }
     let sheet = in_ink.map(|ink| {
-        let (inks, options, layouts) = pipelines.ink(device);
+        let (inks, making) = pipelines.ink(device, &params.camera);
         let mut hull = Hull::default();
         instances.iter().for_each(|instance| instance.add_to(&mut hull));
         let rect = painted_rect(&hull, clip_from_view * params.camera.view_from_world, ink);
-        let recording = ink::Recording {
-            device,
-            options,
-            layouts,
-            params: ink,
-            clip_from_view,
-            rect,
-            frame: &bind_group,
-            instances: &drawn,
-        };
+        let recording = ink::Recording { making, params: ink, rect, frame: &bind_group, instances: &drawn };
         ink::record(inks, encoder, &recording, mark)
     });
     let width = maps.as_deref().and_then(ShadowMaps::width);

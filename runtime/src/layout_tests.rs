@@ -151,9 +151,10 @@ fn uniform_structs_agree() {
         ink,
         paper_period,
         stroke_px,
+        px_per_unit,
         reserved,
     );
-    assert_eq!((&wgsl[..15], wgsl[15].1, size), (&fields[..15], fields[15].1, rust_size));
+    assert_eq!((&wgsl[..16], wgsl[16].1, size), (&fields[..16], fields[16].1, rust_size));
     assert_eq!(members(frame::WGSL, "FillLight"), fields!(frame::FillLight, light_ws, color));
     let filter = members(shadow_width::FILTER_WGSL, "Filter");
     assert_eq!(

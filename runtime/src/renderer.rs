@@ -6,7 +6,7 @@ use crate::passes::shadow_width::FilterPipelines;
 use crate::passes::surface::SurfaceLayouts;
 use crate::passes::{PassId, fins, layer_shadow, pose, shadow_width, shells, skin};
 use crate::shadow::{Casters, ShadowMaps};
-use crate::{Frame, FrameParams, InkParams, Instance, Model, RendererOptions, RuntimeError, frame, model};
+use crate::{Camera, Frame, FrameParams, InkParams, Instance, Model, RendererOptions, RuntimeError, frame, model};
 use pelage_formats::{Limits, Package};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -157,9 +157,15 @@ impl Pipelines {
         })
     }
 
-    /// The ink style's, with what they are made from.
-    pub(crate) fn ink(&mut self, device: &wgpu::Device) -> (&mut InkPipelines, &RendererOptions, &SurfaceLayouts) {
-        (self.ink.get_or_insert_with(|| InkPipelines::new(device)), &self.options, &self.layouts)
+    /// The ink style's, with what they are made with.
+    pub(crate) fn ink<'a>(
+        &'a mut self,
+        device: &'a wgpu::Device,
+        camera: &Camera,
+    ) -> (&'a mut InkPipelines, ink::Making<'a>) {
+        let clip_from_view = camera.projection.clip_from_view(self.options.reversed_depth);
+        let making = ink::Making { device, layouts: &self.layouts, options: &self.options, clip_from_view };
+        (self.ink.get_or_insert_with(|| InkPipelines::new(device)), making)
     }
 
     /// What an instance draws in ink; `None` for a model without the style.
@@ -171,8 +177,8 @@ impl Pipelines {
         instance: &Instance,
     ) -> Option<InkDraws> {
         let model = instance.model().clone();
-        let (inks, options, layouts) = self.ink(device);
-        Some(ink::plan(device, inks, layouts, options, params, ink_params, instance, model.ink()?))
+        let (inks, making) = self.ink(device, &params.camera);
+        Some(ink::plan(making, inks, params, ink_params, instance, model.ink()?))
     }
 
     /// Compiles what a model needs in ink.
@@ -183,8 +189,8 @@ impl Pipelines {
         params: &FrameParams,
         ink_params: &InkParams,
     ) {
-        let (inks, options, layouts) = self.ink(device);
-        ink::compile(device, inks, layouts, options, params, ink_params, model);
+        let (inks, making) = self.ink(device, &params.camera);
+        ink::compile(making, inks, params, ink_params, model);
     }
 
     pub(crate) fn surface(&mut self, device: &wgpu::Device, key: SurfaceKey) -> wgpu::RenderPipeline {

@@ -101,7 +101,8 @@ pub(crate) struct InkModel {
     pub(crate) ink: [f32; 3],
     pub(crate) paper_period: f32,
     pub(crate) stroke_px: f32,
-    pub(crate) reserved: [f32; 3],
+    pub(crate) px_per_unit: f32,
+    pub(crate) reserved: [f32; 2],
 }
 
 impl InkFrame {
@@ -109,8 +110,7 @@ impl InkFrame {
         let [width, height] = params.target_px.map(|n| n as f32);
         let (half_width, half_width_scaled) = match params.width {
             LineWidth::Pixels(px) => (0.5 * px, 0.0),
-            // A metre at clip w 1 is so many pixels high.
-            LineWidth::Metres(m) => (0.0, 0.5 * m * clip_from_view.y_axis.y.abs() * 0.5 * height),
+            LineWidth::Metres(m) => (0.0, 0.5 * m * px_per_unit(clip_from_view, params)),
         };
         let [mist_from, mist_to] = params.mist_m.unwrap_or_default();
         Self {
@@ -138,7 +138,7 @@ impl InkFrame {
 }
 
 impl InkModel {
-    fn new(ink: &ModelInk, params: &InkParams, view_from_world: Mat4) -> Self {
+    fn new(ink: &ModelInk, params: &InkParams, view_from_world: Mat4, clip_from_view: Mat4) -> Self {
         let shading = params.shading.unwrap_or(ink.info.shading);
         let rotation = Mat3::from_mat4(view_from_world);
         Self {
@@ -157,9 +157,15 @@ impl InkModel {
             ink: encoded(params.ink).to_array(),
             paper_period: params.paper_period_px,
             stroke_px: (0.17 * InkParams::default_width_px(params.target_px[1])).max(1.2),
-            reserved: [0.0; 3],
+            px_per_unit: px_per_unit(clip_from_view, params),
+            reserved: [0.0; 2],
         }
     }
+}
+
+/// How many pixels high a metre is at clip w 1.
+fn px_per_unit(clip_from_view: Mat4, params: &InkParams) -> f32 {
+    clip_from_view.y_axis.y.abs() * 0.5 * params.target_px[1] as f32
 }
 
 /// What the passes hand on to each other. A frame keeps those that it draws from.
@@ -552,19 +558,27 @@ fn screen_group(
     })
 }
 
+/// What pipelines and bind groups are made with.
+#[derive(Clone, Copy)]
+pub(crate) struct Making<'a> {
+    pub(crate) device: &'a wgpu::Device,
+    pub(crate) layouts: &'a SurfaceLayouts,
+    pub(crate) options: &'a RendererOptions,
+    pub(crate) clip_from_view: Mat4,
+}
+
 /// What an instance draws in this frame. `ink`: of its model.
 pub(crate) fn plan(
-    device: &wgpu::Device,
+    making: Making<'_>,
     pipelines: &mut InkPipelines,
-    layouts: &SurfaceLayouts,
-    options: &RendererOptions,
     params: &FrameParams,
     ink_params: &InkParams,
     instance: &Instance,
     ink: &ModelInk,
 ) -> InkDraws {
+    let Making { device, layouts, options, .. } = making;
     let model = instance.model();
-    let constants = InkModel::new(ink, ink_params, params.camera.view_from_world);
+    let constants = InkModel::new(ink, ink_params, params.camera.view_from_world, making.clip_from_view);
     let has_strokes = ink.fur.is_some() && constants.fur > 0.0;
     let mirrored = skinning::handedness_of(Mat3::from_mat4(instance.transform)) < 0.0;
     let mut pipeline = |shader, part: &Part| {
@@ -598,19 +612,17 @@ pub(crate) fn plan(
 
 /// Compiles what a model needs in ink.
 pub(crate) fn compile(
-    device: &wgpu::Device,
+    making: Making<'_>,
     pipelines: &mut InkPipelines,
-    layouts: &SurfaceLayouts,
-    options: &RendererOptions,
     params: &FrameParams,
     ink_params: &InkParams,
     model: &Model,
 ) {
     if let Some(ink) = model.ink() {
-        plan(device, pipelines, layouts, options, params, ink_params, &Instance::new(model), ink);
+        plan(making, pipelines, params, ink_params, &Instance::new(model), ink);
     }
     for screen in screens(ink_params) {
-        pipelines.screen(device, options, screen);
+        pipelines.screen(making.device, making.options, screen);
     }
 }
 
@@ -627,11 +639,8 @@ fn screens(params: &InkParams) -> [Screen; 4] {
 
 /// What is needed to record the passes before the application's.
 pub(crate) struct Recording<'a> {
-    pub(crate) device: &'a wgpu::Device,
-    pub(crate) options: &'a RendererOptions,
-    pub(crate) layouts: &'a SurfaceLayouts,
+    pub(crate) making: Making<'a>,
     pub(crate) params: &'a InkParams,
-    pub(crate) clip_from_view: Mat4,
     /// Left, top, width and height of the part of the picture that there is something in.
     pub(crate) rect: [u32; 4],
     /// Group 0 of the passes over surfaces.
@@ -646,14 +655,14 @@ pub(crate) fn record(
     recording: &Recording<'_>,
     mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
 ) -> Sheet {
-    let Recording { device, options, layouts, params, .. } = *recording;
+    let Recording { making: Making { device, options, layouts, clip_from_view }, params, .. } = *recording;
     let targets = pipelines.targets(device, params.target_px);
     ink_normals::record(encoder, &targets.as_targets(), recording, options.reversed_depth);
     mark(encoder, PassId::InkNormals);
 
     let constants = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some("pelage ink frame"),
-        contents: bytemuck::bytes_of(&InkFrame::new(params, recording.clip_from_view)),
+        contents: bytemuck::bytes_of(&InkFrame::new(params, clip_from_view)),
         usage: wgpu::BufferUsages::UNIFORM,
     });
     // One sheet for all: that of the first who is on it.

@@ -26,7 +26,8 @@ struct InkModel {
     paper_period: f32,
     // Width of a stroke of fur, pixels.
     stroke_px: f32,
-    reserved0: f32,
+    // Pixels of a metre at clip w 1.
+    px_per_unit: f32,
     reserved1: f32,
     reserved2: f32,
 }

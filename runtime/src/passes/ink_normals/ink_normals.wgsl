@@ -30,8 +30,8 @@ struct InkVarying {
     @location(6) tile_uv: vec2<f32>,
     // The wash's product; shares of wash, full ink, lines.
     @location(7) load: vec4<f32>,
-    // 1 where fur grows.
-    @location(8) fur: f32,
+    // Share of the fur that grows, and its height, metres.
+    @location(8) fur: vec2<f32>,
 }
 
 struct Surface {
@@ -61,7 +61,7 @@ fn vs_ink(v: InkVertex) -> InkVarying {
     out.base_uv = v.base_uv;
     out.tile_uv = v.tile_uv;
     out.load = vec4(mix(2.0 * v.wash.x, v.wash.y, model.normalised), v.load.xyz);
-    out.fur = select(0.0, 1.0 - v.groom.x, v.fur_height > 0.0);
+    out.fur = vec2(select(0.0, 1.0 - v.groom.x, v.fur_height > 0.0), v.fur_height * instance.scale);
     return out;
 }
 
@@ -132,11 +132,13 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     var width = model.line * in.load.w;
     if FUR_STROKES {
         // Inner fur is wash; strokes stand where the coat turns away, and where the wash is heavy.
-        let fur = in.fur * model.fur;
+        let fur = in.fur.x * model.fur;
         let turned = 1.0 - normal.z;
         let ink = ink_nested(strokes, fur * (0.45 * turned * turned + 0.5 * density * density)) * fur;
         density = 1.0 - (1.0 - density) * (1.0 - ink * (0.25 + 0.4 * turned));
-        width *= 1.0 - 0.35 * fur;
+        // Strokes of hair are the outline where they are long enough to be seen.
+        let fur_px = in.fur.y * model.px_per_unit * in.position.w;
+        width *= 1.0 - fur * mix(0.3, 0.75, smoothstep(5.0, 20.0, fur_px));
     }
     // The hand presses unevenly.
     let pressure = smoothstep(0.25, 0.75, grain.b);

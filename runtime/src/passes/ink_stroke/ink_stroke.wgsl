@@ -75,7 +75,8 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         band = select(0.0, clamp(half_width * sqrt(strength) - distance + 0.5 + moved, 0.0, 1.0), in_reach);
         // Where the pen lifts, lines fade before they end.
         core *= smoothstep(0.0, 0.35, strength);
-        dark = select(0.0, 1.0 - stroke, here.w > 0.0);
+        // Outlines swell with the sphere map, folds do not.
+        dark = select(0.0, 1.0 - stroke, here.w > 0.0) * smoothstep(0.5, 0.75, strength);
     }
     if !TEMPLATE {
         band = 1.0;
