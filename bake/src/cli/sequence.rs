@@ -197,7 +197,9 @@ fn names(output: &Path, frames: u32) -> Result<Vec<PathBuf>, Failure> {
     let text = output.to_str().ok_or_else(|| Failure::Usage(format!("-o {}: not UTF-8", output.display())))?;
     let pattern = match text.split_once('%') {
         Some((head, tail)) => {
-            let digits = tail.split_once('d').and_then(|(d, rest)| Some((d.parse::<usize>().ok()?, rest)));
+            // %d is as many digits as the number has.
+            let digits = |d: &str| if d.is_empty() { Some(1) } else { d.parse::<usize>().ok() };
+            let digits = tail.split_once('d').and_then(|(d, rest)| Some((digits(d)?, rest)));
             let Some((width @ 1..=9, rest)) = digits else {
                 let expected = "expected a number pattern such as %04d after the first %";
                 return Err(Failure::Usage(format!("-o {text}: {expected}")));
@@ -226,7 +228,8 @@ mod tests {
         assert!(list("a%s.png", Some(1), None).is_err());
         // A scene's sequence is for names with numbers; a plain name is one picture of it.
         assert_eq!(list("%1d.png", None, Some(2)).ok(), Some(vec!["0.png".to_owned(), "1.png".to_owned()]));
-        assert_eq!(list("%1d.png", Some(1), Some(2)).ok(), Some(vec!["0.png".to_owned()]));
+        assert_eq!(list("%d.png", Some(1), Some(2)).ok(), Some(vec!["0.png".to_owned()]));
+        assert!(list("%0s.png", Some(1), None).is_err() && list("%10d.png", Some(1), None).is_err());
         assert_eq!(list("a.png", None, Some(2)).ok(), Some(vec!["a.png".to_owned()]));
     }
 
