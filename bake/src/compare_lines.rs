@@ -5,7 +5,8 @@
 //! if that is known, else [`Mask::core`] of the ink. Without that, a stroke that is meant to be wide would be wrong by its width.
 
 use crate::BakeError;
-use crate::mask::Mask;
+use crate::mask::{Mask, Stroke};
+use crate::reference::{LineKind, VisibleLines};
 
 /// How far from a true line a drawn one may be and still be that line, pixels.
 pub const NEAR_PX: f64 = 2.0;
@@ -47,6 +48,36 @@ pub fn compare_lines(drawn: &Mask, truth: &Mask, near_px: f64) -> Result<LineFig
     let (precision, drawn_pixels) = share_near(drawn, truth, near_px);
     let (recall, true_pixels) = share_near(truth, drawn, near_px);
     Ok(LineFigures { precision, recall, drawn: drawn_pixels, truth: true_pixels })
+}
+
+/// What is measured of a drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LineMeasures {
+    /// Against all lines of the truth, within [`NEAR_PX`].
+    pub lines: LineFigures,
+    /// Recall of each kind of line, in the order of [`LineKind::ALL`]; `None` where the truth has none.
+    pub recall: [Option<f64>; 4],
+    /// The widest stroke.
+    pub stroke: Stroke,
+}
+
+/// Measures a drawing against the lines of its model.
+///
+/// * `features`: where the drawing found lines, of any width: their [`Mask::core`] counts
+/// * `ink`: what it drew there
+///
+/// # Errors
+///
+/// [`BakeError::Params`] where the sizes differ.
+pub fn measure_lines(features: &Mask, ink: &Mask, truth: &VisibleLines) -> Result<LineMeasures, BakeError> {
+    features.same_size(ink)?;
+    let core = features.core();
+    let lines = compare_lines(&core, &truth.mask(&LineKind::ALL), NEAR_PX)?;
+    let mut recall = [None; 4];
+    for (recall, kind) in recall.iter_mut().zip(LineKind::ALL) {
+        *recall = share_near(&truth.mask(&[kind]), &core, NEAR_PX).0;
+    }
+    Ok(LineMeasures { lines, recall, stroke: ink.widest_stroke() })
 }
 
 /// Share of a set's pixels that are within `near_px` of the other, and their number.
@@ -100,6 +131,20 @@ mod tests {
         // Its ends are a pixel or two further in.
         assert!(core.precision == Some(1.0) && core.recall.unwrap() > 0.9, "{core:?}");
         assert!(compare_lines(&wide, &upright(10, 1), NEAR_PX).unwrap().precision.unwrap() < 0.8);
+    }
+
+    #[test]
+    fn kinds_are_told_apart() {
+        use crate::reference::LineSegment;
+        use glam::DVec2;
+        let upright_at = |x: f64, kind| LineSegment { from_px: DVec2::new(x, 0.5), to_px: DVec2::new(x, 29.5), kind };
+        let segments = vec![upright_at(10.5, LineKind::Silhouette), upright_at(30.5, LineKind::Crease)];
+        let truth = VisibleLines { width: 40, height: 30, segments };
+        let found = measure_lines(&upright(10, 1), &upright(8, 5), &truth).unwrap();
+        assert_eq!(found.recall, [Some(1.0), None, Some(0.0), None]);
+        assert_eq!((found.lines.precision, found.lines.recall), (Some(1.0), Some(0.5)));
+        assert_eq!(found.stroke.width_px, 5.0);
+        assert!(measure_lines(&upright(10, 1), &Mask::empty(3, 3), &truth).is_err());
     }
 
     #[test]

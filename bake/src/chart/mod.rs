@@ -1,10 +1,12 @@
 //! Speed against accuracy: tables of configurations, their front, and pictures of both.
 //!
-//! A topic is a module that lists configurations ([`surface`], [`textures`], `lighting`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
+//! A topic is a module that lists configurations ([`surface`], [`textures`], `ink`, `lighting`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
 //! A chart's figures come with the command that reproduces each, so that nobody has to believe it.
 
 mod axis;
 mod errors;
+#[cfg(feature = "preview")]
+pub mod ink;
 mod labels;
 #[cfg(feature = "preview")]
 pub mod light_maps;

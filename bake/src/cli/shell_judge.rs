@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::framing;
 use super::gpu::Gpu;
-use super::measure::{Meter, PASSES, count_fragments};
+use super::measure::{Meter, PASSES, count_fragments, fastest};
 use super::package_file::PackageFile;
 use super::scene::Scene;
 use super::truth::{self, Truth};
@@ -17,11 +17,6 @@ use pelage_bake::pipeline;
 use pelage_bake::recipe::{CameraView, Recipe};
 use pelage_bake::reslice::reslice;
 use std::time::Instant;
-
-/// Timed frames of each view, of which the fastest counts: what else the machine does only adds. And those before, in which pipelines are
-/// compiled and shadow maps drawn.
-const FRAMES: usize = 9;
-const WARM_UP: usize = 2;
 
 /// What packages are made from.
 #[derive(Clone, Copy)]
@@ -106,15 +101,9 @@ impl<'a> ShellJudge<'a> {
             sum.flip_covered += difference.flip.covered;
             sum.rmse += difference.rmse.powi(2);
             sum.coverage_error += difference.coverage;
-            let mut fastest = f64::INFINITY;
-            for frame in 0..WARM_UP + FRAMES {
-                let ms = self.meter.frame(scene)?;
-                if frame >= WARM_UP {
-                    fastest = fastest.min(ms);
-                }
-            }
-            if fastest > sum.frame_ms {
-                sum.frame_ms = fastest;
+            let frame_ms = fastest(&self.meter, scene)?;
+            if frame_ms > sum.frame_ms {
+                sum.frame_ms = frame_ms;
                 sum.fragments = count_fragments(scene)?.map(|counts| counts[..PASSES.len()].iter().sum());
             }
             let model = scene.instance.model();
@@ -134,7 +123,8 @@ impl<'a> ShellJudge<'a> {
 }
 
 impl Source<'_> {
-    fn bake(&self, recipe: &Recipe) -> Result<PackageFile, Failure> {
+    /// A package by `recipe`.
+    pub fn bake(&self, recipe: &Recipe) -> Result<PackageFile, Failure> {
         match *self {
             Self::Model { file, name, model, images } => {
                 let baked = pipeline::bake(file, name, model, recipe, images, &mut |_| ())?;

@@ -59,15 +59,7 @@ impl Truth {
 
     /// The camera that `render` has for that view.
     pub fn camera(&self, view: &View) -> TrueCamera {
-        let (eye, target, fov_deg) = camera_of(view, &self.rest_points, self.height_m);
-        let backward = (eye - target).try_normalize().unwrap_or(Vec3::Z);
-        TrueCamera {
-            eye_ws: eye,
-            target_ws: target,
-            // As `Camera::look_at`.
-            up_ws: if backward.y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y },
-            lens: Lens::Perspective { fov_y_rad: fov_deg.to_radians() },
-        }
+        true_camera(camera_of(view, &self.rest_points, self.height_m))
     }
 
     /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
@@ -83,6 +75,18 @@ impl Truth {
             skin_shadows: view.terms.soft_shadow,
         };
         self.scene.picture(&self.camera(view), &lighting, view.size, spp, progress)
+    }
+}
+
+/// A camera of `render` for the truths: eye, target and height of the view in degrees.
+pub fn true_camera((eye, target, fov_deg): (Vec3, Vec3, f32)) -> TrueCamera {
+    let backward = (eye - target).try_normalize().unwrap_or(Vec3::Z);
+    TrueCamera {
+        eye_ws: eye,
+        target_ws: target,
+        // As `Camera::look_at`.
+        up_ws: if backward.y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y },
+        lens: Lens::Perspective { fov_y_rad: fov_deg.to_radians() },
     }
 }
 

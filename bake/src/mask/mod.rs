@@ -7,6 +7,7 @@ mod distance;
 mod thin;
 
 use crate::BakeError;
+use image::RgbaImage;
 
 /// A set of pixels.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -38,6 +39,15 @@ impl Mask {
     pub fn from_fn(width: u32, height: u32, mut is_in: impl FnMut(u32, u32) -> bool) -> Self {
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         Self { width, height, pixels: places.map(|(x, y)| is_in(x, y)).collect() }
+    }
+
+    /// The pixels of a drawing in black on white that are darker than `grey`, 0..=255: their greatest component counts.
+    pub fn darker(picture: &RgbaImage, grey: u8) -> Self {
+        let dark = |x, y| {
+            let [r, g, b, _] = picture.get_pixel(x, y).0;
+            r.max(g).max(b) < grey
+        };
+        Self::from_fn(picture.width(), picture.height(), dark)
     }
 
     /// Number of pixels in the set.

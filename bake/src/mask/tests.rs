@@ -115,3 +115,13 @@ fn sets_of_two_sizes_do_not_mix() {
     let both = drawn(&["#..", "..."]).union(&drawn(&["..#", "#.."])).unwrap();
     assert_eq!(both, drawn(&["#.#", "#.."]));
 }
+
+#[test]
+fn dark_pixels_are_those_of_no_bright_component() {
+    let mut picture = image::RgbaImage::from_pixel(3, 2, image::Rgba([255; 4]));
+    picture.put_pixel(1, 0, image::Rgba([20, 20, 20, 255]));
+    picture.put_pixel(2, 1, image::Rgba([0, 0, 200, 255]));
+    picture.put_pixel(0, 1, image::Rgba([127, 127, 127, 0]));
+    assert_eq!(Mask::darker(&picture, 128), drawn(&[".#.", "#.."]));
+    assert_eq!(Mask::darker(&picture, 0).count(), 0);
+}

@@ -4,6 +4,8 @@
 //! same for all ([`driver`]).
 
 mod driver;
+#[cfg(feature = "preview")]
+mod ink;
 mod journal;
 #[cfg(feature = "preview")]
 mod light_bench;
@@ -74,6 +76,8 @@ enum Topic {
     SelfShadow,
     /// Shadow-width maps: the soft shadows they make, against a light that is a disc, and what they cost
     SoftShadow,
+    /// Ink lines: how far they are from the contours and creases of the mesh, how wide they grow, how they flicker, and what they cost
+    Ink,
     /// Texel formats, encoders and mip filters: what they do to colour, hair direction and coverage, and what they cost
     Textures,
     /// Where methods fail: the naive form's error beside ours and its bound; exit code 7 where a bound is broken
@@ -89,7 +93,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
     let subject = Subject::new(args)?;
-    if subject.package.is_some() && args.topic != Topic::Shells {
+    if subject.package.is_some() && !matches!(args.topic, Topic::Shells | Topic::Ink) {
         if args.topic == Topic::Surface {
             let why = "a package's mesh is parted into its patches already";
             return Err(Failure::Usage(format!("chart surface needs the model: {why}")));
@@ -116,8 +120,10 @@ fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic
         Topic::SelfShadow => Box::new(self_shadow::SelfShadowTopic::new(subject)?),
         #[cfg(feature = "preview")]
         Topic::SoftShadow => Box::new(soft_shadow::SoftShadowTopic::new(subject)?),
+        #[cfg(feature = "preview")]
+        Topic::Ink => Box::new(ink::InkTopic::new(subject)?),
         #[cfg(not(feature = "preview"))]
-        Topic::Shells | Topic::Lighting | Topic::SelfShadow | Topic::SoftShadow => {
+        Topic::Ink | Topic::Shells | Topic::Lighting | Topic::SelfShadow | Topic::SoftShadow => {
             return Err(Failure::Usage(
                 "light is drawn by the runtime, and this build is without it (feature `preview`)".into(),
             ));

@@ -1,0 +1,161 @@
+//! `pelage chart ink`: drawn lines beside those of the mesh.
+
+use super::driver::{Plan, PlannedRow, Topic, once};
+use super::measured_on;
+use super::subject::Subject;
+use crate::cli::cast::rest_points;
+use crate::cli::exit::Failure;
+use crate::cli::framing;
+use crate::cli::gpu::Gpu;
+use crate::cli::measure::{Meter, fastest};
+use crate::cli::package_file::PackageFile;
+use crate::cli::scene::Scene;
+use crate::cli::shell_judge::Source;
+use crate::cli::truth::true_camera;
+use crate::cli::view::View;
+use glam::{Quat, Vec3};
+use image::RgbaImage;
+use pelage_bake::chart::{Cell, ink};
+use pelage_bake::compare_lines::measure_lines;
+use pelage_bake::compare_motion::{Flicker, Moment, flicker};
+use pelage_bake::mask::Mask;
+use pelage_bake::reference::{LineParams, Skin, TrueLines};
+use pelage_runtime::{InkParams, InkShow, Style};
+
+/// Frames of the slow turn whose flicker is taken, and the degrees between them.
+const TURN: (u32, f32) = (4, 1.0);
+/// Darker than this is ink: half of the light, sRGB-encoded.
+const INK: u8 = 188;
+
+/// The topic.
+pub struct InkTopic<'a> {
+    subject: &'a Subject,
+    configurations: Vec<ink::Configuration>,
+    gpu: Gpu,
+    shared: Option<Shared>,
+}
+
+/// What all rows need.
+struct Shared {
+    file: PackageFile,
+    rest_points: Vec<Vec3>,
+    lines: TrueLines,
+    meter: Meter,
+    /// Of the row before: rows of one size share it.
+    scene: Option<(View, Scene)>,
+}
+
+impl<'a> InkTopic<'a> {
+    /// Lists the configurations and opens the adapter.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        Ok(Self { subject, configurations: ink::configurations(), gpu: Gpu::open()?, shared: None })
+    }
+}
+
+impl Topic for InkTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |configuration: &ink::Configuration| PlannedRow {
+            series: configuration.series.into(),
+            label: configuration.label.clone(),
+            default: configuration.default,
+            command: None,
+        };
+        Plan {
+            topic: "ink",
+            title: format!("{}: ink lines against the contours and creases of the mesh", self.subject.name),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: ink::COLUMNS.to_vec(),
+            panels: ink::PANELS.to_vec(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let (subject, gpu) = (self.subject, &self.gpu);
+        let shared = once(&mut self.shared, || {
+            doing("baking");
+            Shared::new(subject, gpu)
+        })?;
+        doing("drawing");
+        let ink = &self.configurations[index].ink;
+        Ok(ink::cells(ink, &shared.measure(ink, gpu)?))
+    }
+}
+
+impl Shared {
+    fn new(subject: &Subject, gpu: &Gpu) -> Result<Self, Failure> {
+        let Subject { file, name, model, images, recipe, package, .. } = subject;
+        let file = match package {
+            Some(package) => PackageFile { name: package.name.clone(), bytes: package.bytes.clone() },
+            None => Source::Model { file, name, model, images }.bake(recipe)?,
+        };
+        let opened = file.open()?;
+        let skeleton = opened.animation().map_err(|error| file.fault(error))?;
+        let rest_points = rest_points(&file, &opened, skeleton.as_ref())?;
+        let lines = TrueLines::new(Skin::posed(&file.name, &opened, None)?)?;
+        drop(opened);
+        Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })
+    }
+
+    /// Draws one way from both sides, times it, and goes slowly round with it.
+    fn measure(&mut self, ink: &InkParams, gpu: &Gpu) -> Result<ink::Measured, Failure> {
+        let [width, height] = ink.target_px;
+        let camera = |towards| {
+            let (eye, target) = framing::frame(&self.rest_points, 0.0, width as f32 / height as f32, towards);
+            (eye, target, framing::FOV_DEG)
+        };
+        let cameras = [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera);
+        let size = (width, height);
+        if self.scene.as_ref().is_none_or(|(view, _)| view.size != size) {
+            let view = View { size, style: Style::Ink, camera: Some(cameras[0]), ..View::default() };
+            self.scene = Some((view.clone(), Scene::new(&self.file, &view, || Ok(gpu.clone()))?));
+        }
+        let Some((view, scene)) = &mut self.scene else {
+            return Err(pelage_bake::BakeError::Internal("no scene to draw".into()).into());
+        };
+        let look = |scene: &mut Scene, camera, show, ink: InkParams| -> Result<RgbaImage, Failure> {
+            scene.look_from(&View { camera: Some(camera), ..view.clone() });
+            scene.params.ink = Some(InkParams { show, ..ink });
+            scene.draw()?;
+            scene.canvas.read(gpu)
+        };
+        let show = |scene: &mut Scene, camera, show| look(scene, camera, show, ink::on_blank_paper(ink));
+        let mut measured = ink::Measured::default();
+        for camera in cameras {
+            let truth = self.lines.seen(&true_camera(camera), size, &LineParams::default())?;
+            let features = Mask::darker(&show(scene, camera, InkShow::Features)?, INK);
+            let strokes = Mask::darker(&show(scene, camera, InkShow::Lines)?, INK);
+            measured.views.push(measure_lines(&features, &strokes, &truth)?);
+            look(scene, camera, InkShow::Painting, ink.clone())?;
+            measured.frame_ms = measured.frame_ms.max(fastest(&self.meter, scene)?);
+        }
+        let mut sum = Flicker::default();
+        let mut before: Option<(_, Vec<f32>, Mask)> = None;
+        for frame in 0..TURN.0 {
+            let (eye, target, fov_deg) = cameras[0];
+            let turned = Quat::from_rotation_y((TURN.1 * frame as f32).to_radians()) * (eye - target);
+            let camera = (target + turned, target, fov_deg);
+            let lines = Mask::darker(&show(scene, camera, InkShow::Lines)?, INK);
+            let grey = greys(&show(scene, camera, InkShow::Painting)?);
+            let camera = true_camera(camera);
+            if let Some((camera_before, grey_before, lines_before)) = &before {
+                let sight = self.lines.sight();
+                let now = Moment { sight, camera: camera_before, grey: grey_before };
+                let next = Moment { sight, camera: &camera, grey: &grey };
+                sum = sum.joined(flicker(&now, &next, size, lines_before)?);
+            }
+            before = Some((camera, grey, lines));
+        }
+        measured.flicker = [sum.surface.mean(), sum.lines.mean()];
+        Ok(measured)
+    }
+}
+
+/// Luma of sRGB-encoded pixels, 0..=1.
+fn greys(picture: &RgbaImage) -> Vec<f32> {
+    let luma = |p: &image::Rgba<u8>| {
+        let [r, g, b, _] = p.0.map(|byte| f32::from(byte) / 255.0);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    };
+    picture.pixels().map(luma).collect()
+}
