@@ -10,7 +10,7 @@ use pelage_bake::recipe::HairParams;
 use pelage_bake::stability::{self, Drawing, Finding, Row, grow, hair_simulation, opacity, slice, texels};
 use pelage_formats::TextureFormat;
 use pelage_tests::gpu::gpu;
-use silhouettes::opacities;
+use silhouettes::texels as drawn;
 
 /// Runs a row: within the bound, *and* over the cliff. Data that never reached it would prove nothing.
 #[track_caller]
@@ -53,17 +53,31 @@ rows!(
     kajiya_kay,
     layer_shadows,
     soft_shadow,
-    animation
+    animation,
+    sphere_map
 );
 
-/// The one row that needs pictures.
-#[test]
-fn shells() {
-    let Some(gpu) = gpu("shells") else { return };
-    let mut draw = |drawing: &Drawing<'_>| Ok(opacities(gpu, drawing));
-    holds(&stability::shells::ROW, (stability::shells::ROW.drive)(&mut draw).unwrap());
-    assert_eq!(stability::DRAWN_ROWS.iter().map(|row| row.method).collect::<Vec<_>>(), [stability::shells::ROW.method]);
+/// The rows that need pictures, likewise.
+macro_rules! drawn_rows {
+    ($($module:ident),+) => {
+        $(
+            #[test]
+            fn $module() {
+                let Some(gpu) = gpu(stringify!($module)) else { return };
+                let mut draw = |drawing: &Drawing<'_>| Ok(drawn(gpu, drawing));
+                holds(&stability::$module::ROW, (stability::$module::ROW.drive)(&mut draw).unwrap());
+            }
+        )+
+
+        #[test]
+        fn every_drawn_row_has_its_test() {
+            let tested = [$(stability::$module::ROW.method),+];
+            assert_eq!(stability::DRAWN_ROWS.iter().map(|row| row.method).collect::<Vec<_>>(), tested);
+        }
+    };
 }
+
+drawn_rows!(shells, ink);
 
 /// What judges the rows must itself be able to fail.
 #[test]

@@ -23,7 +23,7 @@ use pelage_tests::pictures::draw_passes;
 use pelage_tests::plane::plane;
 use pelage_tests::silhouette::{Case, cases, half_to_f32};
 use pelage_tests::support::sphere::{self, Random, SphereParams};
-use silhouettes::opacities;
+use silhouettes::texels;
 
 /// Unit vectors on a grid over the sphere, axes included, and 100 000 at random.
 fn unit_vectors() -> Vec<Vec3> {
@@ -204,7 +204,7 @@ fn silhouette(gpu: &pelage_tests::support::headless::Gpu, case: &Case) -> Measur
     }
     let model = io::read_model(&case.model, &ImportOptions { unit_m: recipe.model.unit_m }).unwrap();
     let package = bake(&case.model.display().to_string(), &model, &recipe).unwrap();
-    let mut draw = |drawing: &Drawing<'_>| Ok(opacities(gpu, drawing));
+    let mut draw = |drawing: &Drawing<'_>| Ok(texels(gpu, drawing));
     measure(&package, case.size, &mut draw).unwrap()
 }
 

@@ -1,6 +1,6 @@
 //! Where the truths are seen from: rays out of a camera, and points back into its picture.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Mat4, Vec3};
 
 /// From where a scene is seen. Width over height is that of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,16 @@ pub enum Lens {
         /// Height of the view, metres.
         height_m: f32,
     },
+}
+
+impl TrueCamera {
+    /// The camera of that view matrix: world to view space, y up and −z forward, without scale.
+    pub fn from_view(view_from_world: Mat4, lens: Lens) -> Self {
+        let world_from_view = view_from_world.inverse();
+        let eye_ws = world_from_view.w_axis.truncate();
+        let target_ws = eye_ws - world_from_view.z_axis.truncate();
+        Self { eye_ws, target_ws, up_ws: world_from_view.y_axis.truncate(), lens }
+    }
 }
 
 /// The rays of a camera.

@@ -8,6 +8,8 @@ pub mod animation;
 pub mod direction_textures;
 pub mod hair_simulation;
 #[cfg(feature = "preview")]
+pub mod ink;
+#[cfg(feature = "preview")]
 pub mod kajiya_kay;
 #[cfg(feature = "preview")]
 pub mod layer_shadows;
@@ -21,6 +23,8 @@ pub mod silhouette;
 #[cfg(feature = "preview")]
 pub mod soft_shadow;
 pub mod solver;
+#[cfg(feature = "preview")]
+pub mod sphere_map;
 pub mod surface;
 
 use crate::BakeError;
@@ -38,9 +42,10 @@ pub type Driver = fn() -> Result<Vec<Finding>, BakeError>;
 #[cfg(feature = "preview")]
 pub type DrawnDriver = fn(&mut Drawer<'_>) -> Result<Vec<Finding>, BakeError>;
 
-/// Who draws, on an adapter that this library knows nothing of: `width * height` opacities, row-major from the top, 0..=1, with ten bits at least.
+/// Who draws, on an adapter that this library knows nothing of: `width * height` texels of linear light times opacity, and opacity, row-major from the
+/// top, with ten bits at least.
 #[cfg(feature = "preview")]
-pub type Drawer<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<f32>, BakeError> + 'a;
+pub type Drawer<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<[f32; 4]>, BakeError> + 'a;
 
 /// A picture to draw over nothing: one copy of a package at rest.
 #[cfg(feature = "preview")]
@@ -117,11 +122,13 @@ pub const ROWS: &[Row] = &[
     soft_shadow::ROW,
     #[cfg(feature = "preview")]
     animation::ROW,
+    #[cfg(feature = "preview")]
+    sphere_map::ROW,
 ];
 
 /// The rows that need pictures.
 #[cfg(feature = "preview")]
-pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW];
+pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW];
 
 /// Strands with default colours in a volume of `height`.
 ///

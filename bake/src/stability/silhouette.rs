@@ -37,7 +37,7 @@ fn coverage(
     let large = (size.0 * SAMPLES, size.1 * SAMPLES);
     let found = draw(&Drawing { package, params, size: large, passes })?;
     let mut alpha = vec![0.0; (size.0 * size.1) as usize];
-    for (i, opacity) in found.into_iter().enumerate() {
+    for (i, [.., opacity]) in found.into_iter().enumerate() {
         let (x, y) = (i as u32 % large.0 / SAMPLES, i as u32 / large.0 / SAMPLES);
         alpha[(y * size.0 + x) as usize] += f64::from(opacity);
     }
@@ -189,14 +189,7 @@ fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Cov
         None => Curves::default(),
     };
     let scene = TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?;
-    let world_from_view = camera.view_from_world.inverse();
-    let eye_ws = world_from_view.w_axis.truncate();
-    let camera = TrueCamera {
-        eye_ws,
-        target_ws: eye_ws - world_from_view.z_axis.truncate(),
-        up_ws: world_from_view.y_axis.truncate(),
-        lens: Lens::Perspective { fov_y_rad: FOV_Y_RAD },
-    };
+    let camera = TrueCamera::from_view(camera.view_from_world, Lens::Perspective { fov_y_rad: FOV_Y_RAD });
     // Only what is covered counts, so light costs no ray.
     let lighting = TrueLighting {
         key: TrueLight::Directional { towards_light_ws: Vec3::Y, color: Vec3::ONE },

@@ -7,13 +7,14 @@ use pelage_tests::pictures::draw_passes;
 use pelage_tests::silhouette::half_to_f32;
 use pelage_tests::support::headless::Gpu;
 
-/// Opacity of every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
-pub fn opacities(gpu: &Gpu, drawing: &Drawing<'_>) -> Vec<f32> {
+/// Every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
+pub fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Vec<[f32; 4]> {
     let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..RendererOptions::default() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).expect("the options are valid");
     let model: Model = renderer.load_bytes(&gpu.device, &gpu.queue, drawing.package).expect("the package loads");
     let mut instance = Instance::new(&model);
     let Drawing { params, size, passes, .. } = *drawing;
     let texels = draw_passes(gpu, &mut renderer, size, params, &mut [&mut instance], passes);
-    texels.chunks_exact(8).map(|texel| half_to_f32([texel[6], texel[7]])).collect()
+    let texel = |t: &[u8]| [0, 2, 4, 6].map(|i| half_to_f32([t[i], t[i + 1]]));
+    texels.chunks_exact(8).map(texel).collect()
 }

@@ -124,15 +124,15 @@ mod drawn {
         for row in DRAWN_ROWS {
             output.progress_of(super::ROWS.len(), super::ROWS.len() + 1, row.method);
             let mut draw = |drawing: &Drawing<'_>| {
-                opacities(&gpu, drawing).map_err(|failure| BakeError::Internal(failure.to_string()))
+                texels(&gpu, drawing).map_err(|failure| BakeError::Internal(failure.to_string()))
             };
             table.add(row, &measured_on(&gpu.info.name), &(row.drive)(&mut draw)?);
         }
         Ok(())
     }
 
-    /// Opacity of every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
-    fn opacities(gpu: &Gpu, drawing: &Drawing<'_>) -> Result<Vec<f32>, Failure> {
+    /// Every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
+    fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Result<Vec<[f32; 4]>, Failure> {
         let fault = |error| BakeError::Internal(format!("drawing a package of its own: {error}"));
         let format = wgpu::TextureFormat::Rgba16Float;
         let options = RendererOptions {
@@ -152,6 +152,7 @@ mod drawn {
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         let texels = canvas.texels(gpu)?;
-        Ok(texels.chunks_exact(8).map(|t| half_to_f32(u16::from_le_bytes([t[6], t[7]]))).collect())
+        let texel = |t: &[u8]| [0, 2, 4, 6].map(|i| half_to_f32(u16::from_le_bytes([t[i], t[i + 1]])));
+        Ok(texels.chunks_exact(8).map(texel).collect())
     }
 }
