@@ -116,11 +116,11 @@ pub fn textures(
     params.validate()?;
     pack.validate()?;
     let dry = [Value, Value, Value, Threshold];
-    let encode = |layers: Vec<[Plane; 4]>, channels, alpha| {
-        let format = match pack.shell_format {
-            ShellFormat::Bc7 => TextureFormat::Bc7Unorm,
-            ShellFormat::Rgba8 => TextureFormat::Rgba8Unorm,
-        };
+    let packed = match pack.shell_format {
+        ShellFormat::Bc7 => TextureFormat::Bc7Unorm,
+        ShellFormat::Rgba8 => TextureFormat::Rgba8Unorm,
+    };
+    let encode = |layers: Vec<[Plane; 4]>, channels, alpha, format| {
         let mut encoder = TextureEncoder::new(format, alpha, pack.bc_quality);
         for planes in layers {
             let side = planes[0].side as u32;
@@ -134,13 +134,14 @@ pub fn textures(
     let (band, tile) = (scan(&params.stroke_image, stroke_band)?, scan(&params.wash_image, wash_tile)?);
     let ((stroke, wash), (paper, fur)) = rayon::join(
         || {
-            let stroke = encode(vec![stroke(params, band.as_ref())], [Value; 4], AlphaMode::Opaque);
-            (stroke, encode(vec![wash(params, tile.as_ref())], dry, AlphaMode::Straight))
+            let stroke = encode(vec![stroke(params, band.as_ref())], [Value; 4], AlphaMode::Opaque, packed);
+            (stroke, encode(vec![wash(params, tile.as_ref())], dry, AlphaMode::Straight, packed))
         },
         || {
-            let paper = encode(vec![paper(params)], dry, AlphaMode::Straight);
+            // Blocks hold four unrelated components badly: on blank paper their errors are dashes that everyone sees.
+            let paper = encode(vec![paper(params)], dry, AlphaMode::Straight, TextureFormat::Rgba8Unorm);
             let fur = strands.filter(|strands| !strands.is_empty()).map(|strands| {
-                encode(fur(strands, params.fur_texels, params.seed).to_vec(), [Value; 4], AlphaMode::Straight)
+                encode(fur(strands, params.fur_texels, params.seed).to_vec(), [Value; 4], AlphaMode::Straight, packed)
             });
             (paper, fur)
         },

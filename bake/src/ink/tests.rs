@@ -145,8 +145,6 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
     let (params, strands) = (small(), strands());
     for shell_format in [ShellFormat::Bc7, ShellFormat::Rgba8] {
         let pack = PackParams { shell_format, ..PackParams::default() };
-        let block = shell_format == ShellFormat::Bc7;
-        let format = if block { TextureFormat::Bc7Unorm } else { TextureFormat::Rgba8Unorm };
         let encoded = textures(&params, &pack, &MapImages::default(), Some(&strands)).unwrap();
         let painted = [
             vec![stroke(&params, None)],
@@ -156,6 +154,9 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
         ];
         let files = [&encoded.stroke, &encoded.wash, &encoded.paper, encoded.fur.as_ref().unwrap()];
         for (texture, (file, layers)) in files.into_iter().zip(painted).enumerate() {
+            // The paper, the third, is never in blocks.
+            let block = shell_format == ShellFormat::Bc7 && texture != 2;
+            let format = if block { TextureFormat::Bc7Unorm } else { TextureFormat::Rgba8Unorm };
             reread(file, |view| {
                 let shape = (view.format, view.width, view.height, view.layers, view.levels);
                 assert_eq!(shape, (format, 128, 128, layers.len() as u32, 8), "{texture}");
@@ -179,5 +180,5 @@ fn textures_of_the_default_sizes_stay_small() {
     let encoded =
         textures(&InkParams::default(), &PackParams::default(), &MapImages::default(), Some(&strands())).unwrap();
     let bytes = encoded.stroke.len() + encoded.wash.len() + encoded.paper.len() + encoded.fur.unwrap().len();
-    assert!(bytes < 1_500_000, "{bytes}");
+    assert!(bytes < 2_100_000, "{bytes}");
 }

@@ -56,9 +56,7 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
         let far = 1.0 / max(nearness, 1e-9);
         grey = mix(grey, 1.0, clamp((far - ink.mist_from) / (ink.mist_to - ink.mist_from), 0.0, 1.0));
     }
-    // Block compression leaves a few hundredths of the other components in this one: flecks begin above that.
-    let fleck = smoothstep(0.06, 0.4, 1.0 - sheet.b);
-    let relief = 1.0 + ink.paper_grain * (0.035 * (sheet.r - 0.5) - 0.14 * fleck);
+    let relief = 1.0 + ink.paper_grain * (0.035 * (sheet.r - 0.5) - 0.3 * (1.0 - sheet.b));
     let sheet_color = ink.paper * relief;
     let color = linear_of(sheet_color * mix(ink.ink, vec3(1.0), grey));
     if !PICTURE {
