@@ -194,13 +194,16 @@ fn bad_recipes() {
 fn pictures() {
     let sandbox = Sandbox::new();
     sandbox.write("good.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
+    assert_eq!(bake(&sandbox, "good.glb", &["--set", "ink.enabled=false"]).code, Some(0));
+    std::fs::rename(sandbox.path().join("out.pelage"), sandbox.path().join("plain.pelage")).unwrap();
     assert_eq!(bake(&sandbox, "good.glb", &[]).code, Some(0));
     sandbox.write("cut.pelage", &std::fs::read(sandbox.path().join("out.pelage")).unwrap()[..100]);
     for (args, code, words) in [
         (&["render", "out.pelage", "-o", "a.png", "--size", "0x0"][..], 1, &["--size", "0x0", "1 to 8192"][..]),
         (&["bench", "out.pelage", "--size", "0x0"], 1, &["--size", "0x0"]),
         (&["render", "out.pelage", "-o", "a.png", "--layers", "0"], 1, &["--layers"]),
-        (&["render", "out.pelage", "-o", "a.png", "--style", "ink"], 1, &["not in this version"]),
+        (&["render", "plain.pelage", "-o", "a.png", "--style", "ink"], 3, &["plain.pelage", "INKW", "ink.enabled"]),
+        (&["bench", "out.pelage", "--style", "ink", "--ink-width", "9"], 1, &["--ink-width", "7px", "0.01m"]),
         (&["render", "out.pelage", "-o", "no/a.png"], 2, &["no: cannot write into"]),
         (&["render", "no.pelage", "-o", "a.png"], 2, &["no.pelage: cannot read"]),
         (&["render", "cut.pelage", "-o", "a.png"], 3, &["cut.pelage", "cut short"]),
@@ -230,6 +233,22 @@ fn pictures() {
     let picture = image::open(sandbox.path().join("a.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (48, 32));
     json_of(&sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]), "bench");
+
+    let ink = ["--style", "ink", "--size", "48x32", "--json"];
+    let run = sandbox.run(&[&["render", "out.pelage", "-o", "ink.png"][..], &ink].concat());
+    let object = json_of(&run, "render");
+    assert_eq!(object["covered_pixels"], 48 * 32, "paper is everywhere: {object}");
+    let ran = |object: &Value| {
+        let passes = object["passes"].as_array().unwrap().clone();
+        passes.into_iter().filter(|p| p["ran"] == true).map(|p| p["name"].clone()).collect::<Vec<_>>()
+    };
+    let passes =
+        ["ink_normals", "ink_features", "ink_dilate", "ink_stroke", "ink_composite", "ink_fur"].map(Value::from);
+    assert_eq!(ran(&object), passes, "{object}");
+    let run = sandbox.run(&[&["bench", "out.pelage", "--frames", "2"][..], &ink].concat());
+    let names =
+        json_of(&run, "bench")["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
+    assert_eq!(names, [&[Value::from("pose")][..], &passes].concat());
 }
 
 /// Bakes every model in a sandbox of its own threads; each must leave a package, or nothing.

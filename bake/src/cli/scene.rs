@@ -9,6 +9,7 @@ use super::view_args::DetailArg;
 use glam::Vec3;
 use pelage_bake::BakeError;
 use pelage_bake::textures::srgb_to_linear;
+use pelage_formats::Package;
 use pelage_runtime::{
     Camera, Detail, Frame, FrameParams, Instance, InstanceDetail, PassId, Projection, Renderer, RendererOptions,
     RuntimeError, ShadowMaps, Style, wgpu,
@@ -58,6 +59,9 @@ impl Scene {
     pub fn of(cast: &Cast<'_>, view: &View, open_gpu: impl FnOnce() -> Result<Gpu, Failure>) -> Result<Self, Failure> {
         let packages =
             cast.packages.iter().map(|file| Ok((*file, file.open()?))).collect::<Result<Vec<_>, Failure>>()?;
+        if view.style == Style::Ink {
+            packages.iter().try_for_each(|(file, package)| has_ink(file, package))?;
+        }
         let gpu = open_gpu()?;
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let (width, height) = view.size;
@@ -196,6 +200,15 @@ impl Scene {
     pub fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pelage") })
     }
+}
+
+/// Fails for a package that cannot be drawn in ink.
+fn has_ink(file: &PackageFile, package: &Package<'_>) -> Result<(), Failure> {
+    if package.ink().map_err(|error| file.fault(error))?.is_some() {
+        return Ok(());
+    }
+    let reason = "there is none, expected one: bake the model again with ink.enabled = true in its recipe".into();
+    Err(BakeError::Input { file: file.name.clone(), place: "section INKW, the ink style".into(), reason }.into())
 }
 
 /// Who is at fault when the runtime refuses a package.
