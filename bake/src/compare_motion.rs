@@ -5,8 +5,8 @@
 //! difference is the flicker. It is 0 for a texture that is tied to the surface and large for one that is tied to the screen. The motion is that of the
 //! mesh itself and not estimated from the pictures, so that what swims cannot pass for motion.
 //!
-//! Contours move over the surface even when nothing flickers, because they depend on the view. So pixels of lines are told apart, and what is compared is
-//! one way to draw against another on the same motion, not a figure against 0.
+//! Contours move over the surface even when nothing flickers, because they depend on the view. So what is a line in both frames, and what is none in either, is
+//! told apart from where a line comes or goes; and what is compared is one way to draw against another on the same motion, not a figure against 0.
 
 use crate::BakeError;
 use crate::mask::Mask;
@@ -23,6 +23,8 @@ pub struct Moment<'a> {
     pub camera: &'a TrueCamera,
     /// Greys of `width * height` pixels as they are shown, sRGB-encoded, 0 black to 1 white, row-major from the top.
     pub grey: &'a [f32],
+    /// Its pixels that are lines, of the picture's size.
+    pub lines: &'a Mask,
 }
 
 /// Mean absolute differences of grey between neighbouring frames, each 0..=1.
@@ -30,7 +32,9 @@ pub struct Moment<'a> {
 pub struct Flicker {
     /// Over all pixels whose point of the skin is seen in both frames.
     pub surface: MeanOf,
-    /// Over those of them that are lines in the first frame.
+    /// Over those of them that are lines in neither frame, nor touch one.
+    pub wash: MeanOf,
+    /// Over those that are lines in both.
     pub lines: MeanOf,
     /// Over pixels that show no skin in either frame, each with itself: right for a camera that stands still.
     pub background: MeanOf,
@@ -66,6 +70,7 @@ impl Flicker {
     pub fn joined(self, other: Self) -> Self {
         Self {
             surface: self.surface.joined(other.surface),
+            wash: self.wash.joined(other.wash),
             lines: self.lines.joined(other.lines),
             background: self.background.joined(other.background),
         }
@@ -77,13 +82,12 @@ const SLACK: f64 = 1e-4;
 
 /// Flicker between two neighbouring frames of one model.
 ///
-/// * `size`: width and height of both pictures, pixels
-/// * `lines`: the pixels that are lines in the first frame, of that size
+/// `size`: width and height of both pictures, pixels.
 ///
 /// # Errors
 ///
 /// [`BakeError::Params`] where a picture or the mask is of another size, or the frames are of different meshes.
-pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32), lines: &Mask) -> Result<Flicker, BakeError> {
+pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32)) -> Result<Flicker, BakeError> {
     let (width, height) = size;
     let pixels = width as usize * height as usize;
     let wrong = |what, found: String, expected: String| {
@@ -93,9 +97,10 @@ pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32), lines: &Ma
         if moment.grey.len() != pixels {
             return wrong("picture", format!("{} greys", moment.grey.len()), format!("{width}x{height}"));
         }
-    }
-    if (lines.width, lines.height) != size {
-        return wrong("lines", format!("{}x{}", lines.width, lines.height), format!("{width}x{height}"));
+        let lines = moment.lines;
+        if (lines.width, lines.height) != size {
+            return wrong("lines", format!("{}x{}", lines.width, lines.height), format!("{width}x{height}"));
+        }
     }
     let faces = |moment: &Moment<'_>| moment.sight.skin().triangles.len();
     if faces(now) != faces(next) {
@@ -120,8 +125,16 @@ pub fn flicker(now: &Moment<'_>, next: &Moment<'_>, size: (u32, u32), lines: &Ma
             }
             let apart = (f64::from(now.grey[i]) - bilinear(next.grey, size, at)).abs();
             out.surface.add(apart);
-            if lines.pixels[i] {
-                out.lines.add(apart);
+            // The four pixels that the lookup mixes.
+            let corner = (at - 0.5).floor();
+            let around = [(0, 0), (1, 0), (0, 1), (1, 1)]
+                .map(|(dx, dy)| next.lines.contains(corner.x as i64 + dx, corner.y as i64 + dy));
+            if now.lines.pixels[i] {
+                if !around.contains(&false) {
+                    out.lines.add(apart);
+                }
+            } else if !around.contains(&true) {
+                out.wash.add(apart);
             }
         }
         out

@@ -49,8 +49,8 @@ fn picture(place: DVec3, slip: DVec3) -> Vec<f32> {
 
 fn measure(now: (&Sight, &[f32]), next: (&Sight, &[f32]), lines: &Mask) -> Flicker {
     let camera = camera();
-    let moment = |(sight, grey)| Moment { sight, camera: &camera, grey };
-    flicker(&moment(now), &moment(next), SIZE, lines).unwrap()
+    let moment = |(sight, grey)| Moment { sight, camera: &camera, grey, lines };
+    flicker(&moment(now), &moment(next), SIZE).unwrap()
 }
 
 #[test]
@@ -60,7 +60,10 @@ fn what_stands_still_does_not_flicker() {
     let found = measure((&sight, &grey), (&sight, &grey), &Mask::from_fn(60, 40, |x, _| x < 30));
     assert!(found.surface.mean().unwrap() < 1e-6 && found.lines.mean().unwrap() < 1e-6, "{found:?}");
     assert_eq!(found.background.mean(), Some(0.0));
-    assert_eq!((found.surface.count, found.lines.count, found.background.count), (400, 200, 2000));
+    assert_eq!((found.surface.count, found.background.count), (400, 2000));
+    // The columns beside the change touch both.
+    assert!((180..=200).contains(&found.lines.count) && (180..=200).contains(&found.wash.count), "{found:?}");
+    assert_eq!(found.wash.mean().map(|mean| mean < 1e-6), Some(true));
     assert_eq!(Flicker::default().surface.mean(), None);
     let twice = found.joined(found);
     assert_eq!((twice.surface.count, twice.surface.mean()), (800, found.surface.mean()));
@@ -81,7 +84,9 @@ fn a_texture_on_the_surface_does_not_and_one_on_the_screen_does() {
     }
     // At the square's own border a pixel mixes with what is beside it; away from there nothing but the lookup between four pixels is left.
     assert!(glued.lines.mean().unwrap() < 0.002, "{glued:?}");
-    assert_eq!((glued.surface.count, glued.lines.count), (400, 256));
+    assert_eq!(glued.surface.count, 400);
+    // The lines' pixels stay where they are in the picture while the square moves on by three.
+    assert!((150..256).contains(&glued.lines.count), "{glued:?}");
 }
 
 #[test]
@@ -109,13 +114,13 @@ fn only_what_both_frames_show_counts() {
 fn frames_that_do_not_match_are_refused() {
     let (one, two) = (squares(&[DVec3::ZERO]), squares(&[DVec3::ZERO, DVec3::X]));
     let (camera, grey) = (camera(), picture(DVec3::ZERO, DVec3::ZERO));
-    let moment = |sight, grey| Moment { sight, camera: &camera, grey };
-    let refused = |next: &Moment<'_>, lines: &Mask, words: &str| {
-        let error = flicker(&moment(&one, &grey[..]), next, SIZE, lines).unwrap_err().to_string();
+    let (lines, turned) = (Mask::empty(60, 40), Mask::empty(40, 60));
+    let moment = |sight, grey, lines| Moment { sight, camera: &camera, grey, lines };
+    let refused = |next: &Moment<'_>, words: &str| {
+        let error = flicker(&moment(&one, &grey[..], &lines), next, SIZE).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     };
-    let lines = Mask::empty(60, 40);
-    refused(&moment(&two, &grey[..]), &lines, "4 triangles, expected 2");
-    refused(&moment(&one, &grey[..7]), &lines, "7 greys, expected 60x40");
-    refused(&moment(&one, &grey[..]), &Mask::empty(40, 60), "40x60, expected 60x40");
+    refused(&moment(&two, &grey[..], &lines), "4 triangles, expected 2");
+    refused(&moment(&one, &grey[..7], &lines), "7 greys, expected 60x40");
+    refused(&moment(&one, &grey[..], &turned), "40x60, expected 60x40");
 }

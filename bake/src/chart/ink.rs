@@ -22,7 +22,7 @@ pub struct Configuration {
 }
 
 /// Columns of the chart.
-pub const COLUMNS: [&str; 22] = [
+pub const COLUMNS: [&str; 23] = [
     "width",
     "height",
     "threshold",
@@ -43,6 +43,7 @@ pub const COLUMNS: [&str; 22] = [
     "template_px",
     "widest_over_template",
     "flicker",
+    "flicker_wash",
     "flicker_lines",
     "frame_milliseconds",
 ];
@@ -145,8 +146,8 @@ pub fn on_blank_paper(ink: &InkParams) -> InkParams {
 pub struct Measured {
     /// Of each view.
     pub views: Vec<LineMeasures>,
-    /// Mean difference of neighbouring frames over the skin, and over its lines; greys of 0..=1.
-    pub flicker: [Option<f64>; 2],
+    /// Mean difference of neighbouring frames over the skin, over what is no line in either, and over lines of both; greys of 0..=1.
+    pub flicker: [Option<f64>; 3],
     /// The fastest frame of the slowest view.
     pub frame_ms: f64,
 }

@@ -26,6 +26,8 @@ use pelage_runtime::{InkParams, InkShow, Style};
 const TURN: (u32, f32) = (4, 1.0);
 /// Darker than this is ink: half of the light, sRGB-encoded.
 const INK: u8 = 188;
+/// Darker than this is the faintest ink.
+const FAINT: u8 = 253;
 
 /// The topic.
 pub struct InkTopic<'a> {
@@ -135,18 +137,18 @@ impl Shared {
             let (eye, target, fov_deg) = cameras[0];
             let turned = Quat::from_rotation_y((TURN.1 * frame as f32).to_radians()) * (eye - target);
             let camera = (target + turned, target, fov_deg);
-            let lines = Mask::darker(&show(scene, camera, InkShow::Lines)?, INK);
+            let lines = Mask::darker(&show(scene, camera, InkShow::Lines)?, FAINT);
             let grey = greys(&show(scene, camera, InkShow::Painting)?);
             let camera = true_camera(camera);
             if let Some((camera_before, grey_before, lines_before)) = &before {
                 let sight = self.lines.sight();
-                let now = Moment { sight, camera: camera_before, grey: grey_before };
-                let next = Moment { sight, camera: &camera, grey: &grey };
-                sum = sum.joined(flicker(&now, &next, size, lines_before)?);
+                let now = Moment { sight, camera: camera_before, grey: grey_before, lines: lines_before };
+                let next = Moment { sight, camera: &camera, grey: &grey, lines: &lines };
+                sum = sum.joined(flicker(&now, &next, size)?);
             }
             before = Some((camera, grey, lines));
         }
-        measured.flicker = [sum.surface.mean(), sum.lines.mean()];
+        measured.flicker = [sum.surface.mean(), sum.wash.mean(), sum.lines.mean()];
         Ok(measured)
     }
 }
