@@ -1,0 +1,239 @@
+//! Ink lines against the lines of the mesh: whether they are where they should be, whether they stay lines, and whether they stay still.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use glam::{Mat4, Vec3, vec3};
+use pelage_bake::chart::ink::{on_blank_paper, template_px};
+use pelage_bake::compare_motion::{Flicker, MeanOf, Moment, flicker};
+use pelage_bake::mask::Mask;
+use pelage_bake::reference::{Lens, Sight, Skin, TrueCamera};
+use pelage_runtime::formats::{Limits, Package};
+use pelage_runtime::{
+    Anchoring, Camera, FrameParams, InkParams, InkShow, Instance, Motion, PassId, Renderer, RendererOptions, Style,
+};
+use pelage_tests::binary::{Sandbox, data, workspace};
+use pelage_tests::gpu::gpu;
+use pelage_tests::pictures::draw_passes;
+use pelage_tests::silhouette::bake_plain;
+use pelage_tests::support::headless::Gpu;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Settings of a bake that ink does not look at, and that cost time: little fur.
+const QUICK: [&str; 4] = ["slice.layers=4", "slice.tile_texels=64", "fins.enabled=false", "hair.density=50"];
+
+/// The project's own model of that name.
+fn own(name: &str) -> PathBuf {
+    workspace().join(format!("assets/models/{name}.glb"))
+}
+
+/// A model of the test data.
+fn shared(path: &str) -> Option<PathBuf> {
+    data().map(|data| data.join("meshes").join(path))
+}
+
+/// Rows of `pelage chart ink` for a model: of each the series and a function of the column.
+fn chart(model: &Path, rows: &str) -> Vec<Value> {
+    let sandbox = Sandbox::new();
+    let mut args = vec!["chart", "ink", model.to_str().unwrap(), "--rows", rows, "-o", "out", "--json", "-q"];
+    let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
+    args.extend(plain.iter().chain(&QUICK).flat_map(|set| ["--set", set]));
+    let run = sandbox.run(&args);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let object: Value = serde_json::from_str(&run.stdout).unwrap();
+    object["rows"].as_array().unwrap().clone()
+}
+
+fn number(row: &Value, column: &str) -> f64 {
+    row[column].as_f64().unwrap_or_else(|| panic!("no {column}: {row}"))
+}
+
+/// The bar of the style: precision and recall within two pixels, at defaults.
+const BAR: f64 = 0.9;
+
+#[track_caller]
+fn lines_are_those_of_the_mesh(model: &Path) {
+    let name = model.file_stem().unwrap().to_string_lossy().into_owned();
+    let rows = chart(model, "1");
+    let (precision, recall) = (number(&rows[0], "precision"), number(&rows[0], "recall"));
+    println!("{name}: precision {precision:.3}, recall {recall:.3}");
+    assert_eq!(rows[0]["default"], true);
+    assert!(precision >= BAR && recall >= BAR, "{name}: precision {precision}, recall {recall}");
+}
+
+#[test]
+fn lines_of_the_projects_own_models() {
+    if gpu("lines_of_the_projects_own_models").is_none() {
+        return;
+    }
+    ["hare", "knot"].iter().for_each(|name| lines_are_those_of_the_mesh(&own(name)));
+}
+
+#[test]
+fn lines_of_well_known_meshes() {
+    if gpu("lines_of_well_known_meshes").is_none() {
+        return;
+    }
+    for path in ["static/bunny.obj", "skinned/quaternius_Cow.glb", "skinned/quaternius_Horse.glb"] {
+        let Some(model) = shared(path) else { return };
+        lines_are_those_of_the_mesh(&model);
+    }
+}
+
+/// As printed, hardly a line is found: all four neighbours of a pixel never differ along a straight edge.
+#[test]
+fn the_printed_rule_misses_the_lines() {
+    if gpu("the_printed_rule_misses_the_lines").is_none() {
+        return;
+    }
+    let printed = pelage_bake::chart::ink::configurations();
+    let index = printed.iter().position(|c| c.series == "as printed").unwrap();
+    let rows = chart(&own("hare"), &(index + 1).to_string());
+    assert_eq!((&rows[0]["series"], &rows[0]["rule"]), (&"as printed".into(), &"all".into()));
+    let recall = number(&rows[0], "recall");
+    println!("as printed: recall {recall:.3}");
+    assert!(recall < 0.2, "recall {recall}");
+}
+
+/// Draws ink off screen.
+struct Brush {
+    gpu: &'static Gpu,
+    renderer: Renderer,
+    size: (u32, u32),
+}
+
+const FOV_Y_RAD: f32 = 0.5;
+
+impl Brush {
+    fn new(gpu: &'static Gpu, size: (u32, u32)) -> Self {
+        let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+        Self { gpu, renderer, size }
+    }
+
+    /// Bytes of the picture, RGBA.
+    fn draw(&mut self, instance: &mut Instance, camera: &Camera, ink: InkParams) -> Vec<[u8; 4]> {
+        let params = FrameParams { style: Style::Ink, ink: Some(ink), ..FrameParams::new(*camera) };
+        let passes = [PassId::InkComposite];
+        let bytes = draw_passes(self.gpu, &mut self.renderer, self.size, &params, &mut [instance], &passes);
+        bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect()
+    }
+
+    /// What is darker than half of white light.
+    fn dark(&mut self, instance: &mut Instance, camera: &Camera, ink: InkParams) -> Mask {
+        let pixels = self.draw(instance, camera, ink).iter().map(|p| p[0] < 188).collect();
+        Mask { width: self.size.0, height: self.size.1, pixels }
+    }
+
+    fn ink(&self) -> InkParams {
+        on_blank_paper(&InkParams::new(self.size.0, self.size.1))
+    }
+}
+
+/// Widest strokes of a package from 24 sides, pixels: by the sphere map alone, and ours.
+///
+/// * `towards`: middle and radius of what is looked at, and from where, after a turn in radians
+fn widest(brush: &mut Brush, package: &[u8], towards: impl Fn(f32) -> (Vec3, f32, Vec3)) -> [f64; 2] {
+    let model = brush.renderer.load_bytes(&brush.gpu.device, &brush.gpu.queue, package).unwrap();
+    let mut instance = Instance::new(&model);
+    let mut most = [0.0f64; 2];
+    for view in 0..24 {
+        let (center, radius, from) = towards(std::f32::consts::TAU * view as f32 / 24.0);
+        let aspect = brush.size.0 as f32 / brush.size.1 as f32;
+        let camera = Camera::framing(center, radius, from, FOV_Y_RAD, aspect);
+        for (most, template) in most.iter_mut().zip([false, true]) {
+            let ink = InkParams { template, show: InkShow::Lines, ..brush.ink() };
+            *most = most.max(brush.dark(&mut instance, &camera, ink).widest_stroke().width_px);
+        }
+    }
+    most
+}
+
+fn bounds(package: &[u8]) -> (Vec3, f32) {
+    let opened = Package::open(package, &Limits::default()).unwrap();
+    let bounds = opened.manifest().bounds;
+    (Vec3::from(bounds.center), bounds.radius)
+}
+
+/// No stroke is wider than the template, which the sphere map alone exceeds (Fang 2006, Fig. 3).
+#[track_caller]
+fn strokes_stay_strokes(name: &str, [alone, ours]: [f64; 2], template: f64) {
+    println!("{name}: widest stroke {ours:.1} px, template {template:.1} px, sphere map alone {alone:.1} px");
+    assert!(ours <= template, "{name}: {ours} px, template {template} px");
+    assert!(alone >= 2.0 * template, "{name}: the sphere map alone makes {alone} px, template {template} px");
+}
+
+#[test]
+fn strokes_are_no_wider_than_the_template() {
+    let Some(gpu) = gpu("strokes_are_no_wider_than_the_template") else { return };
+    let mut brush = Brush::new(gpu, (300, 300));
+    let hare = bake_plain("hare", &own("hare"), Some("assets/recipes/hare.toml"), &QUICK);
+    let (center, radius) = bounds(&hare);
+    let template = template_px(&brush.ink());
+    // The ears: the top fifth of the hare.
+    let ears = center + vec3(0.0, 0.62 * radius, 0.0);
+    let found = widest(&mut brush, &hare, |turn| (ears, 0.3 * radius, vec3(turn.sin(), 0.1, turn.cos())));
+    strokes_stay_strokes("hare's ears", found, template);
+    if let Some(model) = shared("static/bunny.obj") {
+        let bunny = bake_plain("bunny", &model, None, &QUICK);
+        let (center, radius) = bounds(&bunny);
+        let found = widest(&mut brush, &bunny, |turn| (center, radius, vec3(turn.sin(), 0.2, turn.cos())));
+        strokes_stay_strokes("bunny", found, template);
+    }
+}
+
+/// Flicker of a model that walks past, frame by frame, with wash and lines tied to one or the other.
+fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> Flicker {
+    let opened = Package::open(package, &Limits::default()).unwrap();
+    let clips = opened.animation().unwrap().unwrap().clips;
+    let names: Vec<_> = clips.iter().map(|c| &c.name).collect();
+    let clip = names.iter().position(|name| name.ends_with(clip)).unwrap_or_else(|| panic!("no {clip} in {names:?}"));
+    let model = brush.renderer.load_bytes(&brush.gpu.device, &brush.gpu.queue, package).unwrap();
+    let mut instance = Instance::new(&model);
+    let (center, radius) = bounds(package);
+    let aspect = brush.size.0 as f32 / brush.size.1 as f32;
+    let camera = Camera::framing(center, radius, vec3(0.9, 0.2, 0.5), FOV_Y_RAD, aspect);
+    let true_camera = TrueCamera::from_view(camera.view_from_world, Lens::Perspective { fov_y_rad: FOV_Y_RAD });
+    let mut sum = Flicker::default();
+    let mut before: Option<(Sight, Vec<f32>, Mask)> = None;
+    for frame in 0..6 {
+        let time_s = frame as f32 / 24.0;
+        // A body's length and a half a second, nose first.
+        let way = vec3(0.0, 0.0, 3.0 * radius * time_s);
+        instance.motion = Motion::Clip { clip, time_s };
+        instance.transform = Mat4::from_translation(way);
+        let mut skin = Skin::posed("model", &opened, Some((clip, time_s))).unwrap();
+        skin.vertices.iter_mut().for_each(|v| v.position_ws += way.as_dvec3());
+        let sight = Sight::new(skin).unwrap();
+        let ink = InkParams { anchoring, ..brush.ink() };
+        let lines = brush.dark(&mut instance, &camera, InkParams { show: InkShow::Lines, ..ink.clone() });
+        let grey: Vec<f32> = brush.draw(&mut instance, &camera, ink).iter().map(|p| f32::from(p[1]) / 255.0).collect();
+        if let Some((sight_before, grey_before, lines_before)) = &before {
+            let camera = &true_camera;
+            let now = Moment { sight: sight_before, camera, grey: grey_before, lines: lines_before };
+            let next = Moment { sight: &sight, camera, grey: &grey, lines: &lines };
+            sum = sum.joined(flicker(&now, &next, brush.size).unwrap());
+        }
+        before = Some((sight, grey, lines));
+    }
+    sum
+}
+
+/// Tied to the model, wash and lines change half as much from frame to frame as tied to the screen, over all of the skin: contours that come and go
+/// with reason counted in. Where no line is, hardly anything is left.
+#[test]
+fn wash_and_lines_move_with_the_model() {
+    let Some(gpu) = gpu("wash_and_lines_move_with_the_model") else { return };
+    let mut walkers = vec![("ox", own("ox"), Some("assets/recipes/ox.toml"))];
+    walkers.extend(shared("skinned/quaternius_Horse.glb").map(|model| ("horse", model, None)));
+    let mut brush = Brush::new(gpu, (834, 424));
+    for (name, model, recipe) in walkers {
+        let package = bake_plain(name, &model, recipe, &QUICK);
+        let [ours, naive] = [Anchoring::Surface, Anchoring::Screen].map(|a| walk(&mut brush, &package, "Walk", a));
+        let both = |of: fn(&Flicker) -> MeanOf| [&ours, &naive].map(|flicker| of(flicker).mean().unwrap());
+        let [all, wash, lines] = [both(|f| f.surface), both(|f| f.wash), both(|f| f.lines)];
+        println!("{name}: flicker on the model and on the screen: {all:.4?}, of wash {wash:.4?}, of lines {lines:.4?}");
+        assert!(ours.wash.count > 50_000 && ours.lines.count > 5_000, "{name}: {ours:?}");
+        assert!(all[0] <= 0.5 * all[1], "{name}: {all:?}");
+        assert!(wash[0] <= 0.25 * wash[1], "{name}, wash: {wash:?}");
+        assert!(lines[0] < lines[1], "{name}, lines: {lines:?}");
+    }
+}
