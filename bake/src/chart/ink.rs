@@ -129,7 +129,7 @@ pub fn line_px(ink: &InkParams) -> f64 {
 }
 
 /// Width of the template, pixels: the widest line asked for, and one more, because an edge is a feature on both of its sides. (Three dilations of Fang 2006, §2,
-/// make seven pixels of one and eight of two.) Where strokes meet, a wider disc fits between them, of √2 times that at right angles.
+/// make seven pixels of one and eight of two.) Lines nearer to each other than that run together.
 pub fn template_px(ink: &InkParams) -> f64 {
     line_px(ink) + 1.0
 }
