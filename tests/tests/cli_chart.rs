@@ -306,7 +306,7 @@ fn the_stability_table() {
     let sandbox = Sandbox::new();
     let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out"]));
     let rows = object["rows"].as_array().unwrap();
-    for method in ["surface", "solver", "Kajiya-Kay", "soft shadow", "animation", "shells"] {
+    for method in ["surface", "solver", "Kajiya-Kay", "soft shadow", "animation", "sphere map", "shells", "ink"] {
         assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
     }
     for row in rows {

@@ -13,6 +13,7 @@ use pelage_runtime::{
 use pelage_tests::binary::{Sandbox, data, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
+use pelage_tests::schema;
 use pelage_tests::silhouette::bake_plain;
 use pelage_tests::support::headless::Gpu;
 use serde_json::Value;
@@ -31,7 +32,7 @@ fn shared(path: &str) -> Option<PathBuf> {
     data().map(|data| data.join("meshes").join(path))
 }
 
-/// Rows of `pelage chart ink` for a model: of each the series and a function of the column.
+/// Rows of `pelage chart ink` for a model.
 fn chart(model: &Path, rows: &str) -> Vec<Value> {
     let sandbox = Sandbox::new();
     let mut args = vec!["chart", "ink", model.to_str().unwrap(), "--rows", rows, "-o", "out", "--json", "-q"];
@@ -40,6 +41,8 @@ fn chart(model: &Path, rows: &str) -> Vec<Value> {
     let run = sandbox.run(&args);
     assert_eq!(run.code, Some(0), "{run:?}");
     let object: Value = serde_json::from_str(&run.stdout).unwrap();
+    let text = std::fs::read(workspace().join("bake/src/cli/schema/chart.json")).unwrap();
+    schema::check(&serde_json::from_slice(&text).unwrap(), &object).unwrap();
     object["rows"].as_array().unwrap().clone()
 }
 
