@@ -180,5 +180,5 @@ fn textures_of_the_default_sizes_stay_small() {
     let encoded =
         textures(&InkParams::default(), &PackParams::default(), &MapImages::default(), Some(&strands())).unwrap();
     let bytes = encoded.stroke.len() + encoded.wash.len() + encoded.paper.len() + encoded.fur.unwrap().len();
-    assert!(bytes < 2_100_000, "{bytes}");
+    assert!(bytes < 900_000, "{bytes}");
 }

@@ -91,7 +91,7 @@ params! {
         /// How strongly ink gathers where a wash dries: 0 soft blotches, 1 dark marks round them.
         wash_edges: f32 = 0.5, in SHARE;
         /// Width and height of the wash texture, texels.
-        wash_texels: u32 = 512, in 32..=2048, as PowerOfTwo;
+        wash_texels: u32 = 256, in 32..=2048, as PowerOfTwo;
         /// How many fibres the paper shows: 0 none, 1 coarse mulberry paper.
         paper_fibres: f32 = 0.5, in SHARE;
         /// How unevenly the paper draws ink in: 0 sized, 1 raw.
@@ -99,7 +99,7 @@ params! {
         /// How dark flecks and coloured fibres in the paper are.
         paper_tone: f32 = 0.4, in SHARE;
         /// Width and height of the paper texture, texels.
-        paper_texels: u32 = 512, in 32..=2048, as PowerOfTwo;
+        paper_texels: u32 = 256, in 32..=2048, as PowerOfTwo;
         /// Width and height of the strokes of fur in a tile of hair, texels.
         fur_texels: u32 = 256, in 32..=2048, as PowerOfTwo;
     }
