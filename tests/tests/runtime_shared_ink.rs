@@ -32,7 +32,10 @@ fn the_outline_is_the_rim_of_the_sphere_map_and_the_device_agrees() {
         assert!(uv.distance(truth) < 1e-6, "{n}: {uv}, expected {truth}");
         let radius = 0.5 * (1.0 - f64::from(n.z).powi(2)).max(0.0).sqrt();
         assert!((f64::from((uv - 0.5).length()) - radius).abs() < 1e-4, "{n}");
-        // A swollen rim reaches twice as far in; the outline stays where it is.
+        // A swollen rim reaches twice as far in; the outline stays where it is. The middle has no direction to move in.
+        if n == Vec3::Z {
+            continue;
+        }
         let swollen = (ink::ink_sphere_uv(n, 2.0) - 0.5).length();
         assert!((swollen - (0.5 - 0.5 * (0.5 - f64::from((uv - 0.5).length())) as f32)).abs() < 1e-5, "{n}");
     }

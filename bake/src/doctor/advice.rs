@@ -168,12 +168,22 @@ fn fins(found: &Prognosis) -> Option<Advice> {
 fn formats(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> Result<Option<Advice>, BakeError> {
     let fur = &package.manifest().fur;
     let (mut keys, mut bytes, mut saved) = (Vec::new(), 0, 0.0);
+    let ink = package.ink().map_err(fault)?.map(|ink| ink.info);
+    // Never in blocks; and those that follow the shells.
+    let paper = ink.as_ref().map(|ink| ink.paper_texture);
+    let painted = ink.as_ref().map(|ink| [Some(ink.stroke_texture), Some(ink.wash_texture), ink.fur_texture]);
+    let painted: Vec<_> = painted.into_iter().flatten().flatten().collect();
     for index in 0..package.manifest().textures.len() as u32 {
+        if Some(index) == paper {
+            continue;
+        }
         let view = package.texture(index).map_err(fault)?;
         let hair = [Some(fur.color_texture), fur.fins.map(|f| f.color_texture), fur.wet.map(|w| w.color_texture)];
         let base = package.manifest().materials.iter().any(|m| m.base_color_texture == Some(index));
         let (key, share) = match view.format {
-            TextureFormat::Rgba8Srgb | TextureFormat::Rgba8Unorm if hair.contains(&Some(index)) => {
+            TextureFormat::Rgba8Srgb | TextureFormat::Rgba8Unorm
+                if hair.contains(&Some(index)) || painted.contains(&index) =>
+            {
                 ("pack.shell_format=bc7", 0.75)
             }
             TextureFormat::Rgba8Srgb | TextureFormat::Rgba8Unorm if base => ("pack.base_color_format=bc7", 0.75),
