@@ -13,7 +13,7 @@ struct StrokeVarying {
 }
 
 // Shells that strokes are drawn on, from the outermost inwards.
-const STROKE_SHELLS: u32 = 3u;
+const STROKE_SHELLS: u32 = 2u;
 // Fins stand where the skin turns away from the eye by this or more.
 const TURNED: f32 = 0.6;
 // Below this there is nothing to see.

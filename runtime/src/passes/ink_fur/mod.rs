@@ -9,7 +9,7 @@ pub(crate) const WGSL: &str =
     concat!(include_str!("../../shared/srgb.wgsl"), ink_surface_wgsl!("../fins/fin_corner.wgsl", "ink_fur.wgsl"));
 
 /// Shells that strokes are drawn on, as in the shader.
-pub(crate) const SHELLS: u32 = 3;
+pub(crate) const SHELLS: u32 = 2;
 
 /// Records the draws of one instance; groups 0 and 2 and the vertex buffers are set.
 pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &Drawn) {
