@@ -1,0 +1,118 @@
+//! The constants that the ink passes read.
+
+use crate::ink::{InkParams, LineWidth};
+use crate::model_ink::ModelInk;
+use crate::shared::srgb::encoded;
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat3, Mat4};
+
+/// The constants of a frame, as the shaders read them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct InkFrame {
+    pub(crate) ink: [f32; 3],
+    pub(crate) roughness: f32,
+    pub(crate) paper: [f32; 3],
+    pub(crate) paper_grain: f32,
+    pub(crate) size: [f32; 2],
+    pub(crate) t1: f32,
+    pub(crate) t2: f32,
+    pub(crate) step: i32,
+    pub(crate) reach: i32,
+    pub(crate) half_width: f32,
+    pub(crate) half_width_scaled: f32,
+    pub(crate) tone: f32,
+    pub(crate) lightness: f32,
+    pub(crate) dryness: f32,
+    pub(crate) paper_period: f32,
+    pub(crate) mist_from: f32,
+    pub(crate) mist_to: f32,
+    pub(crate) depth_step: f32,
+    pub(crate) reserved: f32,
+}
+
+/// The constants of an instance, as the shaders read them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct InkModel {
+    pub(crate) right_ws: [f32; 3],
+    pub(crate) wash_speed: f32,
+    pub(crate) up_ws: [f32; 3],
+    pub(crate) wash_range: f32,
+    pub(crate) periods: f32,
+    pub(crate) normalised: f32,
+    pub(crate) grain: f32,
+    pub(crate) tone: f32,
+    pub(crate) fur: f32,
+    pub(crate) line: f32,
+    pub(crate) pressure: f32,
+    pub(crate) swell: f32,
+    pub(crate) ink: [f32; 3],
+    pub(crate) paper_period: f32,
+    pub(crate) stroke_px: f32,
+    pub(crate) px_per_unit: f32,
+    pub(crate) reserved: [f32; 2],
+}
+
+impl InkFrame {
+    pub(super) fn new(params: &InkParams, clip_from_view: Mat4) -> Self {
+        let [width, height] = params.target_px.map(|n| n as f32);
+        let (half_width, half_width_scaled) = match params.width {
+            LineWidth::Pixels(px) => (0.5 * px, 0.0),
+            LineWidth::Metres(m) => (0.0, 0.5 * m * px_per_unit(clip_from_view, params)),
+        };
+        let [mist_from, mist_to] = params.mist_m.unwrap_or_default();
+        Self {
+            ink: encoded(params.ink).to_array(),
+            roughness: params.roughness_px,
+            paper: encoded(params.paper).to_array(),
+            paper_grain: params.paper_grain,
+            size: [width, height],
+            t1: params.threshold,
+            t2: params.threshold - params.weak_difference,
+            step: params.step_px as i32,
+            reach: params.reach_px() as i32,
+            half_width,
+            half_width_scaled,
+            tone: params.tone,
+            lightness: params.weak_lightness,
+            dryness: params.dryness,
+            paper_period: params.paper_period_px,
+            mist_from,
+            mist_to,
+            depth_step: params.depth_step,
+            reserved: 0.0,
+        }
+    }
+}
+
+impl InkModel {
+    pub(super) fn new(ink: &ModelInk, params: &InkParams, view_from_world: Mat4, clip_from_view: Mat4) -> Self {
+        let shading = params.shading.unwrap_or(ink.info.shading);
+        let rotation = Mat3::from_mat4(view_from_world);
+        Self {
+            right_ws: rotation.row(0).to_array(),
+            wash_speed: shading.wash_speed,
+            up_ws: rotation.row(1).to_array(),
+            wash_range: shading.wash_range,
+            periods: ink.periods,
+            normalised: f32::from(u8::from(shading.normalised)),
+            grain: shading.grain,
+            tone: shading.tone,
+            fur: shading.fur,
+            line: shading.line,
+            pressure: params.pressure,
+            swell: params.swell,
+            ink: encoded(params.ink).to_array(),
+            paper_period: params.paper_period_px,
+            stroke_px: (0.17 * InkParams::default_width_px(params.target_px[1])).max(1.2),
+            px_per_unit: px_per_unit(clip_from_view, params),
+            reserved: [0.0; 2],
+        }
+    }
+}
+
+/// How many pixels high a metre is at clip w 1.
+fn px_per_unit(clip_from_view: Mat4, params: &InkParams) -> f32 {
+    clip_from_view.y_axis.y.abs() * 0.5 * params.target_px[1] as f32
+}
