@@ -24,7 +24,19 @@
 //!
 //! The hair is the layered volume of Lengyel 2001, lit per pixel as in Yang 2006, eq. (3): hair shadows hair by layer-wise shadow
 //! maps, things throw soft shadows by a shadow-width map. [`Casters`] lets the application's own geometry take part in both
-//! directions. A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
+//! directions.
+//!
+//! [`Style::Ink`] paints the same packages as an ink-wash painting after Fang 2006, as [`InkParams`] say, which need to know how large the target is:
+//!
+//! ```no_run
+//! # use pelage_runtime::*;
+//! # fn f(mut params: FrameParams) {
+//! params.style = Style::Ink;
+//! params.ink = Some(InkParams { background: InkBackground::Picture, ..InkParams::new(1280, 720) });
+//! # }
+//! ```
+//!
+//! A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
 
 mod camera;
 mod detail;

@@ -73,7 +73,8 @@ pub enum Style {
     Fur,
     /// The skin alone, in its base colour.
     Bare,
-    /// As an ink-wash painting, as [`FrameParams::ink`] says; for packages that have the style.
+    /// As an ink-wash painting, as [`FrameParams::ink`] says; for packages that have the style. There is no light in it: lights, shadows,
+    /// casters, layers and levels of detail have no effect. The paper is that of the first instance.
     Ink,
 }
 
