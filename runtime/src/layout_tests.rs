@@ -130,7 +130,7 @@ fn uniform_structs_agree() {
             mist_from,
             mist_to,
             depth_step,
-            reserved,
+            far_depth,
         )
     );
     let (wgsl, size) = members(ink_fur::WGSL, "InkModel");

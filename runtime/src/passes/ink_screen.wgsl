@@ -32,7 +32,8 @@ struct InkFrame {
     mist_to: f32,
     // Relative step of 1 / clip w between neighbours that is a feature; 0 for none.
     depth_step: f32,
-    reserved: f32,
+    // Depth where nothing is.
+    far_depth: f32,
 }
 
 @group(0) @binding(0) var<uniform> ink: InkFrame;

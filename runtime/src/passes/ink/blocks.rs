@@ -28,7 +28,7 @@ pub(crate) struct InkFrame {
     pub(crate) mist_from: f32,
     pub(crate) mist_to: f32,
     pub(crate) depth_step: f32,
-    pub(crate) reserved: f32,
+    pub(crate) far_depth: f32,
 }
 
 /// The constants of an instance, as the shaders read them.
@@ -55,7 +55,7 @@ pub(crate) struct InkModel {
 }
 
 impl InkFrame {
-    pub(super) fn new(params: &InkParams, clip_from_view: Mat4) -> Self {
+    pub(super) fn new(params: &InkParams, clip_from_view: Mat4, reversed_depth: bool) -> Self {
         let [width, height] = params.target_px.map(|n| n as f32);
         let (half_width, half_width_scaled) = match params.width {
             LineWidth::Pixels(px) => (0.5 * px, 0.0),
@@ -81,7 +81,7 @@ impl InkFrame {
             mist_from,
             mist_to,
             depth_step: params.depth_step,
-            reserved: 0.0,
+            far_depth: if reversed_depth { 0.0 } else { 1.0 },
         }
     }
 }

@@ -177,7 +177,7 @@ pub(crate) fn record(
 
     let constants = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some("pelage ink frame"),
-        contents: bytemuck::bytes_of(&InkFrame::new(params, clip_from_view)),
+        contents: bytemuck::bytes_of(&InkFrame::new(params, clip_from_view, options.reversed_depth)),
         usage: wgpu::BufferUsages::UNIFORM,
     });
     // One sheet for all: that of the first who is on it.

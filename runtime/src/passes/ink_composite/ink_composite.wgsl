@@ -33,8 +33,9 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     let here = textureLoad(normals, p, 0);
     let line = textureLoad(strokes, p, 0);
     let q = inside(p + vec2<i32>(round(line.zw * 255.0)) - 128);
-    // Beside the body the line stands where its feature does. Its faint edge does not hide what comes after.
-    let depth = select(textureLoad(depths, q, 0), textureLoad(depths, p, 0), here.w > 0.0 || line.x <= 0.5);
+    // Beside the body the line stands a little behind its feature, so that hair from there covers it. Its faint edge hides nothing.
+    let beside = mix(textureLoad(depths, q, 0), ink.far_depth, 0.05);
+    let depth = select(beside, textureLoad(depths, p, 0), here.w > 0.0 || line.x <= 0.5);
     if SHOW == 1u {
         return Painted(vec4(vec3(1.0 - line.x), 1.0), depth);
     }

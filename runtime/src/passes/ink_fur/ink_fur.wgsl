@@ -74,7 +74,8 @@ fn painted(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
 
 @fragment
 fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
-    let strokes = fur_strokes_at(in.uv, vec2(1.0, 0.0), 1u);
+    // The tile repeats upwards too: away from where the roots would fade into the tips.
+    let strokes = fur_strokes_at(vec2(in.uv.x, mix(0.1, 0.96, in.uv.y)), vec2(1.0, 0.0), 1u);
     let base = base_color(in.tint, in.base_uv);
     if is_cut(base.a) {
         discard;

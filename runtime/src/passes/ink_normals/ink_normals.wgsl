@@ -19,19 +19,21 @@ struct InkVertex {
     @location(12) load: vec4<f32>,
 }
 
+// Few slots: a software rasteriser pays for each at every triangle.
 struct InkVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    @location(0) normal_ws: vec3<f32>,
-    @location(1) position_ws: vec3<f32>,
-    @location(2) rest_position: vec3<f32>,
-    @location(3) rest_normal: vec3<f32>,
+    // World space; the wash's product.
+    @location(0) position_product: vec4<f32>,
+    // World space; share of the wash.
+    @location(1) normal_amount: vec4<f32>,
+    // Periods of the wash's tile; share of full ink.
+    @location(2) rest_position_solid: vec4<f32>,
+    // As stored; share of the lines' width.
+    @location(3) rest_normal_line: vec4<f32>,
     @location(4) tint: vec4<f32>,
-    @location(5) base_uv: vec2<f32>,
-    @location(6) tile_uv: vec2<f32>,
-    // The wash's product; shares of wash, full ink, lines.
-    @location(7) load: vec4<f32>,
+    @location(5) base_tile_uv: vec4<f32>,
     // Share of the fur that grows, and its height, metres.
-    @location(8) fur: vec2<f32>,
+    @location(6) fur: vec2<f32>,
 }
 
 struct Surface {
@@ -51,28 +53,41 @@ override FUR_STROKES: bool = true;
 @vertex
 fn vs_ink(v: InkVertex) -> InkVarying {
     let plain = Vertex(v.position, v.fur_height, v.normal, v.tangent, v.tile_uv, v.base_uv, v.color, v.lean, v.groom);
+    let position = position_ws(plain);
     var out: InkVarying;
-    out.position_ws = position_ws(plain);
-    out.position = frame.clip_from_world * vec4(out.position_ws, 1.0);
-    out.normal_ws = normal_ws(plain);
-    out.rest_position = v.rest_position * model.periods;
-    out.rest_normal = v.rest_normal;
+    out.position = frame.clip_from_world * vec4(position, 1.0);
+    out.position_product = vec4(position, mix(2.0 * v.wash.x, v.wash.y, model.normalised));
+    out.normal_amount = vec4(normal_ws(plain), v.load.x);
+    out.rest_position_solid = vec4(v.rest_position * model.periods, v.load.y);
+    out.rest_normal_line = vec4(v.rest_normal, v.load.z);
     out.tint = v.color * material.base_color;
-    out.base_uv = v.base_uv;
-    out.tile_uv = v.tile_uv;
-    out.load = vec4(mix(2.0 * v.wash.x, v.wash.y, model.normalised), v.load.xyz);
+    out.base_tile_uv = vec4(v.base_uv, v.tile_uv);
     out.fur = vec2(select(0.0, 1.0 - v.groom.x, v.fur_height > 0.0), v.fur_height * instance.scale);
     return out;
 }
 
-// What varies over the surface: three looks at one tile, one along each axis of the model as stored.
+// What varies over the surface: two looks at one tile, along those axes of the model as stored that the normal is nearest to. A look's weight falls
+// to nothing where the third axis takes over, so that none is missed (Quilez's biplanar mapping).
 fn grain_at(p: vec3<f32>, n: vec3<f32>) -> vec4<f32> {
     let m = abs(n);
-    let w = m * m * m * m;
-    let sum = textureSample(wash_tile, tile_sampler, p.zy) * w.x
-        + textureSample(wash_tile, tile_sampler, p.xz + 0.37) * w.y
-        + textureSample(wash_tile, tile_sampler, p.xy + 0.71) * w.z;
-    return sum / max(w.x + w.y + w.z, 1e-6);
+    let dx = dpdx(p);
+    let dy = dpdy(p);
+    let without_x = m.x < min(m.y, m.z);
+    let without_y = !without_x && m.y < m.z;
+    let by_x = !without_x;
+    let by_z = without_x || without_y;
+    // Places apart in the tile, so that their looks do not mirror each other.
+    let first = select(vec3(p.xz + 0.37, m.y), vec3(p.zy, m.x), by_x);
+    let second = select(vec3(p.xz + 0.37, m.y), vec3(p.xy + 0.71, m.z), by_z);
+    let first_dx = select(dx.xz, dx.zy, by_x);
+    let first_dy = select(dy.xz, dy.zy, by_x);
+    let second_dx = select(dx.xz, dx.xy, by_z);
+    let second_dy = select(dy.xz, dy.xy, by_z);
+    // 0 where all three axes are as near.
+    let w = max(vec2(first.z, second.z) - 0.5773, vec2(0.0)) + 1e-4;
+    let a = textureSampleGrad(wash_tile, tile_sampler, first.xy, first_dx, first_dy);
+    let b = textureSampleGrad(wash_tile, tile_sampler, second.xy, second_dx, second_dy);
+    return (a * w.x + b * w.y) / (w.x + w.y);
 }
 
 fn eye_frame(eye: vec3<f32>) -> mat3x3<f32> {
@@ -83,18 +98,18 @@ fn eye_frame(eye: vec3<f32>) -> mat3x3<f32> {
 
 @fragment
 fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
-    let base = base_color(in.tint, in.base_uv);
-    var grain = grain_at(in.rest_position, in.rest_normal);
+    let base = base_color(in.tint, in.base_tile_uv.xy);
+    var grain = grain_at(in.rest_position_solid.xyz, normalize_or(in.rest_normal_line.xyz, vec3(0.0, 1.0, 0.0)));
     if ON_SCREEN {
         grain = textureSample(wash_tile, tile_sampler, in.position.xy / 160.0);
     }
     var strokes = vec4(0.0);
     if FUR_STROKES {
-        strokes = fur_strokes_at(in.tile_uv, vec2(1.0), 0u);
+        strokes = fur_strokes_at(in.base_tile_uv.zw, vec2(1.0), 0u);
     }
-    let eye = direction_to(frame.eye_ws, in.position_ws);
+    let eye = direction_to(frame.eye_ws, in.position_product.xyz);
     let axes = eye_frame(eye);
-    let facing = normalize_or(in.normal_ws, eye) * select(-1.0, 1.0, front);
+    let facing = normalize_or(in.normal_amount.xyz, eye) * select(-1.0, 1.0, front);
     // From surface to eye what is seen faces the eye, whatever the vertices say.
     var normal = facing * axes;
     normal = normalize_or(vec3(normal.xy, max(normal.z, 0.0)), vec3(0.0, 0.0, 1.0));
@@ -110,15 +125,15 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     }
     let stroke = textureSample(stroke_map, clamp_sampler, sphere_uv);
     // Lines are where faces turn: bakes round the normals of furred skin, and with those its creases would be gone.
-    let across = cross(dpdx(in.position_ws), dpdy(in.position_ws));
+    let across = cross(dpdx(in.position_product.xyz), dpdy(in.position_product.xyz));
     let face = normalize_or(across * sign(dot(across, eye)), facing) * axes;
     if is_cut(base.a) {
         discard;
     }
 
     // Wash. Its edge wanders with the blotches of the tile, and pigment gathers there.
-    let share = in.load.y;
-    let product = ink_wash_product(in.load.x) + (grain.g - 0.5) * 0.5 * model.grain;
+    let share = in.normal_amount.w;
+    let product = ink_wash_product(in.position_product.w) + (grain.g - 0.5) * 0.5 * model.grain;
     var density = 1.0 - ink_wash_grey(product, model.wash_speed, model.wash_range);
     let edge = smoothstep(0.0, 0.07, density) * (1.0 - smoothstep(0.07, 0.3, density));
     density = clamp(density * (1.0 + model.grain * 0.7 * (grain.r - 0.5)) + edge * 0.07 * model.grain, 0.0, 1.0) * share;
@@ -127,9 +142,9 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     let dark = model.tone * share * (1.0 - smoothstep(0.06, 0.42, light)) * (0.75 + 0.4 * (grain.r - 0.5));
     density = 1.0 - (1.0 - density) * (1.0 - dark);
     // Full ink is not black all over either.
-    density = max(density, in.load.z * (0.88 + 0.3 * model.grain * (grain.r - 0.5)));
+    density = max(density, in.rest_position_solid.w * (0.88 + 0.3 * model.grain * (grain.r - 0.5)));
 
-    var width = model.line * in.load.w;
+    var width = model.line * in.rest_normal_line.w;
     if FUR_STROKES {
         // Inner fur is wash; strokes stand where the coat turns away, and where the wash is heavy.
         let fur = in.fur.x * model.fur;
