@@ -1,12 +1,20 @@
 //! Levels of detail: which of them a package has, and at which size on screen they are drawn. No texture is made for them but the coat.
 
-use crate::recipe::DetailParams;
+use crate::recipe::{DetailParams, Recipe};
 use crate::textures::Coat;
 use pelage_formats::DetailLevel;
 
 /// Fewest layers above the skin that a level may have. Four of the hare's fifteen are 5 % too bright and of the torus's 11 % too dark, eight of
 /// either within 1 %.
 const FEWEST: u32 = 6;
+
+/// Array layers that WebGPU promises of a texture.
+const MOST_TEXTURE_LAYERS: u32 = 256;
+
+/// Whether a package has the far coat: an array layer more, of which no device needs to have over 256.
+pub fn has_coat(recipe: &Recipe) -> bool {
+    recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS
+}
 
 /// The chain for a package with that many layers, skin counted, whose textures have that coat or none. Empty where detail is switched off.
 ///

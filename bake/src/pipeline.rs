@@ -16,9 +16,6 @@ use pelage_formats::{Bounds, FurInfo, Shading};
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 8] = ["surface", "simulate", "slice", "groom", "fins", "ink", "textures", "pack"];
 
-/// Array layers that WebGPU promises of a texture.
-pub(crate) const MOST_TEXTURE_LAYERS: u32 = 256;
-
 /// A finished bake.
 #[derive(Clone, Debug)]
 pub struct Baked {
@@ -98,8 +95,7 @@ pub fn bake(
     let TileHair { strands, wet: wet_strands, style } = TileHair::grow(recipe, lengths, maps.water())?;
 
     on_stage("slice");
-    // The coat is an array layer more, of which no device needs to have over 256.
-    let with_coat = recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS;
+    let with_coat = detail::has_coat(recipe);
     let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat);
     let shells = slice(&strands)?;
     let wet_shells = wet_strands.as_ref().map(slice).transpose()?;

@@ -7,7 +7,6 @@ use crate::detail;
 use crate::groom::MapImages;
 use crate::hair::Strands;
 use crate::ink::{self, InkTextures};
-use crate::pipeline::MOST_TEXTURE_LAYERS;
 use crate::recipe::Recipe;
 use crate::reference::tile_hair;
 use crate::textures::{self, SLABS};
@@ -65,7 +64,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         let reason = "there is none, expected a package with hair to slice".into();
         return Err(BakeError::Input { file: file.into(), place: "the manifest's fur".into(), reason });
     };
-    let with_coat = recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS;
+    let with_coat = detail::has_coat(recipe);
     let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat);
     let (mut shells, wet) = (slice(&hair.strands)?, hair.wet.as_ref().map(slice).transpose()?);
     let coat = shells.coat.take();

@@ -37,7 +37,8 @@ pub(super) fn stratified(seed: u64, index: u32, count: u32) -> Vec2 {
     Vec2::new(u, v)
 }
 
-fn smooth(t: f32) -> f32 {
+/// Weight of the farther of two neighbours, 0..=1, with two continuous derivatives (Perlin 2002).
+pub(crate) fn smooth(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 

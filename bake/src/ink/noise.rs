@@ -1,6 +1,6 @@
 //! Smooth noise over a tile that repeats.
 
-use crate::hair::noise::hash;
+use crate::hair::noise::{hash, smooth};
 use glam::{UVec2, Vec2};
 
 /// The random slope of a lattice point, each component in -1..1.
@@ -21,7 +21,7 @@ pub(super) fn gradient(seed: u64, p: Vec2, cells: UVec2) -> f32 {
         let slope = slope(seed, wrap(cell.x + i as f32, cells.x), wrap(cell.y + j as f32, cells.y));
         slope.dot(f - Vec2::new(i as f32, j as f32))
     };
-    let w = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    let w = f.map(smooth);
     let row = |j: u32| at(0, j) + (at(1, j) - at(0, j)) * w.x;
     1.6 * (row(0) + (row(1) - row(0)) * w.y)
 }

@@ -41,8 +41,18 @@ pub(crate) struct MaterialUniform {
     pub(crate) reserved: [f32; 3],
 }
 
-const fn attribute(shader_location: u32, format: wgpu::VertexFormat, offset: usize) -> wgpu::VertexAttribute {
+pub(crate) const fn attribute(
+    shader_location: u32,
+    format: wgpu::VertexFormat,
+    offset: usize,
+) -> wgpu::VertexAttribute {
     wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
+}
+
+/// A vertex buffer of `T`.
+pub(crate) fn stream<T>(attributes: &[wgpu::VertexAttribute]) -> Option<wgpu::VertexBufferLayout<'_>> {
+    let array_stride = size_of::<T>() as u64;
+    Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
 }
 
 /// The first stream, [`GeometryVertex`].
@@ -309,6 +319,8 @@ impl SurfaceLayouts {
         // Depth alone needs no fragment shader, unless there are holes to cut.
         let has_fragment = target.color.is_some() || key.variant.cutout;
         let targets = [target.color];
+        let streams =
+            [stream::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), stream::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment),
             layout: Some(&layout),
@@ -317,22 +329,7 @@ impl SurfaceLayouts {
                 entry_point: Some(vertex),
                 compilation_options: compilation_options.clone(),
                 // Fins read their vertices from storage buffers.
-                buffers: if key.shader == SurfaceShader::Fins {
-                    &[]
-                } else {
-                    &[
-                        Some(wgpu::VertexBufferLayout {
-                            array_stride: size_of::<GeometryVertex>() as u64,
-                            step_mode: wgpu::VertexStepMode::Vertex,
-                            attributes: &GEOMETRY_ATTRIBUTES,
-                        }),
-                        Some(wgpu::VertexBufferLayout {
-                            array_stride: size_of::<AttributeVertex>() as u64,
-                            step_mode: wgpu::VertexStepMode::Vertex,
-                            attributes: &ATTRIBUTE_ATTRIBUTES,
-                        }),
-                    ]
-                },
+                buffers: if key.shader == SurfaceShader::Fins { &[] } else { &streams },
             },
             primitive: wgpu::PrimitiveState {
                 front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },

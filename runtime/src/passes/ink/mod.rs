@@ -10,7 +10,6 @@ pub(crate) use pipelines::InkPipelines;
 pub(crate) use pipelines::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 
 use super::fins::{self, FinDraws};
-use super::ink_composite::ScreenShow;
 use super::surface::SurfaceLayouts;
 use super::{PassId, ink_normals};
 use crate::frame::Drawn;
@@ -148,7 +147,7 @@ fn screens(params: &InkParams) -> [Screen; 4] {
         Screen::Features { all_below: params.features == FeatureRule::AllBelow },
         Screen::Dilate { squares: printed },
         Screen::Stroke { printed, template: params.template },
-        Screen::Composite { show: ScreenShow::from(params.show), picture: params.background == InkBackground::Picture },
+        Screen::Composite { show: params.show, picture: params.background == InkBackground::Picture },
     ]
 }
 
@@ -186,7 +185,7 @@ pub(crate) fn record(
     let t = &*targets;
     let tile = &pipelines.tile_sampler;
     let group = |pipeline: &wgpu::RenderPipeline, views: &[_], samplers: &[_]| {
-        screen_group(device, pipeline, Some(&constants), views, samplers)
+        screen_group(device, pipeline, &constants, views, samplers)
     };
     let seen = group(&features, &[(1, &t.normals), (2, &t.surfaces)], &[]);
     fill(encoder, recording, "pelage ink features", &t.features, &features, &seen);

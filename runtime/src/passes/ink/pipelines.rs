@@ -3,11 +3,10 @@
 use super::blocks::InkModel;
 use super::targets::{DEPTH_FORMAT, InkTargets, NORMALS_FORMAT, PAIRS_FORMAT, SURFACES_FORMAT};
 use crate::RendererOptions;
-use crate::ink::SphereMapForm;
+use crate::ink::{InkShow, SphereMapForm};
 use crate::model_ink::ModelInk;
-use crate::passes::ink_composite::ScreenShow;
 use crate::passes::key::depth_compare;
-use crate::passes::surface::{self, ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, SurfaceLayouts};
+use crate::passes::surface::{self, ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, SurfaceLayouts, attribute, stream};
 use crate::passes::{ink_composite, ink_dilate, ink_features, ink_fur, ink_normals, ink_stroke};
 use pelage_formats::{AttributeVertex, GeometryVertex, InkVertex};
 use std::collections::HashMap;
@@ -21,7 +20,7 @@ pub(super) enum Screen {
     Features { all_below: bool },
     Dilate { squares: bool },
     Stroke { printed: bool, template: bool },
-    Composite { show: ScreenShow, picture: bool },
+    Composite { show: InkShow, picture: bool },
 }
 
 /// A pass over a model's surface.
@@ -61,25 +60,16 @@ pub(crate) struct InkPipelines {
     targets: Option<Arc<InkTargets>>,
 }
 
-const fn location(shader_location: u32, format: wgpu::VertexFormat, offset: usize) -> wgpu::VertexAttribute {
-    wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
-}
-
 /// The third stream: [`GeometryVertex`] as stored.
 pub(crate) const REST_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
-    location(9, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
-    location(10, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, normal)),
+    attribute(9, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
+    attribute(10, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, normal)),
 ];
 /// The fourth stream, [`InkVertex`].
 pub(crate) const INK_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
-    location(11, wgpu::VertexFormat::Snorm16x2, offset_of!(InkVertex, wash)),
-    location(12, wgpu::VertexFormat::Unorm8x4, offset_of!(InkVertex, amount)),
+    attribute(11, wgpu::VertexFormat::Snorm16x2, offset_of!(InkVertex, wash)),
+    attribute(12, wgpu::VertexFormat::Unorm8x4, offset_of!(InkVertex, amount)),
 ];
-
-fn stream<T>(attributes: &[wgpu::VertexAttribute]) -> Option<wgpu::VertexBufferLayout<'_>> {
-    let array_stride = size_of::<T>() as u64;
-    Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
-}
 
 fn constant(value: bool) -> f64 {
     f64::from(u8::from(value))
@@ -330,14 +320,11 @@ fn screen_pipeline(device: &wgpu::Device, options: &RendererOptions, screen: Scr
 pub(super) fn screen_group(
     device: &wgpu::Device,
     pipeline: &wgpu::RenderPipeline,
-    constants: Option<&wgpu::Buffer>,
+    constants: &wgpu::Buffer,
     views: &[(u32, &wgpu::TextureView)],
     samplers: &[(u32, &wgpu::Sampler)],
 ) -> wgpu::BindGroup {
-    let buffer = constants.map(|b| wgpu::BindGroupEntry { binding: 0, resource: b.as_entire_binding() });
-    let view = |(binding, view): &(u32, &'_ wgpu::TextureView)| (*binding, wgpu::TextureView::clone(view));
-    let views: Vec<_> = views.iter().map(view).collect();
-    let mut entries: Vec<_> = buffer.into_iter().collect();
+    let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: constants.as_entire_binding() }];
     entries.extend(views.iter().map(|(binding, view)| wgpu::BindGroupEntry {
         binding: *binding,
         resource: wgpu::BindingResource::TextureView(view),

@@ -1,15 +1,7 @@
 // What the other ink passes look at: normals in the frame perpendicular to the view, and what the surface says of wash and lines.
 
+// What this pass reads of a vertex besides what all do.
 struct InkVertex {
-    @location(0) position: vec3<f32>,
-    @location(1) fur_height: f32,
-    @location(2) normal: vec3<f32>,
-    @location(3) tangent: vec4<f32>,
-    @location(4) tile_uv: vec2<f32>,
-    @location(5) base_uv: vec2<f32>,
-    @location(6) color: vec4<f32>,
-    @location(7) lean: f32,
-    @location(8) groom: vec4<f32>,
     // As stored, before any pose: what textures of the surface hold on to.
     @location(9) rest_position: vec3<f32>,
     @location(10) rest_normal: vec3<f32>,
@@ -51,15 +43,14 @@ override ON_SCREEN: bool = false;
 override FUR_STROKES: bool = true;
 
 @vertex
-fn vs_ink(v: InkVertex) -> InkVarying {
-    let plain = Vertex(v.position, v.fur_height, v.normal, v.tangent, v.tile_uv, v.base_uv, v.color, v.lean, v.groom);
-    let position = position_ws(plain);
+fn vs_ink(v: Vertex, ink: InkVertex) -> InkVarying {
+    let position = position_ws(v);
     var out: InkVarying;
     out.position = frame.clip_from_world * vec4(position, 1.0);
-    out.position_product = vec4(position, mix(2.0 * v.wash.x, v.wash.y, model.normalised));
-    out.normal_amount = vec4(normal_ws(plain), v.load.x);
-    out.rest_position_solid = vec4(v.rest_position * model.periods, v.load.y);
-    out.rest_normal_line = vec4(v.rest_normal, v.load.z);
+    out.position_product = vec4(position, mix(2.0 * ink.wash.x, ink.wash.y, model.normalised));
+    out.normal_amount = vec4(normal_ws(v), ink.load.x);
+    out.rest_position_solid = vec4(ink.rest_position * model.periods, ink.load.y);
+    out.rest_normal_line = vec4(ink.rest_normal, ink.load.z);
     out.tint = v.color * material.base_color;
     out.base_tile_uv = vec4(v.base_uv, v.tile_uv);
     out.fur = vec2(select(0.0, 1.0 - v.groom.x, v.fur_height > 0.0), v.fur_height * instance.scale);
