@@ -133,6 +133,8 @@ impl Sandbox {
     pub fn command(&self, args: &[impl AsRef<OsStr>]) -> Command {
         let mut command = Command::new(pelage());
         command.args(args).current_dir(self.path()).stdin(Stdio::null());
+        // Mesa's device selection looks there for a display; where it is unset, as in a container, the driver writes "error:" lines of its own on stderr.
+        command.env("XDG_RUNTIME_DIR", self.path());
         command
     }
 
