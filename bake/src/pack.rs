@@ -12,6 +12,7 @@ use pelage_formats::{
     InputRecord, Limits, Manifest, Material, MeshData, Package, PackageWriter, Part, QualityFigure, Shading, Tag,
     TextureEntry,
 };
+use std::borrow::Cow;
 
 /// What the stages made, ready to be packed.
 #[derive(Clone, Copy, Debug)]
@@ -58,23 +59,25 @@ pub struct Pieces<'a> {
     pub warnings: &'a [String],
 }
 
-/// The textures of a package, in their order.
-#[derive(Debug, Default)]
-struct Textures<'a> {
-    entries: Vec<TextureEntry>,
-    files: Vec<&'a [u8]>,
+/// The textures of a package that is being written, in their order.
+#[derive(Default)]
+pub(crate) struct Textures<'a> {
+    /// For the manifest.
+    pub(crate) entries: Vec<TextureEntry>,
+    /// A .ktx2 file for each entry.
+    pub(crate) files: Vec<Cow<'a, [u8]>>,
 }
 
 impl<'a> Textures<'a> {
     /// Adds a .ktx2 file and returns its index.
-    fn add(&mut self, name: impl Into<String>, file: &'a [u8]) -> u32 {
+    pub(crate) fn add(&mut self, name: impl Into<String>, file: impl Into<Cow<'a, [u8]>>) -> u32 {
         self.entries.push(TextureEntry { name: name.into() });
-        self.files.push(file);
+        self.files.push(file.into());
         self.files.len() as u32 - 1
     }
 
     /// Adds the two textures of a shell volume, their names prefixed.
-    fn add_shells(&mut self, prefix: &str, shells: &'a ShellTextures) -> pelage_formats::ShellTextures {
+    pub(crate) fn add_shells(&mut self, prefix: &str, shells: &'a ShellTextures) -> pelage_formats::ShellTextures {
         pelage_formats::ShellTextures {
             color_texture: self.add(format!("{prefix}_color"), &shells.color),
             direction_texture: self.add(format!("{prefix}_direction"), &shells.direction),

@@ -7,31 +7,11 @@ use crate::detail;
 use crate::groom::MapImages;
 use crate::hair::Strands;
 use crate::ink::{self, InkTextures};
+use crate::pack::Textures;
 use crate::recipe::Recipe;
 use crate::reference::tile_hair;
 use crate::textures::{self, SLABS};
-use pelage_formats::{FinInfo, FurInfo, InkData, Manifest, Package, PackageWriter, ShellTextures, Tag, TextureEntry};
-
-/// Textures of the new package, and where each of the old ones went.
-struct Textures {
-    entries: Vec<TextureEntry>,
-    files: Vec<Vec<u8>>,
-}
-
-impl Textures {
-    fn add(&mut self, name: &str, file: Vec<u8>) -> u32 {
-        self.entries.push(TextureEntry { name: name.into() });
-        self.files.push(file);
-        self.files.len() as u32 - 1
-    }
-
-    fn add_shells(&mut self, prefix: &str, shells: textures::ShellTextures) -> ShellTextures {
-        ShellTextures {
-            color_texture: self.add(&format!("{prefix}_color"), shells.color),
-            direction_texture: self.add(&format!("{prefix}_direction"), shells.direction),
-        }
-    }
-}
+use pelage_formats::{FinInfo, FurInfo, InkData, Manifest, Package, PackageWriter, Tag};
 
 /// The textures of the ink style anew, where `recipe` has them in another format than the package; `None` where they stay, also where a scan would be
 /// needed that is no part of the package.
@@ -75,18 +55,18 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         _ => None,
     };
 
-    let mut textures = Textures { entries: Vec::new(), files: Vec::new() };
-    let new_shells = textures.add_shells("shell", shells);
+    let mut textures = Textures::default();
+    let new_shells = textures.add_shells("shell", &shells);
     // What materials name moves along.
     let mut moved = vec![None; old.textures.len()];
-    let mut keep = |textures: &mut Textures, index: Option<u32>| {
+    let mut keep = |textures: &mut Textures<'_>, index: Option<u32>| {
         let Some(index) = index else { return Ok(None) };
         let slot = &mut moved[index as usize];
         if slot.is_none() {
             let sections = package.sections().iter().enumerate().filter(|(_, s)| s.tag == Tag::TEXTURE);
             let nth = sections.map(|(i, _)| i).nth(index as usize).unwrap_or(usize::MAX);
             let bytes = package.section_bytes(nth).map_err(fault)?.to_vec();
-            *slot = Some(textures.add(&old.textures[index as usize].name, bytes));
+            *slot = Some(textures.add(old.textures[index as usize].name.as_str(), bytes));
         }
         Ok::<_, BakeError>(*slot)
     };
@@ -95,10 +75,10 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         material.base_color_texture = keep(&mut textures, material.base_color_texture)?;
         material.groom_texture = keep(&mut textures, material.groom_texture)?;
     }
-    let wet = wet.map(|shells| textures.add_shells("wet_shell", shells));
-    let fin_info = fins.map(|fins| {
+    let wet = wet.as_ref().map(|shells| textures.add_shells("wet_shell", shells));
+    let fin_info = fins.as_ref().map(|fins| {
         let (width, height) = (fins.width, fins.height);
-        let indices = textures.add_shells("fin", fins.textures);
+        let indices = textures.add_shells("fin", &fins.textures);
         FinInfo {
             width,
             height,

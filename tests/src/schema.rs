@@ -1,6 +1,22 @@
 //! A checker for the part of JSON Schema that `bake/src/cli/schema/` uses: `type`, `required`, `properties`, `items`, `enum`.
 
+use crate::binary::{Run, workspace};
 use serde_json::Value;
+
+/// The one JSON object that a run wrote to stdout, held against the schema `name` of `bake/src/cli/schema/`.
+///
+/// # Panics
+///
+/// Where it is no JSON, or breaks the schema.
+#[track_caller]
+pub fn answer(run: &Run, name: &str) -> Value {
+    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
+    let path = workspace().join(format!("bake/src/cli/schema/{name}.json"));
+    let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let schema = serde_json::from_slice(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    check(&schema, &value).unwrap_or_else(|e| panic!("{name}: {e}"));
+    value
+}
 
 /// The first place where `value` breaks `schema`, or a schema word that this checker does not know: a rule that is not
 /// understood must not pass for one that holds.

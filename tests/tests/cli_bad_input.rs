@@ -7,6 +7,7 @@ mod common;
 use common::{Random, sample_package};
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Run, Sandbox};
+use pelage_tests::schema;
 use serde_json::{Value, json};
 
 /// Runs, and asserts exit code and words of stderr; no file may come or go.
@@ -42,7 +43,7 @@ fn usage_errors_exit_with_1() {
         refused(&sandbox, args, 1, words);
     }
     let run = refused(&sandbox, &["inspect", "--json"], 1, &[]);
-    let object: Value = serde_json::from_str(&run.stdout).unwrap();
+    let object = schema::answer(&run, "error");
     assert_eq!(object["error"]["exit_code"], 1);
 }
 
@@ -91,7 +92,7 @@ fn packages() {
             assert!(words.iter().all(|w| run.stdout.contains(w)) && run.stdout.contains("byte"), "{run:?}");
         }
         let run = sandbox.run(&["inspect", file, "--json"]);
-        let object: Value = serde_json::from_str(&run.stdout).unwrap();
+        let object = schema::answer(&run, "error");
         assert_eq!(object["error"]["exit_code"], *code, "{file}");
     }
 }

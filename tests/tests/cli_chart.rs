@@ -1,7 +1,7 @@
 //! `pelage chart` through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::binary::{Run, Sandbox};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
@@ -11,10 +11,7 @@ use std::time::Duration;
 #[track_caller]
 fn json_of(run: &Run) -> Value {
     assert_eq!(run.code, Some(0), "{run:?}");
-    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
-    let text = std::fs::read(workspace().join("bake/src/cli/schema/chart.json")).unwrap();
-    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap();
-    value
+    schema::answer(run, "chart")
 }
 
 /// Fields of a CSV text, line by line.

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
-use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::binary::{Run, Sandbox};
 use pelage_tests::schema;
 use serde_json::Value;
 use std::io::Cursor;
@@ -10,10 +10,7 @@ use std::io::Cursor;
 #[track_caller]
 fn json_of(run: &Run, code: i32) -> Value {
     assert_eq!(run.code, Some(code), "{run:?}");
-    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
-    let text = std::fs::read(workspace().join("bake/src/cli/schema/compare.json")).unwrap();
-    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap();
-    value
+    schema::answer(run, "compare")
 }
 
 fn encoded(image: DynamicImage, format: ImageFormat) -> Vec<u8> {

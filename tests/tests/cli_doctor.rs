@@ -7,16 +7,13 @@ use pelage_tests::schema;
 use serde_json::Value;
 
 #[track_caller]
-fn json_of(run: &Run) -> Value {
+fn json_of(run: &Run, name: &str) -> Value {
     assert_eq!(run.code, Some(0), "{run:?}");
-    serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"))
+    schema::answer(run, name)
 }
 
 fn doctor(sandbox: &Sandbox, args: &[&str]) -> Value {
-    let value = json_of(&sandbox.run(&[&["doctor", "a.pelage", "--json"], args].concat()));
-    let text = std::fs::read(workspace().join("bake/src/cli/schema/doctor.json")).unwrap();
-    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap();
-    value
+    json_of(&sandbox.run(&[&["doctor", "a.pelage", "--json"], args].concat()), "doctor")
 }
 
 fn bake(sandbox: &Sandbox, name: &str, sets: &[&str]) {
@@ -24,7 +21,8 @@ fn bake(sandbox: &Sandbox, name: &str, sets: &[&str]) {
         |folder: &str, kind: &str| workspace().join(format!("assets/{folder}/{name}.{kind}")).display().to_string();
     let (model, recipe) = (asset("models", "glb"), asset("recipes", "toml"));
     let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
-    json_of(&sandbox.run(&[&["bake", &model, "--recipe", &recipe, "-o", "a.pelage", "--json"], &sets[..]].concat()));
+    let args = [&["bake", &model, "--recipe", &recipe, "-o", "a.pelage", "--json"], &sets[..]].concat();
+    json_of(&sandbox.run(&args), "bake");
 }
 
 #[test]
@@ -42,7 +40,7 @@ fn predictions_are_what_an_adapter_counts() {
         bake(&sandbox, name, &plain);
         let found = doctor(&sandbox, view);
         let args = [&["bench", "a.pelage", "--json", "--frames", "1"], view].concat();
-        let counted = json_of(&sandbox.run(&args));
+        let counted = json_of(&sandbox.run(&args), "bench");
         let bytes = |v: &Value| v["gpu_bytes"].as_f64().unwrap();
         // Uniform blocks are not predicted.
         let ratio = bytes(&found) / bytes(&counted);

@@ -20,10 +20,7 @@ const SMALL: [&str; 6] = [
 #[track_caller]
 fn json(run: &Run, name: &str) -> Value {
     assert_eq!(run.code, Some(0), "{run:?}");
-    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
-    let text = std::fs::read(workspace().join(format!("bake/src/cli/schema/{name}.json"))).unwrap();
-    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap_or_else(|e| panic!("{name}: {e}"));
-    value
+    schema::answer(run, name)
 }
 
 /// `pelage bake` of the built-in torus with more arguments.

@@ -40,10 +40,7 @@ fn sandbox() -> Sandbox {
 fn rendered(sandbox: &Sandbox, args: &[&str]) -> (Value, Run) {
     let run = sandbox.run(&[&["render", "--json"], args].concat());
     assert_eq!(run.code, Some(0), "{args:?}: {run:?}");
-    let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
-    let text = std::fs::read(workspace().join("bake/src/cli/schema/render.json")).unwrap();
-    schema::check(&serde_json::from_slice(&text).unwrap(), &value).unwrap();
-    (value, run)
+    (schema::answer(&run, "render"), run)
 }
 
 /// The bytes of a picture that these arguments draw.

@@ -40,10 +40,7 @@ fn chart(model: &Path, rows: &str) -> Vec<Value> {
     args.extend(plain.iter().chain(&QUICK).flat_map(|set| ["--set", set]));
     let run = sandbox.run(&args);
     assert_eq!(run.code, Some(0), "{run:?}");
-    let object: Value = serde_json::from_str(&run.stdout).unwrap();
-    let text = std::fs::read(workspace().join("bake/src/cli/schema/chart.json")).unwrap();
-    schema::check(&serde_json::from_slice(&text).unwrap(), &object).unwrap();
-    object["rows"].as_array().unwrap().clone()
+    schema::answer(&run, "chart")["rows"].as_array().unwrap().clone()
 }
 
 fn number(row: &Value, column: &str) -> f64 {
