@@ -80,6 +80,34 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
 }
 
 #[test]
+fn edges_of_lines_are_soft_and_specks_are_left_out() {
+    let Some(gpu) = gpu("edges_of_lines_are_soft_and_specks_are_left_out") else { return };
+    let between = |printed: bool| {
+        let shown = with(|ink| (ink.show, ink.printed_lines) = (InkShow::Lines, printed));
+        let lines = painted(gpu, &shown, &sphere());
+        lines.rgba.iter().filter(|p| (1..255).contains(&p[0])).count()
+    };
+    assert!(between(false) > 200, "lines have hard edges");
+    assert_eq!(between(true), 0, "as printed a pixel is ink or not");
+
+    // A sphere whose outline lies about one pixel, and one with more.
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere())).unwrap();
+    let mut seen = |show, scale: f32| {
+        let params = with(|ink| ink.show = show);
+        // The middle of the picture is a corner of four pixels; the camera of `from` sees 0.13 m in half of its rows.
+        let half_pixel = 0.5 * 0.13 / (0.5 * SIZE.0 as f32);
+        let mut instance = Instance::new(&model);
+        instance.transform =
+            Mat4::from_translation(Vec3::new(half_pixel, half_pixel, 0.0)) * Mat4::from_scale(Vec3::splat(scale));
+        dark(&draw(gpu, &mut renderer, SIZE, &params, &mut [&mut instance])).len()
+    };
+    assert_eq!(seen(InkShow::Features, 0.01), 1, "a sphere of one pixel");
+    assert_eq!(seen(InkShow::Lines, 0.01), 0, "one pixel is no line");
+    assert!(seen(InkShow::Lines, 0.08) > 30, "a small sphere has its outline");
+}
+
+#[test]
 fn lines_in_metres_are_thinner_with_distance() {
     let Some(gpu) = gpu("lines_in_metres_are_thinner_with_distance") else { return };
     let area = |distance: f32, width| {

@@ -51,7 +51,8 @@ pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
             )
         }
     };
-    let pressure = soft(&|uv| noise(3, uv, 6, 4));
+    // Slower than the lines are wide: what changes within a line's width makes beads of it.
+    let pressure = soft(&|uv| noise(3, uv, 6, 2));
     let speckle = Plane::from_fn(side, |uv| noise(4, uv, (params.wash_texels / 8).max(4), 3));
     let dry_brush = speckle.with(&tooth, |speckle, tooth| speckle + 0.5 * tooth).with(&pressure, |v, p| v - 0.15 * p);
     [grain.balanced(GRAIN), blotches.balanced(BLOTCHES), pressure.balanced(PRESSURE), dry_brush.equalised()]

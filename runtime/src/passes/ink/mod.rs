@@ -147,7 +147,7 @@ fn screens(params: &InkParams) -> [Screen; 4] {
         Screen::Features { all_below: params.features == FeatureRule::AllBelow },
         Screen::Dilate { squares: printed },
         Screen::Stroke { printed, template: params.template },
-        Screen::Composite { show: params.show, picture: params.background == InkBackground::Picture },
+        Screen::Composite { show: params.show, picture: params.background == InkBackground::Picture, soft: !printed },
     ]
 }
 

@@ -20,7 +20,7 @@ pub(super) enum Screen {
     Features { all_below: bool },
     Dilate { squares: bool },
     Stroke { printed: bool, template: bool },
-    Composite { show: InkShow, picture: bool },
+    Composite { show: InkShow, picture: bool, soft: bool },
 }
 
 /// A pass over a model's surface.
@@ -264,15 +264,16 @@ fn screen_pipeline(device: &wgpu::Device, options: &RendererOptions, screen: Scr
                 [("SQUARES", printed), ("HARD", printed), ("TEMPLATE", template)].map(|(name, v)| (name, constant(v)));
             ("pelage ink stroke", ink_stroke::WGSL, "fs_stroke", constants.to_vec())
         }
-        Screen::Composite { show, picture } => {
-            let constants = vec![("SHOW", f64::from(show as u8)), ("PICTURE", constant(picture))];
+        Screen::Composite { show, picture, soft } => {
+            let constants =
+                vec![("SHOW", f64::from(show as u8)), ("PICTURE", constant(picture)), ("SOFT", constant(soft))];
             ("pelage ink composite", ink_composite::WGSL, "fs_composite", constants)
         }
     };
     let composite = matches!(screen, Screen::Composite { .. });
     let format = match screen {
-        Screen::Features { .. } | Screen::Dilate { .. } => PAIRS_FORMAT,
-        Screen::Stroke { .. } => SURFACES_FORMAT,
+        Screen::Features { .. } => PAIRS_FORMAT,
+        Screen::Dilate { .. } | Screen::Stroke { .. } => SURFACES_FORMAT,
         Screen::Composite { .. } => options.color_format,
     };
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {

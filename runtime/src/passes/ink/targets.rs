@@ -4,9 +4,9 @@ use crate::passes::ink_normals;
 
 /// Normals and 1 / clip w. Dots of normals are compared with thresholds up to 1: eight bits would be too few.
 pub(crate) const NORMALS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Wash, stroke, width, dryness; and lines.
+/// Wash, stroke, width, dryness; what the search along rows found; and lines.
 pub(crate) const SURFACES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// Features, and what the search along rows found.
+/// Features.
 pub(crate) const PAIRS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -42,7 +42,7 @@ impl InkTargets {
             normals: target("pelage ink normals", NORMALS_FORMAT),
             surfaces: target("pelage ink surfaces", SURFACES_FORMAT),
             features: target("pelage ink features", PAIRS_FORMAT),
-            rows: target("pelage ink rows", PAIRS_FORMAT),
+            rows: target("pelage ink rows", SURFACES_FORMAT),
             strokes: target("pelage ink strokes", SURFACES_FORMAT),
             depth: target("pelage ink depth", DEPTH_FORMAT),
         }

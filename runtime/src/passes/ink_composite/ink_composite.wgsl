@@ -10,6 +10,8 @@
 
 // 0: the painting; 1: lines, black on white; 2: features; 3: wash.
 override SHOW: u32 = 0u;
+// Lines run a little into the paper, as wash does; those that are ink or not do not.
+override SOFT: bool = true;
 // The application's own picture stays where nothing is painted.
 override PICTURE: bool = false;
 
@@ -18,12 +20,14 @@ struct Painted {
     @builtin(frag_depth) depth: f32,
 }
 
-// Grey of the wash, which runs a little into the paper.
-fn soft_wash(uv: vec2<f32>) -> f32 {
-    // Each look between texels is the mean of four.
-    let px = vec2(1.1, 0.6) / ink.size;
-    let a = textureSampleLevel(surfaces, clamped, uv + px, 0.0).r;
-    return 0.5 * (a + textureSampleLevel(surfaces, clamped, uv - px, 0.0).r);
+// How far ink runs into the paper, pixels: wash, and lines less.
+const WASH_RUNS: vec2<f32> = vec2(1.1, 0.6);
+const LINES_RUN: vec2<f32> = vec2(0.44, 0.24);
+
+// What runs a little: each look between texels is the mean of four.
+fn softly(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f32> {
+    let px = runs / ink.size;
+    return 0.5 * (textureSampleLevel(map, clamped, uv + px, 0.0).rg + textureSampleLevel(map, clamped, uv - px, 0.0).rg);
 }
 
 @fragment
@@ -31,19 +35,24 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     let p = inside(vec2<i32>(position.xy));
     let uv = position.xy / ink.size;
     let here = textureLoad(normals, p, 0);
-    let line = textureLoad(strokes, p, 0);
-    let q = inside(p + vec2<i32>(round(line.zw * 255.0)) - 128);
+    let stroke = textureLoad(strokes, p, 0);
+    let q = inside(p + vec2<i32>(round(stroke.zw * 255.0)) - 128);
     // Beside the body the line stands a little behind its feature, so that hair from there covers it. Its faint edge hides nothing.
     let beside = mix(textureLoad(depths, q, 0), ink.far_depth, 0.05);
-    let depth = select(beside, textureLoad(depths, p, 0), here.w > 0.0 || line.x <= 0.5);
+    let depth = select(beside, textureLoad(depths, p, 0), here.w > 0.0 || stroke.x <= 0.5);
+    // Opacity and ink.
+    var line = stroke.xy;
+    if SOFT {
+        line = softly(strokes, uv, LINES_RUN);
+    }
     if SHOW == 1u {
         return Painted(vec4(vec3(1.0 - line.x), 1.0), depth);
     }
     if SHOW == 2u {
         // Here the features stand in for the lines.
-        return Painted(vec4(vec3(select(1.0, 0.0, line.x > 0.0)), 1.0), depth);
+        return Painted(vec4(vec3(select(1.0, 0.0, stroke.x > 0.0)), 1.0), depth);
     }
-    var wash = soft_wash(uv);
+    var wash = softly(surfaces, uv, WASH_RUNS).r;
     let sheet = textureSampleLevel(paper, paper_sampler, position.xy / ink.paper_period, 0.0);
     // The wash gathers between the fibres.
     let dens = 1.0 - wash;
@@ -51,7 +60,7 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     if SHOW == 3u {
         return Painted(vec4(linear_of(vec3(wash)), 1.0), depth);
     }
-    var grey = wash * mix(1.0, line.y, line.x);
+    var grey = wash * (1.0 - line.y);
     if ink.mist_to > ink.mist_from {
         let nearness = select(textureLoad(normals, q, 0).w, here.w, here.w > 0.0);
         let far = 1.0 / max(nearness, 1e-9);

@@ -7,7 +7,8 @@
 // Squares instead of discs.
 override SQUARES: bool = false;
 
-// Offset along the row, (x + 128) / 255, and half of the line's width over WIDEST_HALF; 0 for none.
+// Offset along the row, (x + 128) / 255, and half of the line's width over WIDEST_HALF, 0 for none; how much of the row within reach is features, the
+// near ones more.
 @fragment
 fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);
@@ -15,6 +16,7 @@ fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = min(p.x + ink.reach, i32(ink.size.x) - 1);
     var best = 1e9;
     var found = vec2(0.0);
+    var features_near = 0.0;
     for (var x = first; x <= last; x++) {
         let w = textureLoad(features, vec2(x, p.y), 0).r * WIDEST_HALF;
         let dx = f32(x - p.x);
@@ -22,10 +24,13 @@ fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         if SQUARES {
             cost = abs(dx) - w;
         }
+        if w > 0.0 {
+            features_near += nearness(dx);
+        }
         if w > 0.0 && cost < best {
             best = cost;
             found = vec2((dx + 128.0) / 255.0, w / WIDEST_HALF);
         }
     }
-    return vec4(found, 0.0, 1.0);
+    return vec4(found, features_near / nearness_sum(), 1.0);
 }
