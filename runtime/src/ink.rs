@@ -17,7 +17,8 @@ pub struct InkParams {
     pub weak_difference: f32,
     /// Which of the four neighbours must differ (default [`FeatureRule::AnyBelow`]).
     pub features: FeatureRule,
-    /// Relative step of depth between neighbours that is a line as well, at least 0 (default 0.01); 0 looks at normals alone, as printed.
+    /// Relative step of depth between neighbours that is a line as well, at least 0 (default 0.01), weak up to four times as much; 0 looks at normals
+    /// alone, as printed.
     pub depth_step: f32,
     /// Distance of the neighbours that are compared, pixels, 1..=8 (default 1).
     pub step_px: u32,

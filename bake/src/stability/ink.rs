@@ -82,9 +82,7 @@ fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
             measure: "widest stroke, widths of the template",
             naive,
             safe,
-            // Edges that meet at an acute angle, as those of the cube's upper face do, which is seen nearly edge on, run together before they
-            // part: for a while two strokes are one.
-            bound: 1.5,
+            bound: 1.0,
             fails_above: 3.0,
         });
     }

@@ -8,6 +8,8 @@ override ALL_BELOW: bool = false;
 
 // Strength of lines with the body on both sides, unless one side is farther.
 const FOLD: f32 = 0.5;
+// How many least steps more make an outline of a step.
+const DEEP: f32 = 2.0;
 
 // Half of the widest line through the pixel over WIDEST_HALF, 0 for no feature; its strength.
 @fragment
@@ -38,7 +40,10 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
         if ink.depth_step > 0.0 {
             // Second differences: a plane has none, however slanted. The nearer side draws: beside it is what is farther.
             let bend = max(2.0 * here.w - a.w - c.w, 2.0 * here.w - b.w - d.w) / here.w;
-            strength = max(strength, clamp(bend / ink.depth_step - 1.0, 0.0, 1.0));
+            // Folds seen nearly edge on bend as much as small steps do, and are as light.
+            let steps = bend / ink.depth_step - 1.0;
+            let strength_of_step = clamp(steps, 0.0, FOLD) + clamp((steps - 1.0) / DEEP, 0.0, 1.0) * (1.0 - FOLD);
+            strength = max(strength, strength_of_step);
         }
     }
     let surface = textureLoad(surfaces, p, 0);
