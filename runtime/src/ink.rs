@@ -167,6 +167,11 @@ impl InkParams {
         (9.0 * height as f32 / PRINTED_HEIGHT).clamp(1.5, WIDEST_PX)
     }
 
+    /// Bytes on the GPU of the textures that the passes of a frame hand on; the renderer keeps them for the next of the same size.
+    pub fn gpu_bytes(&self) -> u64 {
+        crate::passes::ink::bytes_of(self.target_px)
+    }
+
     pub(crate) fn check(&self, limits: &wgpu::Limits) -> Result<(), RuntimeError> {
         let fail = |field, found: String, expected: &str| {
             Err(RuntimeError::Params { field, found, expected: expected.into() })

@@ -241,10 +241,16 @@ fn pictures() {
     let passes =
         ["ink_normals", "ink_features", "ink_dilate", "ink_stroke", "ink_composite", "ink_fur"].map(Value::from);
     assert_eq!(ran(&object), passes, "{object}");
-    let run = sandbox.run(&[&["bench", "out.pelage", "--frames", "2"][..], &ink].concat());
-    let names =
-        json_of(&run, "bench")["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
+    let bench = |size: &str| {
+        let args = ["bench", "out.pelage", "--frames", "2", "--style", "ink", "--size", size, "--json"];
+        json_of(&sandbox.run(&args), "bench")
+    };
+    let (small, large) = (bench("48x32"), bench("96x64"));
+    let names = small["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
     assert_eq!(names, [&[Value::from("pose")][..], &passes].concat());
+    let bytes = |object: &Value| object["gpu_bytes"].as_u64().unwrap();
+    // Of a pixel: normals, surface, features, rows, strokes, depth.
+    assert_eq!(bytes(&large) - bytes(&small), 3 * 48 * 32 * (8 + 4 + 2 + 4 + 4 + 4));
 }
 
 /// Bakes every model in a sandbox of its own threads; each must leave a package, or nothing.

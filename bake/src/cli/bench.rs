@@ -8,7 +8,7 @@ use super::package_file::PackageFile;
 use super::scene::{Scene, detail};
 use super::view::View;
 use super::view_args::ViewArgs;
-use pelage_runtime::{Frame, Instance, PassId, Style};
+use pelage_runtime::{Frame, InkParams, Instance, PassId, Style};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -82,9 +82,9 @@ fn report(
     let over_frame = Spread::of(times.iter().filter(|_| shadowed).map(|t| (t.passes[1] + t.passes[2]) / t.frame));
     let shells = of(PassId::Shells);
     let ratio = (yardstick.median > 0.0).then(|| shells / yardstick.median);
-    let gpu_bytes = model.gpu_bytes() + scene.shadow_bytes();
-    let gpu_bytes =
-        gpu_bytes + std::iter::once(&scene.instance).chain(&scene.others).map(Instance::gpu_bytes).sum::<u64>();
+    let of_instances = std::iter::once(&scene.instance).chain(&scene.others).map(Instance::gpu_bytes).sum::<u64>();
+    let of_ink = scene.params.ink.as_ref().filter(|_| style == Style::Ink).map_or(0, InkParams::gpu_bytes);
+    let gpu_bytes = model.gpu_bytes() + scene.shadow_bytes() + of_ink + of_instances;
     let passes: Vec<_> = measured
         .iter()
         .map(|&i| json!({ "name": PASSES[i].name(), "median_ms": medians[i], "fragments": counts[i] }))

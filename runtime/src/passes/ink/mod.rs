@@ -8,6 +8,7 @@ pub(crate) use blocks::{InkFrame, InkModel};
 pub(crate) use pipelines::InkPipelines;
 #[cfg(test)]
 pub(crate) use pipelines::{INK_ATTRIBUTES, REST_ATTRIBUTES};
+pub(crate) use targets::bytes_of;
 
 use super::fins::{self, FinDraws};
 use super::surface::SurfaceLayouts;

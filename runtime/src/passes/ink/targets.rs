@@ -10,6 +10,22 @@ pub(crate) const SURFACES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgb
 pub(crate) const PAIRS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// Labels and formats of all of them, in the order of [`InkTargets`]' fields.
+const TARGETS: [(&str, wgpu::TextureFormat); 6] = [
+    ("pelage ink normals", NORMALS_FORMAT),
+    ("pelage ink surfaces", SURFACES_FORMAT),
+    ("pelage ink features", PAIRS_FORMAT),
+    ("pelage ink rows", SURFACES_FORMAT),
+    ("pelage ink strokes", SURFACES_FORMAT),
+    ("pelage ink depth", DEPTH_FORMAT),
+];
+
+/// Bytes of all of them for a picture of that size.
+pub(crate) fn bytes_of(size: [u32; 2]) -> u64 {
+    let of_pixel: u32 = TARGETS.iter().map(|(_, format)| format.block_copy_size(None).unwrap_or(4)).sum();
+    u64::from(size[0]) * u64::from(size[1]) * u64::from(of_pixel)
+}
+
 /// What the passes hand on to each other. A frame keeps those that it draws from.
 #[derive(Debug)]
 pub(crate) struct InkTargets {
@@ -37,15 +53,8 @@ impl InkTargets {
             });
             texture.create_view(&wgpu::TextureViewDescriptor::default())
         };
-        Self {
-            size,
-            normals: target("pelage ink normals", NORMALS_FORMAT),
-            surfaces: target("pelage ink surfaces", SURFACES_FORMAT),
-            features: target("pelage ink features", PAIRS_FORMAT),
-            rows: target("pelage ink rows", SURFACES_FORMAT),
-            strokes: target("pelage ink strokes", SURFACES_FORMAT),
-            depth: target("pelage ink depth", DEPTH_FORMAT),
-        }
+        let [normals, surfaces, features, rows, strokes, depth] = TARGETS.map(|(label, format)| target(label, format));
+        Self { size, normals, surfaces, features, rows, strokes, depth }
     }
 }
 
