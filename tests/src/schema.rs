@@ -18,6 +18,17 @@ pub fn answer(run: &Run, name: &str) -> Value {
     value
 }
 
+/// The same of a run that did what it was asked for.
+///
+/// # Panics
+///
+/// As [`answer`], and for any exit code but 0.
+#[track_caller]
+pub fn done(run: &Run, name: &str) -> Value {
+    assert_eq!(run.code, Some(0), "{run:?}");
+    answer(run, name)
+}
+
 /// The first place where `value` breaks `schema`, or a schema word that this checker does not know: a rule that is not
 /// understood must not pass for one that holds.
 ///

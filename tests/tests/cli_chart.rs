@@ -10,8 +10,7 @@ use std::time::Duration;
 
 #[track_caller]
 fn json_of(run: &Run) -> Value {
-    assert_eq!(run.code, Some(0), "{run:?}");
-    schema::answer(run, "chart")
+    schema::done(run, "chart")
 }
 
 /// Fields of a CSV text, line by line.

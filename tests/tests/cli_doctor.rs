@@ -1,19 +1,13 @@
 //! `pelage doctor` through the real binary, held against what `pelage bench` counts on an adapter.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
 
-#[track_caller]
-fn json_of(run: &Run, name: &str) -> Value {
-    assert_eq!(run.code, Some(0), "{run:?}");
-    schema::answer(run, name)
-}
-
 fn doctor(sandbox: &Sandbox, args: &[&str]) -> Value {
-    json_of(&sandbox.run(&[&["doctor", "a.pelage", "--json"], args].concat()), "doctor")
+    schema::done(&sandbox.run(&[&["doctor", "a.pelage", "--json"], args].concat()), "doctor")
 }
 
 fn bake(sandbox: &Sandbox, name: &str, sets: &[&str]) {
@@ -22,7 +16,7 @@ fn bake(sandbox: &Sandbox, name: &str, sets: &[&str]) {
     let (model, recipe) = (asset("models", "glb"), asset("recipes", "toml"));
     let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
     let args = [&["bake", &model, "--recipe", &recipe, "-o", "a.pelage", "--json"], &sets[..]].concat();
-    json_of(&sandbox.run(&args), "bake");
+    schema::done(&sandbox.run(&args), "bake");
 }
 
 #[test]
@@ -40,7 +34,7 @@ fn predictions_are_what_an_adapter_counts() {
         bake(&sandbox, name, &plain);
         let found = doctor(&sandbox, view);
         let args = [&["bench", "a.pelage", "--json", "--frames", "1"], view].concat();
-        let counted = json_of(&sandbox.run(&args), "bench");
+        let counted = schema::done(&sandbox.run(&args), "bench");
         let bytes = |v: &Value| v["gpu_bytes"].as_f64().unwrap();
         // Uniform blocks are not predicted.
         let ratio = bytes(&found) / bytes(&counted);

@@ -17,12 +17,6 @@ const SMALL: [&str; 6] = [
     "ink.enabled=false",
 ];
 
-#[track_caller]
-fn json(run: &Run, name: &str) -> Value {
-    assert_eq!(run.code, Some(0), "{run:?}");
-    schema::answer(run, name)
-}
-
 /// `pelage bake` of the built-in torus with more arguments.
 fn bake(sandbox: &Sandbox, more: &[&str]) -> Run {
     let path = |name: &str| workspace().join(name).display().to_string();
@@ -44,10 +38,10 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
     }
     let sandbox = Sandbox::new();
     // What the recipe itself gives; a tenth more leaves something to save.
-    let trial = json(&bake(&sandbox, &["--max-error", "1", "--json"]), "bake");
+    let trial = schema::done(&bake(&sandbox, &["--max-error", "1", "--json"]), "bake");
     let own = &trial["choice"]["trials"][0];
     let limit = 1.1 * own["error"].as_f64().unwrap();
-    let object = json(&bake(&sandbox, &["--max-error", &limit.to_string(), "--json"]), "bake");
+    let object = schema::done(&bake(&sandbox, &["--max-error", &limit.to_string(), "--json"]), "bake");
     let choice = &object["choice"];
     let chosen = &choice["trials"][choice["chosen"].as_u64().unwrap() as usize];
     assert!(chosen["error"].as_f64().unwrap() <= limit, "{choice}");
@@ -77,7 +71,7 @@ fn a_limit_of_the_error_is_kept_when_measured_from_fresh() {
         let command = ["reference", "torus.pelage", "-o", "true.png", "--spp", "8"];
         let traced = sandbox.run(&[&command, &words[..], &size].concat());
         assert_eq!(traced.code, Some(0), "{traced:?}");
-        let compared = json(&sandbox.run(&["compare", "drawn.png", "true.png", "--json"]), "compare");
+        let compared = schema::done(&sandbox.run(&["compare", "drawn.png", "true.png", "--json"]), "compare");
         errors.push(compared["flip"]["mean"].as_f64().unwrap());
     }
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
@@ -92,7 +86,7 @@ fn costs_have_limits_too() {
     let sandbox = Sandbox::new();
     let limit = 110_000;
     let bytes = limit.to_string();
-    let object = json(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
+    let object = schema::done(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
     assert!(file_size(&sandbox, "torus.pelage") <= limit);
     assert_eq!(object["bytes"], file_size(&sandbox, "torus.pelage"));
     let choice = &object["choice"];
@@ -149,7 +143,7 @@ fn the_shells_chart() {
     let sandbox = Sandbox::new();
     let sets: Vec<&str> = SMALL.iter().flat_map(|set| ["--set", set]).collect();
     let run = sandbox.run(&[&["chart", "shells", "-o", "out", "--rows", "1,2,9", "--json"], &sets[..]].concat());
-    let object = json(&run, "chart");
+    let object = schema::done(&run, "chart");
     let rows = object["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 3);
     assert_eq!(rows[0]["default"], true);
@@ -164,7 +158,7 @@ fn the_shells_chart() {
     // A package has all that slicing it anew needs.
     assert_eq!(bake(&sandbox, &["-q"]).code, Some(0));
     let run = sandbox.run(&["chart", "shells", "torus.pelage", "-o", "again", "--rows", "1,2", "--json"]);
-    let own = json(&run, "chart");
+    let own = schema::done(&run, "chart");
     assert_eq!(own["rows"][0]["fins.enabled"], "true");
     assert!(own["rows"][0]["flip"].as_f64() > own["rows"][0]["coverage_error"].as_f64(), "{own}");
     // More layers cost more; a picture of the chart is there.

@@ -29,12 +29,6 @@ fn refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) {
     assert_eq!(sandbox.files(), before, "{args:?} left something behind");
 }
 
-#[track_caller]
-fn json_of(run: &Run, name: &str) -> Value {
-    assert_eq!(run.code, Some(0), "{run:?}");
-    schema::answer(run, name)
-}
-
 /// One triangle with normals left out and texture coordinates, its data in `triangle.bin`.
 fn triangle() -> Value {
     json!({
@@ -73,7 +67,7 @@ fn the_good_triangle_bakes() {
     let sandbox = Sandbox::new();
     sandbox.write("a.gltf", triangle().to_string());
     sandbox.write("triangle.bin", triangle_bin());
-    let object = json_of(&bake(&sandbox, "a.gltf", &["--json"]), "bake");
+    let object = schema::done(&bake(&sandbox, "a.gltf", &["--json"]), "bake");
     assert_eq!(object["output"], "out.pelage");
     assert_eq!(object["bytes"], std::fs::metadata(sandbox.path().join("out.pelage")).unwrap().len());
     assert_eq!(sandbox.files(), ["a.gltf", "out.pelage", "triangle.bin"]);
@@ -224,15 +218,15 @@ fn pictures() {
         assert_eq!(sandbox.files(), before, "{args:?} left something behind");
     }
     let run = sandbox.run(&["render", "out.pelage", "-o", "a.png", "--size", "48x32", "--json"]);
-    let object = json_of(&run, "render");
+    let object = schema::done(&run, "render");
     assert!(object["covered_pixels"].as_u64().is_some_and(|n| n > 50), "{object}");
     let picture = image::open(sandbox.path().join("a.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (48, 32));
-    json_of(&sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]), "bench");
+    schema::done(&sandbox.run(&["bench", "out.pelage", "--size", "48x32", "--frames", "2", "--json"]), "bench");
 
     let ink = ["--style", "ink", "--size", "48x32", "--json"];
     let run = sandbox.run(&[&["render", "out.pelage", "-o", "ink.png"][..], &ink].concat());
-    let object = json_of(&run, "render");
+    let object = schema::done(&run, "render");
     assert_eq!(object["covered_pixels"], 48 * 32, "paper is everywhere: {object}");
     let ran = |object: &Value| {
         let passes = object["passes"].as_array().unwrap().clone();
@@ -243,7 +237,7 @@ fn pictures() {
     assert_eq!(ran(&object), passes, "{object}");
     let bench = |size: &str| {
         let args = ["bench", "out.pelage", "--frames", "2", "--style", "ink", "--size", size, "--json"];
-        json_of(&sandbox.run(&args), "bench")
+        schema::done(&sandbox.run(&args), "bench")
     };
     let (small, large) = (bench("48x32"), bench("96x64"));
     let names = small["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
@@ -353,7 +347,7 @@ fn an_obj_with_its_materials() {
     sandbox.write("a.obj", text);
     // The contents decide, whatever the name says.
     sandbox.write("a.gltf", text);
-    let object = json_of(&bake(&sandbox, "a.obj", &["--json"]), "bake");
+    let object = schema::done(&bake(&sandbox, "a.obj", &["--json"]), "bake");
     assert_eq!(object["warnings"], json!([]));
     assert_eq!(sandbox.run(&["validate", "out.pelage"]).code, Some(0));
     assert_eq!(sandbox.run(&["unpack", "out.pelage", "in"]).code, Some(0));

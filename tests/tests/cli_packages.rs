@@ -6,16 +6,10 @@ mod common;
 
 use common::{Random, ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};
 use pelage_formats::*;
-use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;
 use serde_json::Value;
 use std::process::Stdio;
-
-/// The one JSON object of a run, held against the schema `name`.
-#[track_caller]
-fn json(run: &Run, name: &str) -> Value {
-    schema::answer(run, name)
-}
 
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
@@ -28,7 +22,7 @@ fn inspect_tells_what_is_inside() {
     let sandbox = sandbox();
     let run = sandbox.run(&["inspect", "a.pelage", "--json"]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
-    let object = json(&run, "inspect");
+    let object = schema::answer(&run, "inspect");
     for (pointer, expected) in [
         ("/version", "3"),
         ("/triangles", "4"),
@@ -65,7 +59,7 @@ fn inspect_tells_what_is_inside() {
 fn validate_lists_each_fault_with_its_place() {
     let sandbox = sandbox();
     let run = sandbox.run(&["validate", "a.pelage", "--json"]);
-    let object = json(&run, "validate");
+    let object = schema::answer(&run, "validate");
     // The sample's recipe holds a key that no recipe has: the one thing about it that only the tool can judge.
     assert_eq!((run.code, object["valid"].as_bool()), (Some(7), Some(false)), "{run:?}");
     let message = object["faults"][0]["message"].to_string();
@@ -82,7 +76,7 @@ fn validate_lists_each_fault_with_its_place() {
     let sections = Package::open(&sound, &Limits::default()).unwrap().sections().to_vec();
     sandbox.write("sound.pelage", &sound);
     let run = sandbox.run(&["validate", "sound.pelage", "--json"]);
-    assert_eq!((run.code, json(&run, "validate")["valid"].as_bool()), (Some(0), Some(true)), "{run:?}");
+    assert_eq!((run.code, schema::answer(&run, "validate")["valid"].as_bool()), (Some(0), Some(true)), "{run:?}");
 
     // Two damaged sections are two faults.
     let mut damaged = sound.clone();
@@ -91,7 +85,7 @@ fn validate_lists_each_fault_with_its_place() {
     }
     sandbox.write("damaged.pelage", &damaged);
     let run = sandbox.run(&["validate", "damaged.pelage", "--json"]);
-    let object = json(&run, "validate");
+    let object = schema::answer(&run, "validate");
     assert_eq!(run.code, Some(7));
     let faults = object["faults"].as_array().unwrap();
     let damaged_offsets: Vec<_> =
@@ -108,10 +102,10 @@ fn assert_round_trip(sandbox: &Sandbox, package: &[u8]) -> Vec<String> {
     sandbox.write("in.pelage", package);
     let run = sandbox.run(&["unpack", "in.pelage", "folder", "--json"]);
     assert_eq!(run.code, Some(0), "{run:?}");
-    json(&run, "unpack");
+    schema::answer(&run, "unpack");
     let run = sandbox.run(&["pack", "folder", "out.pelage", "--json"]);
     assert_eq!(run.code, Some(0), "{run:?}");
-    json(&run, "pack");
+    schema::answer(&run, "pack");
     assert!(std::fs::read(sandbox.path().join("out.pelage")).unwrap() == package, "the bytes differ");
     sandbox.files().into_iter().filter_map(|f| f.strip_prefix("folder/").map(str::to_owned)).collect()
 }
@@ -155,9 +149,9 @@ fn ink_package() -> Vec<u8> {
 #[test]
 fn inspect_tells_of_ink() {
     let sandbox = sandbox();
-    assert_eq!(json(&sandbox.run(&["inspect", "a.pelage", "--json"]), "inspect")["ink"], Value::Null);
+    assert_eq!(schema::answer(&sandbox.run(&["inspect", "a.pelage", "--json"]), "inspect")["ink"], Value::Null);
     sandbox.write("ink.pelage", ink_package());
-    let ink = json(&sandbox.run(&["inspect", "ink.pelage", "--json"]), "inspect")["ink"].clone();
+    let ink = schema::answer(&sandbox.run(&["inspect", "ink.pelage", "--json"]), "inspect")["ink"].clone();
     let bytes = ink_package();
     let expected = Package::open(&bytes, &Limits::default()).unwrap().ink().unwrap().unwrap().info;
     assert_eq!(ink["stroke_texture"], expected.stroke_texture);

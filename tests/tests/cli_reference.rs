@@ -1,16 +1,8 @@
 //! `reference` and `export` through the real binary: a package's strands, traced and for other programs; no adapter is needed.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;
-use serde_json::Value;
-
-/// The one JSON object of a run, held against the schema `name`.
-#[track_caller]
-fn json(run: &Run, name: &str) -> Value {
-    assert_eq!(run.code, Some(0), "{run:?}");
-    schema::answer(run, name)
-}
 
 /// A folder with the built-in torus as `torus.pelage`.
 fn torus(settings: &[&str]) -> Sandbox {
@@ -32,7 +24,7 @@ fn the_picture_is_the_same_with_any_number_of_threads() {
     let sandbox = torus(&[]);
     let trace = |threads: &str, name: &str| {
         let run = sandbox.run(&[&SMALL[..], &["--threads", threads, "-o", name, "--json"]].concat());
-        (json(&run, "reference"), std::fs::read(sandbox.path().join(name)).unwrap())
+        (schema::done(&run, "reference"), std::fs::read(sandbox.path().join(name)).unwrap())
     };
     let (one, bytes) = trace("1", "one.png");
     let (four, same) = trace("4", "four.png");
@@ -74,7 +66,7 @@ fn strands_and_skin_leave_for_other_programs() {
     for extension in ["txt", "pbrt", "glb", "hair"] {
         let name = format!("strands.{extension}");
         let run = sandbox.run(&["export", "torus.pelage", "--strands", &name, "--mesh", "skin.obj", "--json"]);
-        let object = json(&run, "export");
+        let object = schema::done(&run, "export");
         let bytes = std::fs::read(sandbox.path().join(&name)).unwrap();
         let (strands, segments) = (object["strands"].as_u64().unwrap(), object["segments"].as_u64().unwrap());
         assert!(strands > 100 && segments >= strands, "{object}");

@@ -51,11 +51,7 @@ fn inside(p: vec2<i32>) -> vec2<i32> {
     return clamp(p, vec2(0), vec2<i32>(ink.size) - 1);
 }
 
-// Weight of what is that many pixels away along a row or column, 1 for none, 0 out of reach; and the sum of all of them.
+// Weight of what is that many pixels away along a row or column: 1 for none, 0 out of reach. All of them together are reach + 1.
 fn nearness(distance: f32) -> f32 {
     return 1.0 - abs(distance) / f32(ink.reach + 1);
-}
-
-fn nearness_sum() -> f32 {
-    return f32(ink.reach + 1);
 }

@@ -55,6 +55,20 @@ pub(crate) fn stream<T>(attributes: &[wgpu::VertexAttribute]) -> Option<wgpu::Ve
     Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
 }
 
+/// The streams that all passes over surfaces read, except fins, which find their vertices in storage buffers.
+pub(crate) fn streams() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
+    [stream::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), stream::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)]
+}
+
+/// Which side of a surface is drawn. mirrored: of a copy that is.
+pub(crate) fn primitive(mirrored: bool, double_sided: bool) -> wgpu::PrimitiveState {
+    wgpu::PrimitiveState {
+        front_face: if mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+        cull_mode: (!double_sided).then_some(wgpu::Face::Back),
+        ..Default::default()
+    }
+}
+
 /// The first stream, [`GeometryVertex`].
 pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
     attribute(0, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
@@ -319,8 +333,7 @@ impl SurfaceLayouts {
         // Depth alone needs no fragment shader, unless there are holes to cut.
         let has_fragment = target.color.is_some() || key.variant.cutout;
         let targets = [target.color];
-        let streams =
-            [stream::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), stream::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
+        let streams = streams();
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment),
             layout: Some(&layout),
@@ -328,14 +341,9 @@ impl SurfaceLayouts {
                 module,
                 entry_point: Some(vertex),
                 compilation_options: compilation_options.clone(),
-                // Fins read their vertices from storage buffers.
                 buffers: if key.shader == SurfaceShader::Fins { &[] } else { &streams },
             },
-            primitive: wgpu::PrimitiveState {
-                front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
-                cull_mode: (!key.double_sided).then_some(wgpu::Face::Back),
-                ..Default::default()
-            },
+            primitive: primitive(key.mirrored, key.double_sided),
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: target.depth_format,
                 depth_write_enabled: Some(target.depth_write),

@@ -6,9 +6,9 @@ use crate::RendererOptions;
 use crate::ink::{InkShow, SphereMapForm};
 use crate::model_ink::ModelInk;
 use crate::passes::key::depth_compare;
-use crate::passes::surface::{self, ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, SurfaceLayouts, attribute, stream};
+use crate::passes::surface::{self, SurfaceLayouts, attribute, stream};
 use crate::passes::{ink_composite, ink_dilate, ink_features, ink_fur, ink_normals, ink_stroke};
-use pelage_formats::{AttributeVertex, GeometryVertex, InkVertex};
+use pelage_formats::{GeometryVertex, InkVertex};
 use std::collections::HashMap;
 use std::mem::offset_of;
 use std::sync::Arc;
@@ -188,9 +188,13 @@ impl InkPipelines {
             constants.push(("FUR_STROKES", constant(key.fur)));
         }
         let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-        let both = [stream::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), stream::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
-        let ink = [stream::<GeometryVertex>(&REST_ATTRIBUTES), stream::<InkVertex>(&INK_ATTRIBUTES)];
-        let four = [both[0].clone(), both[1].clone(), ink[0].clone(), ink[1].clone()];
+        let mut streams = match key.shader {
+            InkShader::Normals | InkShader::Shells => surface::streams().to_vec(),
+            InkShader::Fins => Vec::new(),
+        };
+        if normals {
+            streams.extend([stream::<GeometryVertex>(&REST_ATTRIBUTES), stream::<InkVertex>(&INK_ATTRIBUTES)]);
+        }
         let color = |format, blend| Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL });
         let over = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
         let targets = if normals {
@@ -205,18 +209,9 @@ impl InkPipelines {
                 module,
                 entry_point: Some(vertex),
                 compilation_options: compilation_options.clone(),
-                buffers: match key.shader {
-                    InkShader::Normals => &four,
-                    InkShader::Shells => &both,
-                    // Fins read their vertices from storage buffers.
-                    InkShader::Fins => &[],
-                },
+                buffers: &streams,
             },
-            primitive: wgpu::PrimitiveState {
-                front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
-                cull_mode: (!key.double_sided).then_some(wgpu::Face::Back),
-                ..Default::default()
-            },
+            primitive: surface::primitive(key.mirrored, key.double_sided),
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: if normals { DEPTH_FORMAT } else { options.depth_format },
                 depth_write_enabled: Some(normals),

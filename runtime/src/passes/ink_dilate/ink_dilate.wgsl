@@ -32,5 +32,5 @@ fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
             found = vec2((dx + 128.0) / 255.0, w / WIDEST_HALF);
         }
     }
-    return vec4(found, features_near / nearness_sum(), 1.0);
+    return vec4(found, features_near / f32(ink.reach + 1), 1.0);
 }
