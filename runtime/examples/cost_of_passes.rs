@@ -1,7 +1,7 @@
 //! What each pass costs on this machine, beside the yardstick: the same layers with one texture read and no lighting.
 //!
 //! ```text
-//! cargo run --release --example cost_of_passes -- [PACKAGE.pelage] [FRAMES]
+//! cargo run --release --features study --example cost_of_passes -- [PACKAGE.pelage] [FRAMES]
 //! ```
 //!
 //! Without a package (or with `-`) it takes a furry sphere of about 5 000 triangles and 16 layers. Times are medians of
@@ -20,16 +20,12 @@ use pelage_runtime::glam::Vec3;
 use pelage_runtime::{Camera, FrameParams, Instance, PassId, Renderer, RendererOptions, wgpu};
 use std::time::Instant;
 use support::headless::{Gpu, Targets};
-use support::sphere::{SphereParams, package};
 
 const SIZE: (u32, u32) = (834, 424);
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let bytes = match arguments.next().filter(|path| path != "-") {
-        Some(path) => std::fs::read(&path).unwrap_or_else(|e| panic!("{path}: {e}")),
-        None => package(&SphereParams::default()),
-    };
+    let bytes = support::package_or_sphere(arguments.next().filter(|path| path != "-"));
     let frames = arguments.next().map_or(15, |n| n.parse().expect("FRAMES is a whole number"));
 
     let gpu = Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC).unwrap();
@@ -37,7 +33,7 @@ fn main() {
     let targets = Targets::new(&gpu, SIZE, &options);
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let started = Instant::now();
-    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &bytes).unwrap();
+    let model = renderer.load_bytes(&bytes).unwrap();
     gpu.queue.submit([]);
     gpu.wait();
     println!("{}: load {:.1} ms, {} bytes", gpu.info.name, started.elapsed().as_secs_f64() * 1e3, model.gpu_bytes());
@@ -47,20 +43,20 @@ fn main() {
     let aspect = SIZE.0 as f32 / SIZE.1 as f32;
     // Close enough that the outer layer fills about two thirds of the frame.
     let camera = Camera::framing(center, radius * 0.72, Vec3::new(-0.4, 0.3, 1.0), 0.6, aspect);
-    let mut instance = Instance::new(&model);
-    let mut params = FrameParams::new(camera);
+    let instance = Instance::new(0, &model);
+    let mut params = FrameParams::new(camera, SIZE.into());
 
     let variants = [("skin", false, false), ("shells", true, false), ("yardstick", true, true)];
     let mut times = [const { Vec::new() }; 3];
     for frame_number in 0..=frames {
         for ((_, with_shells, yardstick), times) in variants.iter().zip(&mut times) {
-            params.yardstick = *yardstick;
+            params.study.yardstick = *yardstick;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            let frame = renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut instance]).unwrap();
+            let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
             let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
-            frame.draw_pass(PassId::Skin, &mut pass);
+            frame.draw_pass(PassId::SKIN, &mut pass);
             if *with_shells {
-                frame.draw_pass(PassId::Shells, &mut pass);
+                frame.draw_pass(PassId::SHELLS, &mut pass);
             }
             drop(pass);
             let commands = encoder.finish();
@@ -87,7 +83,7 @@ fn main() {
     let [skin, shells, yardstick] = medians;
     println!("shells / yardstick: {:.2}", (shells - skin) / (yardstick - skin));
 
-    let counts = count(&gpu, &targets, &mut renderer, &mut instance, &mut params);
+    let counts = count(&gpu, &targets, &mut renderer, &instance, &mut params);
     let share = |n: u64| 100.0 * n as f64 / counts.fragments as f64;
     println!(
         "{} fragments, of which {:.1} % have no opacity and {:.2} % are hidden by the layers above",
@@ -109,7 +105,7 @@ fn count(
     gpu: &Gpu,
     targets: &Targets,
     renderer: &mut Renderer,
-    instance: &mut Instance,
+    instance: &Instance,
     params: &mut FrameParams,
 ) -> Counts {
     let set = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -122,19 +118,19 @@ fn count(
         gpu.device.create_buffer(&descriptor)
     };
     let resolved = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
-    let layers = instance.model().manifest().fur.layers;
+    let layers = instance.model.manifest().fur.layers;
     let mut counts = Counts::default();
     let mut through = vec![1.0f64; SIZE.0 as usize * SIZE.1 as usize];
     // The yardstick puts out the texels of a layer as they are.
-    params.yardstick = true;
+    params.study.yardstick = true;
     for layer in (1..layers).rev() {
-        params.only_layer = Some(layer);
+        params.study.only_layer = Some(layer);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let frame = renderer.prepare(&gpu.device, &mut encoder, params, &mut [instance]).unwrap();
-        frame.draw_pass(PassId::Skin, &mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+        let frame = renderer.prepare(&mut encoder, params, [instance]).unwrap();
+        frame.draw_pass(PassId::SKIN, &mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
         let mut pass = targets.count_behind(&mut encoder, &set);
         pass.begin_occlusion_query(0);
-        frame.draw_pass(PassId::Shells, &mut pass);
+        frame.draw_pass(PassId::SHELLS, &mut pass);
         pass.end_occlusion_query();
         drop(pass);
         let staging = buffer(wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);

@@ -21,10 +21,7 @@ const SIZE: (u32, u32) = (834, 424);
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let package = match arguments.next() {
-        Some(path) => std::fs::read(&path).unwrap_or_else(|e| panic!("{path}: {e}")),
-        None => support::sphere::package(&support::sphere::SphereParams::default()),
-    };
+    let package = support::package_or_sphere(arguments.next());
     let picture = arguments.next().unwrap_or_else(|| "target/inside_your_pass.png".into());
 
     // What every application has: a device, targets with a depth buffer, a scene of its own.
@@ -34,15 +31,14 @@ fn main() {
 
     // pelage: a renderer for that kind of pass, a model, and two copies of it.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
-    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &package).unwrap();
+    let model = renderer.load_bytes(&package).unwrap();
     let bounds = model.manifest().bounds;
     let radius = bounds.radius + model.manifest().fur.height_m;
-    let mut left = Instance::new(&model);
-    let mut right = Instance::new(&model);
     let side = Vec3::X * radius * 1.15;
-    left.transform = Mat4::from_translation(-side - Vec3::from(bounds.center));
-    right.transform = Mat4::from_scale_rotation_translation(Vec3::splat(0.9), Quat::from_rotation_y(2.0), side)
-        * Mat4::from_translation(-Vec3::from(bounds.center));
+    let centred = Mat4::from_translation(-Vec3::from(bounds.center));
+    let turned = Mat4::from_scale_rotation_translation(Vec3::splat(0.9), Quat::from_rotation_y(2.0), side);
+    let left = Instance::new(0, &model).at(Mat4::from_translation(-side) * centred);
+    let right = Instance::new(1, &model).at(turned * centred);
 
     let aspect = SIZE.0 as f32 / SIZE.1 as f32;
     let camera = Camera::framing(Vec3::ZERO, radius * 1.7, Vec3::new(0.0, 0.35, 1.0), 0.6, aspect);
@@ -51,8 +47,8 @@ fn main() {
 
     // A frame: prepare outside the pass, draw inside it.
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let params = FrameParams::new(camera);
-    let frame = renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut left, &mut right]).unwrap();
+    let params = FrameParams::new(camera, SIZE.into());
+    let frame = renderer.prepare(&mut encoder, &params, [&left, &right]).unwrap();
     let mut pass = targets.begin(&mut encoder, wgpu::Color { r: 0.35, g: 0.45, b: 0.6, a: 1.0 });
     scene.draw(&mut pass);
     frame.draw(&mut pass);

@@ -1,5 +1,5 @@
 //! Fur and an application's own geometry that shade each other: a ground and a post take part in the shadow maps, and receive the
-//! shadows in the application's own shader.
+//! shadows in the application's own shader. Both are in `support/ground.rs`.
 //!
 //! ```text
 //! cargo run --release --example shadows_on_your_ground -- [PACKAGE.pelage] [PICTURE.png]
@@ -12,35 +12,31 @@
 #[path = "support/mod.rs"]
 mod support;
 
-use pelage_runtime::glam::{Mat4, Vec3, Vec4};
-use pelage_runtime::shared::receiver;
+use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, CasterPass, Casters, Frame, FrameParams, Instance, Light, LightView, Renderer, RendererOptions, ShadowMaps,
-    ShadowParams, Sphere, wgpu,
+    Camera, CasterPass, Casters, FrameParams, Hooks, Instance, Light, LightView, Renderer, RendererOptions, Sphere,
+    wgpu,
 };
+use support::ground::{Cuboid, Scene};
 use support::headless::{Gpu, Targets};
-use wgpu::util::DeviceExt;
 
 const SIZE: (u32, u32) = (834, 424);
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let package = match arguments.next() {
-        Some(path) => std::fs::read(&path).unwrap_or_else(|e| panic!("{path}: {e}")),
-        None => support::sphere::package(&support::sphere::SphereParams::default()),
-    };
+    let package = support::package_or_sphere(arguments.next());
     let picture = arguments.next().unwrap_or_else(|| "target/shadows_on_your_ground.png".into());
 
     let gpu = Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC).unwrap();
     let options = RendererOptions::default();
     let targets = Targets::new(&gpu, SIZE, &options);
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
-    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &package).unwrap();
+    let model = renderer.load_bytes(&package).unwrap();
     let (bounds, height) = (model.manifest().bounds, model.manifest().fur.height_m);
     let r = bounds.radius + height;
-    let mut animal = Instance::new(&model);
     let center = Vec3::from(bounds.center);
-    animal.transform = Mat4::from_translation(Vec3::new(-center.x, height - bounds.min[1], -center.z));
+    let feet_on_the_ground = Vec3::new(-center.x, height - bounds.min[1], -center.z);
+    let animal = Instance::new(0, &model).at(Mat4::from_translation(feet_on_the_ground));
 
     let green = Vec3::new(0.3, 0.45, 0.2);
     let red = Vec3::new(0.6, 0.15, 0.1);
@@ -53,8 +49,10 @@ fn main() {
         Camera::framing(Vec3::Y * 0.8 * r, r * 1.6, Vec3::new(-0.5, 0.6, 1.0), 0.6, SIZE.0 as f32 / SIZE.1 as f32);
     let light = Light::Directional { towards_light, color: Vec3::ONE };
     // No penumbra is wider than 4/3 of `shrink` texels of the maps: those of a ground are larger than those of an animal alone.
-    let shadows = ShadowParams { shrink: 8, ..ShadowParams::default() };
-    let params = FrameParams { light, shadows, ..FrameParams::new(camera) };
+    let params = FrameParams::new(camera, SIZE.into()).with(|p| {
+        p.light = light;
+        p.shadows.shrink = 8;
+    });
 
     // The application's geometry takes part in the maps. The bounds hold all of it that may throw or receive a shadow: what lies beyond
     // is lit. Another revision says that it has moved.
@@ -62,10 +60,9 @@ fn main() {
         scene.draw_depth(&gpu.device, pass, view, which);
     };
     let bounds = Some(Sphere { center: Vec3::ZERO, radius: 3.2 * r });
-    let mut casters = Casters { bounds, revision: 0, draw: &mut draw };
+    let casters = Casters { bounds, revision: 0, draw: &mut draw };
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let frame =
-        renderer.prepare_with_casters(&gpu.device, &mut encoder, &params, &mut [&mut animal], &mut casters).unwrap();
+    let frame = renderer.prepare_with(&mut encoder, &params, [&animal], Hooks::default().casters(casters)).unwrap();
     let mut pass = targets.begin(&mut encoder, wgpu::Color { r: 0.35, g: 0.45, b: 0.6, a: 1.0 });
     scene.draw(
         &gpu.device,
@@ -80,202 +77,4 @@ fn main() {
 
     image::save_buffer(&picture, &targets.read(&gpu), SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
     println!("{picture}: drawn by {}", gpu.info.name);
-}
-
-/// A box along the axes, metres, in one colour.
-pub struct Cuboid {
-    /// Its lower left back corner.
-    pub low: Vec3,
-    /// Its upper right front corner.
-    pub high: Vec3,
-    /// Linear RGB.
-    pub color: Vec3,
-}
-
-/// The application's own opaque objects and its own pipelines.
-pub struct Scene {
-    vertices: wgpu::Buffer,
-    count: u32,
-    sampler: wgpu::Sampler,
-    pipeline: wgpu::RenderPipeline,
-    depth_pipelines: [wgpu::RenderPipeline; 2],
-}
-
-/// The application's shader; `light_received` and `ShadowReceiver` are pelage's, from the source joined before it.
-const SCENE_WGSL: &str = "
-struct View {
-    clip_from_world: mat4x4<f32>,
-    // Position of the light and 1, or the direction towards it and 0.
-    light_ws: vec4<f32>,
-}
-@group(0) @binding(0) var<uniform> view: View;
-@group(1) @binding(0) var<uniform> receiver: ShadowReceiver;
-@group(1) @binding(1) var shadow_map: texture_2d<f32>;
-@group(1) @binding(2) var shadow_sampler: sampler;
-
-struct Varying {
-    @builtin(position) position: vec4<f32>,
-    @location(0) position_ws: vec3<f32>,
-    @location(1) normal_ws: vec3<f32>,
-    @location(2) color: vec3<f32>,
-}
-@vertex fn vertex(@location(0) position: vec3<f32>, @location(1) normal: vec3<f32>, @location(2) color: vec3<f32>) -> Varying {
-    return Varying(view.clip_from_world * vec4(position, 1.0), position, normal, color);
-}
-@fragment fn fragment(in: Varying) -> @location(0) vec4<f32> {
-    let towards_light = normalize(view.light_ws.xyz - in.position_ws * view.light_ws.w);
-    let n_dot_l = dot(normalize(in.normal_ws), towards_light);
-    let light = max(n_dot_l, 0.0) * light_received(shadow_map, shadow_sampler, in.position_ws, n_dot_l, receiver);
-    return vec4(in.color * (0.2 + 0.8 * light), 1.0);
-}
-@vertex fn vertex_depth(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
-    return view.clip_from_world * vec4(position, 1.0);
-}
-";
-
-impl Scene {
-    /// Uploads the boxes and makes pipelines for passes like `options` and for the shadow maps.
-    pub fn new(device: &wgpu::Device, options: &RendererOptions, cuboids: &[Cuboid]) -> Self {
-        let vertices: Vec<[Vec3; 3]> = cuboids.iter().flat_map(Cuboid::triangles).collect();
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("application"),
-            source: wgpu::ShaderSource::Wgsl(format!("{}{SCENE_WGSL}", receiver::WGSL).into()),
-        });
-        // The picture's pipeline, and the two that draw depth alone as pelage asks for it.
-        let pipeline = |caster: Option<CasterPass>| {
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("application"),
-                layout: None,
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some(if caster.is_some() { "vertex_depth" } else { "vertex" }),
-                    compilation_options: Default::default(),
-                    buffers: &[Some(wgpu::VertexBufferLayout {
-                        array_stride: 36,
-                        step_mode: wgpu::VertexStepMode::Vertex,
-                        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3],
-                    })],
-                },
-                primitive: wgpu::PrimitiveState {
-                    cull_mode: caster.map_or(Some(wgpu::Face::Back), CasterPass::cull_mode),
-                    ..Default::default()
-                },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: caster.map_or(options.depth_format, |_| ShadowMaps::DEPTH_FORMAT),
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(caster.map_or(wgpu::CompareFunction::Less, CasterPass::compare)),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
-                multisample: wgpu::MultisampleState {
-                    count: caster.map_or(options.sample_count, |_| 1),
-                    ..Default::default()
-                },
-                fragment: caster.is_none().then_some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("fragment"),
-                    compilation_options: Default::default(),
-                    targets: &[Some(options.color_format.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
-        Self {
-            count: vertices.len() as u32,
-            vertices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("application"),
-                contents: bytemuck::cast_slice(&vertices),
-                usage: wgpu::BufferUsages::VERTEX,
-            }),
-            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                ..Default::default()
-            }),
-            pipeline: pipeline(None),
-            depth_pipelines: [CasterPass::Nearest, CasterPass::Farthest].map(|pass| pipeline(Some(pass))),
-        }
-    }
-
-    /// Draws the objects into the application's pass, with the shadows of `frame` on them.
-    ///
-    /// * `light_ws` - position and 1, or direction towards the light and 0
-    pub fn draw(
-        &self,
-        device: &wgpu::Device,
-        pass: &mut wgpu::RenderPass<'_>,
-        clip_from_world: Mat4,
-        light_ws: Vec4,
-        frame: &Frame,
-    ) {
-        let receiver = uniform(device, bytemuck::bytes_of(&frame.shadow_receiver()));
-        let shadow = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("application: shadows"),
-            layout: &self.pipeline.get_bind_group_layout(1),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: receiver.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(frame.shadow_map()) },
-                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&self.sampler) },
-            ],
-        });
-        pass.set_bind_group(1, &shadow, &[]);
-        self.record(device, pass, &self.pipeline, clip_from_world, light_ws);
-    }
-
-    /// Draws their depth into one of the shadow maps.
-    pub fn draw_depth(
-        &self,
-        device: &wgpu::Device,
-        pass: &mut wgpu::RenderPass<'_>,
-        view: &LightView,
-        which: CasterPass,
-    ) {
-        let pipeline = &self.depth_pipelines[usize::from(which == CasterPass::Farthest)];
-        self.record(device, pass, pipeline, view.clip_from_world, Vec4::ZERO);
-    }
-
-    /// A buffer of its own for each view: one that is written again would change under the passes recorded before.
-    fn record(
-        &self,
-        device: &wgpu::Device,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipeline: &wgpu::RenderPipeline,
-        clip_from_world: Mat4,
-        light_ws: Vec4,
-    ) {
-        let mut view = clip_from_world.to_cols_array().to_vec();
-        view.extend(light_ws.to_array());
-        let view = uniform(device, bytemuck::cast_slice(&view));
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("application: view"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
-        });
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.set_vertex_buffer(0, self.vertices.slice(..));
-        pass.draw(0..self.count, 0..1);
-    }
-}
-
-fn uniform(device: &wgpu::Device, contents: &[u8]) -> wgpu::Buffer {
-    let usage = wgpu::BufferUsages::UNIFORM;
-    device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-}
-
-impl Cuboid {
-    /// Position, normal and colour of 36 corners, counter-clockwise from outside.
-    fn triangles(&self) -> Vec<[Vec3; 3]> {
-        let half = 0.5 * (self.high - self.low);
-        let mut out = Vec::new();
-        for (k, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0)] {
-            let normal = Vec3::AXES[k] * sign;
-            let (u, v) = (Vec3::AXES[(k + 1) % 3] * sign, Vec3::AXES[(k + 2) % 3]);
-            for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                out.push([self.low + half + half * (normal + u * a + v * b), normal, self.color]);
-            }
-        }
-        out
-    }
 }

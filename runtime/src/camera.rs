@@ -1,6 +1,6 @@
 //! Camera and light. World space is right-handed with +Y up, in metres; clip space is WebGPU's, depth 0..=1.
 
-use crate::RuntimeError;
+use crate::error::RuntimeError;
 use glam::{Mat4, Vec3, Vec4};
 
 /// From where the scene is seen.

@@ -1,15 +1,16 @@
 //! The shaders hold what the Rust side believes about them: all are valid, and the structs agree byte for byte.
 
-use crate::passes::ink::{INK_ATTRIBUTES, InkFrame, InkModel, REST_ATTRIBUTES};
-use crate::passes::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
-use crate::passes::{
-    fins, ink_composite, ink_dilate, ink_features, ink_fur, ink_normals, ink_stroke, layer_shadow, pose, shadow_width,
-    shells, skin,
-};
+use crate::frame::PASSES;
+use crate::gpu::Shader;
+use crate::hair::{FIN_CORNERS, LEANING_ROWS};
+use crate::ink::{InkFrame, InkModel};
+use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
+use crate::passes::{fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin};
 use crate::shared::{
     detail, fins as fin_shares, frame, ink as ink_formulas, kajiya_kay, layer_shadow as layers, opacity, receiver,
     skinning, soft_shadow, srgb, tile_frame,
 };
+use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
 use pelage_formats::{AttributeVertex, Fin, GeometryVertex, SkinVertex};
@@ -38,37 +39,50 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
+/// Files of which a build has one or the other: what pelage draws with, and what a study puts in its place.
+const FORMS: [[&str; 2]; 5] = [
+    [include_str!("light/forms.wgsl"), include_str!("study/forms.wgsl")],
+    [include_str!("ink/line_forms.wgsl"), include_str!("study/ink_line_forms.wgsl")],
+    [include_str!("ink/surface_forms.wgsl"), include_str!("study/ink_surface_forms.wgsl")],
+    ["", include_str!("study/yardstick.wgsl")],
+    ["", include_str!("study/ink_show.wgsl")],
+];
+
+/// All shaders, of the passes and the application's, as this build has them and as the other one does.
+fn sources() -> Vec<(String, String)> {
+    let mut sources = vec![("the application's own shaders".to_string(), receiver::WGSL.to_string())];
+    for Shader { name, wgsl } in PASSES.iter().flat_map(|pass| pass.shaders) {
+        let (mut without, mut with) = (wgsl.to_string(), wgsl.to_string());
+        for [ours, studied] in FORMS {
+            without = without.replace(studied, ours);
+            if !ours.is_empty() {
+                with = with.replace(ours, studied);
+            }
+        }
+        sources.push((name.to_string(), wgsl.to_string()));
+        sources.push((format!("{name}, without study"), without));
+        sources.push((format!("{name}, with study"), with));
+    }
+    sources
+}
+
 #[test]
 fn every_wgsl_file_is_valid_and_used() {
-    let sources = [
-        ("the application's own shaders", receiver::WGSL),
-        ("pose", pose::WGSL),
-        ("layer_shadow", layer_shadow::WGSL),
-        ("casters", shadow_width::WGSL),
-        ("filter", shadow_width::FILTER_WGSL),
-        ("skin", skin::WGSL),
-        ("fins", fins::WGSL),
-        ("shells", shells::WGSL),
-        ("ink_normals", ink_normals::WGSL),
-        ("ink_features", ink_features::WGSL),
-        ("ink_dilate", ink_dilate::WGSL),
-        ("ink_stroke", ink_stroke::WGSL),
-        ("ink_composite", ink_composite::WGSL),
-        ("ink_fur", ink_fur::WGSL),
-    ];
+    let sources = sources();
     sources.iter().for_each(|(name, source)| drop(parse(name, source)));
     let mut files = Vec::new();
     wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
     for file in &files {
         let source = std::fs::read_to_string(file).unwrap();
-        let users: Vec<_> = sources.iter().filter(|(_, user)| user.contains(&source)).map(|(name, _)| name).collect();
-        assert!(!users.is_empty(), "{}: nothing contains it", file.display());
+        let behind = FORMS.iter().any(|[ours, studied]| ours.is_empty() && *studied == source);
+        let users = sources.iter().filter(|(_, user)| user.contains(&source)).count();
+        assert!(users > 0 || behind && cfg!(not(feature = "study")), "{}: nothing contains it", file.display());
         // Shared topics stand on their own, but for the one that brings others with it.
         if file.parent().is_some_and(|p| p.ends_with("shared")) && !file.ends_with("receiver.wgsl") {
             parse(&file.display().to_string(), &source);
         }
     }
-    assert_eq!(files.len(), 30, "{files:?}");
+    assert_eq!(files.len(), 47, "{files:?}");
 }
 
 /// Offset and size of each member of a struct, and the struct's size.
@@ -109,7 +123,7 @@ fn uniform_structs_agree() {
         )
     );
     assert_eq!(
-        members(ink_stroke::WGSL, "InkFrame"),
+        members(ink_stroke::SHADER.wgsl, "InkFrame"),
         fields!(
             InkFrame,
             ink,
@@ -133,7 +147,7 @@ fn uniform_structs_agree() {
             far_depth,
         )
     );
-    let (wgsl, size) = members(ink_fur::WGSL, "InkModel");
+    let (wgsl, size) = members(ink_fur::SHADER.wgsl, "InkModel");
     let (fields, rust_size) = fields!(
         InkModel,
         right_ws,
@@ -156,7 +170,7 @@ fn uniform_structs_agree() {
     );
     assert_eq!((&wgsl[..16], wgsl[16].1, size), (&fields[..16], fields[16].1, rust_size));
     assert_eq!(members(frame::WGSL, "FillLight"), fields!(frame::FillLight, light_ws, color));
-    let filter = members(shadow_width::FILTER_WGSL, "Filter");
+    let filter = members(shadow_width::FILTER.wgsl, "Filter");
     assert_eq!(
         filter,
         fields!(shadow_width::Filter, near, far, shrink, least_gap, clear_gap, reserved0, reserved1, reserved2,)
@@ -204,7 +218,7 @@ fn uniform_structs_agree() {
     let (wgsl, size) = members(receiver::WGSL, "ShadowReceiver");
     let (fields, rust_size) = fields!(receiver::ShadowReceiver, map_from_world, soft_shadow, centred, reserved);
     assert_eq!((&wgsl[..3], wgsl[3].1, size), (&fields[..3], fields[3].1, rust_size));
-    let (members, size) = members(skin::WGSL, "Material");
+    let (members, size) = members(skin::SHADER.wgsl, "Material");
     let (fields, rust_size) = fields!(MaterialUniform, base_color, alpha_cutoff, reserved);
     assert_eq!((&members[..2], size), (&fields[..2], rust_size));
     assert_eq!(members[2].1, fields[2].1);
@@ -212,16 +226,16 @@ fn uniform_structs_agree() {
 
 #[test]
 fn storage_structs_agree() {
-    for source in [pose::WGSL, fins::WGSL] {
+    for source in [pose::SHADER.wgsl, fins::SHADER.wgsl] {
         assert_eq!(
             members(source, "GeometryVertex"),
             fields!(GeometryVertex, position, fur_height, normal, lean, tangent)
         );
     }
-    assert_eq!(members(fins::WGSL, "Fin"), fields!(Fin, a, b, start, length, slab, opacity));
+    assert_eq!(members(fins::SHADER.wgsl, "Fin"), fields!(Fin, a, b, start, length, slab, opacity));
     // Four bytes are one word to the shader.
-    assert_eq!(members(fins::WGSL, "AttributeVertex"), fields!(AttributeVertex, tile_uv, base_uv, color, groom));
-    let (members, size) = members(pose::WGSL, "SkinVertex");
+    assert_eq!(members(fins::SHADER.wgsl, "AttributeVertex"), fields!(AttributeVertex, tile_uv, base_uv, color, groom));
+    let (members, size) = members(pose::SHADER.wgsl, "SkinVertex");
     assert_eq!(size as usize, size_of::<SkinVertex>());
     let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);
     assert_eq!(offset("joints_xy"), Some(offset_of!(SkinVertex, joints)));
@@ -265,35 +279,37 @@ fn vertex_inputs_agree() {
         buffers.iter().copied().flatten().map(|a| (a.shader_location, components(a.format))).collect()
     };
     let two: [&[_]; 2] = [&GEOMETRY_ATTRIBUTES, &ATTRIBUTE_ATTRIBUTES];
-    assert_eq!(inputs(shells::WGSL, "Vertex"), given(&two));
-    assert_eq!(inputs(ink_fur::WGSL, "Vertex"), given(&two));
+    assert_eq!(inputs(shells::SHADER.wgsl, "Vertex"), given(&two));
+    assert_eq!(inputs(ink_fur::SHADER.wgsl, "Vertex"), given(&two));
     let four: [&[_]; 4] = [two[0], two[1], &REST_ATTRIBUTES, &INK_ATTRIBUTES];
-    let [mut all, own] = ["Vertex", "InkVertex"].map(|name| inputs(ink_normals::WGSL, name));
+    let [mut all, own] = ["Vertex", "InkVertex"].map(|name| inputs(ink_normals::SHADER.wgsl, name));
     all.extend(own);
     assert_eq!(all, given(&four));
 }
 
 #[test]
 fn workgroups_agree() {
-    let module = parse("pose", pose::WGSL);
+    let module = parse("pose", pose::SHADER.wgsl);
     assert_eq!(module.entry_points[0].workgroup_size, [pose::WORKGROUP, 1, 1]);
-    let module = parse("fins", fins::WGSL);
+    let module = parse("fins", fins::SHADER.wgsl);
     let lights = |source| {
         let module = parse("lights", source);
         let (_, constant) =
             module.constants.iter().find(|(_, c)| c.name.as_deref() == Some("MAX_FILL_LIGHTS")).unwrap();
         module.global_expressions[constant.init].clone()
     };
-    let naga::Expression::Literal(naga::Literal::U32(found)) = lights(shells::WGSL) else { panic!("not a number") };
+    let naga::Expression::Literal(naga::Literal::U32(found)) = lights(shells::SHADER.wgsl) else {
+        panic!("not a number")
+    };
     assert_eq!(found as usize, crate::MAX_FILL_LIGHTS);
-    let module_of_strokes = parse("ink_fur", ink_fur::WGSL);
+    let module_of_strokes = parse("ink_fur", ink_fur::SHADER.wgsl);
     let (_, shells) =
         module_of_strokes.constants.iter().find(|(_, c)| c.name.as_deref() == Some("STROKE_SHELLS")).unwrap();
     let naga::Expression::Literal(naga::Literal::U32(found)) = module_of_strokes.global_expressions[shells.init] else {
         panic!("STROKE_SHELLS is not a number")
     };
     assert_eq!(found, ink_fur::SHELLS);
-    for (name, expected) in [("CORNERS", fins::CORNERS), ("LEANING_ROWS", fins::LEANING_ROWS)] {
+    for (name, expected) in [("CORNERS", FIN_CORNERS), ("LEANING_ROWS", LEANING_ROWS)] {
         let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
         let naga::Expression::Literal(naga::Literal::U32(found)) = module.global_expressions[constant.init] else {
             panic!("{name} is not a number")

@@ -8,11 +8,10 @@
 //! # fn f(device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8], camera: Camera, mut encoder: wgpu::CommandEncoder,
 //! #      descriptor: &wgpu::RenderPassDescriptor<'_>) -> Result<(), RuntimeError> {
 //! let mut renderer = Renderer::new(device, queue, &RendererOptions::default())?;
-//! let fox = renderer.load_bytes(device, queue, bytes)?;
-//! let mut instance = Instance::new(&fox);
-//! // Every frame:
-//! instance.motion = Motion::Clip { clip: 0, time_s: 0.3 };
-//! let frame = renderer.prepare(device, &mut encoder, &FrameParams::new(camera), &mut [&mut instance])?;
+//! let fox = renderer.load_bytes(bytes)?;
+//! // Every frame: whose copies are where, in which pose. The renderer keeps what lasts under the owner's number.
+//! let copies = [Instance::new(0, &fox).moving(Motion::Clip { clip: 0, time_s: 0.3 })];
+//! let frame = renderer.prepare(&mut encoder, &FrameParams::new(camera, [1280, 720]), &copies)?;
 //! let mut pass = encoder.begin_render_pass(descriptor);
 //! // ... the application draws its own opaque things, then:
 //! frame.draw(&mut pass);
@@ -26,52 +25,70 @@
 //! maps, things throw soft shadows by a shadow-width map. [`Casters`] lets the application's own geometry take part in both
 //! directions.
 //!
-//! [`Style::Ink`] paints the same packages as an ink-wash painting after Fang 2006, as [`InkParams`] say, which need to know how large the target is:
+//! [`Style::Ink`] paints the same packages as an ink-wash painting after Fang 2006, as its [`InkParams`] say:
 //!
 //! ```no_run
 //! # use pelage_runtime::*;
 //! # fn f(mut params: FrameParams) {
-//! params.style = Style::Ink;
-//! params.ink = Some(InkParams { background: InkBackground::Picture, ..InkParams::new(1280, 720) });
+//! params.style = Style::Ink(InkParams::default().with(|ink| ink.background = InkBackground::Picture));
 //! # }
 //! ```
 //!
 //! A pass that a package or a frame does not need costs nothing; [`Frame::report`] names what ran.
 
+mod bounds;
 mod camera;
-mod detail;
 mod error;
-mod extent;
 mod frame;
+mod gpu;
+mod hair;
+mod hooks;
 mod ink;
 mod instance;
-mod light_view;
+mod light;
 mod model;
-mod model_ink;
+mod motion;
 mod params;
 mod passes;
 mod renderer;
 mod report;
-mod shadow;
+mod scene;
 pub mod shared;
+#[cfg_attr(not(feature = "study"), path = "study/off.rs")]
+mod study;
+mod surface;
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests")]
+mod frame_tests;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
 mod layout_tests;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod light_tests;
 
+// Examples and tests share code that names the crate as an application does.
+#[cfg(test)]
+extern crate self as pelage_runtime;
+
+pub use bounds::Sphere;
 pub use camera::{Camera, Light, Projection};
-pub use detail::{Detail, InstanceDetail};
 pub use error::RuntimeError;
 pub use frame::Frame;
-pub use ink::{Anchoring, FeatureRule, InkBackground, InkParams, InkShow, LineWidth, SphereMapForm};
+pub use hooks::Hooks;
 pub use instance::{Instance, Motion};
-pub use light_view::{LightView, Sphere};
+pub use light::{CasterPass, Casters, LightView, ShadowMaps};
 pub use model::Model;
-pub use params::{FrameParams, Lighting, MAX_FILL_LIGHTS, RendererOptions, Style};
-pub use passes::PassId;
+#[cfg(feature = "study")]
+pub use params::{Anchoring, FeatureRule, InkShow, Lighting, PenumbraForm, SlantForm, SphereMapForm, Study};
+pub use params::{
+    Detail, FrameParams, FurParams, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions,
+    ShadowParams, Style, StyleKind,
+};
+pub use passes::{PassId, PassPlace};
 pub use renderer::Renderer;
-pub use report::{FrameReport, PassReport};
-pub use shadow::{CasterPass, Casters, PenumbraForm, ShadowMaps, ShadowParams, SlantForm};
+pub use report::{Created, FrameReport, InstanceDetail, PassReport};
 
 pub use glam;
 pub use pelage_formats as formats;

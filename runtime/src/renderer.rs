@@ -1,68 +1,95 @@
-//! What is made once per device and set of options: layouts and pipelines.
+//! What lasts from frame to frame, and the one way to a frame.
 
-use crate::passes::ink::{self, InkDraws, InkPipelines};
-use crate::passes::key::{SurfaceKey, SurfaceShader};
-use crate::passes::shadow_width::FilterPipelines;
-use crate::passes::surface::SurfaceLayouts;
-use crate::passes::{PassId, fins, layer_shadow, pose, shadow_width, shells, skin};
-use crate::shadow::{Casters, ShadowMaps};
-use crate::{Camera, Frame, FrameParams, InkParams, Instance, Model, RendererOptions, RuntimeError, frame, model};
+use crate::error::RuntimeError;
+use crate::frame::{self, Frame};
+use crate::gpu::{Cache, Gpu, Ring};
+use crate::hooks::Hooks;
+use crate::instance::Instance;
+use crate::model::{self, Model};
+use crate::motion::States;
+use crate::params::{Detail, FrameParams, RendererOptions, Style};
+use crate::scene::Kept;
+use crate::surface::Surfaces;
 use pelage_formats::{Limits, Package};
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::borrow::Borrow;
 
 /// Draws models into the application's own render pass. One per device and kind of pass.
 #[derive(Debug)]
 pub struct Renderer {
-    pipelines: Pipelines,
-    /// Of the last frame that had shadows.
-    shadows: Option<Arc<ShadowMaps>>,
+    kept: Kept,
 }
 
 impl Renderer {
     /// Checks the options. No pipeline is compiled: that happens when a frame first needs one, or in
-    /// [`Renderer::prepare_pipelines`].
+    /// [`Renderer::prepare_pipelines`]. Device and queue stay the application's; the renderer keeps handles of them.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &RendererOptions) -> Result<Self, RuntimeError> {
         options.check(device)?;
-        let pipelines = Pipelines {
+        let gpu = Gpu::new(device, queue);
+        let surfaces = Surfaces::new(&gpu);
+        let kept = Kept {
+            gpu,
+            cache: Cache::default(),
+            surfaces,
             options: options.clone(),
-            layouts: SurfaceLayouts::new(device, queue),
-            pose: None,
-            filter: None,
-            ink: None,
-            modules: HashMap::new(),
-            surfaces: HashMap::new(),
+            states: States::default(),
+            shadows: None,
+            ring: Ring::default(),
         };
-        Ok(Self { pipelines, shadows: None })
+        Ok(Self { kept })
     }
 
     /// The options it was made with.
     pub fn options(&self) -> &RendererOptions {
-        &self.pipelines.options
+        &self.kept.options
     }
 
     /// Uploads a package, straight from the slices it borrows; the package's bytes may be dropped afterwards.
     ///
     /// Fails where a section is damaged, a texture needs a feature the device was made without, or something exceeds the
     /// device's limits.
-    pub fn load(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        package: &Package<'_>,
-    ) -> Result<Model, RuntimeError> {
-        model::load(device, queue, &self.pipelines.options, &self.pipelines.layouts, package)
+    pub fn load(&self, package: &Package<'_>) -> Result<Model, RuntimeError> {
+        model::load(&self.kept.gpu, &self.kept.options, &self.kept.surfaces, package)
     }
 
     /// Opens a package with default [`Limits`] and uploads it.
-    pub fn load_bytes(&self, device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> Result<Model, RuntimeError> {
-        self.load(device, queue, &Package::open(bytes, &Limits::default())?)
+    pub fn load_bytes(&self, bytes: &[u8]) -> Result<Model, RuntimeError> {
+        self.load(&Package::open(bytes, &Limits::default())?)
     }
 
     /// Compiles what drawing `model` with `params` needs, so that the first frame does not wait for it. Mirrored instances, and
     /// parameters of another style or with other constants of the lighting equation, may compile more when first drawn.
-    pub fn prepare_pipelines(&mut self, device: &wgpu::Device, model: &Model, params: &FrameParams) {
-        frame::compile(device, &mut self.pipelines, model, params);
+    ///
+    /// It prepares frames of one instance, for every level of detail that `params` may choose, and drops them unseen.
+    pub fn prepare_pipelines(&mut self, model: &Model, params: &FrameParams) -> Result<(), RuntimeError> {
+        let levels = model.manifest().detail.len();
+        let mut variants = vec![params.clone()];
+        if let Style::Fur(fur) = &params.style
+            && matches!(fur.detail, Detail::Auto { .. })
+        {
+            let level = |k: usize| Detail::Level(0.5 * k as f32);
+            variants = (0..(2 * levels).max(1)).map(|k| params.clone().with_fur(|f| f.detail = level(k))).collect();
+        }
+        if self.kept.ring.lost_work() {
+            self.invalidate();
+        }
+        let mut encoder = self.kept.gpu.device.create_command_encoder(&Default::default());
+        let shadows = self.kept.shadows.take();
+        for variant in variants {
+            // Wherever the camera looks, the instance must not be left out.
+            let bounds = model.manifest().bounds;
+            let radius = bounds.radius.max(1e-6) + model.manifest().fur.height_m;
+            let [width, height] = variant.viewport.map(|side| side as f32);
+            let towards = glam::Vec3::Z;
+            let framed = crate::camera::Camera::framing(bounds.center.into(), radius, towards, 0.6, width / height);
+            let variant = variant.with(|p| p.camera = framed);
+            frame::prepare(&mut self.kept, &mut encoder, &variant, &[&Instance::new(UNSEEN, model)], Hooks::default())?;
+            self.kept.states.forget(UNSEEN);
+        }
+        self.kept.shadows = shadows;
+        drop(encoder);
+        // That this encoder is dropped loses nothing that anybody waits for.
+        self.kept.ring.lost_work();
+        Ok(())
     }
 
     /// Prepares a frame: compiles missing pipelines, uploads what changed, and records the passes that run before the
@@ -70,138 +97,57 @@ impl Renderer {
     ///
     /// The encoder must be submitted before, or together with, the pass that the frame is drawn into. Two cameras in one
     /// submission take two frames. Instances are drawn in the order given; where furs overlap in the picture, give the farther
-    /// first.
-    pub fn prepare(
+    /// first. They may be owned or borrowed, from an array or straight from a query: nothing is kept of them but what the renderer notes
+    /// under their owner.
+    pub fn prepare<I>(
         &mut self,
-        device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         params: &FrameParams,
-        instances: &mut [&mut Instance],
-    ) -> Result<Frame, RuntimeError> {
-        self.prepare_marked(device, encoder, params, instances, None, &mut |_, _| ())
+        instances: I,
+    ) -> Result<Frame, RuntimeError>
+    where
+        I: IntoIterator,
+        I::Item: Borrow<Instance>,
+    {
+        self.prepare_with(encoder, params, instances, Hooks::default())
     }
 
-    /// [`Self::prepare`] with geometry of the application's own among the shadows.
-    pub fn prepare_with_casters(
+    /// [`Self::prepare`] that the application takes part in.
+    pub fn prepare_with<I>(
         &mut self,
-        device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         params: &FrameParams,
-        instances: &mut [&mut Instance],
-        casters: &mut Casters<'_>,
-    ) -> Result<Frame, RuntimeError> {
-        self.prepare_marked(device, encoder, params, instances, Some(casters), &mut |_, _| ())
+        instances: I,
+        hooks: Hooks<'_>,
+    ) -> Result<Frame, RuntimeError>
+    where
+        I: IntoIterator,
+        I::Item: Borrow<Instance>,
+    {
+        let instances: Vec<I::Item> = instances.into_iter().collect();
+        let instances: Vec<&Instance> = instances.iter().map(Borrow::borrow).collect();
+        frame::prepare(&mut self.kept, encoder, params, &instances, hooks)
     }
 
-    /// [`Self::prepare`] that calls `mark` after each pass it records or skips: how `pelage bench` times them.
-    #[doc(hidden)]
-    pub fn prepare_marked(
-        &mut self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        params: &FrameParams,
-        instances: &mut [&mut Instance],
-        casters: Option<&mut Casters<'_>>,
-        mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
-    ) -> Result<Frame, RuntimeError> {
-        frame::prepare(device, encoder, &mut self.pipelines, &mut self.shadows, params, instances, casters, mark)
+    /// Forgets poses and shadow maps, so that the next frame makes them anew, and gives the maps' memory back. An encoder that a frame was
+    /// prepared into and that was dropped instead of submitted is noticed without this.
+    pub fn invalidate(&mut self) {
+        self.kept.states.invalidate();
+        self.kept.shadows = None;
+        self.kept.cache.bind_groups.clear();
     }
 
-    /// Forgets the shadow maps, so that the next frame draws them anew. Needed only after an encoder that a frame was prepared into
-    /// was dropped instead of submitted, and to give their memory back.
-    pub fn invalidate_shadows(&mut self) {
-        self.shadows = None;
-    }
-}
-
-/// Layouts, and the pipelines and shader modules, made when first asked for.
-#[derive(Debug)]
-pub(crate) struct Pipelines {
-    options: RendererOptions,
-    pub(crate) layouts: SurfaceLayouts,
-    pose: Option<wgpu::ComputePipeline>,
-    filter: Option<FilterPipelines>,
-    ink: Option<InkPipelines>,
-    modules: HashMap<&'static str, wgpu::ShaderModule>,
-    surfaces: HashMap<SurfaceKey, wgpu::RenderPipeline>,
-}
-
-fn module(device: &wgpu::Device, label: &str, wgsl: &'static str) -> wgpu::ShaderModule {
-    device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(label),
-        source: wgpu::ShaderSource::Wgsl(wgsl.into()),
-    })
-}
-
-impl Pipelines {
-    pub(crate) fn reversed_depth(&self) -> bool {
-        self.options.reversed_depth
+    /// Forgets an owner at once. Those that no frame has named for 256 frames are forgotten without this.
+    pub fn forget(&mut self, owner: u64) {
+        self.kept.states.forget(owner);
+        self.kept.cache.bind_groups.clear();
     }
 
-    pub(crate) fn pose(&mut self, device: &wgpu::Device) -> &wgpu::ComputePipeline {
-        self.pose.get_or_insert_with(|| {
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("pelage pose"),
-                layout: None,
-                module: &module(device, "pelage pose", pose::WGSL),
-                entry_point: Some("pose"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            })
-        })
-    }
-
-    pub(crate) fn filter(&mut self, device: &wgpu::Device) -> &FilterPipelines {
-        self.filter.get_or_insert_with(|| {
-            FilterPipelines::new(device, &module(device, "pelage shadow width", shadow_width::FILTER_WGSL))
-        })
-    }
-
-    /// The ink style's, with what they are made with.
-    pub(crate) fn ink<'a>(
-        &'a mut self,
-        device: &'a wgpu::Device,
-        camera: &Camera,
-    ) -> (&'a mut InkPipelines, ink::Making<'a>) {
-        let clip_from_view = camera.projection.clip_from_view(self.options.reversed_depth);
-        let making = ink::Making { device, layouts: &self.layouts, options: &self.options, clip_from_view };
-        (self.ink.get_or_insert_with(|| InkPipelines::new(device)), making)
-    }
-
-    /// What an instance draws in ink; `None` for a model without the style.
-    pub(crate) fn plan_ink(
-        &mut self,
-        device: &wgpu::Device,
-        params: &FrameParams,
-        ink_params: &InkParams,
-        instance: &Instance,
-    ) -> Option<InkDraws> {
-        let model = instance.model().clone();
-        let (inks, making) = self.ink(device, &params.camera);
-        Some(ink::plan(making, inks, params, ink_params, instance, model.ink()?))
-    }
-
-    /// Compiles what a model needs in ink.
-    pub(crate) fn compile_ink(
-        &mut self,
-        device: &wgpu::Device,
-        model: &Model,
-        params: &FrameParams,
-        ink_params: &InkParams,
-    ) {
-        let (inks, making) = self.ink(device, &params.camera);
-        ink::compile(making, inks, params, ink_params, model);
-    }
-
-    pub(crate) fn surface(&mut self, device: &wgpu::Device, key: SurfaceKey) -> wgpu::RenderPipeline {
-        let (label, wgsl) = match key.shader {
-            SurfaceShader::SkinBare | SurfaceShader::SkinFurred => ("pelage skin", skin::WGSL),
-            SurfaceShader::Fins => ("pelage fins", fins::WGSL),
-            SurfaceShader::Shells | SurfaceShader::Yardstick => ("pelage shells", shells::WGSL),
-            SurfaceShader::LayerShadow => ("pelage layer shadow", layer_shadow::WGSL),
-            SurfaceShader::Caster(_) => ("pelage casters", shadow_width::WGSL),
-        };
-        let module = self.modules.entry(label).or_insert_with(|| module(device, label, wgsl));
-        self.surfaces.entry(key).or_insert_with(|| self.layouts.pipeline(device, module, key, &self.options)).clone()
+    /// Bytes on the GPU of what is kept of all owners: posed vertices.
+    pub fn owners_gpu_bytes(&self) -> u64 {
+        self.kept.states.gpu_bytes()
     }
 }
+
+/// An owner that no application has.
+const UNSEEN: u64 = u64::MAX;

@@ -5,6 +5,7 @@ pub mod binary;
 pub mod chores;
 pub mod compute;
 pub mod gpu;
+pub mod packages;
 pub mod pictures;
 pub mod plane;
 pub mod schema;

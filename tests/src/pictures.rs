@@ -34,36 +34,72 @@ impl Picture {
     }
 }
 
-/// Draws instances over transparent black, all passes.
-pub fn draw(
-    gpu: &Gpu,
-    renderer: &mut Renderer,
-    size: (u32, u32),
-    params: &FrameParams,
-    instances: &mut [&mut Instance],
-) -> Picture {
-    let bytes = draw_passes(gpu, renderer, size, params, instances, &PassId::ALL);
-    Picture { size, rgba: bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect() }
+/// Draws instances over transparent black, all passes, in a picture of the frame's viewport.
+pub fn draw(gpu: &Gpu, renderer: &mut Renderer, params: &FrameParams, instances: &[&Instance]) -> Picture {
+    let passes: Vec<PassId> = PassId::all().collect();
+    let bytes = draw_passes(gpu, renderer, params, instances, &passes);
+    Picture { size: params.viewport.into(), rgba: bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect() }
 }
 
 /// Draws some passes over transparent black; texels as the renderer's colour format has them.
 pub fn draw_passes(
     gpu: &Gpu,
     renderer: &mut Renderer,
-    size: (u32, u32),
     params: &FrameParams,
-    instances: &mut [&mut Instance],
+    instances: &[&Instance],
     passes: &[PassId],
 ) -> Vec<u8> {
-    let targets = Targets::new(gpu, size, renderer.options());
+    let targets = Targets::new(gpu, params.viewport.into(), renderer.options());
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let frame =
-        renderer.prepare(&gpu.device, &mut encoder, params, instances).unwrap_or_else(|e| panic!("prepare: {e}"));
+        renderer.prepare(&mut encoder, params, instances.iter().copied()).unwrap_or_else(|e| panic!("prepare: {e}"));
     let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
     passes.iter().for_each(|id| frame.draw_pass(*id, &mut pass));
     drop(pass);
     gpu.queue.submit([encoder.finish()]);
     targets.read(gpu)
+}
+
+/// What the device did for draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counted {
+    /// Invocations of vertex shaders.
+    pub vertices: u64,
+    /// Invocations of fragment shaders.
+    pub fragments: u64,
+}
+
+/// Begins the application's pass, draws, submits everything, and says what the device did in that pass. The device has
+/// `PIPELINE_STATISTICS_QUERY`.
+pub fn counted(
+    gpu: &Gpu,
+    targets: &Targets,
+    mut encoder: wgpu::CommandEncoder,
+    draw: impl FnOnce(&mut wgpu::RenderPass<'_>),
+) -> Counted {
+    let types = wgpu::PipelineStatisticsTypes::VERTEX_SHADER_INVOCATIONS
+        | wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS;
+    let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+        label: None,
+        ty: wgpu::QueryType::PipelineStatistics(types),
+        count: 1,
+    });
+    let buffer = |usage| {
+        let descriptor = wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false };
+        gpu.device.create_buffer(&descriptor)
+    };
+    let resolved = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
+    let read = buffer(wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
+    let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+    pass.begin_pipeline_statistics_query(&queries, 0);
+    draw(&mut pass);
+    pass.end_pipeline_statistics_query();
+    drop(pass);
+    encoder.resolve_query_set(&queries, 0..1, &resolved, 0);
+    encoder.copy_buffer_to_buffer(&resolved, 0, &read, 0, 16);
+    gpu.queue.submit([encoder.finish()]);
+    let counts: Vec<u64> = gpu.map(&read).chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();
+    Counted { vertices: counts[0], fragments: counts[1] }
 }
 
 /// How much two pictures differ.

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_bake::recipe::{Recipe, keys};
+use pelage_runtime::PassId;
 use pelage_tests::binary::{Sandbox, workspace};
 
 /// The README's table of recipe keys.
@@ -38,4 +39,17 @@ fn the_readme_names_every_subcommand() {
     for name in names.into_iter().filter(|n| *n != "help") {
         assert!(readme.contains(&format!("`pelage {name} ")), "README.md does not explain `pelage {name}`");
     }
+}
+
+/// The passes of a frame as ARCHITECTURE.md lists them.
+#[test]
+fn the_architecture_lists_every_pass() {
+    let document = std::fs::read_to_string(workspace().join("ARCHITECTURE.md")).unwrap();
+    let row = |pass: PassId| format!("| `{}` | {} | {} |\n", pass.name(), pass.does(), pass.runs_when());
+    let table: String = PassId::all().map(row).collect();
+    let table = format!("| pass | does | runs when |\n|---|---|---|\n{table}");
+    assert!(
+        table.lines().count() > 10 && document.contains(&table),
+        "ARCHITECTURE.md should hold this table:\n{table}"
+    );
 }

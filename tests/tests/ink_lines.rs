@@ -8,7 +8,7 @@ use pelage_bake::mask::Mask;
 use pelage_bake::reference::{Lens, Sight, Skin, TrueCamera};
 use pelage_runtime::formats::{Limits, Package};
 use pelage_runtime::{
-    Anchoring, Camera, FrameParams, InkParams, InkShow, Instance, Motion, PassId, Renderer, RendererOptions, Style,
+    Anchoring, Camera, FrameParams, InkParams, InkShow, Instance, Motion, PassId, Renderer, RendererOptions, Study,
 };
 use pelage_tests::binary::{Sandbox, data, workspace};
 use pelage_tests::gpu::gpu;
@@ -109,21 +109,18 @@ impl Brush {
     }
 
     /// Bytes of the picture, RGBA.
-    fn draw(&mut self, instance: &mut Instance, camera: &Camera, ink: InkParams) -> Vec<[u8; 4]> {
-        let params = FrameParams { style: Style::Ink, ink: Some(ink), ..FrameParams::new(*camera) };
-        let passes = [PassId::InkComposite];
-        let bytes = draw_passes(self.gpu, &mut self.renderer, self.size, &params, &mut [instance], &passes);
+    fn draw(&mut self, instance: &Instance, camera: &Camera, study: Study) -> Vec<[u8; 4]> {
+        let ink = on_blank_paper(&InkParams::default());
+        let params = FrameParams::new(*camera, self.size.into()).with_ink(ink).with(|p| p.study = study);
+        let passes = [PassId::INK_COMPOSITE];
+        let bytes = draw_passes(self.gpu, &mut self.renderer, &params, &[instance], &passes);
         bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect()
     }
 
     /// What is darker than half of white light.
-    fn dark(&mut self, instance: &mut Instance, camera: &Camera, ink: InkParams) -> Mask {
-        let pixels = self.draw(instance, camera, ink).iter().map(|p| p[0] < 188).collect();
+    fn dark(&mut self, instance: &Instance, camera: &Camera, study: Study) -> Mask {
+        let pixels = self.draw(instance, camera, study).iter().map(|p| p[0] < 188).collect();
         Mask { width: self.size.0, height: self.size.1, pixels }
-    }
-
-    fn ink(&self) -> InkParams {
-        on_blank_paper(&InkParams::new(self.size.0, self.size.1))
     }
 }
 
@@ -131,16 +128,16 @@ impl Brush {
 ///
 /// * `towards`: middle and radius of what is looked at, and from where, after a turn in radians
 fn widest(brush: &mut Brush, package: &[u8], towards: impl Fn(f32) -> (Vec3, f32, Vec3)) -> [f64; 2] {
-    let model = brush.renderer.load_bytes(&brush.gpu.device, &brush.gpu.queue, package).unwrap();
-    let mut instance = Instance::new(&model);
+    let instance = Instance::new(0, &brush.renderer.load_bytes(package).unwrap());
     let mut most = [0.0f64; 2];
     for view in 0..24 {
         let (center, radius, from) = towards(std::f32::consts::TAU * view as f32 / 24.0);
         let aspect = brush.size.0 as f32 / brush.size.1 as f32;
         let camera = Camera::framing(center, radius, from, FOV_Y_RAD, aspect);
         for (most, template) in most.iter_mut().zip([false, true]) {
-            let ink = InkParams { template, show: InkShow::Lines, ..brush.ink() };
-            *most = most.max(brush.dark(&mut instance, &camera, ink).widest_stroke().width_px);
+            let mut study = Study::default();
+            (study.template, study.show) = (template, InkShow::Lines);
+            *most = most.max(brush.dark(&instance, &camera, study).widest_stroke().width_px);
         }
     }
     most
@@ -166,7 +163,7 @@ fn strokes_are_no_wider_than_the_template() {
     let mut brush = Brush::new(gpu, (300, 300));
     let hare = bake_plain("hare", &own("hare"), Some("assets/recipes/hare.toml"), &QUICK);
     let (center, radius) = bounds(&hare);
-    let template = template_px(&brush.ink());
+    let template = template_px(&InkParams::default(), brush.size.1);
     // The ears: the top fifth of the hare.
     let ears = center + vec3(0.0, 0.62 * radius, 0.0);
     let found = widest(&mut brush, &hare, |turn| (ears, 0.3 * radius, vec3(turn.sin(), 0.1, turn.cos())));
@@ -185,8 +182,7 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
     let clips = opened.animation().unwrap().unwrap().clips;
     let names: Vec<_> = clips.iter().map(|c| &c.name).collect();
     let clip = names.iter().position(|name| name.ends_with(clip)).unwrap_or_else(|| panic!("no {clip} in {names:?}"));
-    let model = brush.renderer.load_bytes(&brush.gpu.device, &brush.gpu.queue, package).unwrap();
-    let mut instance = Instance::new(&model);
+    let mut instance = Instance::new(0, &brush.renderer.load_bytes(package).unwrap());
     let (center, radius) = bounds(package);
     let aspect = brush.size.0 as f32 / brush.size.1 as f32;
     let camera = Camera::framing(center, radius, vec3(0.9, 0.2, 0.5), FOV_Y_RAD, aspect);
@@ -202,9 +198,12 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
         let mut skin = Skin::posed("model", &opened, Some((clip, time_s))).unwrap();
         skin.vertices.iter_mut().for_each(|v| v.position_ws += way.as_dvec3());
         let sight = Sight::new(skin).unwrap();
-        let ink = InkParams { anchoring, ..brush.ink() };
-        let lines = brush.dark(&mut instance, &camera, InkParams { show: InkShow::Lines, ..ink.clone() });
-        let grey: Vec<f32> = brush.draw(&mut instance, &camera, ink).iter().map(|p| f32::from(p[1]) / 255.0).collect();
+        let mut painted = Study::default();
+        painted.anchoring = anchoring;
+        let mut lined = painted;
+        lined.show = InkShow::Lines;
+        let lines = brush.dark(&instance, &camera, lined);
+        let grey: Vec<f32> = brush.draw(&instance, &camera, painted).iter().map(|p| f32::from(p[1]) / 255.0).collect();
         if let Some((sight_before, grey_before, lines_before)) = &before {
             let camera = &true_camera;
             let now = Moment { sight: sight_before, camera, grey: grey_before, lines: lines_before };

@@ -3,13 +3,13 @@
 
 use pelage_bake::compare::compare;
 use pelage_bake::textures::srgb_to_linear;
-use pelage_runtime::formats::{Limits, Manifest, Package, PackageWriter};
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
     Camera, Detail, FrameParams, FrameReport, Instance, Projection, Renderer, RendererOptions, Style,
 };
 use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
+use pelage_tests::packages::with_manifest;
 use pelage_tests::pictures::{Picture, draw};
 use pelage_tests::silhouette::bake_plain;
 use pelage_tests::support::headless::Gpu;
@@ -22,18 +22,6 @@ fn baked(name: &str) -> Vec<u8> {
     bake_plain(name, &model, Some(&format!("assets/recipes/{name}.toml")), &[])
 }
 
-/// The same package with another manifest.
-fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
-    let package = Package::open(bytes, &Limits::default()).unwrap();
-    let mut manifest = package.manifest().clone();
-    change(&mut manifest);
-    let sections = package.sections().iter().enumerate().skip(1);
-    sections
-        .fold(PackageWriter::new(manifest), |w, (i, s)| w.section(s.tag, package.section_bytes(i).unwrap()))
-        .finish()
-        .unwrap()
-}
-
 /// A package on the device, seen from its front left.
 struct Stage<'a> {
     gpu: &'a Gpu,
@@ -44,36 +32,35 @@ struct Stage<'a> {
 impl<'a> Stage<'a> {
     fn new(gpu: &'a Gpu, package: &[u8]) -> Self {
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
-        let model = renderer.load_bytes(&gpu.device, &gpu.queue, package).unwrap();
-        Self { gpu, renderer, instance: Instance::new(&model) }
+        let model = renderer.load_bytes(package).unwrap();
+        Self { gpu, renderer, instance: Instance::new(0, &model) }
     }
 
     /// `distance`: over that from which the model fills the picture.
     fn params(&self, distance: f32, detail: Detail) -> FrameParams {
-        let bounds = &self.instance.model().manifest().bounds;
+        let bounds = &self.instance.model.manifest().bounds;
         let center = Vec3::from(bounds.center);
         let away = bounds.radius / (0.5 * FOV_RAD).sin() * distance;
         let eye = center + Vec3::new(0.62, 0.28, 0.73).normalize() * away;
         let projection =
             Projection::Perspective { fov_y_rad: FOV_RAD, aspect: 1.0, near_m: 0.01 * away, far_m: 10.0 * away };
-        FrameParams { detail, ..FrameParams::new(Camera::look_at(eye, center, projection)) }
+        FrameParams::new(Camera::look_at(eye, center, projection), SIZE.into()).with_fur(|f| f.detail = detail)
     }
 
     fn draw(&mut self, distance: f32, detail: Detail) -> Picture {
         let params = self.params(distance, detail);
-        draw(self.gpu, &mut self.renderer, SIZE, &params, &mut [&mut self.instance])
+        draw(self.gpu, &mut self.renderer, &params, &[&self.instance])
     }
 
     fn report(&mut self, params: &FrameParams) -> FrameReport {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let instances = &mut [&mut self.instance];
-        let frame = self.renderer.prepare(&self.gpu.device, &mut encoder, params, instances).unwrap();
+        let frame = self.renderer.prepare(&mut encoder, params, [&self.instance]).unwrap();
         self.gpu.queue.submit([encoder.finish()]);
         frame.report().clone()
     }
 }
 
-const AUTO: Detail = Detail::Auto { target_height_px: SIZE.1 as f32, bias: 1.0 };
+const AUTO: Detail = Detail::Auto { bias: 1.0 };
 
 /// Sum of opacities, and mean luminance of what they show, linear.
 fn figures(picture: &Picture) -> (f64, f64) {
@@ -104,7 +91,7 @@ fn levels_look_like_all_layers() {
     for name in ["hare", "knot", "torus"] {
         let bytes = baked(name);
         let mut stage = Stage::new(gpu, &bytes);
-        let levels = stage.instance.model().manifest().detail.clone();
+        let levels = stage.instance.model.manifest().detail.clone();
         assert_eq!(levels.iter().map(|l| l.step).collect::<Vec<_>>(), [1, 2, 0], "{name}");
         // Without the exponents: what the layers that are left say of themselves.
         let naive = with_manifest(&bytes, |m| m.detail[1].density = 1.0 / m.detail[1].step as f32);
@@ -146,7 +133,7 @@ fn nothing_jumps_while_the_camera_goes_away() {
     let Some(gpu) = gpu("nothing_jumps_while_the_camera_goes_away") else { return };
     let bytes = baked("hare");
     let mut stage = Stage::new(gpu, &bytes);
-    let levels = stage.instance.model().manifest().detail.clone();
+    let levels = stage.instance.model.manifest().detail.clone();
     // The same levels, each switched at once in the middle of where it fades.
     let hard = with_manifest(&bytes, |m| {
         for level in &mut m.detail {
@@ -223,11 +210,10 @@ fn near_and_far_copies_share_a_frame() {
     let Some(gpu) = gpu("near_and_far_copies_share_a_frame") else { return };
     let mut stage = Stage::new(gpu, &baked("hare"));
     let params = stage.params(0.3, AUTO);
-    let mut far = Instance::new(stage.instance.model());
-    far.transform = Mat4::from_translation(Vec3::new(-0.62, -0.28, -0.73) * 20.0);
+    let away = Mat4::from_translation(Vec3::new(-0.62, -0.28, -0.73) * 20.0);
+    let far = Instance::new(1, &stage.instance.model).at(away);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let instances = &mut [&mut far, &mut stage.instance];
-    let frame = stage.renderer.prepare(&gpu.device, &mut encoder, &params, instances).unwrap();
+    let frame = stage.renderer.prepare(&mut encoder, &params, [&far, &stage.instance]).unwrap();
     let report = frame.report();
     assert_eq!(report.instances.iter().map(|i| i.layers).collect::<Vec<_>>(), [0, 15]);
     let maps = report.passes.iter().find(|p| p.name == "layer_shadow").unwrap();
@@ -243,16 +229,16 @@ fn all_layers_are_drawn_as_without_levels() {
     let plain = with_manifest(&bytes, |m| m.detail.clear());
     let [mut with, mut without] = [&bytes, &plain].map(|package| Stage::new(gpu, package));
     let full = without.draw(1.0, Detail::Full);
-    for detail in [Detail::Full, Detail::Level(0.0), Detail::Auto { target_height_px: 1e6, bias: 1.0 }] {
+    for detail in [Detail::Full, Detail::Level(0.0), Detail::Auto { bias: 1e6 / SIZE.1 as f32 }] {
         assert!(with.draw(1.0, detail) == full, "{detail:?}");
     }
     // Without levels there is nothing to choose.
     assert!(without.draw(1.0, Detail::Level(2.0)) == full);
     assert!(with.draw(1.0, Detail::Level(1.0)) != full);
     // Bare skin has none.
-    let mut params = with.params(1.0, Detail::Level(2.0));
-    params.style = Style::Bare;
-    let bare = draw(gpu, &mut with.renderer, SIZE, &params, &mut [&mut with.instance]);
-    params.detail = Detail::Full;
-    assert!(draw(gpu, &mut with.renderer, SIZE, &params, &mut [&mut with.instance]) == bare);
+    let [bare, same] = [&mut with, &mut without].map(|stage| {
+        let params = stage.params(1.0, Detail::Level(2.0)).with(|p| p.style = Style::Bare);
+        draw(gpu, &mut stage.renderer, &params, &[&stage.instance])
+    });
+    assert!(bare == same);
 }

@@ -2,47 +2,20 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use pelage_runtime::formats::{Fin, FinData, FinInfo, Limits, Package, PackageWriter, TextureEntry, TextureFormat};
 use pelage_runtime::glam::{Mat4, Quat, Vec3};
 use pelage_runtime::shared::fins::fin_opacity;
 use pelage_runtime::{
-    Camera, FrameParams, FrameReport, Instance, Motion, PassId, Projection, Renderer, RendererOptions, wgpu,
+    Camera, FrameParams, FrameReport, Instance, Motion, PassId, Projection, Renderer, RendererOptions, Style, wgpu,
 };
 use pelage_tests::gpu::gpu;
-use pelage_tests::pictures::{draw, draw_passes};
+use pelage_tests::packages::{ALPHA, with_fins};
+use pelage_tests::pictures::{counted, draw, draw_passes};
 use pelage_tests::plane::plane;
 use pelage_tests::silhouette::half_to_f32;
 use pelage_tests::support::headless::{Gpu, Targets};
-use pelage_tests::support::ktx2;
 use pelage_tests::support::sphere::{self, SphereParams};
 
 const SIZE: (u32, u32) = (64, 64);
-/// Opacity of every texel of the fin textures here.
-const ALPHA: u8 = 128;
-
-/// A package with fins on pairs of its vertices, of even opacity.
-fn with_fins(bytes: &[u8], edges: &[(u32, u32)]) -> Vec<u8> {
-    let package = Package::open(bytes, &Limits::default()).unwrap();
-    let mut manifest = package.manifest().clone();
-    let first = manifest.textures.len() as u32;
-    manifest.fur.fins =
-        Some(FinInfo { width: 4, height: 4, slabs: 1, color_texture: first, direction_texture: first + 1 });
-    manifest.textures.extend(["fin_color", "fin_direction"].map(|name| TextureEntry { name: name.into() }));
-    let mut part_counts = vec![0; manifest.parts.len()];
-    part_counts[0] = edges.len() as u32;
-    let fin = |(a, b): &(u32, u32)| Fin { a: *a, b: *b, start: 0.0, length: 1.0, slab: 0, opacity: 1.0 };
-    let fins = FinData { part_counts, fins: edges.iter().map(fin).collect() };
-    let mut writer = PackageWriter::new(manifest).mesh(&package.mesh().unwrap().unwrap().to_data()).fins(&fins);
-    if let Some(animation) = package.animation().unwrap() {
-        writer = writer.animation(&animation);
-    }
-    for index in 0..first {
-        writer = writer.texture(package.texture(index).unwrap().ktx2);
-    }
-    let texels = |texel: [u8; 4]| ktx2::write(TextureFormat::Rgba8Unorm, 4, 4, 1, &[texel.repeat(16)]);
-    writer.texture(texels([60, 60, 60, ALPHA])).texture(texels([128, 128, 255, 255])).finish().unwrap()
-}
-
 /// The plane at z = 0 with one fin, on its edge along y at x = −0.1.
 fn plane_with_a_fin() -> Vec<u8> {
     with_fins(&plane(4, 0), &[(0, 3)])
@@ -58,22 +31,22 @@ fn params(above_deg: f32) -> FrameParams {
     let eye = Quat::from_rotation_y(-above_deg.to_radians()) * Vec3::NEG_X;
     let target = Vec3::new(-0.1, 0.0, 0.0);
     let projection = Projection::Orthographic { height_m: 0.08, aspect: 1.0, near_m: 0.0, far_m: 3.0 };
-    FrameParams::new(Camera::look_at(target + eye, target, projection))
+    FrameParams::new(Camera::look_at(target + eye, target, projection), SIZE.into())
 }
 
 /// Opacity of every pixel of some passes.
-fn opacities(gpu: &Gpu, instance: &mut Instance, params: &FrameParams, passes: &[PassId]) -> Vec<f32> {
-    let texels = draw_passes(gpu, &mut renderer(gpu), SIZE, params, &mut [instance], passes);
+fn opacities(gpu: &Gpu, instance: &Instance, params: &FrameParams, passes: &[PassId]) -> Vec<f32> {
+    let texels = draw_passes(gpu, &mut renderer(gpu), params, &[instance], passes);
     texels.chunks_exact(8).map(|t| half_to_f32([t[6], t[7]])).collect()
 }
 
 #[test]
 fn a_fin_fades_with_the_angle_it_is_seen_at() {
     let Some(gpu) = gpu("a_fin_fades_with_the_angle_it_is_seen_at") else { return };
-    let model = renderer(gpu).load_bytes(&gpu.device, &gpu.queue, &plane_with_a_fin()).unwrap();
-    let mut instance = Instance::new(&model);
+    let model = renderer(gpu).load_bytes(&plane_with_a_fin()).unwrap();
+    let instance = Instance::new(0, &model);
     for degrees in [0.0f32, 20.0, 45.0, 55.0, 60.5, 75.0, 90.0, -30.0, 135.0, 180.0] {
-        let alphas = opacities(gpu, &mut instance, &params(degrees), &[PassId::Fins]);
+        let alphas = opacities(gpu, &instance, &params(degrees), &[PassId::FINS]);
         let expected = fin_opacity(degrees.to_radians().cos()) * f32::from(ALPHA) / 255.0;
         let most = alphas.iter().copied().fold(0.0, f32::max);
         assert!((most - expected).abs() < 0.004, "at {degrees} degrees: {most}, expected {expected}");
@@ -90,10 +63,10 @@ fn a_fin_fades_with_the_angle_it_is_seen_at() {
 #[test]
 fn fins_do_not_pop() {
     let Some(gpu) = gpu("fins_do_not_pop") else { return };
-    let model = renderer(gpu).load_bytes(&gpu.device, &gpu.queue, &plane_with_a_fin()).unwrap();
-    let mut instance = Instance::new(&model);
-    let mut most =
-        |degrees: f32| opacities(gpu, &mut instance, &params(degrees), &[PassId::Fins]).into_iter().fold(0.0, f32::max);
+    let model = renderer(gpu).load_bytes(&plane_with_a_fin()).unwrap();
+    let instance = Instance::new(0, &model);
+    let most =
+        |degrees: f32| opacities(gpu, &instance, &params(degrees), &[PassId::FINS]).into_iter().fold(0.0, f32::max);
     let turn: Vec<_> = (40..80).map(|degrees| most(degrees as f32)).collect();
     assert!(turn[0] > 0.2 && turn[39] == 0.0, "{turn:?}");
     let step = 2.0 * 1f32.to_radians() * f32::from(ALPHA) / 255.0 + 0.002;
@@ -108,32 +81,13 @@ fn faded_fins_cost_no_fragments() {
     }
     let gpu = Gpu::open(wgpu::Features::PIPELINE_STATISTICS_QUERY).unwrap();
     let mut renderer = renderer(&gpu);
-    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &plane_with_a_fin()).unwrap();
-    let mut instance = Instance::new(&model);
+    let model = renderer.load_bytes(&plane_with_a_fin()).unwrap();
+    let instance = Instance::new(0, &model);
     let mut count = |degrees: f32| {
         let targets = Targets::new(&gpu, SIZE, renderer.options());
-        let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-            label: None,
-            ty: wgpu::QueryType::PipelineStatistics(wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS),
-            count: 1,
-        });
-        let buffer = |usage| {
-            let descriptor = wgpu::BufferDescriptor { label: None, size: 8, usage, mapped_at_creation: false };
-            gpu.device.create_buffer(&descriptor)
-        };
-        let resolve = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
-        let read = buffer(wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let frame = renderer.prepare(&gpu.device, &mut encoder, &params(degrees), &mut [&mut instance]).unwrap();
-        let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
-        pass.begin_pipeline_statistics_query(&queries, 0);
-        frame.draw_pass(PassId::Fins, &mut pass);
-        pass.end_pipeline_statistics_query();
-        drop(pass);
-        encoder.resolve_query_set(&queries, 0..1, &resolve, 0);
-        encoder.copy_buffer_to_buffer(&resolve, 0, &read, 0, 8);
-        gpu.queue.submit([encoder.finish()]);
-        u64::from_le_bytes(gpu.map(&read)[..8].try_into().unwrap())
+        let frame = renderer.prepare(&mut encoder, &params(degrees), [&instance]).unwrap();
+        counted(&gpu, &targets, encoder, |pass| frame.draw_pass(PassId::FINS, pass)).fragments
     };
     assert!(count(0.0) > 500, "the query counts");
     for degrees in [60.5, 75.0, 90.0, 100.0] {
@@ -144,9 +98,9 @@ fn faded_fins_cost_no_fragments() {
 /// Which passes ran and why, of one frame.
 fn report(gpu: &Gpu, bytes: &[u8], params: &FrameParams) -> FrameReport {
     let mut renderer = renderer(gpu);
-    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, bytes).unwrap());
+    let instance = Instance::new(0, &renderer.load_bytes(bytes).unwrap());
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    renderer.prepare(&gpu.device, &mut encoder, params, &mut [&mut instance]).unwrap().report().clone()
+    renderer.prepare(&mut encoder, params, [&instance]).unwrap().report().clone()
 }
 
 #[test]
@@ -157,16 +111,16 @@ fn the_report_says_whether_fins_ran_and_why_not() {
     let of = |bytes: &[u8], params: &FrameParams| {
         let report = report(gpu, bytes, params);
         let names: Vec<_> = report.passes.iter().map(|p| p.name).collect();
-        assert_eq!(names, PassId::ALL.map(PassId::name));
-        let fins = report.passes.iter().find(|p| p.name == PassId::Fins.name()).unwrap();
+        assert_eq!(names, PassId::all().map(PassId::name).collect::<Vec<_>>());
+        let fins = report.passes.iter().find(|p| p.name == PassId::FINS.name()).unwrap();
         (fins.ran, fins.reason.clone())
     };
     assert_eq!(of(&finned, &plain), (true, "1 instances, 1 edges".into()));
     assert_eq!(of(&bald, &plain), (false, "no package has fins".into()));
-    assert_eq!(of(&finned, &FrameParams { fins: false, ..plain.clone() }), (false, "switched off".into()));
-    let skin = FrameParams { layers: Some(1), ..plain.clone() };
+    assert_eq!(of(&finned, &plain.clone().with_fur(|f| f.fins = false)), (false, "switched off".into()));
+    let skin = plain.clone().with_fur(|f| f.layers = Some(1));
     assert_eq!(of(&finned, &skin), (false, "one layer is the skin alone".into()));
-    let bare = FrameParams { style: pelage_runtime::Style::Bare, ..plain };
+    let bare = plain.with(|p| p.style = Style::Bare);
     assert_eq!(of(&finned, &bare), (false, "style is bare".into()));
 }
 
@@ -175,11 +129,11 @@ fn the_report_says_whether_fins_ran_and_why_not() {
 fn without_fins_nothing_changes() {
     let Some(gpu) = gpu("without_fins_nothing_changes") else { return };
     let bald = sphere::package(&SphereParams { quads: 8, texels: 16, strands: 60, ..SphereParams::default() });
-    let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0));
+    let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0), SIZE.into());
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let mut picture = |bytes: &[u8], fins: bool| {
-        let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, bytes).unwrap());
-        draw(gpu, &mut renderer, SIZE, &FrameParams { fins, ..params.clone() }, &mut [&mut instance])
+        let instance = Instance::new(0, &renderer.load_bytes(bytes).unwrap());
+        draw(gpu, &mut renderer, &params.clone().with_fur(|f| f.fins = fins), &[&instance])
     };
     let plain = picture(&bald, false);
     assert_eq!(picture(&bald, true), plain);
@@ -196,28 +150,25 @@ fn fins_follow_the_pose_and_the_instance() {
     // Rows of the first side, seen along its edge.
     let row = |j: u32| (0..quads).map(move |i| (j * (quads + 1) + i, j * (quads + 1) + i + 1));
     let edges: Vec<_> = (0..=quads).flat_map(row).collect();
-    let model =
-        renderer(gpu).load_bytes(&gpu.device, &gpu.queue, &with_fins(&sphere::package(&params), &edges)).unwrap();
-    let look = |eye: Vec3| FrameParams::new(Camera::framing(Vec3::ZERO, 0.16, eye, 0.6, 1.0));
-    let drawn = |instance: &mut Instance, params: &FrameParams| opacities(gpu, instance, params, &[PassId::Fins]);
+    let model = renderer(gpu).load_bytes(&with_fins(&sphere::package(&params), &edges)).unwrap();
+    let look = |eye: Vec3| FrameParams::new(Camera::framing(Vec3::ZERO, 0.16, eye, 0.6, 1.0), SIZE.into());
+    let drawn = |instance: &Instance, params: &FrameParams| opacities(gpu, instance, params, &[PassId::FINS]);
 
-    let mut rest = Instance::new(&model);
+    let rest = Instance::new(0, &model);
     let above = look(Vec3::Y);
-    let plain = drawn(&mut rest, &above);
+    let plain = drawn(&rest, &above);
     let sum = |alphas: &[f32]| alphas.iter().sum::<f32>();
     assert!(sum(&plain) > 5.0, "{}", sum(&plain));
-    let mut bent = Instance::new(&model);
-    bent.motion = Motion::Clip { clip: 0, time_s: 0.5 };
-    let moved = drawn(&mut bent, &above);
+    let bent = Instance::new(0, &model).moving(Motion::Clip { clip: 0, time_s: 0.5 });
+    let moved = drawn(&bent, &above);
     let apart: f32 = plain.iter().zip(&moved).map(|(a, b)| (a - b).abs()).sum();
     assert!(apart > 0.2 * sum(&plain), "the clip moves the fins: {apart}");
 
     // Turned together with the camera they look the same.
-    let mut turned = Instance::new(&model);
-    turned.transform = Mat4::from_rotation_z(-std::f32::consts::FRAC_PI_2);
+    let turned = Instance::new(0, &model).at(Mat4::from_rotation_z(-std::f32::consts::FRAC_PI_2));
     let mut beside = above.clone();
     beside.camera.view_from_world *= turned.transform.inverse();
-    let same = drawn(&mut turned, &beside);
+    let same = drawn(&turned, &beside);
     let apart: f32 = plain.iter().zip(&same).map(|(a, b)| (a - b).abs()).sum();
     assert!(apart < 0.02 * sum(&plain), "turned with the camera: {apart} of {}", sum(&plain));
 }

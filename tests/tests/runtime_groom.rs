@@ -19,14 +19,14 @@ fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     // Without shadows: what is compared here has other neighbours to shade it.
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
-    FrameParams { self_shadow: false, soft_shadow: false, ..FrameParams::new(camera) }
+    FrameParams::new(camera, SIZE.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false)
 }
 
 fn picture(gpu: &Gpu, params: &FrameParams, opacity: u8, shading: Shading, groom: &PlaneGroom) -> Picture {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let package = groomed_plane(LAYERS, opacity, shading, groom);
-    let mut plane = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package).unwrap());
-    draw(gpu, &mut renderer, SIZE, params, &mut [&mut plane])
+    let plane = Instance::new(0, &renderer.load_bytes(&package).unwrap());
+    draw(gpu, &mut renderer, params, &[&plane])
 }
 
 fn plain(gpu: &Gpu, groom: &PlaneGroom) -> Picture {
@@ -34,7 +34,7 @@ fn plain(gpu: &Gpu, groom: &PlaneGroom) -> Picture {
 }
 
 fn bare(gpu: &Gpu) -> Picture {
-    let params = FrameParams { style: Style::Bare, ..above() };
+    let params = above().with(|p| p.style = Style::Bare);
     picture(gpu, &params, OPACITY, Shading::default(), &PlaneGroom::default())
 }
 
@@ -95,7 +95,7 @@ fn lean_moves_the_outer_layers_along_the_comb_direction() {
     let Some(gpu) = gpu("lean_moves_the_outer_layers_along_the_comb_direction") else { return };
     // From the right, so that +y, the bitangent, is up: fur 25 mm high that leans wholly reaches 25 mm past the plane's edge.
     let projection = Projection::Orthographic { height_m: 0.3, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
-    let params = FrameParams::new(Camera::look_at(Vec3::new(2.0, 0.0, 0.9), Vec3::ZERO, projection));
+    let params = FrameParams::new(Camera::look_at(Vec3::new(2.0, 0.0, 0.9), Vec3::ZERO, projection), SIZE.into());
     let rows = |lean: f32| {
         let picture = picture(gpu, &params, 255, Shading::default(), &PlaneGroom { lean, ..PlaneGroom::default() });
         let covered = |row: &[[u8; 4]]| row.iter().any(|p| p[3] > 0);

@@ -5,7 +5,7 @@
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
     Anchoring, Camera, FrameParams, InkBackground, InkParams, InkShow, Instance, LineWidth, Motion, PassId, Projection,
-    Renderer, RendererOptions, SphereMapForm, Style, wgpu,
+    Renderer, RendererOptions, SphereMapForm, Study, Style, wgpu,
 };
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, difference, draw};
@@ -19,30 +19,27 @@ fn sphere() -> SphereParams {
 }
 
 fn from(towards: Vec3) -> FrameParams {
-    let mut params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, towards, 0.6, 1.0));
-    params.style = Style::Ink;
     // Without what varies, so that what is measured is what the geometry says.
-    let still = InkParams {
-        pressure: 0.0,
-        dryness: 0.0,
-        roughness_px: 0.0,
-        paper_grain: 0.0,
-        ..InkParams::new(SIZE.0, SIZE.1)
-    };
-    params.ink = Some(InkParams { width: LineWidth::Pixels(6.0), ..still });
-    params
+    let still = InkParams::default().with(|ink| {
+        (ink.pressure, ink.dryness, ink.roughness_px, ink.paper_grain) = (0.0, 0.0, 0.0, 0.0);
+        ink.width = LineWidth::Pixels(6.0);
+    });
+    FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, towards, 0.6, 1.0), SIZE.into()).with_ink(still)
 }
 
-fn with(change: impl FnOnce(&mut InkParams)) -> FrameParams {
+fn with(change: impl FnOnce(&mut InkParams, &mut Study)) -> FrameParams {
     let mut params = from(Vec3::Z);
-    change(params.ink.as_mut().unwrap());
+    match &mut params.style {
+        Style::Ink(ink) => change(ink, &mut params.study),
+        other => panic!("{other:?} is not ink"),
+    }
     params
 }
 
 fn painted(gpu: &Gpu, params: &FrameParams, sphere: &SphereParams) -> Picture {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
-    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(sphere)).unwrap());
-    draw(gpu, &mut renderer, SIZE, params, &mut [&mut instance])
+    let instance = Instance::new(0, &renderer.load_bytes(&package(sphere)).unwrap());
+    draw(gpu, &mut renderer, params, &[&instance])
 }
 
 /// Pixels that are darker than middle grey.
@@ -54,7 +51,7 @@ fn dark(picture: &Picture) -> Vec<(u32, u32)> {
 #[test]
 fn lines_stand_on_the_outline_as_wide_as_asked() {
     let Some(gpu) = gpu("lines_stand_on_the_outline_as_wide_as_asked") else { return };
-    let features = dark(&painted(gpu, &with(|ink| ink.show = InkShow::Features), &sphere()));
+    let features = dark(&painted(gpu, &with(|_, study| study.show = InkShow::Features), &sphere()));
     // The camera sees a sphere of radius 0.1 in a frame made for 0.13.
     let middle = 0.5 * SIZE.0 as f32 - 0.5;
     let place = |(x, y): &(u32, u32)| ((*x as f32 - middle).powi(2) + (*y as f32 - middle).powi(2)).sqrt();
@@ -65,7 +62,9 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
     assert!((0.85 * ring..1.9 * ring).contains(&(features.len() as f32)), "{} features on {ring}", features.len());
 
     let lines = |width: f32| {
-        let shown = with(|ink| (ink.show, ink.width, ink.swell) = (InkShow::Lines, LineWidth::Pixels(width), 4.0));
+        let shown = with(|ink, study| {
+            (study.show, ink.width, ink.swell) = (InkShow::Lines, LineWidth::Pixels(width), 4.0);
+        });
         dark(&painted(gpu, &shown, &sphere()))
     };
     for width in [4.0f32, 8.0, 16.0] {
@@ -75,7 +74,7 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
         assert!(reach[1] - reach[0] >= 0.5 * width, "a line of {width} px reaches from {reach:?}");
     }
     let templated = lines(6.0).len();
-    let free = with(|ink| (ink.show, ink.template, ink.swell) = (InkShow::Lines, false, 4.0));
+    let free = with(|ink, study| (study.show, study.template, ink.swell) = (InkShow::Lines, false, 4.0));
     assert!(dark(&painted(gpu, &free, &sphere())).len() > 2 * templated, "without template the rim fills");
 }
 
@@ -83,7 +82,7 @@ fn lines_stand_on_the_outline_as_wide_as_asked() {
 fn edges_of_lines_are_soft_and_specks_are_left_out() {
     let Some(gpu) = gpu("edges_of_lines_are_soft_and_specks_are_left_out") else { return };
     let between = |printed: bool| {
-        let shown = with(|ink| (ink.show, ink.printed_lines) = (InkShow::Lines, printed));
+        let shown = with(|_, study| (study.show, study.printed_lines) = (InkShow::Lines, printed));
         let lines = painted(gpu, &shown, &sphere());
         lines.rgba.iter().filter(|p| (1..255).contains(&p[0])).count()
     };
@@ -92,15 +91,14 @@ fn edges_of_lines_are_soft_and_specks_are_left_out() {
 
     // A sphere whose outline lies about one pixel, and one with more.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
-    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere())).unwrap();
+    let model = renderer.load_bytes(&package(&sphere())).unwrap();
     let mut seen = |show, scale: f32| {
-        let params = with(|ink| ink.show = show);
+        let params = with(|_, study| study.show = show);
         // The middle of the picture is a corner of four pixels; the camera of `from` sees 0.13 m in half of its rows.
         let half_pixel = 0.5 * 0.13 / (0.5 * SIZE.0 as f32);
-        let mut instance = Instance::new(&model);
-        instance.transform =
-            Mat4::from_translation(Vec3::new(half_pixel, half_pixel, 0.0)) * Mat4::from_scale(Vec3::splat(scale));
-        dark(&draw(gpu, &mut renderer, SIZE, &params, &mut [&mut instance])).len()
+        let instance = Instance::new(0, &model)
+            .at(Mat4::from_translation(Vec3::new(half_pixel, half_pixel, 0.0)) * Mat4::from_scale(Vec3::splat(scale)));
+        dark(&draw(gpu, &mut renderer, &params, &[&instance])).len()
     };
     assert_eq!(seen(InkShow::Features, 0.01), 1, "a sphere of one pixel");
     assert_eq!(seen(InkShow::Lines, 0.01), 0, "one pixel is no line");
@@ -111,7 +109,7 @@ fn edges_of_lines_are_soft_and_specks_are_left_out() {
 fn lines_in_metres_are_thinner_with_distance() {
     let Some(gpu) = gpu("lines_in_metres_are_thinner_with_distance") else { return };
     let area = |distance: f32, width| {
-        let mut params = with(|ink| (ink.show, ink.width) = (InkShow::Lines, width));
+        let mut params = with(|ink, study| (study.show, ink.width) = (InkShow::Lines, width));
         let projection = Projection::Perspective { fov_y_rad: 0.6, aspect: 1.0, near_m: 0.01, far_m: 10.0 };
         params.camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, projection);
         dark(&painted(gpu, &params, &sphere())).len() as f32
@@ -125,7 +123,7 @@ fn lines_in_metres_are_thinner_with_distance() {
 #[test]
 fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
     let Some(gpu) = gpu("the_wash_fades_from_its_centre_and_blank_paper_stays") else { return };
-    let picture = painted(gpu, &with(|ink| ink.show = InkShow::Wash), &sphere());
+    let picture = painted(gpu, &with(|_, study| study.show = InkShow::Wash), &sphere());
     let mean = |rows: std::ops::Range<u32>| {
         let texel = |y: u32| f64::from(picture.rgba[(y * SIZE.0 + SIZE.0 / 2) as usize][0]);
         rows.clone().map(texel).sum::<f64>() / rows.len() as f64
@@ -141,36 +139,35 @@ fn the_style_says_what_it_needs() {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let load = |ink| {
         let bytes = package(&SphereParams { ink, ..sphere() });
-        Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &bytes).unwrap())
+        Instance::new(0, &renderer.load_bytes(&bytes).unwrap())
     };
-    let (mut inked, mut plain) = (load(true), load(false));
-    let mut prepare = |params: &FrameParams, instance: &mut Instance| {
+    let (inked, plain) = (load(true), load(false));
+    let mut prepare = |params: &FrameParams, instance: &Instance| {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        renderer.prepare(&gpu.device, &mut encoder, params, &mut [instance]).map(|f| f.report().clone())
+        renderer.prepare(&mut encoder, params, [instance]).map(|f| f.report().clone())
     };
-    let without = FrameParams { ink: None, ..from(Vec3::Z) };
-    assert!(prepare(&without, &mut inked).unwrap_err().to_string().contains("FrameParams::ink is None"));
-    let error = prepare(&from(Vec3::Z), &mut plain).unwrap_err().to_string();
+    let error = prepare(&from(Vec3::Z), &plain).unwrap_err().to_string();
     assert!(error.contains("ink style") && error.contains("bake the model again"), "{error}");
     for (bad, expected) in [
-        (with(|ink| ink.threshold = 0.1), "InkParams::threshold is 0.1, expected 0.15..=1"),
-        (with(|ink| ink.width = LineWidth::Pixels(33.0)), "at most 32 pixels"),
-        (with(|ink| ink.target_px = [0, 5]), "InkParams::target_px is 0x5"),
-        (with(|ink| ink.mist_m = Some([2.0, 1.0])), "InkParams::mist_m"),
-        (with(|ink| ink.paper = Vec3::NAN), "InkParams::paper"),
-        (with(|ink| ink.tone = f32::NAN), "InkParams::tone is NaN"),
+        (with(|ink, _| ink.threshold = 0.1), "InkParams::threshold is 0.1, expected 0.15..=1"),
+        (with(|ink, _| ink.width = LineWidth::Pixels(33.0)), "at most 32 pixels"),
+        (from(Vec3::Z).with(|p| p.viewport = [0, 5]), "FrameParams::viewport is 0x5, expected 1..="),
+        (from(Vec3::Z).with(|p| p.viewport = [10, 1 << 20]), "FrameParams::viewport is 10x1048576, expected 1..="),
+        (with(|ink, _| ink.mist_m = Some([2.0, 1.0])), "InkParams::mist_m"),
+        (with(|ink, _| ink.paper = Vec3::NAN), "InkParams::paper"),
+        (with(|ink, _| ink.tone = f32::NAN), "InkParams::tone is NaN"),
     ] {
-        let error = prepare(&bad, &mut inked).unwrap_err().to_string();
+        let error = prepare(&bad, &inked).unwrap_err().to_string();
         assert!(error.contains(expected), "expected {expected:?} in: {error}");
     }
-    let report = prepare(&from(Vec3::Z), &mut inked).unwrap();
+    let report = prepare(&from(Vec3::Z), &inked).unwrap();
     for pass in &report.passes {
         let expected =
             ["ink_normals", "ink_features", "ink_dilate", "ink_stroke", "ink_composite"].contains(&pass.name);
         assert_eq!(pass.ran, expected, "{pass:?}");
     }
-    let furry = FrameParams { style: Style::Fur, ..from(Vec3::Z) };
-    let report = prepare(&furry, &mut plain).unwrap();
+    let furry = from(Vec3::Z).with(|p| p.style = Style::default());
+    let report = prepare(&furry, &plain).unwrap();
     assert!(report.passes.iter().filter(|p| p.name.starts_with("ink")).all(|p| !p.ran && p.reason == "style is fur"));
 }
 
@@ -181,11 +178,11 @@ fn what_the_application_drew_stays_around_and_before_the_painting() {
         let options = RendererOptions { reversed_depth, sample_count, ..RendererOptions::default() };
         let targets = Targets::new(gpu, SIZE, &options);
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
-        let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere())).unwrap());
+        let instance = Instance::new(0, &renderer.load_bytes(&package(&sphere())).unwrap());
         let mut over = |background| {
-            let params = with(|ink| ink.background = background);
+            let params = with(|ink, _| ink.background = background);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            let frame = renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut instance]).unwrap();
+            let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
             frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::BLUE));
             gpu.queue.submit([encoder.finish()]);
             let texels = targets.read(gpu);
@@ -205,18 +202,15 @@ fn what_the_application_drew_stays_around_and_before_the_painting() {
 fn nearer_instances_hide_lines_of_those_behind() {
     let Some(gpu) = gpu("nearer_instances_hide_lines_of_those_behind") else { return };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
-    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere())).unwrap();
-    let (mut near, mut behind) = (Instance::new(&model), Instance::new(&model));
+    let model = renderer.load_bytes(&package(&sphere())).unwrap();
+    let near = Instance::new(0, &model);
     // Smaller and behind: none of it is seen.
-    behind.transform = Mat4::from_translation(Vec3::Z * -0.2) * Mat4::from_scale(Vec3::splat(0.5));
-    let params = with(|ink| ink.show = InkShow::Lines);
-    let alone = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut near]);
-    for order in [false, true] {
-        let mut both: Vec<&mut Instance> = vec![&mut near, &mut behind];
-        if order {
-            both.reverse();
-        }
-        assert_eq!(draw(gpu, &mut renderer, SIZE, &params, &mut both), alone);
+    let smaller = Mat4::from_translation(Vec3::Z * -0.2) * Mat4::from_scale(Vec3::splat(0.5));
+    let behind = Instance::new(1, &model).at(smaller);
+    let params = with(|_, study| study.show = InkShow::Lines);
+    let alone = draw(gpu, &mut renderer, &params, &[&near]);
+    for both in [[&near, &behind], [&behind, &near]] {
+        assert_eq!(draw(gpu, &mut renderer, &params, &both), alone);
     }
 }
 
@@ -225,25 +219,25 @@ fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
     let Some(gpu) = gpu("what_varies_moves_with_the_surface_and_not_with_the_picture") else { return };
     let sphere = SphereParams { skeleton: true, ..sphere() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
-    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere)).unwrap());
+    let mut instance = Instance::new(0, &renderer.load_bytes(&package(&sphere)).unwrap());
     // The whole sphere turns with its joints while the camera goes round with them: only what hangs on the picture then changes.
     let mut shown = |anchoring, angle: f32| {
         let turn = Mat4::from_rotation_y(angle);
-        let mut params = with(|ink| (ink.show, ink.anchoring) = (InkShow::Wash, anchoring));
+        let mut params = with(|_, study| (study.show, study.anchoring) = (InkShow::Wash, anchoring));
         params.camera = Camera::framing(Vec3::ZERO, 0.13, turn.transform_vector3(Vec3::Z), 0.6, 1.0);
         instance.motion = Motion::Joints(vec![turn; 2]);
-        draw(gpu, &mut renderer, SIZE, &params, &mut [&mut instance])
+        draw(gpu, &mut renderer, &params, &[&instance])
     };
     let still = shown(Anchoring::Surface, 0.0);
     let turned = difference(&still, &shown(Anchoring::Surface, 0.7));
     assert!(turned.mean < 0.2, "the surface's own picture changed by {turned:?}");
     // The camera alone goes round: the picture's grain stays, the surface's goes with the surface.
     let mut round = |anchoring, angle: f32| {
-        let mut params = with(|ink| (ink.show, ink.anchoring) = (InkShow::Wash, anchoring));
+        let mut params = with(|_, study| (study.show, study.anchoring) = (InkShow::Wash, anchoring));
         let towards = Mat4::from_rotation_y(angle).transform_vector3(Vec3::Z);
         params.camera = Camera::framing(Vec3::ZERO, 0.13, towards, 0.6, 1.0);
         instance.motion = Motion::Joints(vec![Mat4::IDENTITY; 2]);
-        draw(gpu, &mut renderer, SIZE, &params, &mut [&mut instance])
+        draw(gpu, &mut renderer, &params, &[&instance])
     };
     let on_surface = difference(&round(Anchoring::Surface, 0.0), &round(Anchoring::Surface, 0.7));
     let on_screen = difference(&round(Anchoring::Screen, 0.0), &round(Anchoring::Screen, 0.7));
@@ -254,13 +248,14 @@ fn what_varies_moves_with_the_surface_and_not_with_the_picture() {
 fn the_printed_sphere_map_knows_no_outline() {
     let Some(gpu) = gpu("the_printed_sphere_map_knows_no_outline") else { return };
     let shown = |form| {
-        let params =
-            with(|ink| (ink.show, ink.template, ink.sphere_map, ink.swell) = (InkShow::Lines, false, form, 2.0));
+        let params = with(|ink, study| {
+            (study.show, study.template, study.sphere_map, ink.swell) = (InkShow::Lines, false, form, 2.0);
+        });
         dark(&painted(gpu, &params, &sphere())).len()
     };
     let [safe, reflected, printed] =
         [SphereMapForm::Perpendicular, SphereMapForm::Reflection, SphereMapForm::Printed].map(shown);
-    let features = dark(&painted(gpu, &with(|ink| ink.show = InkShow::Lines), &sphere())).len();
+    let features = dark(&painted(gpu, &with(|_, study| study.show = InkShow::Lines), &sphere())).len();
     assert!(safe > features && reflected > 0, "safe {safe}, reflected {reflected}");
     // All normals have one place: no rim at all, what is left are the features.
     assert!(printed < safe, "printed {printed}, safe {safe}");
@@ -271,20 +266,19 @@ fn two_ink_frames_in_one_submission_do_not_disturb_each_other() {
     let Some(gpu) = gpu("two_ink_frames_in_one_submission_do_not_disturb_each_other") else { return };
     let options = RendererOptions::default();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
-    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(&sphere())).unwrap());
+    let instance = Instance::new(0, &renderer.load_bytes(&package(&sphere())).unwrap());
     let views = [from(Vec3::Z), from(Vec3::Y)];
     let targets = [0, 1].map(|_| Targets::new(gpu, SIZE, &options));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     // Both are prepared before either is drawn.
-    let frames =
-        views.each_ref().map(|v| renderer.prepare(&gpu.device, &mut encoder, v, &mut [&mut instance]).unwrap());
+    let frames = views.each_ref().map(|v| renderer.prepare(&mut encoder, v, [&instance]).unwrap());
     for (frame, target) in frames.iter().zip(&targets) {
         frame.draw(&mut target.begin(&mut encoder, wgpu::Color::TRANSPARENT));
     }
     gpu.queue.submit([encoder.finish()]);
     drop(frames);
     for (view, target) in views.iter().zip(&targets) {
-        let alone = draw(gpu, &mut renderer, SIZE, view, &mut [&mut instance]);
+        let alone = draw(gpu, &mut renderer, view, &[&instance]);
         assert!(target.read(gpu) == alone.rgba.as_flattened(), "the other frame shows through");
     }
 }
@@ -293,14 +287,14 @@ fn two_ink_frames_in_one_submission_do_not_disturb_each_other() {
 fn strokes_of_fur_stand_over_the_outline() {
     let Some(gpu) = gpu("strokes_of_fur_stand_over_the_outline") else { return };
     let furry = |fur: f32| {
-        let mut params = from(Vec3::Z);
-        let ink = params.ink.as_mut().unwrap();
-        ink.shading = Some(pelage_runtime::formats::InkShading { fur, line: 0.0, tone: 0.0, ..Default::default() });
-        ink.background = InkBackground::Picture;
+        let params = with(|ink, _| {
+            ink.shading = Some(pelage_runtime::formats::InkShading { fur, line: 0.0, tone: 0.0, ..Default::default() });
+            ink.background = InkBackground::Picture;
+        });
         painted(gpu, &params, &sphere())
     };
     let (bald, hairy) = (furry(0.0), furry(1.0));
     assert!(hairy.covered() > bald.covered() + 100, "{} and {} covered", hairy.covered(), bald.covered());
     assert!(hairy.covered() < 3 * bald.covered());
-    assert_eq!(PassId::InkFur.name(), "ink_fur");
+    assert_eq!(PassId::INK_FUR.name(), "ink_fur");
 }

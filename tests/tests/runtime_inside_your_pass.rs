@@ -60,14 +60,14 @@ fn the_applications_objects_hide_fur_and_fur_hides_them() {
     let wall = wall(gpu, &options);
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let sphere = package(&SphereParams { quads: 8, texels: 16, strands: 40, ..SphereParams::default() });
-    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &sphere).unwrap());
-    let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.6, 1.0));
+    let instance = Instance::new(0, &renderer.load_bytes(&sphere).unwrap());
+    let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.6, 1.0), [SIZE; 2]);
     let at =
         |texels: &[u8], x: u32, y: u32| -> [u8; 4] { texels[((y * SIZE + x) * 4) as usize..][..4].try_into().unwrap() };
     // Depth in per cent of the clip range, and whether the wall is drawn before or after the fur.
     for (depth, first, wall_in_front) in [(1, true, true), (1, false, true), (99, true, false), (99, false, false)] {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let frame = renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut instance]).unwrap();
+        let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
         let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
         let draw_wall = |pass: &mut wgpu::RenderPass<'_>| {
             pass.set_pipeline(&wall);
@@ -98,15 +98,16 @@ fn two_frames_in_one_submission_do_not_disturb_each_other() {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let sphere =
         package(&SphereParams { quads: 8, texels: 16, strands: 40, skeleton: true, ..SphereParams::default() });
-    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &sphere).unwrap());
-    let views = [Vec3::Z, Vec3::X].map(|from| FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, from, 0.6, 1.0)));
+    let mut instance = Instance::new(0, &renderer.load_bytes(&sphere).unwrap());
+    let views =
+        [Vec3::Z, Vec3::X].map(|from| FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, from, 0.6, 1.0), [SIZE; 2]));
     let motions = [0.1, 0.5].map(|time_s| pelage_runtime::Motion::Clip { clip: 0, time_s });
     let targets = [0, 1].map(|_| Targets::new(gpu, (SIZE, SIZE), &options));
     let mut draw = |together: bool| {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for k in 0..2 {
             instance.motion = motions[k].clone();
-            let frame = renderer.prepare(&gpu.device, &mut encoder, &views[k], &mut [&mut instance]).unwrap();
+            let frame = renderer.prepare(&mut encoder, &views[k], [&instance]).unwrap();
             frame.draw(&mut targets[k].begin(&mut encoder, wgpu::Color::TRANSPARENT));
             if !together {
                 let full = std::mem::replace(&mut encoder, gpu.device.create_command_encoder(&Default::default()));

@@ -23,19 +23,23 @@ fn renderer(gpu: &Gpu, options: &RendererOptions) -> Renderer {
     Renderer::new(&gpu.device, &gpu.queue, options).unwrap()
 }
 
-fn instance(gpu: &Gpu, renderer: &Renderer, params: &SphereParams) -> Instance {
-    Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(params)).unwrap())
+fn instance(renderer: &Renderer, owner: u64, params: &SphereParams) -> Instance {
+    Instance::new(owner, &renderer.load_bytes(&package(params)).unwrap())
 }
 
 fn front() -> FrameParams {
-    FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0))
+    FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0), SIZE.into())
+}
+
+fn without_fur() -> FrameParams {
+    front().with(|p| p.style = Style::Bare)
 }
 
 /// One small sphere with given options and parameters.
 fn sphere_picture(gpu: &Gpu, options: &RendererOptions, params: &FrameParams, sphere: &SphereParams) -> Picture {
     let mut renderer = renderer(gpu, options);
-    let mut instance = instance(gpu, &renderer, sphere);
-    draw(gpu, &mut renderer, SIZE, params, &mut [&mut instance])
+    let instance = instance(&renderer, 0, sphere);
+    draw(gpu, &mut renderer, params, &[&instance])
 }
 
 fn default_picture(gpu: &Gpu) -> Picture {
@@ -59,8 +63,7 @@ fn stored_picture_rejects_what_is_wrong() {
     let mut shifted = right.clone();
     shifted.rgba.rotate_right(1);
     compare_golden("furry_sphere", &shifted).expect_err("moved by one pixel");
-    let bare = FrameParams { style: Style::Bare, ..front() };
-    let bare = sphere_picture(gpu, &RendererOptions::default(), &bare, &small());
+    let bare = sphere_picture(gpu, &RendererOptions::default(), &without_fur(), &small());
     compare_golden("furry_sphere", &bare).expect_err("without fur");
     let smaller = Picture { size: (SIZE.0, SIZE.1 - 1), rgba: right.rgba[SIZE.0 as usize..].to_vec() };
     compare_golden("furry_sphere", &smaller).expect_err("another size");
@@ -71,8 +74,7 @@ fn stored_picture_rejects_what_is_wrong() {
 fn fur_reaches_past_the_skin_and_hides_it() {
     let Some(gpu) = gpu("fur_reaches_past_the_skin_and_hides_it") else { return };
     let fur = default_picture(gpu);
-    let bare =
-        sphere_picture(gpu, &RendererOptions::default(), &FrameParams { style: Style::Bare, ..front() }, &small());
+    let bare = sphere_picture(gpu, &RendererOptions::default(), &without_fur(), &small());
     // Fur of a quarter of the radius makes the disc (1.25 / 1)^2 = 1.56 times as large; its edge is thin.
     let ratio = fur.covered() as f64 / bare.covered() as f64;
     assert!((1.3..1.6).contains(&ratio), "covered {ratio} times as much");
@@ -130,39 +132,37 @@ fn instances_have_their_own_place_and_pose() {
     let Some(gpu) = gpu("instances_have_their_own_place_and_pose") else { return };
     let sphere = SphereParams { skeleton: true, stripes: true, ..small() };
     let mut renderer = renderer(gpu, &RendererOptions::default());
-    let mut left = instance(gpu, &renderer, &sphere);
-    let mut right = Instance::new(left.model());
-    left.transform = Mat4::from_translation(Vec3::new(-0.15, 0.0, 0.0));
-    right.transform = Mat4::from_translation(Vec3::new(0.15, 0.0, 0.0));
+    let left = instance(&renderer, 0, &sphere).at(Mat4::from_translation(Vec3::new(-0.15, 0.0, 0.0)));
+    let mut right = Instance::new(1, &left.model).at(Mat4::from_translation(Vec3::new(0.15, 0.0, 0.0)));
     let projection = Projection::Orthographic { height_m: 0.3, aspect: 2.0, near_m: 0.0, far_m: 4.0 };
     // Without shadows, which the copies throw on each other.
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, projection);
-    let params = FrameParams { self_shadow: false, soft_shadow: false, ..FrameParams::new(camera) };
-    let size = (256, 128);
+    let params =
+        FrameParams::new(camera, [256, 128]).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
     let half = |p: &Picture, from: usize| Picture {
         size: (128, 128),
         rgba: p.rgba.chunks_exact(256).flat_map(|row| row[from..from + 128].to_vec()).collect(),
     };
-    let same = draw(gpu, &mut renderer, size, &params, &mut [&mut left, &mut right]);
+    let same = draw(gpu, &mut renderer, &params, &[&left, &right]);
     // Parallel camera and light: two copies at rest look alike.
     let found = difference(&half(&same, 0), &half(&same, 128));
     assert!(found.share < 0.01, "copies at rest differ: {found:?}");
 
-    let clip = right.model().clip_index("bend").unwrap();
+    let clip = right.model.clip_index("bend").unwrap();
     right.motion = Motion::Clip { clip, time_s: 0.5 };
-    let bent = draw(gpu, &mut renderer, size, &params, &mut [&mut left, &mut right]);
+    let bent = draw(gpu, &mut renderer, &params, &[&left, &right]);
     assert!(half(&bent, 0) == half(&same, 0), "the left copy moved with the right");
     let found = difference(&half(&bent, 128), &half(&same, 128));
     assert!(found.share > 0.05, "the right copy did not move: {found:?}");
 
     // The same pose from joints of the application's own.
     let mut pose = pelage_runtime::formats::Pose::default();
-    pose.sample(right.model().skeleton().unwrap(), Some(clip), 0.5);
+    pose.sample(right.model.skeleton().unwrap(), Some(clip), 0.5);
     right.motion = Motion::Joints(pose.joints.clone());
-    assert_eq!(draw(gpu, &mut renderer, size, &params, &mut [&mut left, &mut right]), bent);
+    assert_eq!(draw(gpu, &mut renderer, &params, &[&left, &right]), bent);
     right.motion = Motion::Joints(vec![Mat4::IDENTITY]);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let error = renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut right]).unwrap_err();
+    let error = renderer.prepare(&mut encoder, &params, [&right]).unwrap_err();
     assert!(error.to_string().contains("1 joints, expected the 2 joints"), "{error}");
 }
 
@@ -170,11 +170,11 @@ fn instances_have_their_own_place_and_pose() {
 fn a_moved_copy_is_a_moved_picture_also_when_mirrored() {
     let Some(gpu) = gpu("a_moved_copy_is_a_moved_picture_also_when_mirrored") else { return };
     let mut renderer = renderer(gpu, &RendererOptions::default());
-    let mut copy = instance(gpu, &renderer, &SphereParams { stripes: true, ..small() });
+    let mut copy = instance(&renderer, 0, &SphereParams { stripes: true, ..small() });
     let look = |x: f32| Camera::framing(Vec3::ZERO, 0.13, Vec3::new(x, 0.2, 1.0), 0.6, 1.0);
     let light = |x: f32| Light::Directional { towards_light: Vec3::new(x, 0.8, 0.6), color: Vec3::ONE };
-    let params = FrameParams { light: light(-0.5), ..FrameParams::new(look(-0.4)) };
-    let plain = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut copy]);
+    let params = FrameParams::new(look(-0.4), SIZE.into()).with(|p| p.light = light(-0.5));
+    let plain = draw(gpu, &mut renderer, &params, &[&copy]);
 
     // Turned and scaled together with camera and light: the same picture.
     let turn = Quat::from_rotation_x(0.7) * Quat::from_rotation_y(1.1);
@@ -191,13 +191,13 @@ fn a_moved_copy_is_a_moved_picture_also_when_mirrored() {
     }
     moved.light = Light::Directional { towards_light: turn * Vec3::new(-0.5, 0.8, 0.6), color: Vec3::ONE };
     // The maps lie otherwise on the same hair.
-    let found = difference(&plain, &draw(gpu, &mut renderer, SIZE, &moved, &mut [&mut copy]));
+    let found = difference(&plain, &draw(gpu, &mut renderer, &moved, &[&copy]));
     assert!(found.mean < 0.6 && found.share < 0.01, "turned and scaled: {found:?}");
 
     // Mirrored together with camera and light: the mirrored picture.
     copy.transform = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
-    let params = FrameParams { light: light(0.5), ..FrameParams::new(look(0.4)) };
-    let mut mirrored = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut copy]);
+    let params = FrameParams::new(look(0.4), SIZE.into()).with(|p| p.light = light(0.5));
+    let mut mirrored = draw(gpu, &mut renderer, &params, &[&copy]);
     mirrored.rgba.chunks_exact_mut(SIZE.0 as usize).for_each(<[_]>::reverse);
     let found = difference(&plain, &mirrored);
     assert!(found.mean < 0.5 && found.share < 0.01, "mirrored: {found:?}");
@@ -206,7 +206,7 @@ fn a_moved_copy_is_a_moved_picture_also_when_mirrored() {
 #[test]
 fn bare_parts_have_no_fur() {
     let Some(gpu) = gpu("bare_parts_have_no_fur") else { return };
-    let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.3, 1.0));
+    let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.3, 1.0), SIZE.into());
     // Short fur: long fur hangs over the band.
     let banded = SphereParams { bare_band: true, height_m: 0.004, ..small() };
     let banded = sphere_picture(gpu, &RendererOptions::default(), &params, &banded);
@@ -231,10 +231,10 @@ fn light_and_its_switches() {
     assert!(dark.mean(1) < 0.7 * plain.mean(1), "lit from behind {}, from the front {}", dark.mean(1), plain.mean(1));
     let through = picture(&|p| {
         behind(p);
-        p.back_attenuation = false;
+        p.study.back_attenuation = false;
     });
     assert!(through.mean(1) > 1.2 * dark.mean(1), "Attenu_Back off: {} and {}", through.mean(1), dark.mean(1));
-    let flat = picture(&|p| p.ambient_attenuation = false);
+    let flat = picture(&|p| p.study.ambient_attenuation = false);
     assert!(flat.mean(1) > plain.mean(1), "ambient attenuation off: {} and {}", flat.mean(1), plain.mean(1));
     // A point light far away is a directional light.
     let towards_light = Vec3::new(-0.5, 0.8, 0.6);
@@ -257,10 +257,10 @@ fn fewer_and_more_layers_keep_the_look() {
     let options = RendererOptions::default();
     // Shadows of few layers are coarser than the hair itself.
     for (self_shadow, allowed) in [(false, 0.04), (true, 0.08)] {
-        let params = FrameParams { self_shadow, ..front() };
+        let params = front().with_fur(|f| f.self_shadow = self_shadow);
         let baked = sphere_picture(gpu, &options, &params, &small());
         for layers in [8, 31, 46] {
-            let params = FrameParams { layers: Some(layers), ..params.clone() };
+            let params = params.clone().with_fur(|f| f.layers = Some(layers));
             let other = sphere_picture(gpu, &options, &params, &small());
             let found = [1, 3].map(|c| other.mean(c) / baked.mean(c));
             assert!(
@@ -270,7 +270,7 @@ fn fewer_and_more_layers_keep_the_look() {
         }
     }
     let baked = sphere_picture(gpu, &options, &front(), &small());
-    let skin = sphere_picture(gpu, &options, &FrameParams { layers: Some(1), ..front() }, &small());
+    let skin = sphere_picture(gpu, &options, &front().with_fur(|f| f.layers = Some(1)), &small());
     assert!(skin.covered() < baked.covered() * 4 / 5, "one layer is the skin alone");
 }
 
@@ -278,24 +278,24 @@ fn fewer_and_more_layers_keep_the_look() {
 fn errors_name_what_is_wrong() {
     let Some(gpu) = gpu("errors_name_what_is_wrong") else { return };
     let mut renderer = renderer(gpu, &RendererOptions::default());
-    let mut copy = instance(gpu, &renderer, &small());
-    let mut error = |change: &dyn Fn(&mut FrameParams), copy: &mut Instance| {
+    let mut copy = instance(&renderer, 0, &small());
+    let mut error = |change: &dyn Fn(&mut FrameParams), copy: &Instance| {
         let mut params = front();
         change(&mut params);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        renderer.prepare(&gpu.device, &mut encoder, &params, &mut [copy]).unwrap_err().to_string()
+        renderer.prepare(&mut encoder, &params, [copy]).unwrap_err().to_string()
     };
     for (message, expected) in [
-        (error(&|p| p.layers = Some(0), &mut copy), "FrameParams::layers is 0, expected 1..=1024"),
-        (error(&|p| p.ambient = Vec3::NAN, &mut copy), "FrameParams::ambient"),
-        (error(&|p| p.camera.view_from_world = Mat4::ZERO, &mut copy), "FrameParams::camera"),
-        (error(&|p| p.light = Light::Directional { towards_light: Vec3::ZERO, color: Vec3::ONE }, &mut copy), "light"),
-        (error(&|p| p.shading = Some(Shading { specular_exponent: -1.0, ..Shading::default() }), &mut copy), "shading"),
+        (error(&|p| *p = front().with_fur(|f| f.layers = Some(0)), &copy), "FurParams::layers is 0, expected 1..=1024"),
+        (error(&|p| p.ambient = Vec3::NAN, &copy), "FrameParams::ambient"),
+        (error(&|p| p.camera.view_from_world = Mat4::ZERO, &copy), "FrameParams::camera"),
+        (error(&|p| p.light = Light::Directional { towards_light: Vec3::ZERO, color: Vec3::ONE }, &copy), "light"),
+        (error(&|p| p.shading = Some(Shading { specular_exponent: -1.0, ..Shading::default() }), &copy), "shading"),
     ] {
         assert!(message.contains(expected), "{message:?} does not name {expected:?}");
     }
     copy.transform = Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0));
-    assert!(error(&|_| (), &mut copy).contains("Instance::transform"));
+    assert!(error(&|_| (), &copy).contains("Instance::transform"));
 
     for (options, field) in [
         (RendererOptions { color_format: wgpu::TextureFormat::Depth32Float, ..Default::default() }, "color_format"),
@@ -309,7 +309,7 @@ fn errors_name_what_is_wrong() {
 
     let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let bytes = package(&small());
-    let cut = renderer.load_bytes(&gpu.device, &gpu.queue, &bytes[..bytes.len() / 2]).unwrap_err();
+    let cut = renderer.load_bytes(&bytes[..bytes.len() / 2]).unwrap_err();
     assert!(matches!(cut, RuntimeError::Package(_)), "{cut}");
 }
 
@@ -317,30 +317,31 @@ fn errors_name_what_is_wrong() {
 fn the_report_names_what_ran_and_why_not() {
     let Some(gpu) = gpu("the_report_names_what_ran_and_why_not") else { return };
     let mut renderer = renderer(gpu, &RendererOptions::default());
-    let mut plain = instance(gpu, &renderer, &small());
-    let mut skinned = instance(gpu, &renderer, &SphereParams { skeleton: true, ..small() });
-    let mut report = |params: &FrameParams, copy: &mut Instance| -> Vec<(&'static str, bool, String)> {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let frame = renderer.prepare(&gpu.device, &mut encoder, params, &mut [copy]).unwrap();
-        gpu.queue.submit([encoder.finish()]);
-        frame.report().passes.iter().map(|p| (p.name, p.ran, p.reason.clone())).collect()
-    };
+    let plain = instance(&renderer, 0, &small());
+    let skinned = instance(&renderer, 1, &SphereParams { skeleton: true, ..small() });
+    let report =
+        |renderer: &mut Renderer, params: &FrameParams, copy: &Instance| -> Vec<(&'static str, bool, String)> {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let frame = renderer.prepare(&mut encoder, params, [copy]).unwrap();
+            gpu.queue.submit([encoder.finish()]);
+            frame.report().passes.iter().map(|p| (p.name, p.ran, p.reason.clone())).collect()
+        };
     // Of the passes of fur: those of ink have their own test.
     let of_fur = |report: &[(&'static str, bool, String)]| -> Vec<(&'static str, bool, String)> {
         report.iter().filter(|(name, ..)| !name.starts_with("ink")).cloned().collect()
     };
     let ran = |report: &[(&'static str, bool, String)]| of_fur(report).iter().map(|p| p.1).collect::<Vec<_>>();
-    let furry = report(&front(), &mut plain);
-    assert_eq!(furry.iter().map(|p| p.0).collect::<Vec<_>>(), PassId::ALL.map(PassId::name));
+    let furry = report(&mut renderer, &front(), &plain);
+    assert_eq!(furry.iter().map(|p| p.0).collect::<Vec<_>>(), PassId::all().map(PassId::name).collect::<Vec<_>>());
     assert_eq!(ran(&furry), [false, true, true, true, false, true]);
     assert!(furry[0].2.contains("no instance has a skeleton"), "{furry:?}");
-    let bare = report(&FrameParams { style: Style::Bare, ..front() }, &mut plain);
+    let bare = report(&mut renderer, &without_fur(), &plain);
     let shells = &of_fur(&bare)[5];
     assert!(!shells.1 && shells.2.contains("bare"), "{bare:?}");
-    assert_eq!(ran(&report(&front(), &mut skinned)), [true, true, true, true, false, true]);
-    let again = report(&front(), &mut skinned);
+    assert_eq!(ran(&report(&mut renderer, &front(), &skinned)), [true, true, true, true, false, true]);
+    let again = report(&mut renderer, &front(), &skinned);
     assert_eq!(ran(&again), [false, false, false, true, false, true]);
     assert!(again[0].2.contains("no pose changed") && again[1].2.contains("as in the maps"), "{again:?}");
-    skinned.invalidate();
-    assert!(report(&front(), &mut skinned)[0].1, "invalidated, but not posed again");
+    renderer.invalidate();
+    assert!(report(&mut renderer, &front(), &skinned)[0].1, "invalidated, but not posed again");
 }

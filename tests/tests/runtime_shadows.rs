@@ -7,8 +7,9 @@ use pelage_runtime::glam::{Mat4, Vec3, Vec4};
 use pelage_runtime::shared::layer_shadow::slanted_path;
 use pelage_runtime::shared::soft_shadow::soft_shadow;
 use pelage_runtime::{
-    Camera, CasterPass, Casters, Frame, FrameParams, Instance, Light, LightView, MAX_FILL_LIGHTS, PassId, PenumbraForm,
-    Projection, Renderer, RendererOptions, RuntimeError, ShadowMaps, ShadowParams, SlantForm, Sphere, Style, wgpu,
+    Camera, CasterPass, Casters, Frame, FrameParams, Hooks, Instance, Light, LightView, MAX_FILL_LIGHTS, PassId,
+    PenumbraForm, Projection, Renderer, RendererOptions, RuntimeError, ShadowMaps, ShadowParams, SlantForm, Sphere,
+    Style, wgpu,
 };
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, difference, draw, read_map};
@@ -30,17 +31,21 @@ fn towards(direction: Vec3) -> Light {
 
 /// Shadows as dense as the layers are drawn.
 fn as_drawn() -> ShadowParams {
-    ShadowParams { density: 1.0, ..ShadowParams::default() }
+    ShadowParams::default().with(|s| s.density = 1.0)
 }
 
 /// Straight from above on the plane at z = 0.
 fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
-    FrameParams { light: towards(Vec3::Z), shadows: as_drawn(), ..FrameParams::new(camera) }
+    FrameParams::new(camera, SIZE.into()).with(|p| (p.light, p.shadows) = (towards(Vec3::Z), as_drawn()))
 }
 
-fn furry_plane(gpu: &Gpu, renderer: &Renderer, layers: u32, opacity: u8) -> Instance {
+/// Owners.
+const PLANE: u64 = 0;
+const BALL: u64 = 1;
+
+fn furry_plane(renderer: &Renderer, layers: u32, opacity: u8) -> Instance {
     // Upright hair in upright light would be black: here it is lit from all sides alike.
     let shading = Shading {
         ambient: [0.2; 3],
@@ -50,13 +55,13 @@ fn furry_plane(gpu: &Gpu, renderer: &Renderer, layers: u32, opacity: u8) -> Inst
         ..Shading::default()
     };
     let package = groomed_plane(layers, opacity, shading, &PlaneGroom::default());
-    Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package).unwrap())
+    Instance::new(PLANE, &renderer.load_bytes(&package).unwrap())
 }
 
 /// Prepares a frame and submits what it records.
-fn prepare(gpu: &Gpu, renderer: &mut Renderer, params: &FrameParams, instances: &mut [&mut Instance]) -> Frame {
+fn prepare(gpu: &Gpu, renderer: &mut Renderer, params: &FrameParams, instances: &[&Instance]) -> Frame {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let frame = renderer.prepare(&gpu.device, &mut encoder, params, instances).unwrap();
+    let frame = renderer.prepare(&mut encoder, params, instances.iter().copied()).unwrap();
     gpu.queue.submit([encoder.finish()]);
     frame
 }
@@ -80,15 +85,15 @@ fn transmittances(gpu: &Gpu, maps: &ShadowMaps, point: Vec3) -> Vec<f32> {
 fn maps_hold_the_product_of_the_layers_above() {
     let Some(gpu) = gpu("maps_hold_the_product_of_the_layers_above") else { return };
     let mut renderer = renderer(gpu);
-    let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
+    let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let alpha = f32::from(OPACITY) / 255.0;
     // More slanted light leaves the plane before it leaves the fur.
     for degrees in [0.0f32, 40.0, 60.0, 70.0] {
         let angle = degrees.to_radians();
         for (slant, path) in [(SlantForm::Corrected, (1.0 / angle.cos()).min(4.0)), (SlantForm::Printed, 1.0)] {
-            let shadows = ShadowParams { slant, ..as_drawn() };
             let light = towards(Vec3::new(angle.sin(), 0.0, angle.cos()));
-            let frame = prepare(gpu, &mut renderer, &FrameParams { light, shadows, ..above() }, &mut [&mut plane]);
+            let params = above().with(|p| (p.light, p.study.light_slant) = (light, slant));
+            let frame = prepare(gpu, &mut renderer, &params, &[&plane]);
             let found = transmittances(gpu, frame.shadows().unwrap(), Vec3::ZERO);
             assert_eq!(found.len(), LAYERS as usize);
             for (layer, t) in found.into_iter().enumerate() {
@@ -107,15 +112,15 @@ fn maps_hold_the_product_of_the_layers_above() {
 fn density_scales_the_optical_depth() {
     let Some(gpu) = gpu("density_scales_the_optical_depth") else { return };
     let mut renderer = renderer(gpu);
-    let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
+    let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let through = (1.0 - f32::from(OPACITY) / 255.0).powi(LAYERS as i32 - 1);
     let mut greens = Vec::new();
     for density in [0.0, 0.4, 1.0, 2.0] {
-        let params = FrameParams { shadows: ShadowParams { density, ..as_drawn() }, ..above() };
-        let frame = prepare(gpu, &mut renderer, &params, &mut [&mut plane]);
+        let params = above().with(|p| p.shadows.density = density);
+        let frame = prepare(gpu, &mut renderer, &params, &[&plane]);
         let found = transmittances(gpu, frame.shadows().unwrap(), Vec3::ZERO)[0];
         assert!((found - through.powf(density)).abs() < 3e-3, "density {density}: {found}");
-        greens.push(draw(gpu, &mut renderer, SIZE, &params, &mut [&mut plane]).mean(1));
+        greens.push(draw(gpu, &mut renderer, &params, &[&plane]).mean(1));
     }
     assert!(greens.windows(2).all(|w| w[0] > w[1] + 1.0), "denser is darker: {greens:?}");
 }
@@ -125,20 +130,19 @@ fn density_scales_the_optical_depth() {
 fn map_layers_keep_the_density() {
     let Some(gpu) = gpu("map_layers_keep_the_density") else { return };
     let mut renderer = renderer(gpu);
-    let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
+    let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let expected = (1.0 - f32::from(OPACITY) / 255.0).powi(LAYERS as i32 - 1);
     for map_layers in [2, 3, 5, LAYERS, 15, 22] {
-        let shadows = ShadowParams { map_layers: Some(map_layers), ..as_drawn() };
-        let frame = prepare(gpu, &mut renderer, &FrameParams { shadows, ..above() }, &mut [&mut plane]);
+        let params = above().with(|p| p.shadows.map_layers = Some(map_layers));
+        let frame = prepare(gpu, &mut renderer, &params, &[&plane]);
         let found = transmittances(gpu, frame.shadows().unwrap(), Vec3::ZERO);
         assert_eq!(found.len(), map_layers as usize);
         assert!((found[0] - expected).abs() < 4e-3, "{map_layers} map layers: {}, expected {expected}", found[0]);
         assert!(found.windows(2).all(|w| w[0] <= w[1]) && found.last() == Some(&1.0), "{found:?}");
     }
     // Coarser maps draw nearly the same picture.
-    let fine = draw(gpu, &mut renderer, SIZE, &above(), &mut [&mut plane]);
-    let shadows = ShadowParams { map_layers: Some(2), ..as_drawn() };
-    let coarse = draw(gpu, &mut renderer, SIZE, &FrameParams { shadows, ..above() }, &mut [&mut plane]);
+    let fine = draw(gpu, &mut renderer, &above(), &[&plane]);
+    let coarse = draw(gpu, &mut renderer, &above().with(|p| p.shadows.map_layers = Some(2)), &[&plane]);
     let found = difference(&fine, &coarse);
     assert!(found.mean > 0.0 && found.mean < 6.0, "{found:?}");
 }
@@ -148,15 +152,15 @@ fn every_map_texel_is_a_share_of_light_from_any_side() {
     let Some(gpu) = gpu("every_map_texel_is_a_share_of_light_from_any_side") else { return };
     let mut renderer = renderer(gpu);
     let params = SphereParams { quads: 8, texels: 16, strands: 200, ..SphereParams::default() };
-    let mut ball = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &sphere::package(&params)).unwrap());
+    let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
     let camera = Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.6, 1.0);
     let inside = Light::Point { position: Vec3::new(0.0, 0.02, 0.0), color: Vec3::ONE };
     let near = Light::Point { position: Vec3::new(0.2, 0.1, 0.0), color: Vec3::ONE };
     let lights = [towards(Vec3::Y), towards(Vec3::NEG_Z), towards(Vec3::new(1.0, 1e-4, 0.0)), near, inside];
     for light in lights {
-        let shadows = ShadowParams { map_size: 128, ..as_drawn() };
-        let frame =
-            prepare(gpu, &mut renderer, &FrameParams { light, shadows, ..FrameParams::new(camera) }, &mut [&mut ball]);
+        let shadows = as_drawn().with(|s| s.map_size = 128);
+        let params = FrameParams::new(camera, SIZE.into()).with(|p| (p.light, p.shadows) = (light, shadows));
+        let frame = prepare(gpu, &mut renderer, &params, &[&ball]);
         let maps = frame.shadows().unwrap();
         let layers = maps.layers().unwrap();
         let count = layers.depth_or_array_layers();
@@ -176,20 +180,24 @@ fn every_map_texel_is_a_share_of_light_from_any_side() {
 fn hair_in_the_shadow_of_hair_is_darker_and_the_switches_work() {
     let Some(gpu) = gpu("hair_in_the_shadow_of_hair_is_darker_and_the_switches_work") else { return };
     let mut renderer = renderer(gpu);
-    let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
+    let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let mut green = |change: &dyn Fn(&mut FrameParams)| {
         let mut params = above();
         change(&mut params);
-        draw(gpu, &mut renderer, SIZE, &params, &mut [&mut plane]).mean(1)
+        draw(gpu, &mut renderer, &params, &[&plane]).mean(1)
     };
-    let plain = green(&|p| (p.self_shadow, p.soft_shadow) = (false, false));
-    let soft = green(&|p| p.self_shadow = false);
+    let no_self_shadow = |p: &mut FrameParams| *p = p.clone().with_fur(|f| f.self_shadow = false);
+    let plain = green(&|p| {
+        no_self_shadow(p);
+        p.soft_shadow = false;
+    });
+    let soft = green(&no_self_shadow);
     assert!((plain - soft).abs() < 0.5, "a flat plane throws no shadow on itself: {plain} and {soft}");
     let shaded = green(&|_| ());
     assert!(shaded < 0.85 * plain, "{shaded} with shadows, {plain} without");
     let printed = green(&|p| {
         p.light = towards(Vec3::new(1.7, 0.0, 1.0));
-        p.shadows.slant = SlantForm::Printed;
+        p.study.light_slant = SlantForm::Printed;
     });
     let corrected = green(&|p| p.light = towards(Vec3::new(1.7, 0.0, 1.0)));
     assert!(corrected < 0.97 * printed, "slanted light goes farther through hair: {corrected} and {printed}");
@@ -198,7 +206,7 @@ fn hair_in_the_shadow_of_hair_is_darker_and_the_switches_work() {
         green(&dark),
         green(&|p| {
             dark(p);
-            p.self_shadow = false;
+            no_self_shadow(p);
         })
     );
 }
@@ -208,45 +216,37 @@ fn maps_are_drawn_anew_only_when_something_changes() {
     let Some(gpu) = gpu("maps_are_drawn_anew_only_when_something_changes") else { return };
     let mut renderer = renderer(gpu);
     let params = SphereParams { quads: 4, texels: 16, strands: 40, skeleton: true, ..SphereParams::default() };
-    let mut ball = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &sphere::package(&params)).unwrap());
-    let mut other = furry_plane(gpu, &renderer, LAYERS, OPACITY);
+    let mut ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
+    let other = furry_plane(&renderer, LAYERS, OPACITY);
     let ran = |frame: &Frame| {
         let of = |id: PassId| frame.report().passes.iter().find(|p| p.name == id.name()).unwrap().ran;
-        (of(PassId::LayerShadow), of(PassId::ShadowWidth))
+        (of(PassId::LAYER_SHADOW), of(PassId::SHADOW_WIDTH))
     };
     let base = above();
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &base, &mut [&mut ball])), (true, true));
-    let moved_camera = FrameParams { ambient: Vec3::splat(0.5), ..above() };
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &base, &[&ball])), (true, true));
+    let moved_camera = above().with(|p| p.ambient = Vec3::splat(0.5));
     assert_eq!(
-        ran(&prepare(gpu, &mut renderer, &moved_camera, &mut [&mut ball])),
+        ran(&prepare(gpu, &mut renderer, &moved_camera, &[&ball])),
         (false, false),
         "camera and ambient do not matter"
     );
-    let turned = FrameParams { light: towards(Vec3::X), ..above() };
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &mut [&mut ball])), (true, true), "light");
+    let turned = above().with(|p| p.light = towards(Vec3::X));
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball])), (true, true), "light");
     ball.motion = pelage_runtime::Motion::Clip { clip: 0, time_s: 0.3 };
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &mut [&mut ball])), (true, true), "pose");
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball])), (true, true), "pose");
     ball.transform = Mat4::from_translation(Vec3::X);
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &mut [&mut ball])), (true, true), "place");
-    assert_eq!(
-        ran(&prepare(gpu, &mut renderer, &turned, &mut [&mut ball, &mut other])),
-        (true, true),
-        "another instance"
-    );
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &mut [&mut ball, &mut other])), (false, false));
-    let fewer = FrameParams { layers: Some(4), ..turned.clone() };
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &fewer, &mut [&mut ball, &mut other])), (true, true), "layers");
-    renderer.invalidate_shadows();
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &fewer, &mut [&mut ball, &mut other])), (true, true), "invalidated");
-    let off = FrameParams { self_shadow: false, soft_shadow: false, ..above() };
-    let frame = prepare(gpu, &mut renderer, &off, &mut [&mut ball]);
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball])), (true, true), "place");
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball, &other])), (true, true), "another instance");
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball, &other])), (false, false));
+    let fewer = turned.clone().with_fur(|f| f.layers = Some(4));
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &fewer, &[&ball, &other])), (true, true), "layers");
+    renderer.invalidate();
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &fewer, &[&ball, &other])), (true, true), "invalidated");
+    let off = above().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    let frame = prepare(gpu, &mut renderer, &off, &[&ball]);
     assert!(frame.shadows().is_none() && ran(&frame) == (false, false));
-    let bare = FrameParams { style: Style::Bare, ..above() };
-    assert_eq!(
-        ran(&prepare(gpu, &mut renderer, &bare, &mut [&mut ball])),
-        (false, true),
-        "bare skin throws soft shadows"
-    );
+    let bare = above().with(|p| p.style = Style::Bare);
+    assert_eq!(ran(&prepare(gpu, &mut renderer, &bare, &[&ball])), (false, true), "bare skin throws soft shadows");
 }
 
 /// Two frames of one submission with two lights keep maps of their own.
@@ -254,36 +254,38 @@ fn maps_are_drawn_anew_only_when_something_changes() {
 fn a_frame_keeps_its_maps() {
     let Some(gpu) = gpu("a_frame_keeps_its_maps") else { return };
     let mut renderer = renderer(gpu);
-    let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
-    let slanted = FrameParams { light: towards(Vec3::new(1.0, 0.0, 0.4)), ..above() };
-    let first = prepare(gpu, &mut renderer, &above(), &mut [&mut plane]);
+    let plane = furry_plane(&renderer, LAYERS, OPACITY);
+    let slanted = above().with(|p| p.light = towards(Vec3::new(1.0, 0.0, 0.4)));
+    let first = prepare(gpu, &mut renderer, &above(), &[&plane]);
     let before = transmittances(gpu, first.shadows().unwrap(), Vec3::ZERO);
-    let second = prepare(gpu, &mut renderer, &slanted, &mut [&mut plane]);
+    let second = prepare(gpu, &mut renderer, &slanted, &[&plane]);
     assert_eq!(transmittances(gpu, first.shadows().unwrap(), Vec3::ZERO), before);
     assert_ne!(transmittances(gpu, second.shadows().unwrap(), Vec3::ZERO), before);
 }
 
 /// A sphere over the plane, lit from straight above.
-fn ball_over_plane(gpu: &Gpu, renderer: &Renderer) -> [Instance; 2] {
+fn ball_over_plane(renderer: &Renderer) -> [Instance; 2] {
     let params = SphereParams { quads: 12, texels: 16, strands: 40, height_m: 0.001, ..SphereParams::default() };
-    let mut ball = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &sphere::package(&params)).unwrap());
-    ball.transform = Mat4::from_translation(Vec3::new(0.0, 0.0, 0.2)) * Mat4::from_scale(Vec3::splat(0.4));
-    [furry_plane(gpu, renderer, 4, 0), ball]
+    let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
+    let above = Mat4::from_translation(Vec3::new(0.0, 0.0, 0.2)) * Mat4::from_scale(Vec3::splat(0.4));
+    [furry_plane(renderer, 4, 0), ball.at(above)]
 }
 
 #[test]
 fn things_throw_soft_shadows_on_fur() {
     let Some(gpu) = gpu("things_throw_soft_shadows_on_fur") else { return };
     let mut renderer = renderer(gpu);
-    let [mut plane, mut ball] = ball_over_plane(gpu, &renderer);
+    let [plane, ball] = ball_over_plane(&renderer);
     // A row through the middle of the shadow, seen from below the ball.
     let mut row = |penumbra: f32, form: PenumbraForm, soft_shadow: bool| -> Vec<u8> {
         let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 0.14 };
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 0.14), Vec3::ZERO, projection);
         // Wide penumbrae need a wide blur.
-        let shadows = ShadowParams { penumbra, penumbra_form: form, map_size: 256, shrink: 16, ..as_drawn() };
-        let params = FrameParams { shadows, soft_shadow, camera, self_shadow: false, ..above() };
-        let picture = draw(gpu, &mut renderer, SIZE, &params, &mut [&mut plane, &mut ball]);
+        let shadows = as_drawn().with(|s| (s.penumbra, s.map_size, s.shrink) = (penumbra, 256, 16));
+        let params = above().with_fur(|f| f.self_shadow = false).with(|p| {
+            (p.shadows, p.study.penumbra, p.soft_shadow, p.camera) = (shadows, form, soft_shadow, camera);
+        });
+        let picture = draw(gpu, &mut renderer, &params, &[&plane, &ball]);
         picture.rgba[32 * 64..33 * 64].iter().map(|p| p[1]).collect()
     };
     let lit = row(0.2, PenumbraForm::Centred, false)[32];
@@ -389,7 +391,7 @@ impl Square {
         gpu: &Gpu,
         renderer: &mut Renderer,
         params: &FrameParams,
-        instances: &mut [&mut Instance],
+        instances: &[&Instance],
         revision: u64,
     ) -> (Frame, wgpu::CommandEncoder) {
         let mut draw = |pass: &mut wgpu::RenderPass<'_>, view: &LightView, kind: CasterPass| {
@@ -400,8 +402,8 @@ impl Square {
         };
         let bounds = Some(Sphere { center: Vec3::new(0.0, 0.0, 0.1), radius: 0.06 });
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let mut casters = Casters { bounds, revision, draw: &mut draw };
-        let frame = renderer.prepare_with_casters(&gpu.device, &mut encoder, params, instances, &mut casters).unwrap();
+        let hooks = Hooks::default().casters(Casters { bounds, revision, draw: &mut draw });
+        let frame = renderer.prepare_with(&mut encoder, params, instances.iter().copied(), hooks).unwrap();
         (frame, encoder)
     }
 }
@@ -411,17 +413,17 @@ fn the_applications_geometry_shades_the_fur_and_is_shaded() {
     let Some(gpu) = gpu("the_applications_geometry_shades_the_fur_and_is_shaded") else { return };
     let mut renderer = renderer(gpu);
     let square = Square::new(gpu);
-    let mut plane = furry_plane(gpu, &renderer, 4, 0);
+    let plane = furry_plane(&renderer, 4, 0);
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 0.05 };
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 0.05), Vec3::ZERO, projection);
-    let params = FrameParams { camera, ..above() };
+    let params = above().with(|p| p.camera = camera);
     let mut picture = |casters: bool| -> Picture {
         let options = renderer.options().clone();
         let (frame, mut encoder) = if casters {
-            square.prepare(gpu, &mut renderer, &params, &mut [&mut plane], 1)
+            square.prepare(gpu, &mut renderer, &params, &[&plane], 1)
         } else {
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            (renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut plane]).unwrap(), encoder)
+            (renderer.prepare(&mut encoder, &params, [&plane]).unwrap(), encoder)
         };
         let targets = pelage_tests::support::headless::Targets::new(gpu, SIZE, &options);
         frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
@@ -440,8 +442,8 @@ fn the_applications_geometry_shades_the_fur_and_is_shaded() {
 
     // The same revision keeps the maps, another draws them anew.
     let ran = |frame: &Frame| frame.report().passes.iter().find(|p| p.name == "shadow_width").unwrap().ran;
-    assert!(!ran(&square.prepare(gpu, &mut renderer, &params, &mut [&mut plane], 1).0));
-    let (frame, encoder) = square.prepare(gpu, &mut renderer, &params, &mut [&mut plane], 2);
+    assert!(!ran(&square.prepare(gpu, &mut renderer, &params, &[&plane], 1).0));
+    let (frame, encoder) = square.prepare(gpu, &mut renderer, &params, &[&plane], 2);
     assert!(ran(&frame));
     gpu.queue.submit([encoder.finish()]);
 
@@ -463,8 +465,8 @@ fn the_applications_geometry_shades_the_fur_and_is_shaded() {
 fn fur_shades_the_applications_ground() {
     let Some(gpu) = gpu("fur_shades_the_applications_ground") else { return };
     let mut renderer = renderer(gpu);
-    let mut plane = furry_plane(gpu, &renderer, LAYERS, OPACITY);
-    let frame = prepare(gpu, &mut renderer, &above(), &mut [&mut plane]);
+    let plane = furry_plane(&renderer, LAYERS, OPACITY);
+    let frame = prepare(gpu, &mut renderer, &above(), &[&plane]);
     let maps = frame.shadows().unwrap();
     let map = maps.width().unwrap();
     let ([x, y], _) = texel(maps, Vec3::ZERO);
@@ -480,28 +482,29 @@ fn a_fill_light_is_a_key_light_without_shadows() {
     let Some(gpu) = gpu("a_fill_light_is_a_key_light_without_shadows") else { return };
     let mut renderer = renderer(gpu);
     let params = SphereParams { quads: 8, texels: 16, strands: 200, bare_band: true, ..SphereParams::default() };
-    let mut ball = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &sphere::package(&params)).unwrap());
+    let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
     let camera = Camera::framing(Vec3::ZERO, 0.13, Vec3::new(0.4, 0.3, 1.0), 0.6, 1.0);
-    let plain = FrameParams { self_shadow: false, soft_shadow: false, ..FrameParams::new(camera) };
+    let plain =
+        FrameParams::new(camera, SIZE.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
     let color = Vec3::new(0.8, 0.5, 0.3);
     for light in [
         Light::Directional { towards_light: Vec3::new(1.0, 1.0, 0.5), color },
         Light::Point { position: Vec3::new(0.1, 0.3, 0.2), color },
     ] {
-        let key = draw(gpu, &mut renderer, SIZE, &FrameParams { light, ..plain.clone() }, &mut [&mut ball]);
+        let key = draw(gpu, &mut renderer, &plain.clone().with(|p| p.light = light), &[&ball]);
         let dark = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
-        let with = |fill_lights: Vec<Light>| FrameParams { light: dark, fill_lights, ..plain.clone() };
-        let fill = draw(gpu, &mut renderer, SIZE, &with(vec![light]), &mut [&mut ball]);
+        let with = |fill_lights: Vec<Light>| plain.clone().with(|p| (p.light, p.fill_lights) = (dark, fill_lights));
+        let fill = draw(gpu, &mut renderer, &with(vec![light]), &[&ball]);
         let found = difference(&key, &fill);
         // Directions are interpolated for the key light and computed per pixel for the others.
         assert!(found.mean < 1.0, "{light:?}: {found:?}");
-        let none = draw(gpu, &mut renderer, SIZE, &with(vec![]), &mut [&mut ball]);
+        let none = draw(gpu, &mut renderer, &with(vec![]), &[&ball]);
         assert!(difference(&key, &none).mean > 4.0, "the light is seen");
         let half = match light {
             Light::Directional { towards_light, color } => Light::Directional { towards_light, color: 0.5 * color },
             Light::Point { position, color } => Light::Point { position, color: 0.5 * color },
         };
-        let twice = draw(gpu, &mut renderer, SIZE, &with(vec![half, half]), &mut [&mut ball]);
+        let twice = draw(gpu, &mut renderer, &with(vec![half, half]), &[&ball]);
         assert!(difference(&fill, &twice).mean < 0.1, "lights add up");
     }
 }
@@ -510,12 +513,12 @@ fn a_fill_light_is_a_key_light_without_shadows() {
 fn what_is_out_of_range_is_named() {
     let Some(gpu) = gpu("what_is_out_of_range_is_named") else { return };
     let mut renderer = renderer(gpu);
-    let mut plane = furry_plane(gpu, &renderer, 2, 0);
+    let plane = furry_plane(&renderer, 2, 0);
     let mut error = |change: &dyn Fn(&mut FrameParams)| -> RuntimeError {
         let mut params = above();
         change(&mut params);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        renderer.prepare(&gpu.device, &mut encoder, &params, &mut [&mut plane]).unwrap_err()
+        renderer.prepare(&mut encoder, &params, [&plane]).unwrap_err()
     };
     for (change, message) in [
         (
@@ -540,15 +543,15 @@ fn a_turning_light_does_not_flicker() {
     let Some(gpu) = gpu("a_turning_light_does_not_flicker") else { return };
     let mut renderer = renderer(gpu);
     let params = SphereParams { quads: 12, texels: 32, strands: 300, ..SphereParams::default() };
-    let mut ball = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &sphere::package(&params)).unwrap());
+    let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
     let camera = Camera::framing(Vec3::ZERO, 0.13, Vec3::new(0.0, 0.3, 1.0), 0.6, 1.0);
     let frames = 48;
     let mut greens = Vec::new();
     for i in 0..frames {
         let angle = std::f32::consts::TAU * i as f32 / frames as f32;
         let light = towards(Vec3::new(angle.sin(), 0.6, angle.cos()));
-        let params = FrameParams { light, ..FrameParams::new(camera) };
-        greens.push(draw(gpu, &mut renderer, (96, 96), &params, &mut [&mut ball]).mean(1));
+        let params = FrameParams::new(camera, [96, 96]).with(|p| p.light = light);
+        greens.push(draw(gpu, &mut renderer, &params, &[&ball]).mean(1));
     }
     let swing = greens.iter().copied().fold(f64::MIN, f64::max) - greens.iter().copied().fold(f64::MAX, f64::min);
     // A smooth swing of one turn changes by at most pi / 48 of itself from frame to frame; second differences show a jump.

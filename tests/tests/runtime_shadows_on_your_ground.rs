@@ -1,20 +1,17 @@
-//! Shadows between the fur and an application's own geometry, through the scene and the shader of the example of that name.
+//! Shadows between the fur and an application's own geometry, through the scene and the shader of the example of that name and of
+//! `forty_animals`.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-#[path = "../../runtime/examples/shadows_on_your_ground.rs"]
-#[allow(dead_code, reason = "the example's main is not called")]
-mod example;
-
-use example::{Cuboid, Scene};
 use pelage_runtime::glam::{Mat4, Vec3, Vec4};
 use pelage_runtime::shared::receiver::{ShadowReceiver, light_at_place};
 use pelage_runtime::{
-    Camera, CasterPass, Casters, Frame, FrameParams, Instance, Light, LightView, Projection, Renderer, RendererOptions,
-    ShadowParams, Sphere, Style, wgpu,
+    Camera, CasterPass, Casters, Frame, FrameParams, Hooks, Instance, Light, LightView, Projection, Renderer,
+    RendererOptions, Sphere, Style, wgpu,
 };
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::read_map;
+use pelage_tests::support::ground::{Cuboid, Scene};
 use pelage_tests::support::headless::{Gpu, Targets};
 use pelage_tests::support::sphere::{SphereParams, package};
 
@@ -41,8 +38,7 @@ impl<'a> Stage<'a> {
         let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba8Unorm, ..RendererOptions::default() };
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
         let sphere = package(&SphereParams { quads: 16, texels: 32, strands: 120, ..SphereParams::default() });
-        let mut ball = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &sphere).unwrap());
-        ball.transform = Mat4::from_translation(CENTER);
+        let ball = Instance::new(0, &renderer.load_bytes(&sphere).unwrap()).at(Mat4::from_translation(CENTER));
         let ground = Scene::new(&gpu.device, &options, &[slab()]);
         Self { gpu, options, renderer, ball, ground }
     }
@@ -62,16 +58,8 @@ impl<'a> Stage<'a> {
         };
         let bounds = radius.map(|radius| Sphere { center: Vec3::ZERO, radius });
         let mut encoder = device.create_command_encoder(&Default::default());
-        let frame = self
-            .renderer
-            .prepare_with_casters(
-                device,
-                &mut encoder,
-                params,
-                &mut [&mut self.ball],
-                &mut Casters { bounds, revision, draw: &mut draw },
-            )
-            .unwrap();
+        let hooks = Hooks::default().casters(Casters { bounds, revision, draw: &mut draw });
+        let frame = self.renderer.prepare_with(&mut encoder, params, [&self.ball], hooks).unwrap();
         let targets = Targets::new(self.gpu, (SIZE, SIZE), &self.options);
         record(self, &mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT), &frame);
         self.gpu.queue.submit([encoder.finish()]);
@@ -128,8 +116,7 @@ fn slab() -> Cuboid {
 fn from_above(light: Light) -> FrameParams {
     let projection = Projection::Orthographic { height_m: VIEW_M, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let camera = Camera::look_at(Vec3::Y, Vec3::ZERO, projection);
-    let shadows = ShadowParams { shrink: 8, ..ShadowParams::default() };
-    FrameParams { light, shadows, ..FrameParams::new(camera) }
+    FrameParams::new(camera, [SIZE; 2]).with(|p| (p.light, p.shadows.shrink) = (light, 8))
 }
 
 fn sun(towards_light: Vec3) -> Light {
@@ -155,8 +142,7 @@ fn fur_throws_a_soft_shadow_with_a_fringe_on_the_applications_ground() {
         let revision = revision as u64;
         let params = from_above(light);
         let (_, furry) = stage.ground(&params, &casters, Some(0.35), revision);
-        let (_, bare) =
-            stage.ground(&FrameParams { style: Style::Bare, ..params.clone() }, &casters, Some(0.35), revision);
+        let (_, bare) = stage.ground(&params.clone().with(|p| p.style = Style::Bare), &casters, Some(0.35), revision);
         let profile = |p: &GroundLight| (0..=20).map(|i| p.ring(0.01 * i as f32)).collect::<Vec<_>>();
         println!("{light:?}\nfurry {:.2?}\nbare  {:.2?}", profile(&furry), profile(&bare));
         for (name, picture) in [("furry", &furry), ("bare", &bare)] {
@@ -202,13 +188,13 @@ fn shadows_that_are_off_leave_the_ground_lit() {
     };
     let both = ground(on.clone());
     assert!(both.1 < 0.02 && both.2 < 0.9, "{both:?}");
-    let soft_alone = ground(FrameParams { self_shadow: false, ..on.clone() });
+    let soft_alone = ground(on.clone().with_fur(|f| f.self_shadow = false));
     assert!(soft_alone.1 < 0.02 && soft_alone.2 > 0.95, "without maps of the hair there is no fringe: {soft_alone:?}");
     let dark = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
     for off in [
-        FrameParams { soft_shadow: false, ..on.clone() },
-        FrameParams { soft_shadow: false, self_shadow: false, ..on.clone() },
-        FrameParams { light: dark, ..on.clone() },
+        on.clone().with(|p| p.soft_shadow = false),
+        on.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false),
+        on.clone().with(|p| p.light = dark),
     ] {
         let (receiver, middle, fringe) = ground(off);
         assert_eq!(receiver, ShadowReceiver::default());
@@ -313,7 +299,7 @@ fn the_applications_post_darkens_the_fur() {
         [Scene::new(&gpu.device, &stage.options, &[slab()]), Scene::new(&gpu.device, &stage.options, &[slab(), post])];
     let towards_light = Vec3::new(-0.8, 0.6, 0.0);
     let camera = Camera::framing(CENTER, SKIN + FUR, Vec3::new(-1.0, 0.2, 0.6), 0.6, 1.0);
-    let params = FrameParams { camera, ..from_above(sun(towards_light)) };
+    let params = from_above(sun(towards_light)).with(|p| p.camera = camera);
     let clip_from_world = camera.projection.clip_from_view(false) * camera.view_from_world;
     // On the outer end of the fur: towards the light past the post's near face, and a post's width beside its shadow.
     let brightness = |rgba: &[u8], direction: Vec3| {
@@ -336,6 +322,6 @@ fn the_applications_post_darkens_the_fur() {
     println!("alone {alone:.1?}, with the post {shaded:.1?}");
     assert!(shaded[0] < 0.7 * alone[0], "in the post's shadow {shaded:?}, without {alone:?}");
     assert!((shaded[1] / alone[1] - 1.0).abs() < 0.03, "beside its shadow {shaded:?}, without {alone:?}");
-    let [alone, shaded] = fur(&FrameParams { soft_shadow: false, self_shadow: false, ..params });
+    let [alone, shaded] = fur(&params.with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false));
     assert_eq!(alone, shaded, "without shadows the post changes nothing");
 }

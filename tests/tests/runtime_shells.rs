@@ -16,13 +16,13 @@ fn sphere() -> SphereParams {
 }
 
 fn front() -> FrameParams {
-    FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0))
+    FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0), SIZE.into())
 }
 
 fn picture(gpu: &Gpu, sphere: &SphereParams, params: &FrameParams) -> Picture {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
-    let mut instance = Instance::new(&renderer.load_bytes(&gpu.device, &gpu.queue, &package(sphere)).unwrap());
-    draw(gpu, &mut renderer, SIZE, params, &mut [&mut instance])
+    let instance = Instance::new(0, &renderer.load_bytes(&package(sphere)).unwrap());
+    draw(gpu, &mut renderer, params, &[&instance])
 }
 
 /// Largest difference of a channel, 0..=255.
@@ -69,7 +69,7 @@ fn light_at_vertices_is_as_bright_and_more_even() {
         let sphere = SphereParams { planar_directions, quads: 20, ..sphere() };
         let mut params = front();
         let pixel = picture(gpu, &sphere, &params);
-        params.lighting = Lighting::Vertex;
+        params.study.lighting = Lighting::Vertex;
         let vertex = picture(gpu, &sphere, &params);
         assert!(largest(&pixel, &vertex) > 8, "only {} of 255 apart", largest(&pixel, &vertex));
         let opaque = |i: usize| pixel.rgba[i][3] == 255 && vertex.rgba[i][3] == 255;
@@ -82,7 +82,7 @@ fn light_at_vertices_is_as_bright_and_more_even() {
         // Where nothing of the key light is left, both are the same.
         params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
         let dark = picture(gpu, &sphere, &params);
-        params.lighting = Lighting::Pixel;
+        params.study.lighting = Lighting::Pixel;
         assert!(largest(&dark, &picture(gpu, &sphere, &params)) <= 1, "without light");
     }
 }

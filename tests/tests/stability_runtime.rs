@@ -166,12 +166,11 @@ fn mean_opacity(gpu: &pelage_tests::support::headless::Gpu, layers: u32, baked: 
     let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..RendererOptions::default() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let bytes = plane(baked, opacity);
-    let model = renderer.load_bytes(&gpu.device, &gpu.queue, &bytes).unwrap();
+    let model = renderer.load_bytes(&bytes).unwrap();
     let projection = Projection::Orthographic { height_m: 0.1, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
-    let mut params = FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection));
-    params.layers = Some(layers);
-    let mut instance = Instance::new(&model);
-    let texels = draw_passes(gpu, &mut renderer, (16, 16), &params, &mut [&mut instance], &[PassId::Shells]);
+    let params = FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [16, 16])
+        .with_fur(|f| f.layers = Some(layers));
+    let texels = draw_passes(gpu, &mut renderer, &params, &[&Instance::new(0, &model)], &[PassId::SHELLS]);
     texels.chunks_exact(8).map(|t| f64::from(half_to_f32([t[6], t[7]]))).sum::<f64>() / 256.0
 }
 

@@ -6,7 +6,7 @@
 
 use super::{Cell, Panel};
 use crate::compare_lines::LineMeasures;
-use pelage_runtime::{Anchoring, FeatureRule, InkParams, LineWidth, SphereMapForm};
+use pelage_runtime::{Anchoring, FeatureRule, InkParams, LineWidth, SphereMapForm, Study};
 
 /// A way to draw lines.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,10 +15,34 @@ pub struct Configuration {
     pub series: &'static str,
     /// Its value, beside the mark.
     pub label: String,
-    /// How it is drawn, and the size of the picture.
-    pub ink: InkParams,
+    /// How it is drawn.
+    pub look: Look,
     /// Whether it is what a user gets without asking.
     pub default: bool,
+}
+
+/// How ink is drawn, in which form, and the size of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// Width and height, pixels.
+    pub size: (u32, u32),
+    /// The style.
+    pub ink: InkParams,
+    /// Its forms.
+    pub study: Study,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { size: SIZE, ink: InkParams::default(), study: Study::default() }
+    }
+}
+
+impl Look {
+    fn with(mut self, change: impl FnOnce(&mut InkParams, &mut Study)) -> Self {
+        change(&mut self.ink, &mut self.study);
+        self
+    }
 }
 
 /// Columns of the chart.
@@ -77,52 +101,52 @@ const SIZES: [(u32, u32); 4] = [(417, 212), SIZE, (1251, 636), (1668, 848)];
 
 /// What to measure, the default first; each other configuration differs from it in what its series says.
 pub fn configurations() -> Vec<Configuration> {
-    let default = InkParams::new(SIZE.0, SIZE.1);
+    let default = Look::default();
     let mut out: Vec<Configuration> = Vec::new();
-    let mut add = |series, label: String, ink: InkParams| {
-        if out.iter().all(|c| c.ink != ink) {
-            out.push(Configuration { series, label, default: ink == default, ink });
+    let mut add = |series, label: String, look: Look| {
+        if out.iter().all(|c| c.look != look) {
+            out.push(Configuration { series, label, default: look == default, look });
         }
     };
+    let of = |change: &dyn Fn(&mut InkParams, &mut Study)| Look::default().with(|ink, study| change(ink, study));
     add("default", String::new(), default.clone());
     for threshold in THRESHOLDS {
-        add("threshold T1", threshold.to_string(), InkParams { threshold, ..default.clone() });
+        add("threshold T1", threshold.to_string(), of(&|ink, _| ink.threshold = threshold));
     }
     for depth_step in DEPTH_STEPS {
-        add("step of depth", depth_step.to_string(), InkParams { depth_step, ..default.clone() });
+        add("step of depth", depth_step.to_string(), of(&|ink, _| ink.depth_step = depth_step));
     }
     for width in WIDTHS {
-        let ink = InkParams { width: LineWidth::Pixels(width), ..default.clone() };
-        add("line width, pixels", width.to_string(), ink);
+        add("line width, pixels", width.to_string(), of(&|ink, _| ink.width = LineWidth::Pixels(width)));
     }
-    for (width, height) in SIZES {
-        add("size of the picture", format!("{width}x{height}"), InkParams::new(width, height));
+    for size in SIZES {
+        add("size of the picture", format!("{}x{}", size.0, size.1), Look { size, ..default.clone() });
     }
     for step_px in [1, 2, 3] {
-        add("neighbours, pixels away", step_px.to_string(), InkParams { step_px, ..default.clone() });
+        add("neighbours, pixels away", step_px.to_string(), of(&|ink, _| ink.step_px = step_px));
     }
-    let printed = InkParams {
-        features: FeatureRule::AllBelow,
-        sphere_map: SphereMapForm::Reflection,
-        printed_lines: true,
-        depth_step: 0.0,
-        ..default.clone()
-    };
-    for threshold in [default.threshold, 0.97] {
+    let printed = of(&|ink, study| {
+        study.features = FeatureRule::AllBelow;
+        study.sphere_map = SphereMapForm::Reflection;
+        study.printed_lines = true;
+        ink.depth_step = 0.0;
+    });
+    for threshold in [default.ink.threshold, 0.97] {
         let label = format!("T1 {threshold}");
-        add("as printed", label, InkParams { threshold, ..printed.clone() });
+        add("as printed", label, printed.clone().with(|ink, _| ink.threshold = threshold));
     }
-    let any = InkParams { features: FeatureRule::AnyBelow, ..printed };
+    let any = printed.with(|_, study| study.features = FeatureRule::AnyBelow);
     add("as printed, any neighbour", String::new(), any.clone());
-    add("sphere map alone", "reflection".into(), InkParams { template: false, ..any });
-    add("sphere map alone", "ours".into(), InkParams { template: false, ..default.clone() });
-    add("tied to the screen", String::new(), InkParams { anchoring: Anchoring::Screen, ..default.clone() });
+    add("sphere map alone", "reflection".into(), any.with(|_, study| study.template = false));
+    add("sphere map alone", "ours".into(), of(&|_, study| study.template = false));
+    add("tied to the screen", String::new(), of(&|_, study| study.anchoring = Anchoring::Screen));
     out
 }
 
-/// Widest line that a configuration asks for, pixels; all of them ask for pixels.
-pub fn line_px(ink: &InkParams) -> f64 {
+/// Widest line in a picture of `height` rows, pixels; all configurations ask for pixels.
+pub fn line_px(ink: &InkParams, height: u32) -> f64 {
     match ink.width {
+        LineWidth::Auto => InkParams::default_width_px(height).into(),
         LineWidth::Pixels(px) => px.into(),
         LineWidth::Metres(_) => f64::NAN,
     }
@@ -130,15 +154,15 @@ pub fn line_px(ink: &InkParams) -> f64 {
 
 /// Width of the template, pixels: the widest line asked for, and one more, because an edge is a feature on both of its sides. (Three dilations of Fang 2006, §2,
 /// make seven pixels of one and eight of two.) Lines nearer to each other than that run together.
-pub fn template_px(ink: &InkParams) -> f64 {
-    line_px(ink) + 1.0
+pub fn template_px(ink: &InkParams, height: u32) -> f64 {
+    line_px(ink, height) + 1.0
 }
 
 /// The same on paper without relief and with a brush full of ink. Paper lies still while the model moves, and where it shows through, or stops a
 /// dry brush, the picture changes on the model with reason; and a black patch with holes in it is a black patch.
 #[must_use]
 pub fn on_blank_paper(ink: &InkParams) -> InkParams {
-    InkParams { paper_grain: 0.0, roughness_px: 0.0, dryness: 0.0, ..ink.clone() }
+    ink.clone().with(|ink| (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0))
 }
 
 /// A configuration's figures.
@@ -153,32 +177,34 @@ pub struct Measured {
 }
 
 /// The cells of a row, in the order of [`COLUMNS`].
-pub fn cells(ink: &InkParams, measured: &Measured) -> Vec<Cell> {
+pub fn cells(look: &Look, measured: &Measured) -> Vec<Cell> {
+    let Look { size: (width, height), ink, study } = look;
     let share = |of: &dyn Fn(&LineMeasures) -> Option<f64>| {
         let known: Vec<f64> = measured.views.iter().filter_map(of).collect();
         if known.is_empty() { Cell::Empty } else { Cell::Number(known.iter().sum::<f64>() / known.len() as f64) }
     };
     let number = |x: f64| Cell::Number(x);
-    let (stroke, template) = (measured.views.iter().map(|m| m.stroke.width_px).fold(0.0, f64::max), template_px(ink));
+    let (stroke, template) =
+        (measured.views.iter().map(|m| m.stroke.width_px).fold(0.0, f64::max), template_px(ink, *height));
     let word = |text: &str| Cell::Text(text.into());
     let mut cells = vec![
-        number(ink.target_px[0].into()),
-        number(ink.target_px[1].into()),
+        number((*width).into()),
+        number((*height).into()),
         number(ink.threshold.into()),
         number(ink.depth_step.into()),
         number(ink.step_px.into()),
-        number(line_px(ink)),
-        word(match ink.features {
+        number(line_px(ink, *height)),
+        word(match study.features {
             FeatureRule::AnyBelow => "any",
             FeatureRule::AllBelow => "all",
         }),
-        word(match ink.sphere_map {
+        word(match study.sphere_map {
             SphereMapForm::Perpendicular => "perpendicular",
             SphereMapForm::Reflection => "reflection",
             SphereMapForm::Printed => "printed",
         }),
-        word(if ink.template { "on" } else { "off" }),
-        word(match ink.anchoring {
+        word(if study.template { "on" } else { "off" }),
+        word(match study.anchoring {
             Anchoring::Surface => "surface",
             Anchoring::Screen => "screen",
         }),
@@ -201,7 +227,7 @@ mod tests {
         let all = configurations();
         assert!(all[0].default && all.iter().filter(|c| c.default).count() == 1);
         for (i, c) in all.iter().enumerate() {
-            assert!(all[i + 1..].iter().all(|other| other.ink != c.ink), "{} {}", c.series, c.label);
+            assert!(all[i + 1..].iter().all(|other| other.look != c.look), "{} {}", c.series, c.label);
         }
         for series in ["threshold T1", "step of depth", "as printed", "sphere map alone", "tied to the screen"] {
             assert!(all.iter().any(|c| c.series == series), "{series}");
@@ -210,10 +236,10 @@ mod tests {
 
     #[test]
     fn a_row_has_a_cell_for_each_column() {
-        let ink = InkParams { width: LineWidth::Pixels(8.0), ..InkParams::new(64, 32) };
+        let look = Look { size: (64, 32), ..Look::default() }.with(|ink, _| ink.width = LineWidth::Pixels(8.0));
         let mut measured = Measured { views: vec![LineMeasures::default(); 2], ..Measured::default() };
         let found = |measured: &Measured, name| {
-            let cells = cells(&ink, measured);
+            let cells = cells(&look, measured);
             assert_eq!(cells.len(), COLUMNS.len());
             cells[COLUMNS.iter().position(|c| *c == name).expect("a column")].clone()
         };

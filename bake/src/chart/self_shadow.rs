@@ -42,6 +42,15 @@ pub struct Configuration {
     pub label: String,
     /// Settings of the runtime.
     pub shadows: ShadowParams,
+    /// How much of the light a layer takes.
+    pub slant: SlantForm,
+}
+
+impl Configuration {
+    /// Whether it is what the runtime does.
+    pub fn is_default(&self) -> bool {
+        self.shadows == ShadowParams::default() && self.slant == SlantForm::default()
+    }
 }
 
 /// Columns of the chart.
@@ -93,30 +102,33 @@ pub const PANELS: [Panel; 2] = [
 pub fn configurations(layers: u32) -> Vec<Configuration> {
     let base = ShadowParams::default();
     // The paper's maps have what the layers have.
-    let printed = ShadowParams { slant: SlantForm::Printed, density: 1.0, ..base };
-    let mut out = vec![Configuration { series: "as the runtime does", label: String::new(), shadows: base }];
-    let mut add = |series, label: String, shadows: ShadowParams| {
-        if !out.iter().any(|c: &Configuration| c.shadows == shadows) {
-            out.push(Configuration { series, label, shadows });
+    let ours = SlantForm::Corrected;
+    let mut out =
+        vec![Configuration { series: "as the runtime does", label: String::new(), shadows: base, slant: ours }];
+    let mut add = |series, label: String, slant, shadows: ShadowParams| {
+        if !out.iter().any(|c: &Configuration| (c.shadows, c.slant) == (shadows, slant)) {
+            out.push(Configuration { series, label, shadows, slant });
         }
     };
     for map_size in [64, 128, 256, 512, 1024] {
-        add("map size", format!("{map_size}²"), ShadowParams { map_size, ..base });
+        add("map size", format!("{map_size}²"), ours, base.with(|s| s.map_size = map_size));
     }
     for map_size in [64, 128, 256, 512, 1024] {
-        add("map size, as printed", format!("{map_size}²"), ShadowParams { map_size, ..printed });
+        let printed = base.with(|s| (s.map_size, s.density) = (map_size, 1.0));
+        add("map size, as printed", format!("{map_size}²"), SlantForm::Printed, printed);
     }
     for density in [0.4, 0.7, 1.4, 2.0] {
-        add("density", density.to_string(), ShadowParams { density, ..base });
+        add("density", density.to_string(), ours, base.with(|s| s.density = density));
     }
     for part in [0.125, 0.25, 0.5, 0.75] {
         let map_layers = Some(((layers - 1) as f32 * part).round() as u32 + 1).filter(|n| (2..layers).contains(n));
         if let Some(n) = map_layers {
-            add("fewer map layers", n.to_string(), ShadowParams { map_layers, ..base });
+            add("fewer map layers", n.to_string(), ours, base.with(|s| s.map_layers = map_layers));
             add(
                 "smaller maps, fewer layers",
                 format!("256² × {n}"),
-                ShadowParams { map_layers, map_size: 256, ..base },
+                ours,
+                base.with(|s| (s.map_layers, s.map_size) = (map_layers, 256)),
             );
         }
     }
@@ -230,7 +242,13 @@ impl Sheet {
     }
 
     /// t at the points of a truth as the runtime has it: the map, and of the corrected form half of the own layer.
-    pub fn fast(&self, maps: &LightMaps, slant: &Slant, shadows: &ShadowParams, truth: &Truth) -> Vec<f64> {
+    pub fn fast(
+        &self,
+        maps: &LightMaps,
+        slant: &Slant,
+        (shadows, form): (&ShadowParams, SlantForm),
+        truth: &Truth,
+    ) -> Vec<f64> {
         let n = self.set.texels as usize;
         let last_map_layer = (maps.layers.len() - 1) as f32;
         let path = slanted_path(slant.light_ts.z as f32);
@@ -242,7 +260,7 @@ impl Sheet {
             let between = maps.layers.len() != self.layers as usize;
             let t = maps.light_through_hair(maps.place(position), share * last_map_layer, between);
             // The skin has no layer of hair of its own.
-            if shadows.slant == SlantForm::Printed || k == 0 {
+            if form == SlantForm::Printed || k == 0 {
                 return f64::from(t);
             }
             let alpha = f32::from(self.set.layers[k].color[0][4 * (y * n + x) + 3]) / 255.0;
@@ -318,9 +336,9 @@ pub struct Cost {
 }
 
 /// The cells of a row, in the order of [`COLUMNS`].
-pub fn cells(shadows: &ShadowParams, layers: u32, measured: &Measured, cost: &Cost) -> Vec<Cell> {
+pub fn cells((shadows, form): (&ShadowParams, SlantForm), layers: u32, measured: &Measured, cost: &Cost) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
-    let form = if shadows.slant == SlantForm::Printed { "printed" } else { "corrected" };
+    let form = if form == SlantForm::Printed { "printed" } else { "corrected" };
     let totals = [measured.total(0), measured.total(1)];
     let mut cells = vec![
         Cell::Text(form.into()),

@@ -75,8 +75,9 @@ fn maps_without_error_have_none() {
     assert!((sheet.map_texels_per_hair_texel(&maps) - 1.0).abs() < 1e-5);
     assert_eq!(sheet.map_size_on(&maps, 0.1), 40.0);
     let truth = sheet.truth(&slant);
-    let as_drawn = ShadowParams { density: 1.0, ..ShadowParams::default() };
-    let fast = sheet.fast(&maps, &slant, &as_drawn, &truth);
+    let shadows = ShadowParams::default().with(|shadows| shadows.density = 1.0);
+    let as_drawn = (&shadows, SlantForm::Corrected);
+    let fast = sheet.fast(&maps, &slant, as_drawn, &truth);
     let mut measured = Measured::default();
     measured.add(&slant, &fast, 1.0, &truth);
     // The volume caps opaque texels, the maps do not.
@@ -85,7 +86,7 @@ fn maps_without_error_have_none() {
     assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));
     maps.layers.iter_mut().flatten().for_each(|t| *t = (*t + 0.2).min(1.0));
     let mut worse = Measured::default();
-    worse.add(&slant, &sheet.fast(&maps, &slant, &as_drawn, &truth), 1.0, &truth);
+    worse.add(&slant, &sheet.fast(&maps, &slant, as_drawn, &truth), 1.0, &truth);
     assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
 }
 
@@ -94,8 +95,8 @@ fn configurations_differ_and_rows_are_full() {
     let all = configurations(16);
     assert!(all.len() > 12 && all[0].shadows == ShadowParams::default());
     for (i, a) in all.iter().enumerate() {
-        assert!(all[..i].iter().all(|b| b.shadows != a.shadows), "{a:?}");
-        let row = cells(&a.shadows, 16, &Measured::default(), &Cost::default());
+        assert!(all[..i].iter().all(|b| (b.shadows, b.slant) != (a.shadows, a.slant)), "{a:?}");
+        let row = cells((&a.shadows, a.slant), 16, &Measured::default(), &Cost::default());
         assert_eq!(row.len(), COLUMNS.len());
     }
     assert!(configurations(2).iter().all(|c| c.shadows.map_layers.is_none()));

@@ -14,7 +14,7 @@ use crate::stability::soft_shadow::printed_attenuation;
 use glam::{Vec3, Vec4};
 use pelage_runtime::shared::layer_shadow::slanted_path;
 use pelage_runtime::shared::soft_shadow::{depth_bias, inner_attenuation};
-use pelage_runtime::{PenumbraForm, ShadowParams};
+use pelage_runtime::{PenumbraForm, ShadowParams, Study};
 use rayon::prelude::*;
 
 /// Points on the skin; those that face away from a light are left out under it.
@@ -117,20 +117,20 @@ pub fn configurations() -> Vec<Configuration> {
         }
     };
     for map_size in [128, 256, 1024] {
-        add("map size", format!("{map_size}²"), Method::Centred, ShadowParams { map_size, ..base });
+        add("map size", format!("{map_size}²"), Method::Centred, base.with(|s| s.map_size = map_size));
     }
     for shrink in [2, 4, 8, 16, 32] {
-        add("shrink", format!("1/{shrink}"), Method::Centred, ShadowParams { shrink, ..base });
+        add("shrink", format!("1/{shrink}"), Method::Centred, base.with(|s| s.shrink = shrink));
     }
     for penumbra in [0.03, 0.3] {
-        add("penumbra", penumbra.to_string(), Method::Centred, ShadowParams { penumbra, ..base });
+        add("penumbra", penumbra.to_string(), Method::Centred, base.with(|s| s.penumbra = penumbra));
     }
     for (map_size, shrink) in [(256, 4), (512, 4), (512, 8), (1024, 16)] {
         add(
             "inner penumbra",
             format!("{map_size}², 1/{shrink}"),
             Method::Inner,
-            ShadowParams { map_size, shrink, ..base },
+            base.with(|s| (s.map_size, s.shrink) = (map_size, shrink)),
         );
     }
     for (map_size, shrink) in [(256, 4), (512, 4), (512, 8), (1024, 4)] {
@@ -138,7 +138,7 @@ pub fn configurations() -> Vec<Configuration> {
             "as printed",
             format!("{map_size}², 1/{shrink}"),
             Method::Printed,
-            ShadowParams { map_size, shrink, ..base },
+            base.with(|s| (s.map_size, s.shrink) = (map_size, shrink)),
         );
     }
     for passes in [4, 8, 16, 32] {
@@ -148,10 +148,10 @@ pub fn configurations() -> Vec<Configuration> {
 }
 
 /// Settings with which the runtime draws what a configuration needs.
-pub fn runtime_settings(configuration: &Configuration) -> ShadowParams {
+pub fn runtime_settings(configuration: &Configuration) -> (ShadowParams, Study) {
     let inner = configuration.method != Method::Centred;
-    let penumbra_form = if inner { PenumbraForm::Inner } else { PenumbraForm::Centred };
-    ShadowParams { penumbra_form, ..configuration.shadows }
+    let penumbra = if inner { PenumbraForm::Inner } else { PenumbraForm::Centred };
+    (configuration.shadows, Study::default().with(|study| study.penumbra = penumbra))
 }
 
 /// Directions towards the lights, world space, unit length.

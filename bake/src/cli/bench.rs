@@ -2,13 +2,13 @@
 
 use super::exit::{Exit, Failure};
 use super::gpu::Gpu;
-use super::measure::{self, Clock, FrameTimes, Meter, PASSES, Spread};
+use super::measure::{self, Clock, FrameTimes, Meter, Spread};
 use super::output::{Output, human_bytes};
 use super::package_file::PackageFile;
 use super::scene::{Scene, detail};
 use super::view::View;
 use super::view_args::ViewArgs;
-use pelage_runtime::{Frame, InkParams, Instance, PassId, Style};
+use pelage_runtime::{Frame, PassId};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -57,38 +57,31 @@ fn report(
     scene: &Scene,
     drawn: &Frame,
     clock: Clock,
-    fragments: Option<[u64; PASSES.len()]>,
+    fragments: Option<Vec<(PassId, u64)>>,
     times: &[FrameTimes],
 ) -> Result<(), Failure> {
-    let model = scene.instance.model();
+    let model = scene.model();
     let manifest = model.manifest();
     let triangles: u32 = manifest.parts.iter().map(|p| p.index_count / 3).sum();
-    let layers = scene.params.layers.unwrap_or(manifest.fur.layers);
+    let layers = scene.params.style.fur().and_then(|fur| fur.layers).unwrap_or(manifest.fur.layers);
     let frame = Spread::of(times.iter().map(|t| t.frame));
     let yardstick = Spread::of(times.iter().map(|t| t.yardstick));
-    let medians: [f64; PASSES.len()] = std::array::from_fn(|i| Spread::of(times.iter().map(|t| t.passes[i])).median);
-    let style = scene.params.style;
-    let in_picture = [PassId::Skin, PassId::Fins, PassId::Shells, PassId::InkComposite, PassId::InkFur];
-    let counted = |id| in_picture.contains(&id);
-    let measured: Vec<_> = (0..PASSES.len()).filter(|i| measure::belongs(PASSES[*i], style)).collect();
-    let counts: [Option<u64>; PASSES.len()] =
-        std::array::from_fn(|i| fragments.filter(|_| counted(PASSES[i])).map(|f| f[i]));
+    let style = scene.params.style.kind();
+    let median = |id| Spread::of(times.iter().map(|t| t.of(id))).median;
+    let count = |id| fragments.iter().flatten().find(|(counted, _)| *counted == id).map(|(_, count)| *count);
+    let measured = || PassId::all().filter(|id| measure::belongs(*id, style));
     let unshadowed = Spread::of(times.iter().map(|t| t.unshadowed));
-    let of = |id| medians[measure::index_of(id)];
-    let maps_ms = of(PassId::LayerShadow) + of(PassId::ShadowWidth);
-    let shadowed = style != Style::Ink && (scene.params.self_shadow || scene.params.soft_shadow);
+    let maps_ms = median(PassId::LAYER_SHADOW) + median(PassId::SHADOW_WIDTH);
+    let shadowed = measure::is_shadowed(scene);
     // Ratios of one frame each, so that noise that lasts longer than a frame falls out.
     let over_unshadowed = Spread::of(times.iter().filter(|_| shadowed).map(|t| t.frame / t.unshadowed));
-    let over_frame = Spread::of(times.iter().filter(|_| shadowed).map(|t| (t.passes[1] + t.passes[2]) / t.frame));
-    let shells = of(PassId::Shells);
+    let maps_of = |t: &FrameTimes| t.of(PassId::LAYER_SHADOW) + t.of(PassId::SHADOW_WIDTH);
+    let over_frame = Spread::of(times.iter().filter(|_| shadowed).map(|t| maps_of(t) / t.frame));
+    let shells = median(PassId::SHELLS);
     let ratio = (yardstick.median > 0.0).then(|| shells / yardstick.median);
-    let of_instances = std::iter::once(&scene.instance).chain(&scene.others).map(Instance::gpu_bytes).sum::<u64>();
-    let of_ink = scene.params.ink.as_ref().filter(|_| style == Style::Ink).map_or(0, InkParams::gpu_bytes);
-    let gpu_bytes = model.gpu_bytes() + scene.shadow_bytes() + of_ink + of_instances;
-    let passes: Vec<_> = measured
-        .iter()
-        .map(|&i| json!({ "name": PASSES[i].name(), "median_ms": medians[i], "fragments": counts[i] }))
-        .collect();
+    let gpu_bytes = model.gpu_bytes() + scene.shadow_bytes() + drawn.report().target_bytes + scene.copies_bytes();
+    let passes: Vec<_> =
+        measured().map(|id| json!({ "name": id.name(), "median_ms": median(id), "fragments": count(id) })).collect();
     let value = json!({
         "adapter": scene.gpu.info.name,
         "driver": format!("{} {}", scene.gpu.info.driver, scene.gpu.info.driver_info),
@@ -106,7 +99,7 @@ fn report(
         "pipelines_ms": scene.compile.as_secs_f64() * 1e3,
         "gpu_bytes": gpu_bytes,
         "layers": layers,
-        "instances": 1 + scene.others.len(),
+        "instances": scene.instances.len(),
         "drawn_layers": drawn.report().instances.iter().map(|d| u64::from(d.layers)).sum::<u64>(),
         "detail": detail(drawn),
         "triangles": triangles,
@@ -117,13 +110,13 @@ fn report(
     };
     line(format_args!("{} ({clock:?}, {} frames)", scene.gpu.info.name, times.len()));
     line(format_args!("{triangles} triangles, {layers} layers, {} on the device", human_bytes(gpu_bytes)));
-    for pass in drawn.report().passes.iter().filter(|p| p.name == PassId::Shells.name()) {
+    for pass in drawn.report().passes.iter().filter(|p| p.name == PassId::SHELLS.name()) {
         line(format_args!("{}: {}", pass.name, pass.reason));
     }
     line(format_args!("frame           {:9.2} ms  ({:.2} .. {:.2})", frame.median, frame.min, frame.max));
-    for &i in &measured {
-        let count = counts[i].map_or(String::new(), |n| format!("  {n} fragments"));
-        line(format_args!("  {:13} {:9.2} ms{count}", PASSES[i].name(), medians[i]));
+    for id in measured() {
+        let count = count(id).map_or(String::new(), |n| format!("  {n} fragments"));
+        line(format_args!("  {:13} {:9.2} ms{count}", id.name(), median(id)));
     }
     if shadowed {
         let (still, maps) = (over_unshadowed.median, over_frame.median);

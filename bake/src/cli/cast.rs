@@ -8,7 +8,7 @@ use super::view::View;
 use glam::{Mat4, Quat, Vec3};
 use pelage_bake::mesh::blend;
 use pelage_formats::{Animation, GeometryVertex, Manifest, Package, Pose};
-use pelage_runtime::{Motion, Style};
+use pelage_runtime::{Motion, StyleKind};
 
 /// Everything that a picture shows, over time.
 pub struct Cast<'a> {
@@ -186,7 +186,7 @@ pub fn rest_points(
 pub fn camera_of(view: &View, rest_points: &[Vec3], height_m: f32) -> (Vec3, Vec3, f32) {
     view.camera.unwrap_or_else(|| {
         let aspect = view.size.0 as f32 / view.size.1 as f32;
-        let margin_m = if view.style == Style::Fur { height_m } else { 0.0 };
+        let margin_m = if view.style == StyleKind::Fur { height_m } else { 0.0 };
         let (eye, target) = framing::frame(rest_points, margin_m, aspect, framing::TOWARDS_CAMERA);
         (eye, target, framing::FOV_DEG)
     })

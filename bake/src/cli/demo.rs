@@ -14,7 +14,7 @@ use pelage_bake::groom::MapImages;
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_bake::{BakeError, io};
-use pelage_runtime::{Style, wgpu};
+use pelage_runtime::{StyleKind, wgpu};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -94,7 +94,7 @@ fn gait(file: &PackageFile, gpu: &Gpu, folder: &Path, output: &mut Output) -> Re
         action: "create",
         source,
     })?;
-    let view = View { clip: Some(clip.into()), style: Style::Ink, size: (640, 480), ..View::default() };
+    let view = View { clip: Some(clip.into()), style: StyleKind::Ink, size: (640, 480), ..View::default() };
     let mut scene = Scene::new(file, &view, || Ok(gpu.clone()))?;
     let mut pictures = Vec::new();
     for number in 0..count {
@@ -110,8 +110,9 @@ fn gait(file: &PackageFile, gpu: &Gpu, folder: &Path, output: &mut Output) -> Re
 /// The pictures of a model: in ink, with fur, without, and in motion.
 fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, View)> {
     let furry = View { size: (834, 834), samples: 4, background: Some(BACKGROUND), ..View::default() };
-    let inked = View { style: Style::Ink, background: None, ..furry.clone() };
-    let mut views = vec![("", furry.clone()), ("_bare", View { style: Style::Bare, ..furry.clone() }), ("_ink", inked)];
+    let inked = View { style: StyleKind::Ink, background: None, ..furry.clone() };
+    let mut views =
+        vec![("", furry.clone()), ("_bare", View { style: StyleKind::Bare, ..furry.clone() }), ("_ink", inked)];
     if let Some((clip, time_s)) = moment {
         views.push(("_moving", View { clip: Some(clip.into()), time_s, ..furry }));
     }

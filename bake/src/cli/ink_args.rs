@@ -5,7 +5,7 @@ use super::view_args::{Background, Switch};
 use clap::ValueEnum;
 use glam::Vec3;
 use pelage_bake::textures::srgb_to_linear;
-use pelage_runtime::{Anchoring, FeatureRule, InkBackground, InkParams, InkShow, LineWidth, SphereMapForm};
+use pelage_runtime::{Anchoring, FeatureRule, InkBackground, InkParams, InkShow, LineWidth, SphereMapForm, Study};
 use std::str::FromStr;
 
 /// Options of `--style ink`.
@@ -152,52 +152,55 @@ pub struct InkView {
 }
 
 impl InkView {
-    /// What the runtime is told for a picture of that size, pixels.
-    pub fn params(&self, (width, height): (u32, u32)) -> InkParams {
+    /// What the runtime is told of the style.
+    pub fn params(&self) -> InkParams {
         let a = &self.args;
-        let d = InkParams::new(width, height);
         let linear = |rgb: [u8; 3]| Vec3::from(rgb.map(srgb_to_linear));
-        InkParams {
-            threshold: a.ink_threshold.unwrap_or(d.threshold),
-            weak_difference: a.ink_weak.unwrap_or(d.weak_difference),
-            width: a.ink_width.map_or(d.width, |w| w.0),
-            depth_step: a.ink_depth_step.unwrap_or(d.depth_step),
-            tone: a.ink_tone.unwrap_or(d.tone),
-            weak_lightness: a.ink_lightness.unwrap_or(d.weak_lightness),
-            swell: a.ink_swell.unwrap_or(d.swell),
-            pressure: a.ink_pressure.unwrap_or(d.pressure),
-            dryness: a.ink_dryness.unwrap_or(d.dryness),
-            roughness_px: a.ink_roughness.unwrap_or(d.roughness_px),
-            ink: a.ink_color.as_ref().map_or(d.ink, |rgb| linear(rgb.0)),
-            paper: self.background.and_then(Background::color).map_or(d.paper, linear),
-            paper_grain: a.ink_paper_grain.unwrap_or(d.paper_grain),
-            mist_m: a.ink_mist,
-            features: match a.ink_rule {
-                Some(RuleArg::All) => FeatureRule::AllBelow,
-                Some(RuleArg::Any) | None => FeatureRule::AnyBelow,
-            },
-            sphere_map: match a.ink_sphere_map {
-                Some(SphereMapArg::Reflection) => SphereMapForm::Reflection,
-                Some(SphereMapArg::Printed) => SphereMapForm::Printed,
-                Some(SphereMapArg::Perpendicular) | None => SphereMapForm::Perpendicular,
-            },
-            template: a.ink_template != Some(Switch::Off),
-            printed_lines: a.ink_printed_lines == Some(Switch::On),
-            anchoring: match a.ink_anchoring {
-                Some(AnchoringArg::Screen) => Anchoring::Screen,
-                Some(AnchoringArg::Surface) | None => Anchoring::Surface,
-            },
-            background: match self.background {
+        InkParams::default().with(|ink| {
+            ink.threshold = a.ink_threshold.unwrap_or(ink.threshold);
+            ink.weak_difference = a.ink_weak.unwrap_or(ink.weak_difference);
+            ink.width = a.ink_width.map_or(ink.width, |w| w.0);
+            ink.depth_step = a.ink_depth_step.unwrap_or(ink.depth_step);
+            ink.tone = a.ink_tone.unwrap_or(ink.tone);
+            ink.weak_lightness = a.ink_lightness.unwrap_or(ink.weak_lightness);
+            ink.swell = a.ink_swell.unwrap_or(ink.swell);
+            ink.pressure = a.ink_pressure.unwrap_or(ink.pressure);
+            ink.dryness = a.ink_dryness.unwrap_or(ink.dryness);
+            ink.roughness_px = a.ink_roughness.unwrap_or(ink.roughness_px);
+            ink.ink = a.ink_color.as_ref().map_or(ink.ink, |rgb| linear(rgb.0));
+            ink.paper = self.background.and_then(Background::color).map_or(ink.paper, linear);
+            ink.paper_grain = a.ink_paper_grain.unwrap_or(ink.paper_grain);
+            ink.mist_m = a.ink_mist;
+            ink.background = match self.background {
                 Some(Background::Transparent) => InkBackground::Picture,
                 Some(Background::Color(_)) | None => InkBackground::Paper,
-            },
-            show: match a.ink_show {
-                Some(ShowArg::Lines) => InkShow::Lines,
-                Some(ShowArg::Features) => InkShow::Features,
-                Some(ShowArg::Wash) => InkShow::Wash,
-                Some(ShowArg::Painting) | None => InkShow::Painting,
-            },
-            ..d
-        }
+            };
+        })
+    }
+
+    /// Which forms of the style are studied.
+    pub fn study(&self, study: &mut Study) {
+        let a = &self.args;
+        study.features = match a.ink_rule {
+            Some(RuleArg::All) => FeatureRule::AllBelow,
+            Some(RuleArg::Any) | None => FeatureRule::AnyBelow,
+        };
+        study.sphere_map = match a.ink_sphere_map {
+            Some(SphereMapArg::Reflection) => SphereMapForm::Reflection,
+            Some(SphereMapArg::Printed) => SphereMapForm::Printed,
+            Some(SphereMapArg::Perpendicular) | None => SphereMapForm::Perpendicular,
+        };
+        study.template = a.ink_template != Some(Switch::Off);
+        study.printed_lines = a.ink_printed_lines == Some(Switch::On);
+        study.anchoring = match a.ink_anchoring {
+            Some(AnchoringArg::Screen) => Anchoring::Screen,
+            Some(AnchoringArg::Surface) | None => Anchoring::Surface,
+        };
+        study.show = match a.ink_show {
+            Some(ShowArg::Lines) => InkShow::Lines,
+            Some(ShowArg::Features) => InkShow::Features,
+            Some(ShowArg::Wash) => InkShow::Wash,
+            Some(ShowArg::Painting) | None => InkShow::Painting,
+        };
     }
 }

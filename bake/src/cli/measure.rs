@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::gpu::{Gpu, lost, read_buffer};
 use super::scene::Scene;
-use pelage_runtime::{Frame, PassId, Style, wgpu};
+use pelage_runtime::{Frame, PassId, PassPlace, Style, StyleKind, wgpu};
 use std::time::Instant;
 
 /// Where times come from.
@@ -27,32 +27,39 @@ impl Clock {
 }
 
 /// Timed sections of a frame, in milliseconds.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct FrameTimes {
     /// Everything in one render pass, as an application draws it. The light stands still: shadow maps are those of the frame before.
     pub frame: f64,
     /// The same without self-shadow and soft shadow; the same as `frame` where there are none anyway.
     pub unshadowed: f64,
-    /// Each of [`PASSES`] in a pass of its own, the shadow maps drawn anew.
-    pub passes: [f64; PASSES.len()],
+    /// Each of [`PassId::all`] in a pass of its own, the shadow maps drawn anew.
+    pub passes: Vec<f64>,
     /// The shells with one texture read and no lighting.
     pub yardstick: f64,
 }
 
-/// The measured passes, in the order of [`FrameTimes::passes`].
-pub const PASSES: [PassId; PassId::ALL.len()] = PassId::ALL;
-/// Those of them, from the first, that are recorded while a frame is prepared.
-const PREPARED: usize = 7;
-
-/// Where a pass stands in [`PASSES`].
-pub fn index_of(pass: PassId) -> usize {
-    PASSES.iter().position(|id| *id == pass).unwrap_or_default()
+impl FrameTimes {
+    /// Milliseconds of a pass.
+    pub fn of(&self, pass: PassId) -> f64 {
+        of_pass(&self.passes, pass).copied().unwrap_or_default()
+    }
 }
 
-/// Whether a style has a pass at all.
-pub fn belongs(pass: PassId, style: Style) -> bool {
-    let furs = [PassId::LayerShadow, PassId::ShadowWidth, PassId::Skin, PassId::Fins, PassId::Shells];
-    pass == PassId::Pose || furs.contains(&pass) == (style != Style::Ink)
+/// What belongs to a pass in a list in the order of [`PassId::all`].
+pub fn of_pass<T>(list: &[T], pass: PassId) -> Option<&T> {
+    PassId::all().zip(list).find(|(id, _)| *id == pass).map(|(_, found)| found)
+}
+
+/// The passes that draw the picture, in their order.
+fn in_picture() -> impl Iterator<Item = PassId> {
+    PassId::all().filter(|id| id.place() == PassPlace::Picture)
+}
+
+/// Whether a pass is of a style; bare frames are measured as furry ones that lack their fur.
+pub fn belongs(pass: PassId, style: StyleKind) -> bool {
+    let furry = pass.styles().iter().any(|of| *of != StyleKind::Ink);
+    if style == StyleKind::Ink { pass.styles().contains(&style) } else { furry }
 }
 
 /// Measures a scene frame by frame.
@@ -64,7 +71,8 @@ pub struct Meter {
     readback: wgpu::Buffer,
 }
 
-const MARKS: u32 = 16;
+/// More sections than a frame has passes.
+const MARKS: u32 = 64;
 
 /// Timed frames, of which the fastest counts: what else the machine does only adds. And those before, in which pipelines are compiled and
 /// shadow maps drawn.
@@ -103,60 +111,72 @@ impl Meter {
     /// All in one go, so that what else the machine does falls on all of them alike.
     pub fn measure(&self, scene: &mut Scene) -> Result<FrameTimes, Failure> {
         let mut times = FrameTimes { frame: self.frame(scene)?, ..FrameTimes::default() };
-        let asked = (scene.params.self_shadow, scene.params.soft_shadow);
         times.unshadowed = times.frame;
-        if asked != (false, false) {
-            (scene.params.self_shadow, scene.params.soft_shadow) = (false, false);
+        if is_shadowed(scene) {
+            let unshadowed = scene.params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+            let asked = std::mem::replace(&mut scene.params, unshadowed);
             let unshadowed = self.frame(scene);
-            (scene.params.self_shadow, scene.params.soft_shadow) = asked;
+            scene.params = asked;
             times.unshadowed = unshadowed?;
         }
         times.passes = self.passes(scene)?;
-        if scene.params.style == Style::Ink {
+        if scene.params.style.kind() == StyleKind::Ink {
             return Ok(times);
         }
-        scene.params.yardstick = true;
+        scene.params.study.yardstick = true;
         let yardstick = self.passes(scene);
-        scene.params.yardstick = false;
-        times.yardstick = yardstick?[index_of(PassId::Shells)];
+        scene.params.study.yardstick = false;
+        times.yardstick = of_pass(&yardstick?, PassId::SHELLS).copied().unwrap_or_default();
         Ok(times)
     }
 
     /// Milliseconds of one frame as a whole; the light stands still, as in [`FrameTimes::frame`].
     pub fn frame(&self, scene: &mut Scene) -> Result<f64, Failure> {
-        let [frame] = self.sections(scene, |scene, encoder, mark| {
+        let times = self.sections(scene, |scene, encoder, mark| {
             let frame = scene.prepare(encoder)?;
             frame.draw(&mut scene.pass(encoder, "frame", true));
             mark(encoder);
             Ok(())
         })?;
-        Ok(frame)
+        Ok(times.into_iter().sum())
     }
 
-    fn passes(&self, scene: &mut Scene) -> Result<[f64; PASSES.len()], Failure> {
-        self.sections(scene, |scene, encoder, mark| {
-            let frame = scene.prepare_marked(encoder, &mut |encoder, _| mark(encoder))?;
-            for (index, id) in PASSES.into_iter().skip(PREPARED).enumerate() {
+    /// Of each of [`PassId::all`].
+    fn passes(&self, scene: &mut Scene) -> Result<Vec<f64>, Failure> {
+        let mut marked = Vec::new();
+        let times = self.sections(scene, |scene, encoder, mark| {
+            let frame = scene.prepare_marked(encoder, &mut |encoder, id| {
+                mark(encoder);
+                marked.push(id);
+            })?;
+            for (index, id) in in_picture().enumerate() {
                 frame.draw_pass(id, &mut scene.pass(encoder, id.name(), index == 0));
                 mark(encoder);
+                marked.push(id);
             }
             Ok(())
-        })
+        })?;
+        let time = |id| marked.iter().zip(&times).filter(|(marked, _)| **marked == id).map(|(_, ms)| ms).sum();
+        Ok(PassId::all().map(time).collect())
     }
 
-    /// Prepares a frame whose shadow maps are drawn anew, and has the device do that; with it the milliseconds of pose, layer-wise maps
-    /// and shadow-width map.
-    pub fn prepared(&self, scene: &mut Scene) -> Result<(Frame, [f64; PREPARED]), Failure> {
-        let mut prepared = None;
+    /// Prepares a frame whose shadow maps are drawn anew, and has the device do that; with it the milliseconds of `pass`, which is one of those
+    /// before the picture.
+    pub fn prepared(&self, scene: &mut Scene, pass: PassId) -> Result<(Frame, f64), Failure> {
+        let (mut prepared, mut marked) = (None, Vec::new());
         let times = self.sections(scene, |scene, encoder, mark| {
-            prepared = Some(scene.prepare_marked(encoder, &mut |encoder, _| mark(encoder))?);
+            prepared = Some(scene.prepare_marked(encoder, &mut |encoder, id| {
+                mark(encoder);
+                marked.push(id);
+            })?);
             Ok(())
         })?;
-        Ok((prepared.ok_or_else(|| lost("no frame was prepared"))?, times))
+        let time = marked.iter().zip(times).find(|(id, _)| **id == pass).map_or(0.0, |(_, ms)| ms);
+        Ok((prepared.ok_or_else(|| lost("no frame was prepared"))?, time))
     }
 
-    /// Records `N` sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds that each took.
-    fn sections<const N: usize>(
+    /// Records sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds that each took.
+    fn sections(
         &self,
         scene: &mut Scene,
         record: impl FnOnce(
@@ -164,20 +184,19 @@ impl Meter {
             &mut wgpu::CommandEncoder,
             &mut dyn FnMut(&mut wgpu::CommandEncoder),
         ) -> Result<(), Failure>,
-    ) -> Result<[f64; N], Failure> {
-        let mut times = [0.0; N];
+    ) -> Result<Vec<f64>, Failure> {
+        let mut times = Vec::new();
         let gpu = scene.gpu.clone();
         let mut encoder = scene.encoder();
         let Some(queries) = &self.queries else {
-            let (mut section, mut failed) = (0, None);
+            let mut failed = None;
             record(scene, &mut encoder, &mut |encoder| {
                 let next = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 let full = std::mem::replace(encoder, next);
                 let start = Instant::now();
                 gpu.queue.submit([full.finish()]);
                 failed = gpu.wait().err().or(failed.take());
-                times[section] = start.elapsed().as_secs_f64() * 1e3;
-                section += 1;
+                times.push(start.elapsed().as_secs_f64() * 1e3);
             })?;
             return failed.map_or(Ok(times), Err);
         };
@@ -187,31 +206,38 @@ impl Meter {
             section += 1;
             encoder.write_timestamp(queries, section);
         })?;
-        encoder.resolve_query_set(queries, 0..N as u32 + 1, &self.resolve, 0);
+        encoder.resolve_query_set(queries, 0..section + 1, &self.resolve, 0);
         encoder.copy_buffer_to_buffer(&self.resolve, 0, &self.readback, 0, self.readback.size());
         scene.gpu.queue.submit([encoder.finish()]);
         let ticks = read_u64(&scene.gpu, &self.readback)?;
         let ms_per_tick = f64::from(scene.gpu.queue.get_timestamp_period()) * 1e-6;
-        for (time, pair) in times.iter_mut().zip(ticks.windows(2)) {
-            // Timestamps of one queue rise, but a driver may reset its clock: then no time is better than a huge one.
-            *time = pair[1].saturating_sub(pair[0]) as f64 * ms_per_tick;
-        }
-        Ok(times)
+        let pairs = ticks.windows(2).take(section as usize);
+        // Timestamps of one queue rise, but a driver may reset its clock: then no time is better than a huge one.
+        Ok(pairs.map(|pair| pair[1].saturating_sub(pair[0]) as f64 * ms_per_tick).collect())
     }
 }
 
-/// Fragment shader runs of each of [`PASSES`] that draw the picture, 0 of the others; `None` where the device does not count them.
-pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; PASSES.len()]>, Failure> {
+/// Whether a frame has shadow maps.
+pub fn is_shadowed(scene: &Scene) -> bool {
+    let params = &scene.params;
+    match &params.style {
+        Style::Fur(fur) => fur.self_shadow || params.soft_shadow,
+        style => style.kind() != StyleKind::Ink && params.soft_shadow,
+    }
+}
+
+/// Passes that draw the picture with their fragment shader runs; `None` where the device does not count them.
+pub fn count_fragments(scene: &mut Scene) -> Result<Option<Vec<(PassId, u64)>>, Failure> {
     if !scene.gpu.device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY) {
         return Ok(None);
     }
     let kind = wgpu::QueryType::PipelineStatistics(wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS);
-    let count = (PASSES.len() - PREPARED) as u32;
+    let count = in_picture().count() as u32;
     let queries = query_set(&scene.gpu, kind, count);
     let (resolve, readback) = query_buffers(&scene.gpu, count);
     let mut encoder = scene.encoder();
     let frame = scene.prepare(&mut encoder)?;
-    for (index, id) in PASSES.into_iter().skip(PREPARED).enumerate() {
+    for (index, id) in in_picture().enumerate() {
         let mut pass = scene.pass(&mut encoder, id.name(), index == 0);
         pass.begin_pipeline_statistics_query(&queries, index as u32);
         frame.draw_pass(id, &mut pass);
@@ -220,9 +246,7 @@ pub fn count_fragments(scene: &mut Scene) -> Result<Option<[u64; PASSES.len()]>,
     encoder.resolve_query_set(&queries, 0..count, &resolve, 0);
     encoder.copy_buffer_to_buffer(&resolve, 0, &readback, 0, readback.size());
     scene.gpu.queue.submit([encoder.finish()]);
-    let mut counts = [0; PASSES.len()];
-    counts[PREPARED..].iter_mut().zip(read_u64(&scene.gpu, &readback)?).for_each(|(count, found)| *count = found);
-    Ok(Some(counts))
+    Ok(Some(in_picture().zip(read_u64(&scene.gpu, &readback)?).collect()))
 }
 
 fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {

@@ -11,8 +11,8 @@ use pelage_bake::BakeError;
 use pelage_bake::textures::srgb_to_linear;
 use pelage_formats::Package;
 use pelage_runtime::{
-    Camera, Detail, Frame, FrameParams, Instance, InstanceDetail, PassId, Projection, Renderer, RendererOptions,
-    RuntimeError, ShadowMaps, Style, wgpu,
+    Camera, Detail, Frame, FrameParams, FurParams, Hooks, Instance, InstanceDetail, Model, PassId, Projection,
+    Renderer, RendererOptions, RuntimeError, ShadowMaps, Style, StyleKind, wgpu,
 };
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
@@ -26,10 +26,8 @@ pub struct Scene {
     pub canvas: Canvas,
     /// Camera, light and style.
     pub params: FrameParams,
-    /// The model; of several the first.
-    pub instance: Instance,
-    /// The other models, and other copies of it.
-    pub others: Vec<Instance>,
+    /// The models, and other copies of them: at least one.
+    pub instances: Vec<Instance>,
     /// Time from the opened packages to their textures and buffers on the device.
     pub upload: Duration,
     /// Time to compile the pipelines of the style.
@@ -37,7 +35,7 @@ pub struct Scene {
     renderer: Renderer,
     shadow_bytes: u64,
     clear: [f64; 4],
-    /// Of `instance` and `others`, in order.
+    /// Of `instances`, in order.
     actors: Vec<Actor>,
     shot: Shot,
     aspect: f32,
@@ -59,7 +57,7 @@ impl Scene {
     pub fn of(cast: &Cast<'_>, view: &View, open_gpu: impl FnOnce() -> Result<Gpu, Failure>) -> Result<Self, Failure> {
         let packages =
             cast.packages.iter().map(|file| Ok((*file, file.open()?))).collect::<Result<Vec<_>, Failure>>()?;
-        if view.style == Style::Ink {
+        if view.style == StyleKind::Ink {
             packages.iter().try_for_each(|(file, package)| has_ink(file, package))?;
         }
         let gpu = open_gpu()?;
@@ -82,7 +80,7 @@ impl Scene {
         let start = Instant::now();
         let mut models = Vec::new();
         for (file, package) in &packages {
-            let model = renderer.load(&gpu.device, &gpu.queue, package);
+            let model = renderer.load(package);
             models.push(model.map_err(|error| runtime_failure(file, error))?);
         }
         gpu.queue.submit([]);
@@ -92,7 +90,8 @@ impl Scene {
         let aspect = width as f32 / height as f32;
         let params = frame_params(view, look(cast.camera.at(view.time_s), aspect));
         let start = Instant::now();
-        models.iter().for_each(|model| renderer.prepare_pipelines(&gpu.device, model, &params));
+        let compiled = models.iter().try_for_each(|model| renderer.prepare_pipelines(model, &params));
+        compiled.map_err(|error| Failure::Usage(error.to_string()))?;
         let compile = start.elapsed();
         let clear = match view.background {
             Some(rgb) => {
@@ -101,13 +100,13 @@ impl Scene {
             }
             None => [0.0; 4],
         };
-        let mut instances = cast.actors.iter().filter_map(|actor| models.get(actor.package)).map(Instance::new);
-        let (Some(instance), others) = (instances.next(), instances.collect()) else {
+        let models = cast.actors.iter().filter_map(|actor| models.get(actor.package));
+        let instances: Vec<_> = (0..).zip(models).map(|(owner, model)| Instance::new(owner, model)).collect();
+        if instances.is_empty() {
             return Err(BakeError::Internal("a scene without a model".into()).into());
-        };
+        }
         let mut scene = Self {
-            instance,
-            others,
+            instances,
             canvas: Canvas::new(&gpu, width, height, view.samples),
             gpu,
             params,
@@ -126,8 +125,7 @@ impl Scene {
 
     /// Places and poses the models and the camera as they are at that time.
     pub fn set_time(&mut self, time_s: f32) {
-        let instances = std::iter::once(&mut self.instance).chain(&mut self.others);
-        for (instance, actor) in instances.zip(&self.actors) {
+        for (instance, actor) in self.instances.iter_mut().zip(&self.actors) {
             instance.transform = actor.place.transform(time_s);
             if let Some(clip) = &actor.clip {
                 instance.motion = clip.motion(time_s);
@@ -155,9 +153,7 @@ impl Scene {
         encoder: &mut wgpu::CommandEncoder,
         mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
     ) -> Result<Frame, Failure> {
-        self.renderer.invalidate_shadows();
-        self.instance.invalidate();
-        self.others.iter_mut().for_each(Instance::invalidate);
+        self.renderer.invalidate();
         self.record(encoder, mark)
     }
 
@@ -166,14 +162,24 @@ impl Scene {
         encoder: &mut wgpu::CommandEncoder,
         mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
     ) -> Result<Frame, Failure> {
-        let instances: &mut Vec<_> = &mut std::iter::once(&mut self.instance).chain(&mut self.others).collect();
+        let hooks = Hooks::default().mark(mark);
         // The package was loaded in full before, so what fails now is an argument.
         let frame = self
             .renderer
-            .prepare_marked(&self.gpu.device, encoder, &self.params, instances, None, mark)
+            .prepare_with(encoder, &self.params, &self.instances, hooks)
             .map_err(|error| Failure::Usage(error.to_string()))?;
         self.shadow_bytes = frame.shadows().map_or(self.shadow_bytes, ShadowMaps::gpu_bytes);
         Ok(frame)
+    }
+
+    /// The model; of several the first.
+    pub fn model(&self) -> &Model {
+        &self.instances[0].model
+    }
+
+    /// Bytes on the device of what belongs to the models' copies.
+    pub fn copies_bytes(&self) -> u64 {
+        self.renderer.owners_gpu_bytes()
     }
 
     /// Bytes of the shadow maps on the device; 0 where no frame had any.
@@ -252,24 +258,30 @@ fn look((eye, target, fov_deg): (Vec3, Vec3, f32), aspect: f32) -> Camera {
 
 /// What the runtime is told of `view`.
 fn frame_params(view: &View, camera: Camera) -> FrameParams {
-    let mut params = FrameParams::new(camera);
-    params.light = view.light;
-    params.style = view.style;
-    params.ink = (view.style == Style::Ink).then(|| view.ink.params(view.size));
-    params.layers = view.layers;
-    params.slant = view.slant;
-    params.detail = match view.detail {
+    let detail = match view.detail {
         DetailArg::Full => Detail::Full,
-        DetailArg::Auto => Detail::Auto { target_height_px: view.size.1 as f32, bias: 1.0 },
+        DetailArg::Auto => Detail::Auto { bias: 1.0 },
         DetailArg::Level(level) => Detail::Level(level),
     };
-    params.fins = view.fins;
-    params.fill_lights.clone_from(&view.fill_lights);
-    params.lighting = view.lighting;
-    params.self_shadow = view.terms.self_shadow;
-    params.soft_shadow = view.terms.soft_shadow;
-    params.ambient_attenuation = view.terms.ambient_attenuation;
-    params.back_attenuation = view.terms.back_attenuation;
-    params.shadows = view.shadows;
-    params
+    let style = match view.style {
+        StyleKind::Bare => Style::Bare,
+        StyleKind::Ink => Style::Ink(view.ink.params().with(|ink| ink.fins = view.fins)),
+        _ => Style::Fur(FurParams::default().with(|fur| {
+            fur.layers = view.layers;
+            fur.detail = detail;
+            fur.fins = view.fins;
+            fur.self_shadow = view.terms.self_shadow;
+        })),
+    };
+    FrameParams::new(camera, [view.size.0, view.size.1]).with(|params| {
+        params.light = view.light;
+        params.style = style;
+        params.fill_lights.clone_from(&view.fill_lights);
+        params.soft_shadow = view.terms.soft_shadow;
+        params.shadows = view.shadows;
+        params.study = view.study;
+        params.study.ambient_attenuation = view.terms.ambient_attenuation;
+        params.study.back_attenuation = view.terms.back_attenuation;
+        view.ink.study(&mut params.study);
+    })
 }

@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::framing;
 use super::gpu::Gpu;
-use super::measure::{Meter, PASSES, count_fragments, fastest};
+use super::measure::{Meter, count_fragments, fastest};
 use super::package_file::PackageFile;
 use super::scene::Scene;
 use super::truth::{self, Truth};
@@ -104,10 +104,10 @@ impl<'a> ShellJudge<'a> {
             let frame_ms = fastest(&self.meter, scene)?;
             if frame_ms > sum.frame_ms {
                 sum.frame_ms = frame_ms;
-                sum.fragments = count_fragments(scene)?.map(|counts| counts[..PASSES.len()].iter().sum());
+                sum.fragments = count_fragments(scene)?.map(|counts| counts.iter().map(|(_, count)| count).sum());
             }
-            let model = scene.instance.model();
-            sum.gpu_bytes = model.gpu_bytes() + scene.instance.gpu_bytes() + scene.shadow_bytes();
+            let model = scene.model();
+            sum.gpu_bytes = model.gpu_bytes() + scene.copies_bytes() + scene.shadow_bytes();
         }
         let count = self.views.len() as f64;
         Ok(Measured {

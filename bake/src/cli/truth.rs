@@ -10,7 +10,7 @@ use pelage_bake::reference::{
     GroomReport, Lens, Skin, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScene, grow_on, tile_hair,
 };
 use pelage_bake::textures::{linear_to_srgb, srgb_to_linear};
-use pelage_runtime::{Light, Style};
+use pelage_runtime::{Light, StyleKind};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -31,14 +31,14 @@ impl Truth {
         let motion = clip.map(|(clip, duration_s)| (clip, within(view.time_s, duration_s)));
         let mut skin = Skin::posed(&file.name, package, motion)?;
         let hair = match view.style {
-            Style::Bare => None,
+            StyleKind::Bare => None,
             _ => tile_hair(&file.name, manifest)?,
         };
         let (curves, report) = match &hair {
             Some(hair) => grow_on(&skin, hair, f64::from(manifest.fur.tile_size_m))?,
             None => Default::default(),
         };
-        if view.style == Style::Bare {
+        if view.style == StyleKind::Bare {
             skin.materials.iter_mut().for_each(|material| material.furred = false);
         }
         let skeleton = package.animation().map_err(|error| file.fault(error))?;

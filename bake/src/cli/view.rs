@@ -5,7 +5,7 @@ use super::framing;
 use super::ink_args::InkView;
 use super::view_args::{Background, DetailArg, LightingArg, Penumbra, Slant, StyleArg, Switch, ViewArgs};
 use glam::Vec3;
-use pelage_runtime::{Light, Lighting, PenumbraForm, ShadowParams, SlantForm, Style};
+use pelage_runtime::{Light, Lighting, PenumbraForm, ShadowParams, SlantForm, Study, StyleKind};
 
 /// How a package is looked at; what the arguments that `render` and `bench` share come to.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct View {
     /// Samples per pixel, 1 or 4.
     pub samples: u32,
     /// With fur or without.
-    pub style: Style,
+    pub style: StyleKind,
     /// Eye, target and vertical field of view in degrees; `None` frames the model from its front left.
     pub camera: Option<(Vec3, Vec3, f32)>,
     /// The key light.
@@ -26,8 +26,6 @@ pub struct View {
     pub time_s: f32,
     /// Layers to draw; `None` for as many as were baked.
     pub layers: Option<u32>,
-    /// What the slant of the look does to the opacity of a layer.
-    pub slant: SlantForm,
     /// How much of the fur is drawn where it is small.
     pub detail: DetailArg,
     /// Copies of the model, at least 1.
@@ -36,8 +34,6 @@ pub struct View {
     pub fins: bool,
     /// Lights without shadow.
     pub fill_lights: Vec<Light>,
-    /// Where the key light is computed.
-    pub lighting: Lighting,
     /// Terms of Yang 2006, eq. (3).
     pub terms: Terms,
     /// How the key light's shadows are made.
@@ -46,6 +42,8 @@ pub struct View {
     pub background: Option<[u8; 3]>,
     /// How the ink style is drawn.
     pub ink: InkView,
+    /// The papers' printed forms, where they are asked for; but for `terms`, and those of the ink style.
+    pub study: Study,
 }
 
 /// Which terms of Yang 2006, eq. (3) are taken into account.
@@ -66,22 +64,21 @@ impl Default for View {
         Self {
             size: (834, 424),
             samples: 1,
-            style: Style::Fur,
+            style: StyleKind::Fur,
             camera: None,
             light: distant(framing::TOWARDS_LIGHT, 1.0),
             clip: None,
             time_s: 0.0,
             layers: None,
-            slant: SlantForm::default(),
             detail: DetailArg::Full,
             crowd: 1,
             fins: true,
             fill_lights: Vec::new(),
-            lighting: Lighting::Pixel,
             terms: Terms { ambient_attenuation: true, self_shadow: true, back_attenuation: true, soft_shadow: true },
             shadows: ShadowParams::default(),
             background: None,
             ink: InkView::default(),
+            study: Study::default(),
         }
     }
 }
@@ -104,7 +101,6 @@ impl TryFrom<&ViewArgs> for View {
             clip: args.clip.clone(),
             time_s: args.time,
             layers: args.layers,
-            slant: slant(args.view_slant),
             detail: args.detail,
             crowd: args.crowd,
             fins: args.fins != Some(Switch::Off),
@@ -115,27 +111,34 @@ impl TryFrom<&ViewArgs> for View {
                 back_attenuation: args.back_attenuation == Switch::On,
                 soft_shadow: args.soft_shadow == Switch::On,
             },
-            shadows: ShadowParams {
-                map_size: args.shadow_map,
-                map_layers: args.shadow_layers,
-                density: args.shadow_density,
-                slant: slant(args.slant),
-                penumbra: args.penumbra,
-                penumbra_form: match args.penumbra_form {
-                    Penumbra::Centred => PenumbraForm::Centred,
-                    Penumbra::Inner => PenumbraForm::Inner,
-                },
-                shrink: args.shadow_shrink,
-            },
-            lighting: match args.lighting {
-                LightingArg::Pixel => Lighting::Pixel,
-                LightingArg::Vertex => Lighting::Vertex,
-            },
+            shadows: ShadowParams::default().with(|shadows| {
+                shadows.map_size = args.shadow_map;
+                shadows.map_layers = args.shadow_layers;
+                shadows.density = args.shadow_density;
+                shadows.penumbra = args.penumbra;
+                shadows.shrink = args.shadow_shrink;
+            }),
+            study: study(args),
             ink: InkView { args: args.ink.clone(), background: args.background },
             background: args.background.map_or(defaults.background, Background::color),
             ..defaults
         })
     }
+}
+
+fn study(args: &ViewArgs) -> Study {
+    Study::default().with(|study| {
+        study.look_slant = slant(args.view_slant);
+        study.light_slant = slant(args.slant);
+        study.penumbra = match args.penumbra_form {
+            Penumbra::Centred => PenumbraForm::Centred,
+            Penumbra::Inner => PenumbraForm::Inner,
+        };
+        study.lighting = match args.lighting {
+            LightingArg::Pixel => Lighting::Pixel,
+            LightingArg::Vertex => Lighting::Vertex,
+        };
+    })
 }
 
 fn slant(slant: Slant) -> SlantForm {

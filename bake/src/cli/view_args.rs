@@ -5,7 +5,7 @@ use super::ink_args::InkArgs;
 use clap::ValueEnum;
 use glam::Vec3;
 use pelage_bake::recipe::{CameraView, parse_vec3};
-use pelage_runtime::Style;
+use pelage_runtime::StyleKind;
 use std::str::FromStr;
 
 /// Options of `render` and `bench`.
@@ -137,11 +137,11 @@ pub enum StyleArg {
 
 impl StyleArg {
     /// The runtime's word for it.
-    pub fn style(self) -> Style {
+    pub fn style(self) -> StyleKind {
         match self {
-            Self::Fur => Style::Fur,
-            Self::Ink => Style::Ink,
-            Self::Bare => Style::Bare,
+            Self::Fur => StyleKind::Fur,
+            Self::Ink => StyleKind::Ink,
+            Self::Bare => StyleKind::Bare,
         }
     }
 }
@@ -313,7 +313,7 @@ mod tests {
     fn defaults_are_those_of_the_manual() {
         let view = parse("").unwrap();
         let default = View::try_from(&view).unwrap();
-        assert_eq!((default.size, default.style, default.background), ((834, 424), Style::Fur, None));
+        assert_eq!((default.size, default.style, default.background), ((834, 424), StyleKind::Fur, None));
         assert_eq!(default, View::default());
         assert_eq!(view.lighting, LightingArg::Pixel);
         assert!(view.camera.is_none() && view.light.is_none() && view.point_light.is_none() && view.clip.is_none());
@@ -392,11 +392,10 @@ mod tests {
     #[test]
     fn ink_has_its_own_options() {
         let view = View::try_from(&parse("--style ink --ink-width 0.02m --background 255,255,255").unwrap()).unwrap();
-        let ink = view.ink.params((400, 848));
-        assert_eq!((view.style, ink.width, ink.paper), (Style::Ink, LineWidth::Metres(0.02), Vec3::ONE));
-        assert_eq!(ink.target_px, [400, 848]);
+        let ink = view.ink.params();
+        assert_eq!((view.style, ink.width, ink.paper), (StyleKind::Ink, LineWidth::Metres(0.02), Vec3::ONE));
         let default = View::try_from(&parse("--style ink").unwrap()).unwrap();
-        assert_eq!(default.ink.params((400, 848)), InkParams::new(400, 848));
+        assert_eq!(default.ink.params(), InkParams::default());
         for line in ["--ink-width 7", "--ink-width 40px", "--ink-threshold 0.1", "--ink-mist 5,2", "--ink-tone nan"] {
             assert!(parse(line).unwrap_err().contains("expected"), "{line}");
         }

@@ -9,7 +9,7 @@ use crate::mesh::Model;
 use crate::recipe::Recipe;
 use glam::{Vec3, vec3};
 use pelage_formats::{Limits, Package};
-use pelage_runtime::{Camera, FrameParams, InkParams, InkShow, PassId, Style};
+use pelage_runtime::{Camera, FrameParams, InkParams, InkShow, PassId};
 
 /// The row of the table.
 pub const ROW: Row<DrawnDriver> = Row {
@@ -50,17 +50,17 @@ fn ear() -> Model {
 fn widest(package: &[u8], draw: &mut Drawer<'_>) -> Result<[f64; 2], BakeError> {
     let opened = Package::open(package, &Limits::default());
     let bounds = opened.map_err(|e| BakeError::Internal(format!("a package just baked: {e}")))?.manifest().bounds;
-    let ink = on_blank_paper(&InkParams::new(SIZE.0, SIZE.1));
-    let template_px = template_px(&ink);
+    let ink = on_blank_paper(&InkParams::default());
+    let template_px = template_px(&ink, SIZE.1);
     let mut most = [0.0f64; 2];
     for view in 0..VIEWS {
         let (s, c) = (std::f32::consts::TAU * view as f32 / VIEWS as f32).sin_cos();
         let towards = vec3(s, 0.2, c);
         let camera = Camera::framing(Vec3::from(bounds.center), bounds.radius, towards, 0.5, 1.0);
         for (most, template) in most.iter_mut().zip([false, true]) {
-            let ink = Some(InkParams { template, show: InkShow::Lines, ..ink.clone() });
-            let params = FrameParams { style: Style::Ink, ink, ..FrameParams::new(camera) };
-            let texels = draw(&Drawing { package, params: &params, size: SIZE, passes: &[PassId::InkComposite] })?;
+            let params = FrameParams::new(camera, [SIZE.0, SIZE.1]).with_ink(ink.clone());
+            let params = params.with(|p| (p.study.template, p.study.show) = (template, InkShow::Lines));
+            let texels = draw(&Drawing { package, params: &params, size: SIZE, passes: &[PassId::INK_COMPOSITE] })?;
             let pixels = texels.iter().map(|texel| texel[0] < 0.5).collect();
             let strokes = Mask { width: SIZE.0, height: SIZE.1, pixels };
             *most = most.max(strokes.widest_stroke().width_px / template_px);

@@ -154,10 +154,10 @@ pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Resul
     let aspect = size.0 as f32 / size.1 as f32;
     let camera =
         Camera::framing(Vec3::from(bounds.center), bounds.radius, Vec3::new(-0.7, 0.35, 0.8), FOV_Y_RAD, aspect);
-    let with = FrameParams::new(camera);
-    let without = FrameParams { fins: false, ..with.clone() };
-    let sheets = FrameParams { slant: SlantForm::Printed, ..without.clone() };
-    let all = [PassId::Skin, PassId::Fins, PassId::Shells];
+    let with = FrameParams::new(camera, [size.0, size.1]);
+    let without = with.clone().with_fur(|fur| fur.fins = false);
+    let sheets = without.clone().with(|p| p.study.look_slant = SlantForm::Printed);
+    let all = [PassId::SKIN, PassId::FINS, PassId::SHELLS];
     let pictures = [
         truth(&opened, &camera, size)?,
         coverage(draw, package, &sheets, size, &all)?,
@@ -165,7 +165,7 @@ pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Resul
         coverage(draw, package, &with, size, &all)?,
         coverage(draw, package, &with, size, &all[..2])?,
     ];
-    let bare = FrameParams { style: Style::Bare, ..with };
+    let bare = with.with(|p| p.style = Style::Bare);
     let skin = coverage(draw, package, &bare, size, &all[..1])?;
     let distances = distances(&skin);
     let off = |k: usize| error(&pictures[k], &pictures[0], &distances, REACH, WINDOW);

@@ -1,8 +1,18 @@
-//! What the example and the tests need around the runtime: a device without a window, pictures read back, and a small furry
-//! package made in code.
+//! What the examples and the tests need around the runtime: a device without a window, pictures read back, a scene of an application's
+//! own, and a small furry package made in code.
 
 #![allow(clippy::unwrap_used, reason = "examples and tests stop at the first surprise")]
 
+#[allow(dead_code, reason = "not every example has a ground")]
+pub mod ground;
 pub mod headless;
 pub mod ktx2;
 pub mod sphere;
+
+/// The bytes of the package of that path; without one, of a small furry sphere.
+pub fn package_or_sphere(path: Option<String>) -> Vec<u8> {
+    match path {
+        Some(path) => std::fs::read(&path).unwrap_or_else(|e| panic!("{path}: {e}")),
+        None => sphere::package(&sphere::SphereParams::default()),
+    }
+}

@@ -1,140 +1,124 @@
-//! One pass is one folder: what it needs, its pipelines, and how it is recorded.
+//! One pass is one folder: its shader, what it draws to, its pipelines, when it runs, and its words in reports. Their order is the list in
+//! `frame.rs`.
 
 pub(crate) mod fins;
-pub(crate) mod ink;
 pub(crate) mod ink_composite;
 pub(crate) mod ink_dilate;
 pub(crate) mod ink_features;
 pub(crate) mod ink_fur;
 pub(crate) mod ink_normals;
 pub(crate) mod ink_stroke;
-pub(crate) mod key;
 pub(crate) mod layer_shadow;
 pub(crate) mod pose;
+#[cfg(test)]
+pub(crate) mod probe;
 pub(crate) mod shadow_width;
 pub(crate) mod shells;
 pub(crate) mod skin;
-pub(crate) mod surface;
 
-use crate::model::Part;
-use crate::shadow::CasterPass;
-use std::ops::Range;
+use crate::gpu::{Draw, Shader, Target};
+use crate::params::StyleKind;
+use crate::scene::Recording;
+use std::fmt;
 
-/// Draws a part's triangles, once for each of `layers`; groups 0 and 2 and the vertex buffers are set.
-pub(crate) fn draw_part(
-    pass: &mut wgpu::RenderPass<'_>,
-    part: &Part,
-    pipeline: &wgpu::RenderPipeline,
-    layers: Range<u32>,
-) {
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(1, &part.material, &[]);
-    pass.draw_indexed(part.indices.clone(), 0, layers);
-}
-
-/// What a pass into the key light's maps draws to.
-pub(crate) enum MapTarget<'a> {
-    /// Texels, cleared to full light.
-    Light(&'a wgpu::TextureView),
-    /// Texels as they are, where nothing in the depth map is nearer.
-    LightBefore { light: &'a wgpu::TextureView, nearest: &'a wgpu::TextureView },
-    /// Depth, cleared to what the pass starts from.
-    Depth(&'a wgpu::TextureView, CasterPass),
-}
-
-/// Begins a pass into the key light's maps.
-pub(crate) fn begin_maps<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    label: &str,
-    target: MapTarget<'_>,
-) -> wgpu::RenderPass<'e> {
-    let texels = |view, load| {
-        let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
-        [Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })]
-    };
-    // Without operations a depth buffer is only read.
-    let depth = |view, depth_ops| wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None };
-    let white = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
-    let (colors, depth) = match target {
-        MapTarget::Light(view) => (Some(texels(view, white)), None),
-        MapTarget::LightBefore { light, nearest } => {
-            (Some(texels(light, wgpu::LoadOp::Load)), Some(depth(nearest, None)))
-        }
-        MapTarget::Depth(view, pass) => {
-            let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(pass.clear()), store: wgpu::StoreOp::Store };
-            (None, Some(depth(view, Some(ops))))
-        }
-    };
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: colors.as_ref().map_or(&[], |c| &c[..]),
-        depth_stencil_attachment: depth,
-        ..Default::default()
-    })
-}
-
-/// A pass of the frame, in the order in which they run.
+/// When a pass is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum PassId {
-    /// Compute: poses the vertices. Recorded by [`crate::Renderer::prepare`].
-    Pose,
-    /// Transmittance of the hair above each layer, seen from the key light. Recorded by [`crate::Renderer::prepare`].
-    LayerShadow,
-    /// Depth maps from the key light and the shadow-width map. Recorded by [`crate::Renderer::prepare`].
-    ShadowWidth,
-    /// The opaque base mesh and bare parts.
-    Skin,
-    /// Quads of hair on the edges of the skin, where they are seen face on.
-    Fins,
-    /// The layers of hair, inside to outside.
-    Shells,
-    /// Ink: the surfaces' normals, wash and stroke. Recorded by [`crate::Renderer::prepare`].
-    InkNormals,
-    /// Ink: the pixels that lines run through. Recorded by [`crate::Renderer::prepare`].
-    InkFeatures,
-    /// Ink: how far their lines reach along rows. Recorded by [`crate::Renderer::prepare`].
-    InkDilate,
-    /// Ink: the lines. Recorded by [`crate::Renderer::prepare`].
-    InkStroke,
-    /// Ink: paper, wash and lines.
-    InkComposite,
-    /// Ink: strokes of fur over them.
-    InkFur,
+pub enum PassPlace {
+    /// By [`crate::Renderer::prepare`], before the application's render pass.
+    Before,
+    /// By [`crate::Frame::draw`], in the application's render pass.
+    Picture,
 }
+
+/// A pass: what it is, whatever the frame, and what it does in one. It keeps nothing: what lasts is the renderer's.
+pub(crate) struct Pass {
+    pub(crate) name: &'static str,
+    pub(crate) place: PassPlace,
+    /// Styles of frames that have it.
+    pub(crate) styles: &'static [StyleKind],
+    /// What it does, as documents say it.
+    pub(crate) does: &'static str,
+    /// When it runs, as documents say it.
+    pub(crate) runs_when: &'static str,
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests hold all shaders against the Rust that feeds them"))]
+    pub(crate) shaders: &'static [Shader],
+    /// Textures of the picture's size that it draws to.
+    pub(crate) targets: &'static [Target],
+    /// Records it, or plans its draws in the application's pass, in a frame of one of its styles.
+    pub(crate) run: fn(&mut Recording<'_>) -> Outcome,
+}
+
+/// A pass of a frame.
+#[derive(Clone, Copy)]
+pub struct PassId(pub(crate) &'static Pass);
 
 impl PassId {
-    /// All of them, in order.
-    pub const ALL: [Self; 12] = [
-        Self::Pose,
-        Self::LayerShadow,
-        Self::ShadowWidth,
-        Self::InkNormals,
-        Self::InkFeatures,
-        Self::InkDilate,
-        Self::InkStroke,
-        Self::Skin,
-        Self::Fins,
-        Self::Shells,
-        Self::InkComposite,
-        Self::InkFur,
-    ];
-
     /// Name in reports.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Pose => "pose",
-            Self::LayerShadow => "layer_shadow",
-            Self::ShadowWidth => "shadow_width",
-            Self::Skin => "skin",
-            Self::Fins => "fins",
-            Self::Shells => "shells",
-            Self::InkNormals => "ink_normals",
-            Self::InkFeatures => "ink_features",
-            Self::InkDilate => "ink_dilate",
-            Self::InkStroke => "ink_stroke",
-            Self::InkComposite => "ink_composite",
-            Self::InkFur => "ink_fur",
-        }
+        self.0.name
     }
+
+    /// When it is recorded.
+    pub fn place(self) -> PassPlace {
+        self.0.place
+    }
+
+    /// Styles of frames that have it.
+    pub fn styles(self) -> &'static [StyleKind] {
+        self.0.styles
+    }
+
+    /// What it does, in a sentence.
+    pub fn does(self) -> &'static str {
+        self.0.does
+    }
+
+    /// When it runs, in a sentence.
+    pub fn runs_when(self) -> &'static str {
+        self.0.runs_when
+    }
+}
+
+impl PartialEq for PassId {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.name == other.0.name
+    }
+}
+
+impl Eq for PassId {}
+
+impl fmt::Debug for PassId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.name)
+    }
+}
+
+/// What a pass does in a frame.
+#[derive(Debug)]
+pub(crate) enum Outcome {
+    /// Nothing, and why.
+    Skipped(&'static str),
+    /// What it did, or will do with these draws in the application's pass.
+    Ran(String, Vec<Draw>),
+}
+
+impl Outcome {
+    /// What a pass recorded before the picture.
+    pub(crate) fn recorded(words: String) -> Self {
+        Self::Ran(words, Vec::new())
+    }
+}
+
+/// Words for what is left out because everything is far away.
+pub(crate) fn any_reduced(frame: &Recording<'_>) -> bool {
+    frame.instances.iter().any(|seen| seen.drawing.is_reduced())
+}
+
+/// Nothing, because the frame is of a style without the pass.
+pub(crate) fn not_of(style: StyleKind) -> Outcome {
+    Outcome::Skipped(match style {
+        StyleKind::Fur => "style is fur",
+        StyleKind::Bare => "style is bare",
+        StyleKind::Ink => "style is ink",
+    })
 }

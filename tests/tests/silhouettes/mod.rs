@@ -11,10 +11,9 @@ use pelage_tests::support::headless::Gpu;
 pub fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Vec<[f32; 4]> {
     let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..RendererOptions::default() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).expect("the options are valid");
-    let model: Model = renderer.load_bytes(&gpu.device, &gpu.queue, drawing.package).expect("the package loads");
-    let mut instance = Instance::new(&model);
-    let Drawing { params, size, passes, .. } = *drawing;
-    let texels = draw_passes(gpu, &mut renderer, size, params, &mut [&mut instance], passes);
+    let model: Model = renderer.load_bytes(drawing.package).expect("the package loads");
+    let params = drawing.params.clone().with(|p| p.viewport = drawing.size.into());
+    let texels = draw_passes(gpu, &mut renderer, &params, &[&Instance::new(0, &model)], drawing.passes);
     let texel = |t: &[u8]| [0, 2, 4, 6].map(|i| half_to_f32([t[i], t[i + 1]]));
     texels.chunks_exact(8).map(texel).collect()
 }

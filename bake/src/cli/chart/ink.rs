@@ -20,7 +20,7 @@ use pelage_bake::compare_lines::measure_lines;
 use pelage_bake::compare_motion::{Flicker, Moment, flicker};
 use pelage_bake::mask::Mask;
 use pelage_bake::reference::{LineParams, Skin, TrueLines};
-use pelage_runtime::{InkParams, InkShow, Style};
+use pelage_runtime::{InkParams, InkShow, Style, StyleKind};
 
 /// Frames of the slow turn whose flicker is taken, and the degrees between them.
 const TURN: (u32, f32) = (4, 1.0);
@@ -79,8 +79,8 @@ impl Topic for InkTopic<'_> {
             Shared::new(subject, gpu)
         })?;
         doing("drawing");
-        let ink = &self.configurations[index].ink;
-        Ok(ink::cells(ink, &shared.measure(ink, gpu)?))
+        let look = &self.configurations[index].look;
+        Ok(ink::cells(look, &shared.measure(look, gpu)?))
     }
 }
 
@@ -100,16 +100,16 @@ impl Shared {
     }
 
     /// Draws one way from both sides, times it, and goes slowly round with it.
-    fn measure(&mut self, ink: &InkParams, gpu: &Gpu) -> Result<ink::Measured, Failure> {
-        let [width, height] = ink.target_px;
+    fn measure(&mut self, wanted: &ink::Look, gpu: &Gpu) -> Result<ink::Measured, Failure> {
+        let ink::Look { size, ink, study } = wanted;
+        let (size, (width, height)) = (*size, *size);
         let camera = |towards| {
             let (eye, target) = framing::frame(&self.rest_points, 0.0, width as f32 / height as f32, towards);
             (eye, target, framing::FOV_DEG)
         };
         let cameras = [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera);
-        let size = (width, height);
         if self.scene.as_ref().is_none_or(|(view, _)| view.size != size) {
-            let view = View { size, style: Style::Ink, camera: Some(cameras[0]), ..View::default() };
+            let view = View { size, style: StyleKind::Ink, camera: Some(cameras[0]), ..View::default() };
             self.scene = Some((view.clone(), Scene::new(&self.file, &view, || Ok(gpu.clone()))?));
         }
         let Some((view, scene)) = &mut self.scene else {
@@ -117,7 +117,8 @@ impl Shared {
         };
         let look = |scene: &mut Scene, camera, show, ink: InkParams| -> Result<RgbaImage, Failure> {
             scene.look_from(&View { camera: Some(camera), ..view.clone() });
-            scene.params.ink = Some(InkParams { show, ..ink });
+            scene.params.style = Style::Ink(ink);
+            scene.params.study = study.with(|study| study.show = show);
             scene.draw()?;
             scene.canvas.read(gpu)
         };

@@ -2,13 +2,13 @@
 
 use crate::cli::exit::Failure;
 use crate::cli::gpu::{Gpu, lost, read_texture};
-use crate::cli::measure::{Meter, index_of};
+use crate::cli::measure::Meter;
 use crate::cli::package_file::PackageFile;
 use crate::cli::scene::Scene;
 use crate::cli::view::View;
 use glam::Vec3;
 use pelage_bake::chart::light_maps::LightMaps;
-use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams};
+use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams, Study};
 
 /// Drawings of the maps under each light, of which the fastest counts; of all lights the median.
 const DRAWINGS: usize = 3;
@@ -38,24 +38,23 @@ impl LightBench {
     pub fn draw(
         &mut self,
         towards_light: Vec3,
-        shadows: ShadowParams,
+        (shadows, study): (ShadowParams, Study),
         pass: PassId,
     ) -> Result<(LightMaps, f64), Failure> {
         let params = &mut self.scene.params;
         params.light = Light::Directional { towards_light, color: Vec3::ONE };
         params.shadows = shadows;
-        params.self_shadow = pass == PassId::LayerShadow;
-        params.soft_shadow = pass == PassId::ShadowWidth;
-        let (frame, _) = self.meter.prepared(&mut self.scene)?;
+        params.study = study;
+        params.soft_shadow = pass == PassId::SHADOW_WIDTH;
+        *params = params.clone().with_fur(|fur| fur.self_shadow = pass == PassId::LAYER_SHADOW);
+        let (frame, _) = self.meter.prepared(&mut self.scene, pass)?;
         let maps = frame.shadows().ok_or_else(|| lost("no shadow map was drawn"))?;
         let maps = read_maps(&self.scene.gpu, maps)?;
         // What a frame holds is not drawn over, but made anew.
         drop(frame);
-        let index = index_of(pass);
         let mut milliseconds = f64::INFINITY;
         for _ in 0..DRAWINGS {
-            let (_, times) = self.meter.prepared(&mut self.scene)?;
-            milliseconds = times.get(index).map_or(milliseconds, |ms| milliseconds.min(*ms));
+            milliseconds = milliseconds.min(self.meter.prepared(&mut self.scene, pass)?.1);
         }
         Ok((maps, milliseconds))
     }

@@ -5,7 +5,7 @@ use super::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::gpu::Gpu;
-use crate::cli::measure::{Meter, Spread, index_of};
+use crate::cli::measure::{Meter, Spread};
 use crate::cli::package_file::PackageFile;
 use crate::cli::scene::Scene;
 use crate::cli::view::{Terms, View};
@@ -13,7 +13,7 @@ use pelage_bake::chart::{Cell, lighting};
 use pelage_bake::groom::{self, Lengths};
 use pelage_bake::mesh::RestPose;
 use pelage_bake::pipeline;
-use pelage_runtime::{Lighting, PassId};
+use pelage_runtime::{Lighting, PassId, Study};
 
 /// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and those before them in which pipelines and caches settle.
 const FRAMES: usize = 9;
@@ -64,7 +64,8 @@ impl Topic for LightingTopic<'_> {
         let file = PackageFile { name: name.clone(), bytes: baked.package };
         // Shadows cost the same whatever direction the light is computed with.
         let terms = Terms { self_shadow: false, soft_shadow: false, ..View::default().terms };
-        let view = View { lighting: configuration.lighting, terms, ..View::default() };
+        let study = Study::default().with(|study| study.lighting = configuration.lighting);
+        let view = View { study, terms, ..View::default() };
         let mut scene = Scene::new(&file, &view, || Ok(self.gpu.clone()))?;
         doing("directions");
         let measured = lighting::measure(configuration, self.lengths)?;
@@ -74,7 +75,7 @@ impl Topic for LightingTopic<'_> {
         for frame in 0..WARM_UP + FRAMES {
             let times = meter.measure(&mut scene)?;
             if frame >= WARM_UP {
-                milliseconds.push(times.passes[index_of(PassId::Shells)]);
+                milliseconds.push(times.of(PassId::SHELLS));
             }
         }
         Ok(lighting::cells(configuration, &measured, Spread::of(milliseconds).min, meter.clock().word()))

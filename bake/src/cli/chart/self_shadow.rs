@@ -14,7 +14,7 @@ use pelage_bake::chart::self_shadow::{
 use pelage_bake::groom::{self, Lengths};
 use pelage_bake::mesh::RestPose;
 use pelage_formats::Bounds;
-use pelage_runtime::{PassId, ShadowParams};
+use pelage_runtime::{PassId, Study};
 
 /// The topic.
 pub struct SelfShadowTopic<'a> {
@@ -50,7 +50,7 @@ impl Topic for SelfShadowTopic<'_> {
         let row = |configuration: &Configuration| PlannedRow {
             series: configuration.series.into(),
             label: configuration.label.clone(),
-            default: configuration.shadows == ShadowParams::default(),
+            default: configuration.is_default(),
             command: None,
         };
         let (name, layers) = (&self.subject.name, self.subject.recipe.slice.layers);
@@ -77,19 +77,20 @@ impl Topic for SelfShadowTopic<'_> {
             let truths = slants.iter().copied().enumerate().map(truth).collect();
             Ok(Shared { sheet, bench, truths })
         })?;
-        let shadows = self.configurations[index].shadows;
+        let (shadows, slant_form) = (self.configurations[index].shadows, self.configurations[index].slant);
+        let study = Study::default().with(|study| study.light_slant = slant_form);
         let mut measured = Measured::default();
         let mut cost = Cost { timing: bench.clock_word(), ..Cost::default() };
         let mut milliseconds = Vec::new();
         for (i, (slant, truth)) in truths.iter().enumerate() {
             doing(&format!("light {} of {}", i + 1, truths.len()));
-            let (maps, ms) = bench.draw(sheet.to_world(slant.light_ts), shadows, PassId::LayerShadow)?;
-            measured.add(slant, &sheet.fast(&maps, slant, &shadows, truth), shadows.density, truth);
+            let (maps, ms) = bench.draw(sheet.to_world(slant.light_ts), (shadows, study), PassId::LAYER_SHADOW)?;
+            measured.add(slant, &sheet.fast(&maps, slant, (&shadows, slant_form), truth), shadows.density, truth);
             milliseconds.push(ms);
             cost.texels_per_hair_texel = sheet.map_texels_per_hair_texel(&maps);
             cost.map_size_on_model = sheet.map_size_on(&maps, self.bounds.radius + self.lengths.length_m);
         }
         cost.milliseconds = Spread::of(milliseconds).median;
-        Ok(cells(&shadows, sheet.layers, &measured, &cost))
+        Ok(cells((&shadows, slant_form), sheet.layers, &measured, &cost))
     }
 }

@@ -68,7 +68,7 @@ impl Topic for SoftShadowTopic<'_> {
             Ok((Skin::new(model)?, LightBench::new(name, &baked.package, &self.gpu)?))
         })?;
         let configuration = &self.configurations[index];
-        let shadows = runtime_settings(configuration);
+        let (shadows, study) = runtime_settings(configuration);
         let known = self.truths.iter().position(|(penumbra, _)| *penumbra == shadows.penumbra);
         let known = known.unwrap_or_else(|| {
             doing("true light");
@@ -80,7 +80,7 @@ impl Topic for SoftShadowTopic<'_> {
         let (mut measured, mut milliseconds) = (Measured::default(), Vec::new());
         for (light, truth) in lights().into_iter().zip(&self.truths[known].1) {
             doing("light on the skin");
-            let (maps, ms) = bench.draw(light, shadows, PassId::ShadowWidth)?;
+            let (maps, ms) = bench.draw(light, (shadows, study), PassId::SHADOW_WIDTH)?;
             let start = Instant::now();
             let fast = skin.fast(&maps, light, configuration.method, shadows.shrink);
             // Distances that no pass of the runtime makes are made here, and this is what they cost.

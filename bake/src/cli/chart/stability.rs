@@ -142,11 +142,11 @@ mod drawn {
             ..RendererOptions::default()
         };
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).map_err(fault)?;
-        let model = renderer.load_bytes(&gpu.device, &gpu.queue, drawing.package).map_err(fault)?;
-        let mut instance = Instance::new(&model);
+        let model = renderer.load_bytes(drawing.package).map_err(fault)?;
+        let instance = Instance::new(0, &model);
         let canvas = Canvas::in_format(gpu, format, drawing.size.0, drawing.size.1, 1);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let frame = renderer.prepare(&gpu.device, &mut encoder, drawing.params, &mut [&mut instance]).map_err(fault)?;
+        let frame = renderer.prepare(&mut encoder, drawing.params, [&instance]).map_err(fault)?;
         let mut pass = canvas.pass(&mut encoder, "silhouette", Some([0.0; 4]), true);
         drawing.passes.iter().for_each(|id| frame.draw_pass(*id, &mut pass));
         drop(pass);

@@ -1,90 +1,71 @@
 //! `fins`: quads of hair on the edges of the skin, faded by the angle they are seen at (Lengyel 2001), blended into the
 //! application's colour target with depth tested and not written. Between `skin` and `shells`.
 
-use crate::Instance;
-use crate::model::Model;
-use crate::passes::key::{Look, SurfaceShader, plan_parts};
-use crate::passes::surface::{SurfaceLayouts, surface_wgsl};
-use crate::renderer::Pipelines;
+use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
+use crate::gpu::{Group, RenderSpec, Shader, on};
+use crate::hair::{groom, hair_wgsl, material};
+use crate::model::Part;
+use crate::params::StyleKind;
+use crate::scene::{Recording, Seen, fin_draws};
 
 /// The shader.
-pub(crate) const WGSL: &str = surface_wgsl!("../fins/fin_corner.wgsl", "fins.wgsl");
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage fins",
+    wgsl: hair_wgsl!(include_str!("../../hair/fin_corner.wgsl"), include_str!("fins.wgsl")),
+};
 
-/// Vertices of a quad, as in the shader.
-pub(crate) const CORNERS: u32 = 6;
-/// Quads of a fin where hair leans, as in the shader; elsewhere one.
-pub(crate) const LEANING_ROWS: u32 = 3;
-
-/// What an instance draws: its vertices for the shader, and the parts that have fins with their pipelines.
-#[derive(Debug)]
-pub(crate) struct FinDraws {
-    bind_group: wgpu::BindGroup,
-    parts: Vec<(usize, wgpu::RenderPipeline)>,
+impl PassId {
+    /// Quads of hair on the edges of the skin, where they are seen face on.
+    pub const FINS: Self = Self(&PASS);
 }
 
-/// Numbers and pipelines of the parts with fins.
-pub(crate) fn plan(
-    device: &wgpu::Device,
-    pipelines: &mut Pipelines,
-    model: &Model,
-    look: &Look,
-) -> Vec<(usize, wgpu::RenderPipeline)> {
-    plan_parts(device, pipelines, model, look, SurfaceShader::Fins, |part| !part.fins.is_empty())
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "fins",
+    place: PassPlace::Picture,
+    styles: &[StyleKind::Fur],
+    does: "quads of hair on the edges of the skin, faded by the angle they are seen at; their vertices are pulled from storage buffers, so that each corner knows both ends of its edge",
+    runs_when: "there is fur to see, the package has fins, and the device has storage buffers in vertex shaders",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
+    let mut constants = material(part);
+    constants.extend(seen.look.lights());
+    constants.extend(groom(&seen.model, part));
+    constants.push(on("PLANAR_DIRECTIONS", seen.model.fins().is_some_and(|fins| fins.planar_directions)));
+    // They are seen from both sides, and hide nothing.
+    let spec = frame.picture_spec(SHADER, ["vs_fins", "fs_fins"], constants, [false, true], true);
+    RenderSpec { depth: Some(frame.picture_depth(false, true)), ..spec }
 }
 
-/// The draws of an instance whose posed vertices are there; `None` for a model without fins.
-pub(crate) fn draws(
-    device: &wgpu::Device,
-    pipelines: &mut Pipelines,
-    instance: &Instance,
-    look: &Look,
-) -> Option<FinDraws> {
-    let model = instance.model();
-    model.fins()?;
-    let parts = plan(device, pipelines, model, look);
-    bind(device, &pipelines.layouts, instance, parts)
-}
-
-/// Planned parts with the vertices that the shader reads; `None` for a model without fins.
-pub(crate) fn bind(
-    device: &wgpu::Device,
-    layouts: &SurfaceLayouts,
-    instance: &Instance,
-    parts: Vec<(usize, wgpu::RenderPipeline)>,
-) -> Option<FinDraws> {
-    let model = instance.model();
-    let fins = model.fins()?;
-    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("pelage fins"),
-        layout: layouts.fins.as_ref()?,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: instance.geometry().as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: model.attributes().as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 2, resource: fins.buffer.as_entire_binding() },
-        ],
-    });
-    Some(FinDraws { bind_group, parts })
-}
-
-/// Records the draws of one instance; group 0 is set.
-pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, model: &Model, draws: &FinDraws) {
-    record_with(pass, model, draws, model.fins().map(|fins| &fins.textures));
-}
-
-/// [`record`] with other textures in group 2.
-pub(crate) fn record_with(
-    pass: &mut wgpu::RenderPass<'_>,
-    model: &Model,
-    draws: &FinDraws,
-    textures: Option<&wgpu::BindGroup>,
-) {
-    pass.set_bind_group(2, textures, &[]);
-    pass.set_bind_group(3, &draws.bind_group, &[]);
-    let vertices = if model.varies().lean { CORNERS * LEANING_ROWS } else { CORNERS };
-    for (part, pipeline) in &draws.parts {
-        let part = &model.parts()[*part];
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(1, &part.material, &[]);
-        pass.draw(part.fins.start * vertices..part.fins.end * vertices, 0..1);
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let instances = frame.instances.clone();
+    let (mut draws, mut with_fins, mut edges) = (Vec::new(), 0, 0);
+    for seen in instances.iter().filter(|seen| seen.in_picture && seen.look.fins) {
+        let textures = seen.model.fins().and_then(|fins| Group::of(&fins.textures));
+        let of_model = fin_draws(frame, seen, textures, |frame, part| spec(frame, seen, part));
+        if !of_model.is_empty() {
+            with_fins += 1;
+            edges += seen.model.parts().iter().map(|part| part.fins.len()).sum::<usize>();
+            draws.extend(of_model);
+        }
     }
+    if edges > 0 {
+        return Outcome::Ran(format!("{with_fins} instances, {edges} edges"), draws);
+    }
+    let fur = frame.params.style.fur();
+    Outcome::Skipped(match (instances.is_empty(), fur.and_then(|fur| fur.layers)) {
+        (true, _) => "no instances",
+        (_, Some(1)) => "one layer is the skin alone",
+        _ if fur.is_some_and(|fur| !fur.fins) => "switched off",
+        _ if !instances.iter().any(|seen| seen.in_picture) => "nothing is in the picture",
+        _ if any_reduced(frame) => "the fur is too small on screen",
+        _ if instances.iter().any(|seen| seen.model.manifest().fur.fins.is_some()) => {
+            "no edges, or no storage buffers in vertex shaders"
+        }
+        _ => "no package has fins",
+    })
 }

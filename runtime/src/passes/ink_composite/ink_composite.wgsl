@@ -8,10 +8,6 @@
 @group(0) @binding(6) var paper_sampler: sampler;
 @group(0) @binding(7) var clamped: sampler;
 
-// 0: the painting; 1: lines, black on white; 2: features; 3: wash.
-override SHOW: u32 = 0u;
-// Lines run a little into the paper, as wash does; those that are ink or not do not.
-override SOFT: bool = true;
 // The application's own picture stays where nothing is painted.
 override PICTURE: bool = false;
 
@@ -30,36 +26,42 @@ fn softly(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f32> {
     return 0.5 * (textureSampleLevel(map, clamped, uv + px, 0.0).rg + textureSampleLevel(map, clamped, uv - px, 0.0).rg);
 }
 
+// Beside the body the line stands a little behind its feature at `q`, so that hair from there covers it. Its faint edge hides nothing.
+fn depth_at(p: vec2<i32>, q: vec2<i32>, on_body: bool, opacity: f32) -> f32 {
+    let beside = mix(textureLoad(depths, q, 0), ink.far_depth, 0.05);
+    return select(beside, textureLoad(depths, p, 0), on_body || opacity <= 0.5);
+}
+
+// The feature that reaches a pixel.
+fn feature_of(p: vec2<i32>, stroke: vec4<f32>) -> vec2<i32> {
+    return inside(p + vec2<i32>(round(stroke.zw * 255.0)) - 128);
+}
+
+// Opacity and ink of the line.
+fn line_at(uv: vec2<f32>, stroke: vec4<f32>) -> vec2<f32> {
+    if SOFT {
+        return softly(strokes, uv, LINES_RUN);
+    }
+    return stroke.xy;
+}
+
+// Grey of the wash, which gathers between the fibres.
+fn wash_at(uv: vec2<f32>, sheet: vec4<f32>) -> f32 {
+    let dens = 1.0 - softly(surfaces, uv, WASH_RUNS).r;
+    return clamp(1.0 - dens * (1.0 + ink.paper_grain * (0.25 * (sheet.g - 0.5) + 0.15 * (0.5 - sheet.r))), 0.0, 1.0);
+}
+
 @fragment
 fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     let p = inside(vec2<i32>(position.xy));
     let uv = position.xy / ink.size;
     let here = textureLoad(normals, p, 0);
     let stroke = textureLoad(strokes, p, 0);
-    let q = inside(p + vec2<i32>(round(stroke.zw * 255.0)) - 128);
-    // Beside the body the line stands a little behind its feature, so that hair from there covers it. Its faint edge hides nothing.
-    let beside = mix(textureLoad(depths, q, 0), ink.far_depth, 0.05);
-    let depth = select(beside, textureLoad(depths, p, 0), here.w > 0.0 || stroke.x <= 0.5);
-    // Opacity and ink.
-    var line = stroke.xy;
-    if SOFT {
-        line = softly(strokes, uv, LINES_RUN);
-    }
-    if SHOW == 1u {
-        return Painted(vec4(vec3(1.0 - line.x), 1.0), depth);
-    }
-    if SHOW == 2u {
-        // Here the features stand in for the lines.
-        return Painted(vec4(vec3(select(1.0, 0.0, stroke.x > 0.0)), 1.0), depth);
-    }
-    var wash = softly(surfaces, uv, WASH_RUNS).r;
+    let q = feature_of(p, stroke);
+    let depth = depth_at(p, q, here.w > 0.0, stroke.x);
+    let line = line_at(uv, stroke);
     let sheet = textureSampleLevel(paper, paper_sampler, position.xy / ink.paper_period, 0.0);
-    // The wash gathers between the fibres.
-    let dens = 1.0 - wash;
-    wash = clamp(1.0 - dens * (1.0 + ink.paper_grain * (0.25 * (sheet.g - 0.5) + 0.15 * (0.5 - sheet.r))), 0.0, 1.0);
-    if SHOW == 3u {
-        return Painted(vec4(linear_of(vec3(wash)), 1.0), depth);
-    }
+    let wash = wash_at(uv, sheet);
     var grey = wash * (1.0 - line.y);
     if ink.mist_to > ink.mist_from {
         let nearness = select(textureLoad(normals, q, 0).w, here.w, here.w > 0.0);

@@ -1,6 +1,51 @@
 //! `ink_composite`: paper, wash and lines into the application's pass, with the depth of what is painted.
 
-use super::ink::ink_screen_wgsl;
+use super::{Outcome, Pass, PassId, PassPlace, ink_features, ink_normals, ink_stroke};
+use crate::gpu::{Draw, Shader, on};
+use crate::params::{InkBackground, StyleKind};
+use crate::scene::{Recording, Screen, ink_screen_wgsl};
+use crate::study;
 
 /// The shader.
-pub(crate) const WGSL: &str = ink_screen_wgsl!("ink_composite.wgsl");
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage ink composite",
+    wgsl: ink_screen_wgsl!(include_str!("ink_composite.wgsl"), crate::study::form_wgsl!("behind ink_composite")),
+};
+
+impl PassId {
+    /// Ink: paper, wash and lines.
+    pub const INK_COMPOSITE: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "ink_composite",
+    place: PassPlace::Picture,
+    styles: &[StyleKind::Ink],
+    does: "paper, wash and lines into the application's pass, with the depth of what is painted",
+    runs_when: "the style is ink",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let lines = if study::shows_features(frame.params) { ink_features::FEATURES } else { ink_stroke::STROKES };
+    let picture = frame.ink.as_ref().is_some_and(|ink| ink.params.background == InkBackground::Picture);
+    let screen = Screen {
+        constants: vec![on("PICTURE", picture)],
+        reads: &[(1, ink_normals::NORMALS), (2, ink_normals::SURFACES), (3, lines)],
+        depth: Some((4, ink_normals::DEPTH)),
+        paper: Some([5, 6]),
+        clamped: Some(7),
+    };
+    let Some((mut spec, group)) = frame.screen(SHADER, "fs_composite", &screen, frame.options.color_format) else {
+        return Outcome::Skipped("the style is not ink");
+    };
+    spec.colors = vec![frame.picture_color(true)];
+    spec.depth = Some(frame.picture_depth(true, false));
+    spec.samples = frame.options.sample_count;
+    let draw = Draw::screen(frame.pipeline(spec), &group);
+    let [width, height] = frame.params.viewport;
+    Outcome::Ran(format!("{width} x {height}"), vec![draw])
+}

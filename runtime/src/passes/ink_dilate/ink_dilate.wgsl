@@ -4,9 +4,6 @@
 
 @group(0) @binding(1) var features: texture_2d<f32>;
 
-// Squares instead of discs.
-override SQUARES: bool = false;
-
 // Offset along the row, (x + 128) / 255, and half of the line's width over WIDEST_HALF, 0 for none; how much of the row within reach is features, the
 // near ones more.
 @fragment
@@ -20,10 +17,7 @@ fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     for (var x = first; x <= last; x++) {
         let w = textureLoad(features, vec2(x, p.y), 0).r * WIDEST_HALF;
         let dx = f32(x - p.x);
-        var cost = dx * dx - w * w;
-        if SQUARES {
-            cost = abs(dx) - w;
-        }
+        let cost = line_cost(vec2(dx, 0.0), w);
         if w > 0.0 {
             features_near += nearness(dx);
         }

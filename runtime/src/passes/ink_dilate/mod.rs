@@ -1,7 +1,37 @@
 //! `ink_dilate`: half of the dilation, along rows; `ink_stroke` does that along columns. Together they are one dilation by discs of each feature's
 //! own size instead of three by 3 x 3 pixels.
 
-use super::ink::ink_screen_wgsl;
+use super::{Outcome, Pass, PassId, PassPlace, ink_features};
+use crate::gpu::{Shader, Target};
+use crate::params::StyleKind;
+use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
 /// The shader.
-pub(crate) const WGSL: &str = ink_screen_wgsl!("ink_dilate.wgsl");
+pub(crate) const SHADER: Shader =
+    Shader { name: "pelage ink dilate", wgsl: ink_screen_wgsl!(include_str!("ink_dilate.wgsl")) };
+
+/// What the search along rows found.
+pub(crate) const ROWS: Target = Target { label: "pelage ink rows", format: wgpu::TextureFormat::Rgba8Unorm };
+
+impl PassId {
+    /// Ink: how far lines reach along rows.
+    pub const INK_DILATE: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "ink_dilate",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Ink],
+    does: "for each pixel the feature of its row whose line reaches it farthest, and how many there are",
+    runs_when: "the style is ink",
+    shaders: &[SHADER],
+    targets: &[ROWS],
+    run,
+};
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let reads = &[(1, ink_features::FEATURES)];
+    frame.fill(SHADER, "fs_dilate", &Screen { reads, ..Screen::default() }, &ROWS);
+    Outcome::recorded(format!("{} pixels along rows", frame.ink_reach_px()))
+}

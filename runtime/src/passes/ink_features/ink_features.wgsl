@@ -3,9 +3,6 @@
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
 
-// The printed rule: all four dots must be low, and nothing is between yes and no.
-override ALL_BELOW: bool = false;
-
 // Strength of lines with the body on both sides, unless one side is farther.
 const FOLD: f32 = 0.5;
 // How many least steps more make an outline of a step.
@@ -26,26 +23,20 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
     let c = textureLoad(normals, inside(p + vec2(s, s)), 0);
     let d = textureLoad(normals, inside(p + vec2(s, -s)), 0);
     let dots = vec4(dot(here.xyz, a.xyz), dot(here.xyz, b.xyz), dot(here.xyz, c.xyz), dot(here.xyz, d.xyz));
-    var strength = 0.0;
-    if ALL_BELOW {
-        strength = select(0.0, 1.0, all(dots <= vec4(ink.t1)));
-        // Between the thresholds lines are weak, which here is little more than nothing.
-        strength *= select(0.004, 1.0, all(dots <= vec4(ink.t2)));
-    } else {
-        strength = ink_feature_strength(min(min(dots.x, dots.y), min(dots.z, dots.w)), ink.t1, ink.t2);
-        // A fold is a lighter touch than an outline.
-        if min(min(a.w, b.w), min(c.w, d.w)) > 0.0 {
-            strength *= FOLD;
-        }
-        if ink.depth_step > 0.0 {
-            // Second differences: a plane has none, however slanted. The nearer side draws: beside it is what is farther.
-            let bend = max(2.0 * here.w - a.w - c.w, 2.0 * here.w - b.w - d.w) / here.w;
-            // Folds seen nearly edge on bend as much as small steps do, and are as light.
-            let steps = bend / ink.depth_step - 1.0;
-            let strength_of_step = clamp(steps, 0.0, FOLD) + clamp((steps - 1.0) / DEEP, 0.0, 1.0) * (1.0 - FOLD);
-            strength = max(strength, strength_of_step);
-        }
+    var strength = ink_feature_strength(min(min(dots.x, dots.y), min(dots.z, dots.w)), ink.t1, ink.t2);
+    // A fold is a lighter touch than an outline.
+    if min(min(a.w, b.w), min(c.w, d.w)) > 0.0 {
+        strength *= FOLD;
     }
+    if ink.depth_step > 0.0 {
+        // Second differences: a plane has none, however slanted. The nearer side draws: beside it is what is farther.
+        let bend = max(2.0 * here.w - a.w - c.w, 2.0 * here.w - b.w - d.w) / here.w;
+        // Folds seen nearly edge on bend as much as small steps do, and are as light.
+        let steps = bend / ink.depth_step - 1.0;
+        let strength_of_step = clamp(steps, 0.0, FOLD) + clamp((steps - 1.0) / DEEP, 0.0, 1.0) * (1.0 - FOLD);
+        strength = max(strength, strength_of_step);
+    }
+    strength = form_of_features(strength, dots);
     let surface = textureLoad(surfaces, p, 0);
     var half_width = ink.half_width + ink.half_width_scaled * here.w;
     half_width = min(half_width * 4.0 * surface.b, WIDEST_HALF);

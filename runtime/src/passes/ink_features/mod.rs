@@ -1,7 +1,38 @@
 //! `ink_features`: the pixels that lines run through, with half the width and the strength of their line, from the normals of neighbours at two
 //! thresholds (Fang 2006, §2).
 
-use super::ink::ink_screen_wgsl;
+use super::{Outcome, Pass, PassId, PassPlace, ink_normals};
+use crate::gpu::{Shader, Target};
+use crate::params::StyleKind;
+use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
 /// The shader.
-pub(crate) const WGSL: &str = ink_screen_wgsl!("ink_features.wgsl");
+pub(crate) const SHADER: Shader =
+    Shader { name: "pelage ink features", wgsl: ink_screen_wgsl!(include_str!("ink_features.wgsl")) };
+
+/// Half width and strength of the line through each pixel.
+pub(crate) const FEATURES: Target = Target { label: "pelage ink features", format: wgpu::TextureFormat::Rg8Unorm };
+
+impl PassId {
+    /// Ink: the pixels that lines run through.
+    pub const INK_FEATURES: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "ink_features",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Ink],
+    does: "the pixels that lines run through, from neighbouring normals at two thresholds (Fang 2006, §2), and steps of depth",
+    runs_when: "the style is ink",
+    shaders: &[SHADER],
+    targets: &[FEATURES],
+    run,
+};
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let reads = &[(1, ink_normals::NORMALS), (2, ink_normals::SURFACES)];
+    frame.fill(SHADER, "fs_features", &Screen { reads, ..Screen::default() }, &FEATURES);
+    let [width, height] = frame.params.viewport;
+    Outcome::recorded(format!("{width} x {height}"))
+}

@@ -1,24 +1,94 @@
 //! `ink_fur`: fins and outer shells as dry strokes of a brush, blended over the sheet in the application's pass, with depth tested and not written.
 
-use super::ink::ink_surface_wgsl;
-use super::{draw_part, fins};
-use crate::frame::Drawn;
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{Draw, RenderSpec, Shader, on};
+use crate::hair::material;
+use crate::model::Part;
+use crate::params::StyleKind;
+use crate::scene::{Recording, Seen, fin_draws, has_strokes, ink_surface_wgsl};
+use crate::study;
 
 /// The shader.
-pub(crate) const WGSL: &str =
-    concat!(include_str!("../../shared/srgb.wgsl"), ink_surface_wgsl!("../fins/fin_corner.wgsl", "ink_fur.wgsl"));
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage ink fur",
+    wgsl: ink_surface_wgsl!(
+        include_str!("../../shared/srgb.wgsl"),
+        include_str!("../../hair/fin_corner.wgsl"),
+        include_str!("ink_fur.wgsl")
+    ),
+};
 
 /// Shells that strokes are drawn on, as in the shader.
 pub(crate) const SHELLS: u32 = 2;
 
-/// Records the draws of one instance; groups 0 and 2 and the vertex buffers are set.
-pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &Drawn) {
-    let Some(draws) = &instance.ink else { return };
-    pass.set_bind_group(2, draws.group(), &[]);
-    for (part, pipeline) in draws.shells() {
-        draw_part(pass, &instance.model.parts()[*part], pipeline, 0..SHELLS);
+impl PassId {
+    /// Ink: strokes of fur over them.
+    pub const INK_FUR: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "ink_fur",
+    place: PassPlace::Picture,
+    styles: &[StyleKind::Ink],
+    does: "fins and two outer shells as dry strokes",
+    runs_when: "the style is ink, and a package has strokes of fur",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+fn spec(
+    frame: &Recording<'_>,
+    seen: &Seen,
+    part: &Part,
+    entries: [&'static str; 2],
+    model_layout: &wgpu::BindGroupLayout,
+) -> RenderSpec {
+    let mut constants = material(part);
+    constants.push(on("LEAN", seen.model.varies().lean));
+    let sides = [seen.look.mirrored, part.double_sided];
+    let mut spec = frame.picture_spec(SHADER, entries, constants, sides, true);
+    spec.groups[2] = model_layout.clone();
+    RenderSpec { depth: Some(frame.picture_depth(false, true)), ..spec }
+}
+
+fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen, with_fins: bool) -> Vec<Draw> {
+    let Some((layout, group)) = frame.ink_model(index) else { return Vec::new() };
+    let mut draws = Vec::new();
+    for part in seen.model.parts().iter().filter(|part| part.furred) {
+        let spec = spec(frame, seen, part, ["vs_ink_shells", "fs_ink_shells"], &layout);
+        let pipeline = frame.pipeline(spec);
+        draws.push(seen.draw(part, pipeline, frame.seen_from_eye(seen), Some(group.clone()), 0..SHELLS));
     }
-    if let Some(fins) = draws.fins() {
-        fins::record_with(pass, &instance.model, fins, Some(draws.group()));
+    if with_fins {
+        let fins = |frame: &Recording<'_>, part: &Part| {
+            let spec = spec(frame, seen, part, ["vs_ink_fins", "fs_ink_fins"], &layout);
+            // They are seen from both sides.
+            RenderSpec { primitive: crate::gpu::faces(false, true), ..spec }
+        };
+        draws.extend(fin_draws(frame, seen, Some(group), fins));
+    }
+    draws
+}
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    if !study::paints(frame.params) {
+        return Outcome::Skipped("the painting is not shown");
+    }
+    let Some(ink) = frame.ink.as_ref().map(|ink| ink.params.clone()) else {
+        return Outcome::Skipped("the style is not ink");
+    };
+    let instances = frame.instances.clone();
+    let (mut all, mut furry) = (Vec::new(), 0);
+    let shown = instances.iter().enumerate().filter(|(_, seen)| seen.in_picture && has_strokes(seen, &ink));
+    for (index, seen) in shown {
+        let draws = draws(frame, index, seen, ink.fins);
+        furry += usize::from(!draws.is_empty());
+        all.extend(draws);
+    }
+    match furry {
+        0 => Outcome::Skipped("no package has strokes of fur to draw"),
+        _ => Outcome::Ran(format!("{furry} instances, {SHELLS} shells and fins"), all),
     }
 }

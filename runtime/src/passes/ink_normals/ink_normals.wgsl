@@ -35,12 +35,8 @@ struct Surface {
     @location(1) surface: vec4<f32>,
 }
 
-// How the sphere map is looked up: 0 perpendicular to the view, 1 by reflection, 2 as printed.
-override SPHERE_MAP: u32 = 0u;
-// What varies holds on to the picture instead of the surface: what is bad about doing so is measured.
-override ON_SCREEN: bool = false;
 // Hair grows on the part, and the package has strokes for it.
-override FUR_STROKES: bool = true;
+override FUR_STROKES: bool = false;
 
 @vertex
 fn vs_ink(v: Vertex, ink: InkVertex) -> InkVarying {
@@ -90,10 +86,8 @@ fn eye_frame(eye: vec3<f32>) -> mat3x3<f32> {
 @fragment
 fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     let base = base_color(in.tint, in.base_tile_uv.xy);
-    var grain = grain_at(in.rest_position_solid.xyz, normalize_or(in.rest_normal_line.xyz, vec3(0.0, 1.0, 0.0)));
-    if ON_SCREEN {
-        grain = textureSample(wash_tile, tile_sampler, in.position.xy / 160.0);
-    }
+    let on_surface = grain_at(in.rest_position_solid.xyz, normalize_or(in.rest_normal_line.xyz, vec3(0.0, 1.0, 0.0)));
+    let grain = form_of_grain(on_surface, in.position.xy);
     var strokes = vec4(0.0);
     if FUR_STROKES {
         strokes = fur_strokes_at(in.base_tile_uv.zw, vec2(1.0), 0u);
@@ -104,16 +98,7 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     // From surface to eye what is seen faces the eye, whatever the vertices say.
     var normal = facing * axes;
     normal = normalize_or(vec3(normal.xy, max(normal.z, 0.0)), vec3(0.0, 0.0, 1.0));
-    var sphere_uv = ink_sphere_uv(normal, model.swell);
-    if SPHERE_MAP > 0u {
-        // View space: the eye's frame at the middle of the picture.
-        let view = mat3x3(model.right_ws, model.up_ws, cross(model.right_ws, model.up_ws));
-        if SPHERE_MAP == 1u {
-            sphere_uv = ink_sphere_uv_reflected(facing * view, eye * view);
-        } else {
-            sphere_uv = ink_sphere_uv_printed(facing * view, eye * view);
-        }
-    }
+    let sphere_uv = form_of_sphere_uv(ink_sphere_uv(normal, model.swell), facing, eye);
     let stroke = textureSample(stroke_map, clamp_sampler, sphere_uv);
     // Lines are where faces turn: bakes round the normals of furred skin, and with those its creases would be gone.
     let across = cross(dpdx(in.position_product.xyz), dpdy(in.position_product.xyz));

@@ -1,52 +1,125 @@
 //! `ink_normals`: the model's surface into three textures of the picture's size: normals perpendicular to the view with 1 / clip w, what the surface
 //! says of wash and lines, and depth. All that the ink style knows of geometry is in them, so that the passes behind it cost the same for any mesh.
 
-use super::draw_part;
-use super::ink::{Recording, ink_surface_wgsl};
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{Draw, RenderSpec, Shader, Stream, Target, attribute, depth_state, faces, on, record};
+use crate::hair::material;
+use crate::model::Part;
+use crate::params::StyleKind;
+use crate::scene::{Recording, Seen, has_strokes, ink_surface_wgsl, nearer};
+use crate::surface::STREAMS;
+use pelage_formats::{GeometryVertex, InkVertex};
+use std::mem::offset_of;
 
 /// The shader.
-pub(crate) const WGSL: &str = ink_surface_wgsl!("ink_normals.wgsl");
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage ink normals",
+    wgsl: ink_surface_wgsl!(crate::study::form_wgsl!("ink surfaces"), include_str!("ink_normals.wgsl")),
+};
 
-/// What it draws to.
-pub(crate) struct Targets<'a> {
-    pub(crate) normals: &'a wgpu::TextureView,
-    pub(crate) surfaces: &'a wgpu::TextureView,
-    pub(crate) depth: &'a wgpu::TextureView,
+/// Normals and 1 / clip w. Dots of normals are compared with thresholds up to 1: eight bits would be too few.
+pub(crate) const NORMALS: Target = Target { label: "pelage ink normals", format: wgpu::TextureFormat::Rgba16Float };
+/// Wash, stroke, width, dryness.
+pub(crate) const SURFACES: Target = Target { label: "pelage ink surfaces", format: wgpu::TextureFormat::Rgba8Unorm };
+pub(crate) const DEPTH: Target = Target { label: "pelage ink depth", format: wgpu::TextureFormat::Depth32Float };
+
+/// The third stream: [`GeometryVertex`] as stored.
+pub(crate) const REST_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
+    attribute(9, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
+    attribute(10, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, normal)),
+];
+/// The fourth stream, [`InkVertex`].
+pub(crate) const INK_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
+    attribute(11, wgpu::VertexFormat::Snorm16x2, offset_of!(InkVertex, wash)),
+    attribute(12, wgpu::VertexFormat::Unorm8x4, offset_of!(InkVertex, amount)),
+];
+
+impl PassId {
+    /// Ink: the surfaces' normals, wash and stroke.
+    pub const INK_NORMALS: Self = Self(&PASS);
 }
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "ink_normals",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Ink],
+    does: "all surfaces into two textures of the picture's size: the face's normal in the frame perpendicular to the view with 1 / clip w; grey of the wash, grey of the sphere map's stroke, width and dryness of lines",
+    runs_when: "the style is ink",
+    shaders: &[SHADER],
+    targets: &[NORMALS, SURFACES, DEPTH],
+    run,
+};
 
 /// White, without stroke and without lines.
 const NOTHING: wgpu::Color = wgpu::Color { r: 1.0, g: 1.0, b: 0.0, a: 0.0 };
 
-/// Records the draws of all instances.
-pub(crate) fn record(
-    encoder: &mut wgpu::CommandEncoder,
-    targets: &Targets<'_>,
-    recording: &Recording<'_>,
-    reversed_depth: bool,
-) {
+fn spec(
+    frame: &Recording<'_>,
+    seen: &Seen,
+    part: &Part,
+    model_layout: &wgpu::BindGroupLayout,
+    strokes: bool,
+) -> RenderSpec {
+    let mut constants = material(part);
+    constants.push(on("FUR_STROKES", strokes && part.furred));
+    let stored = [Stream::of::<GeometryVertex>(&REST_ATTRIBUTES), Stream::of::<InkVertex>(&INK_ATTRIBUTES)];
+    RenderSpec {
+        shader: SHADER,
+        vertex: "vs_ink",
+        fragment: Some("fs_ink"),
+        groups: vec![frame.surfaces.frame.clone(), frame.surfaces.material.clone(), model_layout.clone()],
+        streams: STREAMS.into_iter().chain(stored).collect(),
+        constants,
+        primitive: faces(seen.look.mirrored, part.double_sided),
+        colors: vec![NORMALS.format.into(), SURFACES.format.into()],
+        depth: Some(depth_state(DEPTH.format, true, nearer(false, frame.options.reversed_depth))),
+        samples: 1,
+    }
+}
+
+fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen) -> Vec<Draw> {
+    let (Some((layout, group)), Some(ink)) = (frame.ink_model(index), seen.model.ink()) else { return Vec::new() };
+    let strokes = frame.ink.as_ref().is_some_and(|ink| has_strokes(seen, &ink.params));
+    let mut draws = Vec::new();
+    for part in seen.model.parts() {
+        let spec = spec(frame, seen, part, &layout, strokes);
+        let pipeline = frame.pipeline(spec);
+        let mut draw = seen.draw(part, pipeline, frame.seen_from_eye(seen), Some(group.clone()), 0..1);
+        draw.vertices[2] = Some(seen.model.geometry().clone());
+        draw.vertices[3] = Some(ink.vertices.clone());
+        draws.push(draw);
+    }
+    draws
+}
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let instances = frame.instances.clone();
+    let mut all = Vec::new();
+    for (index, seen) in instances.iter().enumerate().filter(|(_, seen)| seen.in_picture) {
+        all.extend(draws(frame, index, seen));
+    }
+    let targets = frame.targets.clone();
+    let [Some(normals), Some(surfaces), Some(depth)] = [NORMALS, SURFACES, DEPTH].map(|t| targets.view(&t)) else {
+        return Outcome::Skipped("no targets");
+    };
     let cleared = |view, color| {
         let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(color), store: wgpu::StoreOp::Store };
         Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
     };
-    let far = if reversed_depth { 0.0 } else { 1.0 };
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    let far = if frame.options.reversed_depth { 0.0 } else { 1.0 };
+    let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("pelage ink normals"),
-        color_attachments: &[cleared(targets.normals, wgpu::Color::TRANSPARENT), cleared(targets.surfaces, NOTHING)],
+        color_attachments: &[cleared(normals, wgpu::Color::TRANSPARENT), cleared(surfaces, NOTHING)],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: targets.depth,
+            view: depth,
             depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(far), store: wgpu::StoreOp::Store }),
             stencil_ops: None,
         }),
         ..Default::default()
     });
-    for instance in recording.instances {
-        let (Some(draws), Some(ink)) = (&instance.ink, instance.model.ink()) else { continue };
-        instance.bind(&mut pass, recording.frame);
-        pass.set_bind_group(2, draws.group(), &[]);
-        pass.set_vertex_buffer(2, instance.model.geometry().slice(..));
-        pass.set_vertex_buffer(3, ink.vertices.slice(..));
-        for (part, pipeline) in draws.normals() {
-            draw_part(&mut pass, &instance.model.parts()[*part], pipeline, 0..1);
-        }
-    }
+    record(&mut pass, &all);
+    let [width, height] = frame.params.viewport;
+    let shown = instances.iter().filter(|seen| seen.in_picture).count();
+    Outcome::recorded(format!("{shown} instances, {} parts, {width} x {height}", all.len()))
 }

@@ -7,14 +7,6 @@
 @group(0) @binding(5) var paper: texture_2d<f32>;
 @group(0) @binding(6) var paper_sampler: sampler;
 
-override SQUARES: bool = false;
-// As printed: a pixel is ink or not.
-override HARD: bool = false;
-// Lines are no wider than the template. Without it the sphere map alone decides.
-override TEMPLATE: bool = true;
-
-// Below this grey the sphere map is ink, where it is one or the other.
-const DARK: f32 = 0.5;
 // Features near one of them, weighed by their nearness: 2/3 to 1 along a line, half of that at its end. What has fewer is a speck.
 const SPECK: f32 = 0.22;
 const LINE: f32 = 0.45;
@@ -34,10 +26,7 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         let w = row.g * WIDEST_HALF;
         let d = vec2(round(row.r * 255.0) - 128.0, f32(y - p.y));
         features_near += row.b * nearness(d.y);
-        var cost = dot(d, d) - w * w;
-        if SQUARES {
-            cost = max(abs(d.x), abs(d.y)) - w;
-        }
+        let cost = line_cost(d, w);
         if w > 0.0 && cost < best {
             best = cost;
             offset = vec2<i32>(d);
@@ -58,46 +47,34 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let sheet = textureSampleLevel(paper, paper_sampler, position.xy / ink.paper_period, 0.0);
 
     let far = vec2<f32>(offset);
-    var distance = length(far);
-    if SQUARES {
-        distance = max(abs(far.x), abs(far.y));
-    }
+    let distance = line_distance(far);
     // How hard the hand presses.
     let most = ink.half_width + ink.half_width_scaled * source.w;
     let press = clamp(half_width / max(most, 1e-6), 0.0, 1.0);
-    var band = 0.0;
-    var core = 0.0;
-    var dark = 0.0;
-    if HARD {
-        band = select(0.0, 1.0, in_reach && distance <= half_width);
-        core = select(0.0, 1.0, in_reach && distance == 0.0);
-        dark = select(0.0, 1.0, here.w > 0.0 && stroke < DARK);
-    } else {
-        // The brush is thinner where the line is weak, and its edge follows the paper.
-        let moved = (sheet.r - 0.5) * ink.roughness;
-        let thin = max(half_width * mix(0.2, 0.55, strength), 0.6);
-        core = select(0.0, clamp(thin - distance + 0.5 + moved, 0.0, 1.0), in_reach);
-        band = select(0.0, clamp(half_width * sqrt(strength) - distance + 0.5 + moved, 0.0, 1.0), in_reach);
-        // Where the pen lifts, lines fade before they end.
-        core *= smoothstep(0.0, 0.35, strength);
-        // A line goes on; what does not is a speck.
-        core *= smoothstep(SPECK, LINE, features_near / (nearness(far.x) * nearness(far.y)));
-        // Outlines swell with the sphere map, folds do not.
-        dark = select(0.0, 1.0 - stroke, here.w > 0.0) * smoothstep(0.5, 0.75, strength);
-    }
+    // The brush is thinner where the line is weak, and its edge follows the paper.
+    let moved = (sheet.r - 0.5) * ink.roughness;
+    let thin = max(half_width * mix(0.2, 0.55, strength), 0.6);
+    var core = select(0.0, clamp(thin - distance + 0.5 + moved, 0.0, 1.0), in_reach);
+    var band = select(0.0, clamp(half_width * sqrt(strength) - distance + 0.5 + moved, 0.0, 1.0), in_reach);
+    // Where the pen lifts, lines fade before they end.
+    core *= smoothstep(0.0, 0.35, strength);
+    // A line goes on; what does not is a speck.
+    core *= smoothstep(SPECK, LINE, features_near / (nearness(far.x) * nearness(far.y)));
+    // Outlines swell with the sphere map, folds do not.
+    let dark = select(0.0, 1.0 - stroke, here.w > 0.0) * smoothstep(0.5, 0.75, strength);
     if !TEMPLATE {
         band = 1.0;
     }
     var opacity = max(core, band * dark);
-    if !HARD {
-        // A dry brush leaves ink on what stands out of the paper alone.
-        let dry = surface.a * ink.dryness * (1.0 - 0.7 * press);
-        opacity *= smoothstep(-0.12, 0.12, 1.0 - dry - 0.88 * sheet.a);
-    }
-    var grey = ink_line_grey(select(here.z, source.z, in_reach), ink.tone, ink.lightness, strength);
-    if !HARD {
-        // A light hand leaves less ink.
-        grey = mix(grey, 1.0, 0.3 * (1.0 - press));
-    }
+    // A dry brush leaves ink on what stands out of the paper alone.
+    let dry = surface.a * ink.dryness * (1.0 - 0.7 * press);
+    opacity *= smoothstep(-0.12, 0.12, 1.0 - dry - 0.88 * sheet.a);
+    let even = ink_line_grey(select(here.z, source.z, in_reach), ink.tone, ink.lightness, strength);
+    // A light hand leaves less ink.
+    let line = form_of_line(
+        vec2(opacity, mix(even, 1.0, 0.3 * (1.0 - press))), even, in_reach, distance, half_width, here.w > 0.0, stroke,
+    );
+    opacity = line.x;
+    let grey = line.y;
     return vec4(opacity, opacity * (1.0 - grey), (far + 128.0) / 255.0);
 }

@@ -1,6 +1,45 @@
 //! `ink_stroke`: opacity and grey of the lines: the dilated features, filled by the brush and by the sphere map (Fang 2006, §2), roughened by the paper.
 
-use super::ink::ink_screen_wgsl;
+use super::{Outcome, Pass, PassId, PassPlace, ink_dilate, ink_features, ink_normals};
+use crate::gpu::{Shader, Target};
+use crate::params::StyleKind;
+use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
 /// The shader.
-pub(crate) const WGSL: &str = ink_screen_wgsl!("ink_stroke.wgsl");
+pub(crate) const SHADER: Shader =
+    Shader { name: "pelage ink stroke", wgsl: ink_screen_wgsl!(include_str!("ink_stroke.wgsl")) };
+
+/// Lines.
+pub(crate) const STROKES: Target = Target { label: "pelage ink strokes", format: wgpu::TextureFormat::Rgba8Unorm };
+
+impl PassId {
+    /// Ink: the lines.
+    pub const INK_STROKE: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "ink_stroke",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Ink],
+    does: "the same along columns; opacity and darkness of the line there: its core, and what the sphere map fills within its width",
+    runs_when: "the style is ink",
+    shaders: &[SHADER],
+    targets: &[STROKES],
+    run,
+};
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let screen = Screen {
+        reads: &[
+            (1, ink_normals::NORMALS),
+            (2, ink_normals::SURFACES),
+            (3, ink_features::FEATURES),
+            (4, ink_dilate::ROWS),
+        ],
+        paper: Some([5, 6]),
+        ..Screen::default()
+    };
+    frame.fill(SHADER, "fs_stroke", &screen, &STROKES);
+    Outcome::recorded(format!("{} pixels along columns", frame.ink_reach_px()))
+}

@@ -1,7 +1,7 @@
 // A layer of hair as the key light sees it: what it leaves of the light (Yang 2006, sec. 3.1). Blending multiplies it with what the layers
 // above left: along the light a ray is one texel.
 
-// As in shells.wgsl: no more slots between vertex and fragment than a coat needs.
+// As in shells/varying.wgsl: no more slots between vertex and fragment than a coat needs.
 struct LayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
     // Tile coordinates; N.L.
@@ -55,7 +55,7 @@ fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     if RESAMPLED {
         alpha = resampled_opacity(alpha, instance.opacity_exponent);
     }
-    let path = frame.hair_density * select(1.0, slanted_path(in.uv_light.z), SLANTED);
+    let path = frame.hair_density * select(1.0, slanted_path(in.uv_light.z), LIGHT_SLANTED);
     return vec4(layer_transmittance(alpha, path), 0.0, 0.0, 1.0);
 }
 

@@ -8,64 +8,129 @@
 //! thing's skin shades what is behind it, and no layer needs a depth buffer of its own, which was a fifth of the cost on a software
 //! rasteriser.
 
-use super::{MapTarget, begin_maps, draw_part};
-use crate::frame::Drawn;
-use crate::model::Model;
-use crate::passes::key::{Look, SurfaceShader, plan_parts};
-use crate::passes::surface::surface_wgsl;
-use crate::renderer::Pipelines;
-use crate::shadow::ShadowMaps;
+use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
+use crate::gpu::{Draw, RenderSpec, Shader, depth_state, faces, on, record};
+use crate::hair::{groom, hair_wgsl};
+use crate::light::{CasterPass, ShadowMaps};
+use crate::model::Part;
+use crate::params::StyleKind;
+use crate::scene::{DEPTH, MapTarget, Recording, Seen, begin_maps, light_inside, record_depth};
+use crate::surface::STREAMS;
+use glam::Vec3;
 
 /// The shader.
-pub(crate) const WGSL: &str = surface_wgsl!("layer_shadow.wgsl");
+pub(crate) const SHADER: Shader =
+    Shader { name: "pelage layer shadow", wgsl: hair_wgsl!(include_str!("layer_shadow.wgsl")) };
 
-/// Numbers and pipelines of the furred parts.
-pub(crate) fn plan(
-    device: &wgpu::Device,
-    pipelines: &mut Pipelines,
-    model: &Model,
-    look: &Look,
-) -> Vec<(usize, wgpu::RenderPipeline)> {
-    plan_parts(device, pipelines, model, look, SurfaceShader::LayerShadow, |part| part.furred)
+impl PassId {
+    /// Transmittance of the hair above each layer, seen from the key light.
+    pub const LAYER_SHADOW: Self = Self(&PASS);
 }
 
-/// Records all maps. `frame`: group 0 with the light's view; the instances' blocks have the maps' layers; `nearest` is drawn.
-pub(crate) fn record(
-    encoder: &mut wgpu::CommandEncoder,
-    maps: &ShadowMaps,
-    frame: &wgpu::BindGroup,
-    instances: &[Drawn],
-) {
-    let Some(texture) = maps.layers() else { return };
-    let slice = |layer| {
-        texture.create_view(&wgpu::TextureViewDescriptor {
-            label: Some("pelage layer shadow"),
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer: layer,
-            array_layer_count: Some(1),
-            ..Default::default()
-        })
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "layer_shadow",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Fur],
+    does: "the transmittance of the hair above each layer, seen from the key light, into an array of R16Float maps (Yang 2006, §3)",
+    runs_when: "self-shadow on, fur drawn, and light, pose or model changed",
+    shaders: &[DEPTH, SHADER],
+    targets: &[],
+    run,
+};
+
+/// What is there times what is drawn.
+const MULTIPLIED: wgpu::BlendState = {
+    let times = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Zero,
+        dst_factor: wgpu::BlendFactor::Src,
+        operation: wgpu::BlendOperation::Add,
     };
+    wgpu::BlendState { color: times, alpha: wgpu::BlendComponent { dst_factor: wgpu::BlendFactor::SrcAlpha, ..times } }
+};
+
+fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
+    let varies = seen.model.varies().groom || part.has_groom_texture || seen.model.manifest().fur.wet.is_some();
+    let mapped = part.cutout || varies;
+    let mut constants = groom(&seen.model, part);
+    constants.extend([
+        // Of the colour only what is cut away matters.
+        on("BASE_COLOR_TEXTURE", part.cutout && part.has_texture),
+        on("CUTOUT", part.cutout),
+        on("RESAMPLED", seen.look.maps_resampled),
+    ]);
+    let surfaces = frame.surfaces;
+    RenderSpec {
+        shader: SHADER,
+        vertex: if mapped { "vs_layer_mapped" } else { "vs_layer" },
+        fragment: Some(if mapped { "fs_layer_mapped" } else { "fs_layer" }),
+        groups: vec![surfaces.frame.clone(), surfaces.material.clone(), surfaces.fur.clone()],
+        streams: STREAMS.to_vec(),
+        constants,
+        primitive: faces(seen.look.mirrored, part.double_sided),
+        colors: vec![wgpu::ColorTargetState {
+            format: ShadowMaps::LAYER_FORMAT,
+            blend: Some(MULTIPLIED),
+            write_mask: wgpu::ColorWrites::ALL,
+        }],
+        // Layers that coincide with the skin take no light.
+        depth: Some(depth_state(ShadowMaps::DEPTH_FORMAT, false, wgpu::CompareFunction::Less)),
+        samples: 1,
+    }
+}
+
+/// What the maps show of all furred parts, but for the layer.
+fn draws(frame: &mut Recording<'_>) -> Vec<Draw> {
+    let mut draws = Vec::new();
+    for seen in frame.instances.clone().iter().filter(|seen| seen.drawing.has_shells()) {
+        for part in seen.model.parts().iter().filter(|part| part.furred) {
+            let spec = spec(frame, seen, part);
+            let pipeline = frame.pipeline(spec);
+            draws.push(seen.draw(part, pipeline, frame.seen_from_light(seen), seen.fur(), 0..1));
+        }
+    }
+    draws
+}
+
+/// Records all maps over the nearest skin.
+fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
+    let Some(layers) = &maps.layers else { return };
+    let mut draws = draws(frame);
+    let texture = &layers.map.texture;
     let place = |layer| wgpu::TexelCopyTextureInfo {
         origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
         ..texture.as_image_copy()
     };
     let texels = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
-    let depth = maps.nearest.create_view(&wgpu::TextureViewDescriptor::default());
-    let outermost = maps.key.map_layers - 1;
+    let Some((outermost, below)) = layers.slices.split_last() else { return };
     // Nothing is above the outermost layer.
-    drop(begin_maps(encoder, "pelage layer shadow", MapTarget::Light(&slice(outermost))));
-    for layer in (1..=outermost).rev() {
+    drop(begin_maps(frame.encoder, SHADER.name, MapTarget::Light(outermost)));
+    for (layer, target) in (1..below.len() as u32 + 1).zip(below).rev() {
         // What the layers above left, also where this one is not: its neighbours may be seen through there.
-        encoder.copy_texture_to_texture(place(layer), place(layer - 1), texels);
-        let target = slice(layer - 1);
-        let mut pass =
-            begin_maps(encoder, "pelage layer shadow", MapTarget::LightBefore { light: &target, nearest: &depth });
-        for instance in instances.iter().filter(|i| !i.layer_shadow.is_empty()) {
-            instance.bind(&mut pass, frame);
-            for (part, pipeline) in &instance.layer_shadow {
-                draw_part(&mut pass, &instance.model.parts()[*part], pipeline, layer..layer + 1);
-            }
+        frame.encoder.copy_texture_to_texture(place(layer), place(layer - 1), texels);
+        let target = MapTarget::LightBefore { light: target, nearest: &maps.nearest.view };
+        draws.iter_mut().for_each(|draw| draw.instances = layer..layer + 1);
+        record(&mut begin_maps(frame.encoder, SHADER.name, target), &draws);
+    }
+}
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let maps = frame.maps.clone();
+    if let Some(maps) = maps.as_deref().filter(|_| frame.redraw) {
+        // The soft shadow needs it as well.
+        record_depth(frame, maps, CasterPass::Nearest);
+        record_layers(frame, maps);
+    }
+    match maps.filter(|maps| maps.key.self_shadow) {
+        Some(maps) if frame.redraw => {
+            let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
+            Outcome::recorded(format!("{layers} maps of {size} x {size}{}", light_inside(&maps)))
         }
+        Some(_) => Outcome::Skipped("light, poses and models as in the maps"),
+        None if frame.instances.is_empty() => Outcome::Skipped("no instances"),
+        None if !frame.params.self_shadow() => Outcome::Skipped("switched off"),
+        None if frame.params.light.color() == Vec3::ZERO => Outcome::Skipped("the key light is dark"),
+        None if any_reduced(frame) => Outcome::Skipped("far coats alone, which have their light from the package"),
+        None => Outcome::Skipped("no fur is drawn"),
     }
 }

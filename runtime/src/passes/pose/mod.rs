@@ -3,66 +3,98 @@
 //! Reads the rest vertices, the joint weights and the joint matrices; writes a vertex buffer of the same layout and size as the
 //! rest vertices. Packages without a skeleton skip it and draw their rest vertices.
 
-use crate::instance::Instance;
-use crate::renderer::Pipelines;
-use crate::{PassReport, RuntimeError};
-use wgpu::util::DeviceExt;
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{Bound, ComputeSpec, Place, Shader, storage};
+use crate::params::StyleKind;
+use crate::scene::{Recording, Seen};
+use glam::Mat4;
+use pelage_formats::{GeometryVertex, SkinVertex};
 
 /// The shader.
-pub(crate) const WGSL: &str = concat!(
-    include_str!("../../shared/skinning.wgsl"),
-    include_str!("../../shared/tile_frame.wgsl"),
-    include_str!("pose.wgsl"),
-);
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage pose",
+    wgsl: concat!(
+        include_str!("../../shared/skinning.wgsl"),
+        include_str!("../../shared/tile_frame.wgsl"),
+        include_str!("pose.wgsl"),
+    ),
+};
 
 /// Vertices per workgroup, as in the shader.
 pub(crate) const WORKGROUP: u32 = 64;
 
-/// Records the pass for every instance whose pose changed.
-pub(crate) fn record(
-    device: &wgpu::Device,
-    encoder: &mut wgpu::CommandEncoder,
-    pipelines: &mut Pipelines,
-    instances: &mut [&mut Instance],
-) -> Result<PassReport, RuntimeError> {
-    let mut skinned = 0;
-    let mut bind_groups = Vec::new();
-    for instance in instances.iter_mut() {
-        let model = instance.model().clone();
-        let Some(skin) = model.skin().filter(|_| model.skeleton().is_some()) else { continue };
-        skinned += 1;
-        let Some(joints) = instance.changed_pose(device)? else { continue };
-        // A buffer of its own for each pose: two frames in one submission do not overwrite each other's joints.
-        let joints = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("pelage joints"),
-            contents: bytemuck::cast_slice(joints),
-            usage: wgpu::BufferUsages::STORAGE,
-        });
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("pelage pose"),
-            layout: &pipelines.pose(device).get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: joints.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: model.geometry().as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 2, resource: skin.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 3, resource: instance.geometry().as_entire_binding() },
-            ],
-        });
-        let vertices = (model.geometry().size() / size_of::<pelage_formats::GeometryVertex>() as u64) as u32;
-        bind_groups.push((bind_group, vertices.div_ceil(WORKGROUP)));
+impl PassId {
+    /// Compute: poses the vertices.
+    pub const POSE: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "pose",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Fur, StyleKind::Bare, StyleKind::Ink],
+    does: "compute: skins the base mesh once for all later passes",
+    runs_when: "the package has a skeleton and the pose changed",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+fn storage_entry(binding: u32, ty: wgpu::BufferBindingType, dynamic: bool) -> wgpu::BindGroupLayoutEntry {
+    let has_dynamic_offset = dynamic;
+    let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+    wgpu::BindGroupLayoutEntry { ty, ..storage::<GeometryVertex>(binding, wgpu::ShaderStages::COMPUTE) }
+}
+
+/// A dispatch: joints at a dynamic offset, vertices, and how many workgroups.
+struct Dispatch {
+    joints: (wgpu::BindGroup, u32),
+    vertices: wgpu::BindGroup,
+    groups: u32,
+}
+
+fn dispatch(frame: &mut Recording<'_>, layouts: [&wgpu::BindGroupLayout; 2], seen: &Seen) -> Option<Dispatch> {
+    let (model, joints) = (&seen.model, seen.moved.joints.as_ref()?);
+    let Place { buffer, offset, .. } = frame.uniforms.put_array(frame.gpu, joints);
+    let size = (joints.len() * size_of::<Mat4>()) as u64;
+    let groups = &mut frame.cache.bind_groups;
+    let joints =
+        groups.get(frame.gpu, "pelage joints", layouts[0], vec![(0, Bound::Bytes { buffer, offset: 0, size })]);
+    let bound = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
+    let entries = vec![bound(0, model.geometry()), bound(1, model.skin()?), bound(2, &seen.moved.geometry)];
+    let vertices = groups.get(frame.gpu, "pelage pose", layouts[1], entries);
+    let count = (model.geometry().size() / size_of::<GeometryVertex>() as u64) as u32;
+    Some(Dispatch { joints: (joints, offset as u32), vertices, groups: count.div_ceil(WORKGROUP) })
+}
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let instances = frame.instances.clone();
+    let skinned = instances.iter().filter(|seen| seen.model.skeleton().is_some()).count();
+    if skinned == 0 {
+        return Outcome::Skipped("no instance has a skeleton");
     }
-    if bind_groups.is_empty() {
-        let reason = if skinned == 0 { "no instance has a skeleton" } else { "no pose changed" };
-        return Ok(PassReport::skipped("pose", reason));
+    let [read, write] = [true, false].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
+    let layouts = &mut frame.cache.layouts;
+    let joints = layouts.get(frame.gpu, "pelage joints", || vec![storage_entry(0, read, true)]);
+    let vertices = layouts.get(frame.gpu, "pelage pose", || {
+        let skin = storage::<SkinVertex>(1, wgpu::ShaderStages::COMPUTE);
+        vec![storage_entry(0, read, false), skin, storage_entry(2, write, false)]
+    });
+    let groups = vec![joints.clone(), vertices.clone()];
+    let pipeline = frame.cache.pipelines.compute(frame.gpu, ComputeSpec { shader: SHADER, entry: "pose", groups });
+    let dispatches: Vec<_> = instances.iter().filter_map(|seen| dispatch(frame, [&joints, &vertices], seen)).collect();
+    if dispatches.is_empty() {
+        return Outcome::Skipped("no pose changed");
     }
-    let mut pass =
-        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("pelage pose"), timestamp_writes: None });
-    pass.set_pipeline(pipelines.pose(device));
-    for (bind_group, groups) in &bind_groups {
+    let descriptor = wgpu::ComputePassDescriptor { label: Some("pelage pose"), timestamp_writes: None };
+    let mut pass = frame.encoder.begin_compute_pass(&descriptor);
+    pass.set_pipeline(&pipeline);
+    for Dispatch { joints: (joints, offset), vertices, groups } in &dispatches {
         // One dimension of a dispatch ends at 65 535 groups.
         let columns = (*groups).min(65_535);
-        pass.set_bind_group(0, bind_group, &[]);
+        pass.set_bind_group(0, joints, &[*offset]);
+        pass.set_bind_group(1, vertices, &[]);
         pass.dispatch_workgroups(columns, groups.div_ceil(columns), 1);
     }
-    Ok(PassReport::ran("pose", format!("{} of {skinned} skinned instances changed pose", bind_groups.len())))
+    Outcome::recorded(format!("{} of {skinned} skinned instances changed pose", dispatches.len()))
 }

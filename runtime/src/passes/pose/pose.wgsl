@@ -19,9 +19,9 @@ struct SkinVertex {
 }
 
 @group(0) @binding(0) var<storage, read> joints: array<mat4x4<f32>>;
-@group(0) @binding(1) var<storage, read> rest: array<GeometryVertex>;
-@group(0) @binding(2) var<storage, read> skin: array<SkinVertex>;
-@group(0) @binding(3) var<storage, read_write> posed: array<GeometryVertex>;
+@group(1) @binding(0) var<storage, read> rest: array<GeometryVertex>;
+@group(1) @binding(1) var<storage, read> skin: array<SkinVertex>;
+@group(1) @binding(2) var<storage, read_write> posed: array<GeometryVertex>;
 
 @compute @workgroup_size(64)
 fn pose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {

@@ -12,20 +12,32 @@
 //! The fourth channel, the hair above the first surface, is for the application's own geometry and blurred likewise. Over a step to a deeper
 //! surface it is not: the hair there may lie behind the nearer thing, which would lose light at its edges.
 
-use super::{MapTarget, begin_maps, draw_part};
-use crate::frame::Drawn;
-use crate::model::Model;
-use crate::passes::key::{Look, SurfaceShader, plan_parts};
-use crate::passes::surface::surface_wgsl;
-use crate::renderer::Pipelines;
-use crate::shadow::{CasterPass, Casters, ShadowMaps};
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{Bound, RenderSpec, Shader, depth_texture, sampler, texture, uniform};
+use crate::light::{CasterPass, ShadowMaps};
+use crate::params::StyleKind;
+use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside, record_depth};
 use bytemuck::{Pod, Zeroable};
-use wgpu::util::DeviceExt;
 
-/// The shader that draws depth.
-pub(crate) const WGSL: &str = surface_wgsl!("casters.wgsl");
 /// The shader that goes over texels.
-pub(crate) const FILTER_WGSL: &str = include_str!("filter.wgsl");
+pub(crate) const FILTER: Shader = Shader { name: "pelage shadow width", wgsl: include_str!("filter.wgsl") };
+
+impl PassId {
+    /// Depth maps from the key light and the shadow-width map.
+    pub const SHADOW_WIDTH: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "shadow_width",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Fur, StyleKind::Bare],
+    does: "two depth maps from the key light; where something lies in shadow, shrunk and stretched until its grey tells how far the edge is (Yang 2006, §4)",
+    runs_when: "soft shadow on, and light, pose or model changed",
+    shaders: &[DEPTH, FILTER],
+    targets: &[],
+    run,
+};
 
 /// Constants of the filter.
 #[repr(C)]
@@ -44,94 +56,43 @@ pub(crate) struct Filter {
 /// Slope of a surface, against the plane across the light, that may still be one surface and no step.
 const STEEPEST: f32 = 2.5;
 
-/// Numbers and pipelines of all parts, for each depth map.
-pub(crate) fn plan(
-    device: &wgpu::Device,
-    pipelines: &mut Pipelines,
-    model: &Model,
-    look: &Look,
-) -> [Vec<(usize, wgpu::RenderPipeline)>; 2] {
-    // Hair among itself needs the nearest skin alone.
-    let wanted = |pass| pass == CasterPass::Nearest || look.shadows.soft_shadow;
-    [CasterPass::Nearest, CasterPass::Farthest]
-        .map(|pass| plan_parts(device, pipelines, model, look, SurfaceShader::Caster(pass), |_| wanted(pass)))
+/// A step of the filter: fragment entry point, what it reads besides its constants, and what it draws to.
+struct Step<'a> {
+    fragment: &'static str,
+    layout: &'static str,
+    depths: &'a [(u32, &'a wgpu::TextureView)],
+    colors: &'a [(u32, &'a wgpu::TextureView)],
+    linear: bool,
+    target: &'a wgpu::TextureView,
 }
 
-/// The steps of the filter.
-#[derive(Debug)]
-pub(crate) struct FilterPipelines {
-    deepest: wgpu::RenderPipeline,
-    shrink: wgpu::RenderPipeline,
-    stretch: wgpu::RenderPipeline,
-}
-
-impl FilterPipelines {
-    pub(crate) fn new(device: &wgpu::Device, module: &wgpu::ShaderModule) -> Self {
-        let pipeline = |fragment| {
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(fragment),
-                layout: None,
-                vertex: wgpu::VertexState {
-                    module,
-                    entry_point: Some("vs_filter"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module,
-                    entry_point: Some(fragment),
-                    compilation_options: Default::default(),
-                    targets: &[Some(ShadowMaps::WIDTH_FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
-        Self { deepest: pipeline("fs_deepest"), shrink: pipeline("fs_shrink"), stretch: pipeline("fs_stretch") }
-    }
-}
-
-/// Records one of the depth maps. `frame`: group 0 with the light's view.
-pub(crate) fn record_depth(
-    encoder: &mut wgpu::CommandEncoder,
-    maps: &ShadowMaps,
-    kind: CasterPass,
-    frame: &wgpu::BindGroup,
-    instances: &[Drawn],
-    casters: Option<&mut Casters<'_>>,
-) {
-    let texture = match (kind, &maps.width) {
-        (CasterPass::Nearest, _) => &maps.nearest,
-        (CasterPass::Farthest, Some(width)) => &width.farthest,
-        (CasterPass::Farthest, None) => return,
-    };
-    let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let mut pass = begin_maps(encoder, "pelage casters", MapTarget::Depth(&depth, kind));
-    for instance in instances {
-        instance.bind(&mut pass, frame);
-        for (part, pipeline) in &instance.casters[usize::from(kind == CasterPass::Farthest)] {
-            draw_part(&mut pass, &instance.model.parts()[*part], pipeline, 0..1);
-        }
-    }
-    if let Some(casters) = casters {
-        (casters.draw)(&mut pass, maps.view(), kind);
-    }
+fn record_step(frame: &mut Recording<'_>, step: &Step<'_>, constants: &Bound) {
+    let d2 = wgpu::TextureViewDimension::D2;
+    let layout = frame.cache.layouts.get(frame.gpu, step.layout, || {
+        let mut entries = vec![uniform::<Filter>(0, false)];
+        entries.extend(step.depths.iter().map(|(number, _)| depth_texture(*number, d2)));
+        entries.extend(step.colors.iter().map(|(number, _)| texture(*number, d2)));
+        entries.extend(step.linear.then(|| sampler(5)));
+        entries
+    });
+    let mut entries = vec![(0, constants.clone())];
+    entries.extend(step.depths.iter().chain(step.colors).map(|(n, view)| (*n, Bound::View((*view).clone()))));
+    entries.extend(step.linear.then(|| (5, Bound::Sampler(frame.surfaces.map_sampler.clone()))));
+    let group = frame.cache.bind_groups.get(frame.gpu, step.layout, &layout, entries);
+    let spec = RenderSpec::screen(FILTER, ["vs_filter", step.fragment], layout, ShadowMaps::WIDTH_FORMAT);
+    let pipeline = frame.pipeline(spec);
+    let mut pass = begin_maps(frame.encoder, FILTER.name, MapTarget::Light(step.target));
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.draw(0..3, 0..1);
 }
 
 /// Records the shadow-width map from depth maps and layer-wise maps that are drawn.
-pub(crate) fn record(
-    device: &wgpu::Device,
-    encoder: &mut wgpu::CommandEncoder,
-    pipelines: &mut Pipelines,
-    maps: &ShadowMaps,
-) {
+fn record_filter(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     let Some(textures) = &maps.width else { return };
     let light = maps.view();
     let near = light.near_m.unwrap_or(0.0);
-    let params = Filter {
+    let constants = Filter {
         near,
         far: near + light.range_m,
         shrink: maps.key.params.shrink as i32,
@@ -143,43 +104,57 @@ pub(crate) fn record(
         reserved1: 0.0,
         reserved2: 0.0,
     };
-    let params = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("pelage shadow width"),
-        contents: bytemuck::bytes_of(&params),
-        usage: wgpu::BufferUsages::UNIFORM,
-    });
-    let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let first_layer = wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        array_layer_count: Some(1),
-        ..Default::default()
-    };
-    let hair = maps.layers().map_or_else(|| pipelines.layouts.white.clone(), |layers| layers.create_view(&first_layer));
-    let (nearest, farthest) = (view(&maps.nearest), view(&textures.farthest));
-    let (deepest, shrunk, width) = (view(&textures.deepest), view(&textures.shrunk), view(&textures.width));
-    let sampler = pipelines.layouts.map_sampler.clone();
-    let texture = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
-    let constants = wgpu::BindGroupEntry { binding: 0, resource: params.as_entire_binding() };
-    let steps = pipelines.filter(device);
-    let deepen = [constants.clone(), texture(1, &nearest), texture(2, &farthest)];
-    let shrink =
-        [constants.clone(), texture(1, &nearest), texture(2, &farthest), texture(3, &hair), texture(4, &deepest)];
-    let linear = wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::Sampler(&sampler) };
-    let stretch =
-        [constants, texture(1, &nearest), texture(3, &hair), texture(4, &shrunk), linear, texture(6, &deepest)];
-    for (pipeline, entries, target) in [
-        (&steps.deepest, &deepen[..], &deepest),
-        (&steps.shrink, &shrink[..], &shrunk),
-        (&steps.stretch, &stretch[..], &width),
-    ] {
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("pelage shadow width"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries,
-        });
-        let mut pass = begin_maps(encoder, "pelage shadow width", MapTarget::Light(target));
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
+    let place = frame.uniforms.put(frame.gpu, &[constants]);
+    let constants = Bound::block::<Filter>(&place.buffer, place.offset);
+    let white = frame.surfaces.white.clone();
+    let hair = maps.layers.as_ref().and_then(|layers| layers.slices.first()).unwrap_or(&white);
+    let (nearest, farthest) = ((1, &maps.nearest.view), (2, &textures.farthest.view));
+    let (deepest, shrunk) = (&textures.deepest.view, &textures.shrunk.view);
+    let steps = [
+        Step {
+            fragment: "fs_deepest",
+            layout: "pelage deepest",
+            depths: &[nearest, farthest],
+            colors: &[],
+            linear: false,
+            target: deepest,
+        },
+        Step {
+            fragment: "fs_shrink",
+            layout: "pelage shrink",
+            depths: &[nearest, farthest],
+            colors: &[(3, hair), (4, deepest)],
+            linear: false,
+            target: shrunk,
+        },
+        Step {
+            fragment: "fs_stretch",
+            layout: "pelage stretch",
+            depths: &[nearest],
+            colors: &[(3, hair), (4, shrunk), (6, deepest)],
+            linear: true,
+            target: &textures.width.view,
+        },
+    ];
+    steps.iter().for_each(|step| record_step(frame, step, &constants));
+}
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let maps = frame.maps.clone();
+    match maps.as_deref().filter(|maps| maps.key.soft_shadow) {
+        Some(maps) if frame.redraw => {
+            // Frames without fur have no other pass that draws it.
+            if frame.params.style.fur().is_none() {
+                record_depth(frame, maps, CasterPass::Nearest);
+            }
+            record_depth(frame, maps, CasterPass::Farthest);
+            record_filter(frame, maps);
+            let (size, shrink) = (maps.key.params.map_size, maps.key.params.shrink);
+            Outcome::recorded(format!("{size} x {size}, shrunk {shrink} times{}", light_inside(maps)))
+        }
+        Some(_) => Outcome::Skipped("light, poses and models as in the maps"),
+        None if frame.instances.is_empty() => Outcome::Skipped("no instances"),
+        None if !frame.params.soft_shadow => Outcome::Skipped("switched off"),
+        None => Outcome::Skipped("the key light is dark"),
     }
 }

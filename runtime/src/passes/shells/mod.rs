@@ -1,38 +1,112 @@
 //! `shells`: layers 1.. of the hair, inside to outside, blended into the application's colour target with depth tested and
 //! written (Lengyel 2001; Yang 2006, §2).
 
-use super::draw_part;
-use crate::model::Model;
-use crate::passes::key::{Look, SurfaceShader, plan_parts};
-use crate::passes::surface::surface_wgsl;
-use crate::renderer::Pipelines;
+use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
+use crate::gpu::{Draw, RenderSpec, Shader, on};
+use crate::hair::{groom, hair_wgsl, material};
+use crate::model::Part;
+use crate::params::StyleKind;
+use crate::scene::{Recording, Seen};
+use crate::study;
+use std::ops::Range;
 
 /// The shader.
-pub(crate) const WGSL: &str = surface_wgsl!("shells.wgsl");
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage shells",
+    wgsl: hair_wgsl!(
+        include_str!("varying.wgsl"),
+        include_str!("shells.wgsl"),
+        crate::study::form_wgsl!("behind shells")
+    ),
+};
 
-/// Numbers and pipelines of the furred parts.
-pub(crate) fn plan(
-    device: &wgpu::Device,
-    pipelines: &mut Pipelines,
-    model: &Model,
-    look: &Look,
-) -> Vec<(usize, wgpu::RenderPipeline)> {
-    let shader = if look.yardstick { SurfaceShader::Yardstick } else { SurfaceShader::Shells };
-    plan_parts(device, pipelines, model, look, shader, |part| part.furred)
+impl PassId {
+    /// The layers of hair, inside to outside.
+    pub const SHELLS: Self = Self(&PASS);
 }
 
-/// Records the draws of one instance; group 0 and the vertex buffers are set.
-pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &crate::frame::Drawn) {
-    let parts = instance.model.parts();
-    if let [(part, pipeline)] = &instance.shells[..] {
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "shells",
+    place: PassPlace::Picture,
+    styles: &[StyleKind::Fur],
+    does: "layers from the skin outwards, each pixel lit by Yang 2006, eq. (3)",
+    runs_when: "there is fur to see",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
+    let (model, look) = (&seen.model, &seen.look);
+    let varies = model.varies();
+    let of_material = part.has_texture || part.cutout || part.has_groom_texture;
+    let of_coat = varies.lean || varies.groom || model.manifest().fur.wet.is_some();
+    // No more slots between vertices and fragments than are needed.
+    let entries = if look.fill_lights {
+        ["vs_shells_filled", "fs_shells_filled"]
+    } else if of_material || of_coat || look.resampled || look.maps_between {
+        ["vs_shells_mapped", "fs_shells_mapped"]
+    } else {
+        ["vs_shells", "fs_shells"]
+    };
+    let mut constants = material(part);
+    constants.extend(look.lights());
+    constants.extend(groom(model, part));
+    constants.extend([
+        on("PLANAR_DIRECTIONS", model.planar_directions()),
+        on("RESAMPLED", look.resampled),
+        on("DETAIL", look.detail),
+        on("MAPS_BETWEEN", look.maps_between),
+    ]);
+    frame.picture_spec(SHADER, entries, constants, [look.mirrored, part.double_sided], true)
+}
+
+/// Instances of the draw, layer by layer.
+fn layers(frame: &Recording<'_>, seen: &Seen) -> Range<u32> {
+    let only = study::only_layer(frame.params);
+    only.map_or_else(|| seen.drawing.shell_instances(), |k| k..(k + 1).min(seen.drawing.layers))
+}
+
+/// Draws of one instance's furred parts.
+fn draws(frame: &mut Recording<'_>, seen: &Seen) -> Vec<Draw> {
+    let mut draws = Vec::new();
+    for part in seen.model.parts().iter().filter(|part| part.furred) {
+        let spec = spec(frame, seen, part);
+        let pipeline = frame.pipeline(spec);
+        draws.push(seen.draw(part, pipeline, frame.seen_from_eye(seen), seen.fur(), layers(frame, seen)));
+    }
+    if draws.len() < 2 {
         // Instances of one draw are drawn in order: all layers at once.
-        draw_part(pass, &parts[*part], pipeline, instance.shell_instances.clone());
-        return;
+        return draws;
     }
     // Several parts may overlap where they meet: layer by layer, so that an outer layer of one never hides an inner of another.
-    for index in instance.shell_instances.clone() {
-        for (part, pipeline) in &instance.shells {
-            draw_part(pass, &parts[*part], pipeline, index..index + 1);
+    let layer = |k: u32| draws.iter().map(move |draw| Draw { instances: k..k + 1, ..draw.clone() });
+    layers(frame, seen).flat_map(layer).collect()
+}
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let instances = frame.instances.clone();
+    let (mut all, mut furry, mut drawn) = (Vec::new(), 0, 0);
+    for seen in instances.iter().filter(|seen| seen.in_picture && seen.drawing.has_shells()) {
+        let draws = draws(frame, seen);
+        if !draws.is_empty() {
+            furry += 1;
+            drawn += seen.drawing.detail.layers;
+            all.extend(draws);
         }
     }
+    if drawn > 0 {
+        let of: u32 = instances.iter().map(|seen| seen.drawing.detail.of_layers).sum();
+        let of = if any_reduced(frame) { format!(" of {of}") } else { String::new() };
+        let words = study::words_of_shells(frame.params);
+        return Outcome::Ran(format!("{furry} instances, {drawn}{of} layers{words}"), all);
+    }
+    Outcome::Skipped(match (instances.is_empty(), frame.params.style.fur().and_then(|fur| fur.layers)) {
+        (true, _) => "no instances",
+        (_, Some(1)) => "one layer is the skin alone",
+        _ if !instances.iter().any(|seen| seen.in_picture) => "nothing is in the picture",
+        _ if any_reduced(frame) => "the fur is too small on screen: far coats on the skin",
+        _ => "no package has fur",
+    })
 }

@@ -1,30 +1,67 @@
 //! `skin`: the opaque base mesh, bare parts included, into the application's colour target with depth written.
 
-use super::draw_part;
-use crate::Style;
-use crate::model::{Model, Part};
-use crate::passes::key::{Look, SurfaceShader};
-use crate::passes::surface::surface_wgsl;
-use crate::renderer::Pipelines;
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{RenderSpec, Shader, on};
+use crate::hair::{groom, hair_wgsl, material};
+use crate::model::Part;
+use crate::params::StyleKind;
+use crate::scene::{Recording, Seen};
 
 /// The shader.
-pub(crate) const WGSL: &str = surface_wgsl!("skin.wgsl");
+pub(crate) const SHADER: Shader =
+    Shader { name: "pelage skin", wgsl: hair_wgsl!(include_str!("../../hair/coat.wgsl"), include_str!("skin.wgsl")) };
 
-/// Pipelines of the model's parts, in their order.
-pub(crate) fn plan(
-    device: &wgpu::Device,
-    pipelines: &mut Pipelines,
-    model: &Model,
-    look: &Look,
-) -> Vec<wgpu::RenderPipeline> {
-    let shader = |furred| if furred { SurfaceShader::SkinFurred } else { SurfaceShader::SkinBare };
-    let key = |part: &Part| look.key(shader(part.furred && look.style == Style::Fur), model, part);
-    model.parts().iter().map(|part| pipelines.surface(device, key(part))).collect()
+impl PassId {
+    /// The opaque base mesh and bare parts.
+    pub const SKIN: Self = Self(&PASS);
 }
 
-/// Records the draws of one instance; group 0 and the vertex buffers are set.
-pub(crate) fn record(pass: &mut wgpu::RenderPass<'_>, instance: &crate::frame::Drawn) {
-    for (part, pipeline) in instance.model.parts().iter().zip(&instance.skin) {
-        draw_part(pass, part, pipeline, 0..1);
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "skin",
+    place: PassPlace::Picture,
+    styles: &[StyleKind::Fur, StyleKind::Bare],
+    does: "the opaque base mesh, depth written",
+    runs_when: "always, but in ink",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part, furred: bool) -> RenderSpec {
+    let (model, look) = (&seen.model, &seen.look);
+    let mut constants = material(part);
+    constants.extend(look.lights());
+    let sides = [look.mirrored, part.double_sided];
+    if !furred {
+        let mut spec = frame.picture_spec(SHADER, ["vs_bare", "fs_bare"], constants, sides, false);
+        // A bare skin has no hair textures to bind.
+        spec.groups.truncate(2);
+        return spec;
     }
+    constants.extend(groom(model, part));
+    // Skin leans nowhere, unless it is raised.
+    constants.retain(|(name, _)| *name != "LEAN");
+    constants.push(on("LEAN", model.varies().lean && look.coat));
+    constants.extend([on("PLANAR_DIRECTIONS", model.planar_directions()), on("COAT", look.coat)]);
+    frame.picture_spec(SHADER, ["vs_furred", "fs_furred"], constants, sides, false)
+}
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let mut draws = Vec::new();
+    let instances = frame.instances.clone();
+    let shown = || instances.iter().filter(|seen| seen.in_picture);
+    for seen in shown() {
+        for part in seen.model.parts() {
+            let spec = spec(frame, seen, part, part.furred && frame.params.style.fur().is_some());
+            let pipeline = frame.pipeline(spec);
+            draws.push(seen.draw(part, pipeline, frame.seen_from_eye(seen), seen.fur(), 0..1));
+        }
+    }
+    if draws.is_empty() {
+        return Outcome::Skipped(if instances.is_empty() { "no instances" } else { "nothing is in the picture" });
+    }
+    let coats = shown().filter(|seen| seen.look.coat).count();
+    let coats = if coats > 0 { format!(", {coats} with the far coat") } else { String::new() };
+    Outcome::Ran(format!("{} instances, {} parts{coats}", shown().count(), draws.len()), draws)
 }

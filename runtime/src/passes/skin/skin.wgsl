@@ -10,7 +10,7 @@ struct SkinVarying {
     // H, in the tile frame, or as half_or_factors says.
     @location(4) half_ts: vec3<f32>,
     // 1 where fur grows, 0 where its height is 0; slope that the lean of the vertex adds to the hair of the coat.
-    @location(5) coat_slope: vec2<f32>,
+    @location(5) grows_slope: vec2<f32>,
     @location(6) groom: vec2<f32>,
     @location(7) place: vec4<f32>,
     @location(8) position_ws: vec3<f32>,
@@ -25,26 +25,16 @@ fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     if COAT {
         position = hair_position(v, tile, height);
     }
-    let light = direction_to(frame.light_ws, position);
-    let half = half_vector(light, direction_to(frame.eye_ws, position));
-    var out: SkinVarying;
-    out.position = frame.clip_from_world * vec4(position, 1.0);
-    out.tint = v.color * material.base_color;
-    out.base_uv = v.base_uv;
-    out.tile_uv = v.tile_uv;
-    out.light_ts = to_tile(tile, light);
-    out.half_ts = to_tile(tile, half);
-    out.coat_slope = vec2(select(0.0, 1.0, v.fur_height > 0.0), 0.0);
+    let at = hair_vertex(v, tile, position);
+    var slope = 0.0;
     if COAT && LEAN {
-        out.coat_slope.y = lean_slope(v.lean, instance.coat_ambient_height);
+        slope = lean_slope(v.lean, instance.coat_ambient_height);
     }
-    out.groom = v.groom.xy;
-    out.place = map_place(position);
-    let spot = spot_of(v, position, tile);
-    out.position_ws = spot.position_ws;
-    out.normal_ws = spot.normal_ws;
-    out.tangent = spot.tangent;
-    return out;
+    return SkinVarying(
+        at.position, at.tint, at.base_uv, v.tile_uv, at.light_ts, at.half_ts,
+        vec2(select(0.0, 1.0, v.fur_height > 0.0), slope), at.groom, at.place, at.spot.position_ws, at.spot.normal_ws,
+        at.spot.tangent,
+    );
 }
 
 // Bare skin has no hair textures to look at.
@@ -59,18 +49,17 @@ fn vs_furred(v: Vertex) -> SkinVarying {
     let height = instance.detail_next * instance.coat_height;
     var out = skin_varying(v, height);
     let layer = select(0u, instance.baked_layers, COAT);
-    out.half_ts = half_or_factors(layer, out.coat_slope.y, out.light_ts, out.half_ts, v.groom.y);
+    out.half_ts = half_or_factors(layer, out.grows_slope.y, out.light_ts, out.half_ts, v.groom.y);
     return out;
-}
-
-// Lambert's law with the package's constants, so that bare parts are as bright as the fur beside them.
-fn shade_bare(color: vec3<f32>, n_dot_l: f32, reach: f32) -> vec3<f32> {
-    return color * (instance.ambient + instance.diffuse * (max(n_dot_l, 0.0) * reach));
 }
 
 // The surface seen in front or from behind: the back of a double-sided part is lit by what shines on the back.
 fn side_of(front: bool) -> f32 {
     return select(-1.0, 1.0, front);
+}
+
+fn bare_color(base: vec3<f32>, n_dot_l: f32, visible: f32, spot: Spot, side: f32) -> vec3<f32> {
+    return key_light_on_bare(base, n_dot_l, visible) + fill_lights_on_bare(base, spot, side);
 }
 
 @fragment
@@ -81,36 +70,15 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     }
     let side = side_of(front);
     let n_dot_l = in.light_ts.z * side;
-    let reach = light_on_bare(in.place, n_dot_l);
-    let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
-    return vec4(shade_bare(base.rgb, n_dot_l, reach) + fill_bare(base.rgb, spot, side), 1.0);
-}
-
-// The far coat over the undercoat, as far as it has taken over. past: share of the key light that comes past other things.
-fn with_coat(far: Hair, undercoat: vec3<f32>, base: vec3<f32>, in: SkinVarying, groom: vec2<f32>, light: vec3<f32>, past: f32) -> vec3<f32> {
-    if far.color.a < LEAST_ALPHA {
-        return undercoat;
-    }
-    var direction = far.direction;
-    if LEAN {
-        direction = leaned_direction(direction, in.coat_slope.y);
-    }
-    // As the layers that it stands for: where half of the hair grows, half of the optical depth is left.
-    let alpha = resampled_opacity(far.color.a, instance.detail_next * in.coat_slope.x * groom.x);
-    let tint = far.color.rgb * (alpha / far.color.a) * base;
-    let share = ambient_attenuation(instance.coat_ambient_height, instance.ambient_floor);
-    let reach = past * coat_light(slanted_path(light.z), instance.coat_light_base, instance.coat_light_slope);
-    let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
-    let hair = shade_hair(tint, alpha, direction, light, in.half_ts, share, groom.y, reach)
-        + fill_hair(tint, alpha, direction, spot, groom.y);
-    return hair + (1.0 - alpha) * undercoat;
+    let visible = visible_on_bare(Receiver(in.place, 0.0, false, n_dot_l));
+    return vec4(bare_color(base.rgb, n_dot_l, visible, Spot(in.position_ws, in.normal_ws, in.tangent), side), 1.0);
 }
 
 @fragment
 fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let base = base_color(in.tint, in.base_uv);
     let groom = groom_at(in.groom, in.base_uv);
-    let texel = hair_at(in.tile_uv, 0u, groom.y);
+    let hair = hair_at(in.tile_uv, 0u, groom.y);
     var far: Hair;
     if COAT {
         far = hair_at(in.tile_uv, instance.baked_layers, groom.y);
@@ -120,26 +88,32 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     }
     let side = side_of(front);
     let light = vec3(in.light_ts.xy, in.light_ts.z * side);
-    let past = light_past_things(in.place, light.z);
-    var through = light_through_hair(in.place, 0.0, false);
+    let receiver = Receiver(in.place, 0.0, false, light.z);
+    let past = visible_past_things(receiver);
+    var through = visible_through_hair(receiver);
     if COAT {
         // No map knows what the coat stands for.
-        let path = frame.hair_density * slanted_path(light.z);
-        through = mix(through, layer_transmittance(far.color.a * groom.x, path), instance.detail_next);
+        through = mix(through, visible_below_coat(far, groom.x, light.z), instance.detail_next);
     }
-    let reach = through * past;
+    let visible = through * past;
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
-    let share = ambient_attenuation(0.0, instance.ambient_floor);
-    let color = texel.color;
-    let tint = color.rgb * base.rgb;
-    let hair = shade_hair(tint, color.a, texel.direction, light, in.half_ts, share, groom.y, reach)
-        + fill_hair(tint, color.a, texel.direction, spot, groom.y);
-    let bare = shade_bare(base.rgb, light.z, reach) + fill_bare(base.rgb, spot, side);
+    let color = hair.color;
+    let point = HairPoint(
+        spot, hair.direction, color.rgb * base.rgb, color.a, vec3(1.0), groom.y,
+        arriving_at(0.0, light, in.half_ts, visible),
+    );
+    let bare = bare_color(base.rgb, light.z, visible, spot, side);
     // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
-    let undercoat = hair + (1.0 - color.a) * share * bare;
-    let skin = mix(bare, undercoat, in.coat_slope.x * groom.x);
+    let ambient = ambient_attenuation(0.0, instance.ambient_floor);
+    let undercoat = light_hair(point) + (1.0 - color.a) * ambient * bare;
+    let grown = in.grows_slope.x * groom.x;
+    let skin = mix(bare, undercoat, grown);
     if COAT {
-        return vec4(with_coat(far, skin, base.rgb, in, groom, light, past), 1.0);
+        let share = instance.detail_next * in.grows_slope.x * groom.x;
+        let coated = with_coat(
+            far, skin, base.rgb, spot, light, in.half_ts, in.grows_slope.y, share, groom.y, past,
+        );
+        return vec4(coated, 1.0);
     }
     return vec4(skin, 1.0);
 }

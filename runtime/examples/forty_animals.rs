@@ -1,0 +1,112 @@
+//! Forty animals in one frame: copies of one model, each in its own place and pose, on the application's ground, with shadows both ways.
+//!
+//! ```text
+//! cargo run --release --example forty_animals -- [PACKAGE.pelage] [PICTURE.png]
+//! ```
+//!
+//! Without a package it makes a small furry sphere. What the application has of its own is in `support`: device and targets in
+//! `headless.rs`, the ground with its shader in `ground.rs`.
+
+#![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
+
+#[path = "support/mod.rs"]
+mod support;
+
+use pelage_runtime::glam::{Mat4, Quat, Vec3};
+use pelage_runtime::{
+    Camera, CasterPass, Casters, Detail, FrameParams, Hooks, Instance, Light, LightView, Model, Motion, Renderer,
+    RendererOptions, Sphere, wgpu,
+};
+use support::ground::{Cuboid, Scene};
+use support::headless::{Gpu, Targets};
+
+const SIZE: (u32, u32) = (1200, 640);
+const COLUMNS: u64 = 8;
+const ANIMALS: u64 = 40;
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let package = support::package_or_sphere(arguments.next());
+    let picture = arguments.next().unwrap_or_else(|| "target/forty_animals.png".into());
+
+    // The application's device, and its targets: colour and depth of four samples a pixel, which the options tell pelage.
+    let gpu = Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC).unwrap();
+    let options = RendererOptions { sample_count: 4, ..RendererOptions::default() };
+    let targets = Targets::new(&gpu, SIZE, &options);
+
+    // Once: a renderer for that kind of pass, and the model that all are copies of.
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+    let model = renderer.load_bytes(&package).unwrap();
+
+    // The application's scene: a meadow that receives shadows.
+    let reach = 12.0 * radius(&model);
+    let (low, high) = (Vec3::new(-4.0, -0.1, -4.0) * reach, Vec3::new(4.0, 0.0, 4.0) * reach);
+    let scene = Scene::new(&gpu.device, &options, &[Cuboid { low, high, color: Vec3::new(0.26, 0.36, 0.15) }]);
+    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
+    let camera = Camera::framing(Vec3::ZERO, 0.62 * reach, Vec3::new(0.25, 0.7, 1.0), 0.6, aspect);
+    let towards_sun = Vec3::new(-0.7, 0.8, 0.3).normalize();
+
+    // Every frame: how it is drawn. The key light throws the shadows, the fill light lightens them.
+    let params = FrameParams::new(camera, SIZE.into())
+        .with(|p| {
+            p.light = Light::Directional { towards_light: towards_sun, color: Vec3::new(1.0, 0.96, 0.88) };
+            let sky =
+                Light::Directional { towards_light: Vec3::new(0.6, 0.9, -0.2), color: Vec3::new(0.1, 0.13, 0.18) };
+            p.fill_lights = vec![sky];
+            // One map covers all of them, so that it takes more texels than for one; of its layers fewer do.
+            (p.shadows.map_size, p.shadows.map_layers, p.shadows.shrink) = (2048, Some(6), 8);
+        })
+        .with_fur(|fur| fur.detail = Detail::Auto { bias: 1.0 });
+    // And who is in it. Fur is blended, so that the farthest are drawn first.
+    let mut herd: Vec<Instance> = (0..ANIMALS).map(|owner| animal(owner, &model)).collect();
+    let nearness = |animal: &Instance| (camera.view_from_world * animal.transform.w_axis).z;
+    herd.sort_by(|a, b| nearness(a).total_cmp(&nearness(b)));
+
+    // The ground takes part in the shadow maps: they must know what the shadows fall on.
+    let mut draw_ground = |pass: &mut wgpu::RenderPass<'_>, view: &LightView, which: CasterPass| {
+        scene.draw_depth(&gpu.device, pass, view, which);
+    };
+    let bounds = Some(Sphere { center: Vec3::ZERO, radius: reach });
+    let hooks = Hooks::default().casters(Casters { bounds, revision: 0, draw: &mut draw_ground });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let frame = renderer.prepare_with(&mut encoder, &params, &herd, hooks).unwrap();
+
+    // The application's own pass.
+    let mut pass = targets.begin(&mut encoder, wgpu::Color { r: 0.45, g: 0.58, b: 0.72, a: 1.0 });
+    let clip_from_world = camera.projection.clip_from_view(options.reversed_depth) * camera.view_from_world;
+    scene.draw(&gpu.device, &mut pass, clip_from_world, towards_sun.extend(0.0), &frame);
+    frame.draw(&mut pass);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+
+    image::save_buffer(&picture, &targets.read(&gpu), SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
+    println!("{picture}: drawn by {}", gpu.info.name);
+    for pass in &frame.report().passes {
+        println!("{}: {} ({})", pass.name, if pass.ran { "ran" } else { "did not run" }, pass.reason);
+    }
+}
+
+/// One of the herd in its place in row and column, a little aside, turned and taller or smaller than its neighbours. Of three one moves,
+/// where the package has clips.
+fn animal(owner: u64, model: &Model) -> Instance {
+    let bounds = model.manifest().bounds;
+    let [column, row] = [owner % COLUMNS, owner / COLUMNS].map(|n| n as f32);
+    let odd = |seed: f32| (seed * owner as f32).sin();
+    let place = Vec3::new(2.7 * (column - 3.5 + 0.25 * odd(1.9)), 0.0, 3.3 * (row - 2.0 + 0.25 * odd(2.9)));
+    let (turn, size) = (Quat::from_rotation_y(0.7 + 0.8 * odd(2.6)), Vec3::splat(0.9 + 0.1 * odd(5.3)));
+    // On its feet: the middle of the package's bounds stands over its place.
+    let feet = Vec3::new(bounds.center[0], bounds.min[1], bounds.center[2]);
+    let transform =
+        Mat4::from_scale_rotation_translation(size, turn, place * radius(model)) * Mat4::from_translation(-feet);
+    let standing = Instance::new(owner, model).at(transform);
+    match model.clips().first() {
+        Some(clip) if owner.is_multiple_of(3) => {
+            standing.moving(Motion::Clip { clip: 0, time_s: 0.13 * owner as f32 % clip.duration_s })
+        }
+        _ => standing,
+    }
+}
+
+fn radius(model: &Model) -> f32 {
+    model.manifest().bounds.radius + model.manifest().fur.height_m
+}

@@ -1,0 +1,70 @@
+//! How far things reach in world space.
+
+use glam::{Mat4, Vec3, Vec4};
+
+/// A sphere in world space, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Its centre.
+    pub center: Vec3,
+    /// Its radius, at least 0.
+    pub radius: f32,
+}
+
+/// What the maps must cover: points in world space, each with a margin about it, metres.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Hull(pub(crate) Vec<(Vec3, f32)>);
+
+impl Hull {
+    /// Least and greatest coordinate along a unit direction from `origin`.
+    pub(crate) fn range(&self, origin: Vec3, axis: Vec3) -> (f32, f32) {
+        let along = self.0.iter().map(|(point, margin)| ((*point - origin).dot(axis), *margin));
+        along.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), (x, m)| (min.min(x - m), max.max(x + m)))
+    }
+
+    /// A sphere that holds all: about the box that does. `None` of nothing.
+    pub(crate) fn sphere(&self) -> Option<Sphere> {
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| self.range(Vec3::ZERO, axis));
+        let (min, max) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
+        (!self.0.is_empty()).then(|| Sphere { center: 0.5 * (min + max), radius: 0.5 * (max - min).length() })
+    }
+
+    /// Whether any of it may be in the picture: not all of it is beyond one of the sides of the view.
+    pub(crate) fn may_be_seen(&self, clip_from_world: Mat4) -> bool {
+        let rows: [Vec4; 4] = std::array::from_fn(|k| clip_from_world.row(k));
+        let [x, y, z, w] = rows;
+        let beyond = |side: Vec4| {
+            let reach = side.truncate().length();
+            self.0.iter().all(|(point, margin)| side.dot(point.extend(1.0)) + reach * margin < 0.0)
+        };
+        self.0.is_empty() || ![w + x, w - x, w + y, w - y, z, w - z].into_iter().any(beyond)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Projection};
+
+    #[test]
+    fn what_may_be_seen_is_not_left_out() {
+        let perspective = Projection::Perspective { fov_y_rad: 1.0, aspect: 2.0, near_m: 0.1, far_m: f32::INFINITY };
+        let parallel = Projection::Orthographic { height_m: 2.0, aspect: 2.0, near_m: 0.1, far_m: 10.0 };
+        for (projection, reversed) in [(perspective, false), (perspective, true), (parallel, false), (parallel, true)] {
+            let camera = Camera::look_at(Vec3::Z * 5.0, Vec3::ZERO, projection);
+            let clip_from_world = projection.clip_from_view(reversed) * camera.view_from_world;
+            let seen = |center: Vec3, margin: f32| Hull(vec![(center, margin)]).may_be_seen(clip_from_world);
+            assert!(seen(Vec3::ZERO, 0.0) && seen(Vec3::X * 1.9, 0.0), "{projection:?}");
+            // Beside the picture, above it, behind the eye: unless the margin reaches in.
+            for (center, reach) in [(Vec3::X * 20.0, 19.0), (Vec3::Y * 20.0, 19.5), (Vec3::Z * 8.0, 3.5)] {
+                assert!(!seen(center, 0.5), "{projection:?} {center}");
+                assert!(seen(center, reach), "{projection:?} {center}");
+            }
+            // Corners on different sides: what is between them may cross the picture.
+            assert!(Hull(vec![(Vec3::X * -20.0, 0.0), (Vec3::X * 20.0, 0.0)]).may_be_seen(clip_from_world));
+            assert!(Hull::default().may_be_seen(clip_from_world), "nothing known is nothing left out");
+            assert!(seen(Vec3::NAN, 0.0));
+        }
+    }
+}

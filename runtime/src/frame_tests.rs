@@ -1,0 +1,105 @@
+//! A pass is a folder and a line: [`crate::passes::probe`] is one that only these tests have.
+
+use crate::camera::{Camera, Projection};
+use crate::frame::PASSES;
+use crate::instance::Instance;
+use crate::params::{FrameParams, RendererOptions, Style};
+use crate::passes::PassId;
+use crate::passes::probe::COLOR;
+use crate::renderer::Renderer;
+use glam::{Mat4, Vec3};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+#[path = "../examples/support/headless.rs"]
+#[allow(dead_code, unreachable_pub, reason = "not every helper is needed here")]
+mod headless;
+
+/// A device, unless GPU tests are switched off by name; in the words by which the gate knows that a GPU test ran.
+fn gpu(name: &str) -> Option<headless::Gpu> {
+    if std::env::var("PELAGE_NO_GPU").is_ok_and(|off| off == "1") {
+        return None;
+    }
+    let gpu = headless::Gpu::open(wgpu::Features::empty()).unwrap();
+    // Written to the handle: the harness captures only the print macros.
+    writeln!(std::io::stderr(), "GPU test 0 ran: {name} on {}", gpu.info.name).unwrap();
+    Some(gpu)
+}
+
+#[test]
+fn a_pass_that_is_added_is_drawn_reported_and_listed() {
+    let Some(gpu) = gpu("an_added_pass") else { return };
+    let options = RendererOptions::default();
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+    let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Projection::Custom(Mat4::IDENTITY));
+    let targets = headless::Targets::new(&gpu, (8, 8), &options);
+    let mut draw = |style| {
+        let params = FrameParams::new(camera, [8, 8]).with(|params| params.style = style);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let frame = renderer.prepare(&mut encoder, &params, std::iter::empty::<Instance>()).unwrap();
+        frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::BLACK));
+        gpu.queue.submit([encoder.finish()]);
+        let report = frame.report().passes.last().unwrap().clone();
+        (targets.read(&gpu), report)
+    };
+    let (texels, report) = draw(Style::Bare);
+    let green = COLOR.map(|c| (c * 255.0) as u8);
+    assert_eq!((report.name, report.ran, &report.reason[..]), ("probe", true, "in a test"));
+    assert!(texels.chunks_exact(4).all(|texel| texel == green), "{texels:?}");
+    let (texels, report) = draw(Style::default());
+    assert_eq!((report.ran, &report.reason[..], &texels[..4]), (false, "style is fur", &[0, 0, 0, 255][..]));
+    assert_eq!(PassId::all().next_back(), Some(PassId::PROBE));
+    let names: std::collections::BTreeSet<_> = PassId::all().map(PassId::name).collect();
+    assert_eq!(names.len(), PASSES.len(), "no two passes share a name");
+}
+
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { files(&path, found) } else { found.push(path) }
+    }
+}
+
+/// What names the probe outside its folder: one line of the list, and the two words that make a folder part of a crate.
+#[test]
+fn a_pass_is_one_folder_and_one_line() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut all = Vec::new();
+    files(&source, &mut all);
+    let mut lines = Vec::new();
+    for file in all.iter().filter(|f| !f.starts_with(source.join("passes/probe")) && !f.ends_with("frame_tests.rs")) {
+        let text = std::fs::read_to_string(file).unwrap();
+        let name = file.strip_prefix(&source).unwrap().display().to_string();
+        lines.extend(text.lines().filter(|l| l.contains("probe")).map(|line| format!("{name}: {}", line.trim())));
+    }
+    lines.sort();
+    assert_eq!(lines, ["frame.rs: &probe::PASS,", "passes/mod.rs: pub(crate) mod probe;"]);
+    // And each real pass is a folder with its shader beside its Rust.
+    for pass in PASSES {
+        let folder = source.join("passes").join(pass.name);
+        assert!(folder.join("mod.rs").is_file(), "{}", folder.display());
+        let mut inside = Vec::new();
+        files(&folder, &mut inside);
+        assert!(inside.iter().any(|f| f.extension().is_some_and(|e| e == "wgsl")), "{}", folder.display());
+        assert!(!pass.shaders.is_empty() && !pass.does.is_empty() && !pass.runs_when.is_empty());
+    }
+}
+
+/// Buffers, textures, bind groups and pipelines are made in one room, which counts them: else a frame could not say what it made.
+#[test]
+fn everything_is_made_where_it_is_counted() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut all = Vec::new();
+    files(&source, &mut all);
+    let made =
+        ["create_buffer", "create_texture", "create_bind_group(", "create_render_pipeline", "create_compute_pipeline"];
+    let mut rooms: Vec<String> = all
+        .iter()
+        .filter(|f| f.extension().is_some_and(|e| e == "rs") && !f.ends_with("frame_tests.rs"))
+        .filter(|f| made.iter().any(|call| std::fs::read_to_string(f).unwrap().contains(call)))
+        .map(|f| f.strip_prefix(&source).unwrap().display().to_string())
+        .collect();
+    rooms.sort();
+    // The one white texel is made with the renderer.
+    assert_eq!(rooms, ["gpu/device.rs", "surface/mod.rs"]);
+}

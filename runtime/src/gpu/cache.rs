@@ -1,0 +1,15 @@
+//! What is made when it is first asked for, and kept.
+
+use super::bind_groups::BindGroups;
+use super::layouts::Layouts;
+use super::pipelines::Pipelines;
+use super::targets::TargetPool;
+
+/// What is made when it is first asked for, and kept.
+#[derive(Debug, Default)]
+pub(crate) struct Cache {
+    pub(crate) layouts: Layouts,
+    pub(crate) pipelines: Pipelines,
+    pub(crate) bind_groups: BindGroups,
+    pub(crate) targets: TargetPool,
+}

@@ -1,0 +1,76 @@
+//! The device with a count of what is made.
+
+use super::bound::Bound;
+use crate::report::Created;
+use std::sync::atomic::{AtomicU32, Ordering};
+use wgpu::util::DeviceExt;
+
+/// Device and queue, with a count of what is made.
+#[derive(Debug)]
+pub(crate) struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    buffers: AtomicU32,
+    textures: AtomicU32,
+    bind_groups: AtomicU32,
+    pipelines: AtomicU32,
+}
+
+impl Gpu {
+    pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        let (device, queue) = (device.clone(), queue.clone());
+        let [buffers, textures, bind_groups, pipelines] = std::array::from_fn(|_| AtomicU32::new(0));
+        Self { device, queue, buffers, textures, bind_groups, pipelines }
+    }
+
+    /// All that was made so far.
+    pub(crate) fn created(&self) -> Created {
+        let [buffers, textures, bind_groups, pipelines] =
+            [&self.buffers, &self.textures, &self.bind_groups, &self.pipelines].map(|n| n.load(Ordering::Relaxed));
+        Created { buffers, textures, bind_groups, pipelines }
+    }
+
+    /// A buffer of `size` bytes.
+    pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.buffers.fetch_add(1, Ordering::Relaxed);
+        let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+        self.device.create_buffer(&descriptor)
+    }
+
+    /// A buffer that holds `contents`.
+    pub(crate) fn buffer_of(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.buffers.fetch_add(1, Ordering::Relaxed);
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+    }
+
+    pub(crate) fn texture(&self, descriptor: &wgpu::TextureDescriptor<'_>) -> wgpu::Texture {
+        self.textures.fetch_add(1, Ordering::Relaxed);
+        self.device.create_texture(descriptor)
+    }
+
+    /// A bind group of the entries by their numbers.
+    pub(crate) fn bind_group(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        entries: &[(u32, Bound)],
+    ) -> wgpu::BindGroup {
+        self.bind_groups.fetch_add(1, Ordering::Relaxed);
+        let entries: Vec<_> = entries
+            .iter()
+            .map(|(binding, bound)| wgpu::BindGroupEntry { binding: *binding, resource: bound.resource() })
+            .collect();
+        let descriptor = wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries };
+        self.device.create_bind_group(&descriptor)
+    }
+
+    pub(super) fn render_pipeline(&self, descriptor: &wgpu::RenderPipelineDescriptor<'_>) -> wgpu::RenderPipeline {
+        self.pipelines.fetch_add(1, Ordering::Relaxed);
+        self.device.create_render_pipeline(descriptor)
+    }
+
+    pub(super) fn compute_pipeline(&self, descriptor: &wgpu::ComputePipelineDescriptor<'_>) -> wgpu::ComputePipeline {
+        self.pipelines.fetch_add(1, Ordering::Relaxed);
+        self.device.create_compute_pipeline(descriptor)
+    }
+}

@@ -1,0 +1,81 @@
+//! Draws as plain data: passes say what is drawn, and one function records it.
+
+use std::ops::Range;
+
+/// A bind group, and where its dynamic block lies.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Group {
+    pub(crate) group: wgpu::BindGroup,
+    pub(crate) offset: Option<u32>,
+}
+
+impl Group {
+    pub(crate) fn of(group: &wgpu::BindGroup) -> Option<Self> {
+        Some(Self { group: group.clone(), offset: None })
+    }
+
+    pub(crate) fn at(group: &wgpu::BindGroup, offset: u64) -> Option<Self> {
+        Some(Self { group: group.clone(), offset: Some(offset as u32) })
+    }
+}
+
+/// One draw call and all it needs.
+#[derive(Clone, Debug)]
+pub(crate) struct Draw {
+    pub(crate) pipeline: wgpu::RenderPipeline,
+    /// By number.
+    pub(crate) groups: [Option<Group>; 4],
+    /// By slot.
+    pub(crate) vertices: [Option<wgpu::Buffer>; 4],
+    /// 32-bit indices; without, vertices are drawn in their order.
+    pub(crate) indices: Option<wgpu::Buffer>,
+    /// Of indices or vertices.
+    pub(crate) range: Range<u32>,
+    pub(crate) instances: Range<u32>,
+}
+
+impl Draw {
+    /// A triangle over the whole target, with group 0 alone.
+    pub(crate) fn screen(pipeline: wgpu::RenderPipeline, group: &wgpu::BindGroup) -> Self {
+        Self {
+            pipeline,
+            groups: [Group::of(group), None, None, None],
+            vertices: Default::default(),
+            indices: None,
+            range: 0..3,
+            instances: 0..1,
+        }
+    }
+}
+
+/// Records draws in their order. What one binds stays bound for the next.
+pub(crate) fn record<'d>(pass: &mut wgpu::RenderPass<'_>, draws: impl IntoIterator<Item = &'d Draw>) {
+    let mut last: Option<&Draw> = None;
+    for draw in draws {
+        if last.is_none_or(|last| last.pipeline != draw.pipeline) {
+            pass.set_pipeline(&draw.pipeline);
+        }
+        for (number, group) in draw.groups.iter().enumerate() {
+            let Some(Group { group: bind_group, offset }) = group else { continue };
+            if last.is_none_or(|last| last.groups[number] != *group) {
+                pass.set_bind_group(number as u32, bind_group, offset.as_slice());
+            }
+        }
+        for (slot, buffer) in draw.vertices.iter().enumerate() {
+            let Some(vertices) = buffer else { continue };
+            if last.is_none_or(|last| last.vertices[slot] != *buffer) {
+                pass.set_vertex_buffer(slot as u32, vertices.slice(..));
+            }
+        }
+        match &draw.indices {
+            Some(indices) => {
+                if last.is_none_or(|last| last.indices != draw.indices) {
+                    pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                }
+                pass.draw_indexed(draw.range.clone(), 0, draw.instances.clone());
+            }
+            None => pass.draw(draw.range.clone(), draw.instances.clone()),
+        }
+        last = Some(draw);
+    }
+}

@@ -1,0 +1,108 @@
+//! Layouts of bind groups and samplers, found again by their names.
+
+use super::device::Gpu;
+use std::collections::HashMap;
+use std::num::NonZeroU64;
+
+/// How a texture is read between its texels; always with linear filters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Sampling {
+    pub(crate) label: &'static str,
+    pub(crate) u: wgpu::AddressMode,
+    pub(crate) v: wgpu::AddressMode,
+    /// Between two mip levels as well.
+    pub(crate) mipmaps: bool,
+    pub(crate) anisotropy: u16,
+}
+
+impl Sampling {
+    pub(crate) fn new(label: &'static str, mode: wgpu::AddressMode) -> Self {
+        Self { label, u: mode, v: mode, mipmaps: true, anisotropy: 1 }
+    }
+
+    pub(crate) fn make(self, device: &wgpu::Device) -> wgpu::Sampler {
+        device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some(self.label),
+            address_mode_u: self.u,
+            address_mode_v: self.v,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: if self.mipmaps { wgpu::MipmapFilterMode::Linear } else { wgpu::MipmapFilterMode::Nearest },
+            anisotropy_clamp: self.anisotropy,
+            ..Default::default()
+        })
+    }
+}
+
+#[derive(Debug, Default)]
+pub(crate) struct Layouts {
+    groups: HashMap<&'static str, wgpu::BindGroupLayout>,
+    samplers: HashMap<Sampling, wgpu::Sampler>,
+}
+
+impl Layouts {
+    /// The layout of that name, made of `entries` when it is first asked for.
+    pub(crate) fn get(
+        &mut self,
+        gpu: &Gpu,
+        label: &'static str,
+        entries: impl FnOnce() -> Vec<wgpu::BindGroupLayoutEntry>,
+    ) -> wgpu::BindGroupLayout {
+        let make = || {
+            let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries() };
+            gpu.device.create_bind_group_layout(&descriptor)
+        };
+        self.groups.entry(label).or_insert_with(make).clone()
+    }
+
+    pub(crate) fn sampler(&mut self, gpu: &Gpu, sampling: Sampling) -> wgpu::Sampler {
+        self.samplers.entry(sampling).or_insert_with(|| sampling.make(&gpu.device)).clone()
+    }
+}
+
+fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
+}
+
+/// A block of `T` for vertices and fragments.
+pub(crate) fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
+    let ty = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset,
+        min_binding_size: NonZeroU64::new(size_of::<T>() as u64),
+    };
+    entry(binding, wgpu::ShaderStages::VERTEX_FRAGMENT, ty)
+}
+
+/// An array of `T` that shaders of `visibility` read.
+pub(crate) fn storage<T>(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
+    let ty = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: NonZeroU64::new(size_of::<T>() as u64),
+    };
+    entry(binding, visibility, ty)
+}
+
+/// A texture of filterable floats for fragments.
+pub(crate) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
+    let ty = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: true },
+        view_dimension,
+        multisampled: false,
+    };
+    entry(binding, wgpu::ShaderStages::FRAGMENT, ty)
+}
+
+/// A depth texture for fragments.
+pub(crate) fn depth_texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
+    let sample_type = wgpu::TextureSampleType::Depth;
+    let ty = wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
+    entry(binding, wgpu::ShaderStages::FRAGMENT, ty)
+}
+
+/// A filtering sampler for fragments.
+pub(crate) fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    let ty = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+    entry(binding, wgpu::ShaderStages::FRAGMENT, ty)
+}

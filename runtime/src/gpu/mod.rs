@@ -1,0 +1,22 @@
+//! The device and queue that the application lends, and all that is made with them: a frame can say what it had to make, and what is made
+//! once is found again by what it is.
+
+mod bind_groups;
+mod bound;
+mod cache;
+mod device;
+mod draw;
+mod layouts;
+mod pipelines;
+mod targets;
+mod uniforms;
+
+pub(crate) use bind_groups::BindGroups;
+pub(crate) use bound::Bound;
+pub(crate) use cache::Cache;
+pub(crate) use device::Gpu;
+pub(crate) use draw::{Draw, Group, record};
+pub(crate) use layouts::{Sampling, depth_texture, sampler, storage, texture, uniform};
+pub(crate) use pipelines::{ComputeSpec, Constants, RenderSpec, Shader, Stream, attribute, depth_state, faces, on};
+pub(crate) use targets::{Target, TargetSet};
+pub(crate) use uniforms::{Place, Ring, Uniforms};

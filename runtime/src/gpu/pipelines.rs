@@ -1,0 +1,216 @@
+//! Pipelines by what a pass says that it needs: the specification is the key.
+
+use super::device::Gpu;
+use std::collections::HashMap;
+use std::hash::{Hash, Hasher};
+
+/// A shader's source under its name; two of one name are the same.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shader {
+    pub(crate) name: &'static str,
+    pub(crate) wgsl: &'static str,
+}
+
+impl PartialEq for Shader {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for Shader {}
+
+impl Hash for Shader {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.name.hash(state);
+    }
+}
+
+/// Values of a shader's override constants by their names: what is not named is as the shader declares it, which is off.
+pub(crate) type Constants = Vec<(&'static str, u32)>;
+
+/// An override constant that is on or off.
+pub(crate) fn on(name: &'static str, value: bool) -> (&'static str, u32) {
+    (name, u32::from(value))
+}
+
+/// Vertices in a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Stream {
+    /// Bytes from one to the next.
+    pub(crate) stride: u64,
+    pub(crate) attributes: &'static [wgpu::VertexAttribute],
+}
+
+impl Stream {
+    /// Of vertices `T`.
+    pub(crate) const fn of<T>(attributes: &'static [wgpu::VertexAttribute]) -> Self {
+        Self { stride: size_of::<T>() as u64, attributes }
+    }
+}
+
+pub(crate) const fn attribute(
+    shader_location: u32,
+    format: wgpu::VertexFormat,
+    offset: usize,
+) -> wgpu::VertexAttribute {
+    wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
+}
+
+/// Which side of a surface is drawn. `mirrored`: of a copy that is.
+pub(crate) fn faces(mirrored: bool, double_sided: bool) -> wgpu::PrimitiveState {
+    wgpu::PrimitiveState {
+        front_face: if mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+        cull_mode: (!double_sided).then_some(wgpu::Face::Back),
+        ..Default::default()
+    }
+}
+
+/// A depth test without stencil or bias.
+pub(crate) fn depth_state(
+    format: wgpu::TextureFormat,
+    write: bool,
+    compare: wgpu::CompareFunction,
+) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format,
+        depth_write_enabled: Some(write),
+        depth_compare: Some(compare),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// All that tells one render pipeline from another.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct RenderSpec {
+    pub(crate) shader: Shader,
+    /// Entry points.
+    pub(crate) vertex: &'static str,
+    pub(crate) fragment: Option<&'static str>,
+    pub(crate) groups: Vec<wgpu::BindGroupLayout>,
+    pub(crate) streams: Vec<Stream>,
+    pub(crate) constants: Constants,
+    pub(crate) primitive: wgpu::PrimitiveState,
+    pub(crate) colors: Vec<wgpu::ColorTargetState>,
+    pub(crate) depth: Option<wgpu::DepthStencilState>,
+    pub(crate) samples: u32,
+}
+
+impl RenderSpec {
+    /// One triangle over a whole target of `format`.
+    pub(crate) fn screen(
+        shader: Shader,
+        [vertex, fragment]: [&'static str; 2],
+        group: wgpu::BindGroupLayout,
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        Self {
+            shader,
+            vertex,
+            fragment: Some(fragment),
+            groups: vec![group],
+            streams: Vec::new(),
+            constants: Vec::new(),
+            primitive: wgpu::PrimitiveState::default(),
+            colors: vec![format.into()],
+            depth: None,
+            samples: 1,
+        }
+    }
+}
+
+/// All that tells one compute pipeline from another.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ComputeSpec {
+    pub(crate) shader: Shader,
+    pub(crate) entry: &'static str,
+    pub(crate) groups: Vec<wgpu::BindGroupLayout>,
+}
+
+#[derive(Debug, Default)]
+pub(crate) struct Pipelines {
+    modules: HashMap<Shader, wgpu::ShaderModule>,
+    renders: HashMap<RenderSpec, wgpu::RenderPipeline>,
+    computes: HashMap<ComputeSpec, wgpu::ComputePipeline>,
+}
+
+fn module(gpu: &Gpu, shader: Shader) -> wgpu::ShaderModule {
+    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(shader.name),
+        source: wgpu::ShaderSource::Wgsl(shader.wgsl.into()),
+    })
+}
+
+fn layout(gpu: &Gpu, label: &str, groups: &[wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
+    let groups: Vec<_> = groups.iter().map(Some).collect();
+    gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    })
+}
+
+impl Pipelines {
+    pub(crate) fn render(&mut self, gpu: &Gpu, spec: RenderSpec) -> wgpu::RenderPipeline {
+        if let Some(made) = self.renders.get(&spec) {
+            return made.clone();
+        }
+        // A browser refuses what the shader does not declare.
+        let declares = |name: &str| spec.shader.wgsl.contains(&format!("override {name}:"));
+        debug_assert!(spec.constants.iter().all(|(name, _)| declares(name)), "{:?}", spec.constants);
+        let module = self.modules.entry(spec.shader).or_insert_with(|| module(gpu, spec.shader));
+        let label = spec.fragment.unwrap_or(spec.vertex);
+        let constants: Vec<_> = spec.constants.iter().map(|(name, value)| (*name, f64::from(*value))).collect();
+        let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        let streams: Vec<_> = spec
+            .streams
+            .iter()
+            .map(|stream| {
+                Some(wgpu::VertexBufferLayout {
+                    array_stride: stream.stride,
+                    step_mode: wgpu::VertexStepMode::Vertex,
+                    attributes: stream.attributes,
+                })
+            })
+            .collect();
+        let colors: Vec<_> = spec.colors.iter().cloned().map(Some).collect();
+        let pipeline = gpu.render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(label),
+            layout: Some(&layout(gpu, label, &spec.groups)),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some(spec.vertex),
+                compilation_options: compilation_options.clone(),
+                buffers: &streams,
+            },
+            primitive: spec.primitive,
+            depth_stencil: spec.depth.clone(),
+            multisample: wgpu::MultisampleState { count: spec.samples, ..Default::default() },
+            fragment: spec.fragment.map(|fragment| wgpu::FragmentState {
+                module,
+                entry_point: Some(fragment),
+                compilation_options,
+                targets: &colors,
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        self.renders.entry(spec).or_insert(pipeline).clone()
+    }
+
+    pub(crate) fn compute(&mut self, gpu: &Gpu, spec: ComputeSpec) -> wgpu::ComputePipeline {
+        if let Some(made) = self.computes.get(&spec) {
+            return made.clone();
+        }
+        let module = self.modules.entry(spec.shader).or_insert_with(|| module(gpu, spec.shader));
+        let pipeline = gpu.compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(spec.entry),
+            layout: Some(&layout(gpu, spec.entry, &spec.groups)),
+            module,
+            entry_point: Some(spec.entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        self.computes.entry(spec).or_insert(pipeline).clone()
+    }
+}

@@ -1,0 +1,138 @@
+//! A ring of uniform buffers: what a frame tells its shaders goes into a slot that no other frame still needs.
+
+use super::device::Gpu;
+use bytemuck::Pod;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Bytes of a buffer of a slot, unless more are needed at once.
+const CHUNK_BYTES: u64 = 64 << 10;
+
+/// Where something was put: `offset` bytes into a buffer of the slot.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    pub(crate) buffer: wgpu::Buffer,
+    pub(crate) offset: u64,
+    /// Bytes from one element to the next.
+    pub(crate) stride: u64,
+}
+
+#[derive(Debug)]
+struct Chunk {
+    buffer: wgpu::Buffer,
+    bytes: Vec<u8>,
+    /// How many of them the queue has.
+    written: usize,
+}
+
+/// A slot of the ring while a frame is prepared: bytes are gathered, and written all at once.
+#[derive(Debug)]
+pub(crate) struct Uniforms {
+    chunks: Vec<Chunk>,
+    /// Others hold it as long as their frame needs the slot.
+    in_use: Arc<()>,
+    alignment: u64,
+}
+
+impl Uniforms {
+    fn new(gpu: &Gpu) -> Self {
+        let limits = gpu.device.limits();
+        let alignment = limits.min_uniform_buffer_offset_alignment.max(limits.min_storage_buffer_offset_alignment);
+        Self { chunks: Vec::new(), in_use: Arc::new(()), alignment: u64::from(alignment) }
+    }
+
+    /// Puts values one after the other, each at an offset that a binding may have.
+    pub(crate) fn put<T: Pod>(&mut self, gpu: &Gpu, values: &[T]) -> Place {
+        let stride = (size_of::<T>() as u64).next_multiple_of(self.alignment);
+        self.put_bytes(gpu, stride, values.iter().map(bytemuck::bytes_of))
+    }
+
+    /// Puts an array, close-packed.
+    pub(crate) fn put_array<T: Pod>(&mut self, gpu: &Gpu, values: &[T]) -> Place {
+        let bytes = bytemuck::cast_slice(values);
+        let stride = (bytes.len() as u64).next_multiple_of(self.alignment);
+        self.put_bytes(gpu, stride, std::iter::once(bytes))
+    }
+
+    fn put_bytes<'b>(&mut self, gpu: &Gpu, stride: u64, values: impl ExactSizeIterator<Item = &'b [u8]>) -> Place {
+        let needed = stride * values.len().max(1) as u64;
+        let fits = |chunk: &Chunk| chunk.bytes.len() as u64 + needed <= chunk.buffer.size();
+        let index = self.chunks.iter().position(fits).unwrap_or_else(|| {
+            let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+            let buffer = gpu.buffer("pelage uniforms", needed.max(CHUNK_BYTES), usage);
+            self.chunks.push(Chunk { buffer, bytes: Vec::new(), written: 0 });
+            self.chunks.len() - 1
+        });
+        let chunk = &mut self.chunks[index];
+        let offset = chunk.bytes.len();
+        for (k, value) in values.enumerate() {
+            chunk.bytes.resize(offset + k * stride as usize, 0);
+            chunk.bytes.extend_from_slice(value);
+        }
+        chunk.bytes.resize(offset + needed as usize, 0);
+        Place { buffer: chunk.buffer.clone(), offset: offset as u64, stride }
+    }
+
+    /// Hands to the queue what it does not have yet.
+    pub(crate) fn write(&mut self, gpu: &Gpu) {
+        for chunk in self.chunks.iter_mut().filter(|chunk| chunk.written < chunk.bytes.len()) {
+            gpu.queue.write_buffer(&chunk.buffer, chunk.written as u64, &chunk.bytes[chunk.written..]);
+            chunk.written = chunk.bytes.len();
+        }
+    }
+}
+
+/// The slots. One is free when its frame is dropped and what it was recorded into is done, or dropped unsubmitted.
+#[derive(Debug, Default)]
+pub(crate) struct Ring {
+    slots: Vec<Uniforms>,
+    /// An encoder that a frame was prepared into was dropped instead of submitted.
+    lost: Arc<AtomicBool>,
+}
+
+/// Holds a slot. Dropped without [`Submitted::done`] it says that what was recorded never ran.
+struct Submitted {
+    in_use: Option<Arc<()>>,
+    lost: Arc<AtomicBool>,
+}
+
+impl Submitted {
+    fn done(mut self) {
+        self.in_use = None;
+    }
+}
+
+impl Drop for Submitted {
+    fn drop(&mut self) {
+        if self.in_use.is_some() {
+            self.lost.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Ring {
+    /// A slot that nobody needs any more.
+    pub(crate) fn take(&mut self, gpu: &Gpu) -> Uniforms {
+        let free = self.slots.iter().position(|slot| Arc::strong_count(&slot.in_use) == 1);
+        let mut slot = free.map_or_else(|| Uniforms::new(gpu), |index| self.slots.swap_remove(index));
+        for chunk in &mut slot.chunks {
+            chunk.bytes.clear();
+            chunk.written = 0;
+        }
+        slot
+    }
+
+    /// Takes back the slot of a frame that is prepared into `encoder`. The frame keeps what this returns.
+    pub(crate) fn give(&mut self, slot: Uniforms, encoder: &wgpu::CommandEncoder) -> Arc<()> {
+        let in_use = slot.in_use.clone();
+        let submitted = Submitted { in_use: Some(in_use.clone()), lost: self.lost.clone() };
+        encoder.on_submitted_work_done(move || submitted.done());
+        self.slots.push(slot);
+        in_use
+    }
+
+    /// Whether recorded work was lost since this was last asked.
+    pub(crate) fn lost_work(&self) -> bool {
+        self.lost.swap(false, Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,151 @@
+//! Levels of detail: how much of a model's fur is drawn where it is small on screen.
+//!
+//! A package brings the chain (`FORMAT.md`, "Levels of detail"): fewer and fewer layers, each standing for more of them, and last the skin
+//! with the far coat on it. No level is drawn twice: between two, layers that vanish lose their opacity to those that stay.
+
+use crate::bounds::Hull;
+use crate::instance::Instance;
+use crate::params::{Detail, FrameParams, FurParams};
+use crate::report::InstanceDetail;
+use crate::shared::detail::detail_count;
+use glam::{Mat3, Mat4};
+use pelage_formats::{DetailLevel, Manifest};
+use std::ops::Range;
+
+/// What an instance draws in a frame, as pipelines and shaders need it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drawing {
+    pub(crate) detail: InstanceDetail,
+    /// Layers that the shaders count with, skin counted; 1 where no fur shows.
+    pub(crate) layers: u32,
+    /// Every how many layers is drawn, and in the next level.
+    pub(crate) step: u32,
+    pub(crate) next_step: u32,
+    /// Share of the level and of the next, each times its density.
+    pub(crate) weights: [f32; 2],
+    /// Layers of the shadow maps that suit it, skin counted; 1 where it draws none.
+    pub(crate) map_layers: u32,
+}
+
+impl Drawing {
+    /// What `params` draws of an instance; `hull`: of it as it is posed, in world space.
+    pub(crate) fn of(instance: &Instance, hull: &Hull, params: &FrameParams, clip_from_view: Mat4) -> Self {
+        let manifest = instance.model.manifest();
+        let fur = params.style.fur().filter(|_| crate::study::only_layer(params).is_none());
+        let Some(FurParams { layers: None, detail, .. }) = fur.filter(|_| !manifest.detail.is_empty()) else {
+            return Self::at(manifest, params, 0, 0.0);
+        };
+        let fur_px = matches!(detail, Detail::Auto { .. }).then(|| fur_px(instance, hull, params, clip_from_view));
+        let (level, fade) = match *detail {
+            Detail::Full => (0, 0.0),
+            Detail::Auto { bias } => place_in(&manifest.detail, fur_px.map_or(f32::INFINITY, |px| px * bias)),
+            Detail::Level(level) => {
+                let last = manifest.detail.len() - 1;
+                let whole = (level as usize).min(last);
+                (whole, if whole == last { 0.0 } else { level.fract() })
+            }
+        };
+        let mut drawing = Self::at(manifest, params, level, fade);
+        drawing.detail.fur_px = fur_px;
+        drawing
+    }
+
+    fn at(manifest: &Manifest, params: &FrameParams, level: usize, fade: f32) -> Self {
+        let baked = manifest.fur.layers;
+        let fur = params.style.fur().filter(|_| baked > 1);
+        let layers = fur.map_or(1, |fur| fur.layers.unwrap_or(baked));
+        let of_layers = baked.saturating_sub(1);
+        let plain = Self {
+            detail: InstanceDetail {
+                in_picture: true,
+                level: 0,
+                fade: 0.0,
+                layers: layers - 1,
+                of_layers,
+                fins: if layers > 1 { 1.0 } else { 0.0 },
+                coat: 0.0,
+                fur_px: None,
+            },
+            layers,
+            step: 1,
+            next_step: 1,
+            weights: [1.0, 0.0],
+            map_layers: layers,
+        };
+        let Some(this) = manifest.detail.get(level).filter(|_| fur.is_some_and(|f| f.layers.is_none())) else {
+            return plain;
+        };
+        let next = manifest.detail.get(level + 1);
+        let fade = if next.is_some() { fade } else { 0.0 };
+        if level == 0 && fade == 0.0 {
+            return plain;
+        }
+        let next = next.unwrap_or(this);
+        let coat = match (this.step, next.step) {
+            (0, _) => 1.0,
+            (_, 0) => fade,
+            _ => 0.0,
+        };
+        let drawn = detail_count(baked, this.step);
+        Self {
+            detail: InstanceDetail {
+                in_picture: true,
+                level: level as u32,
+                fade,
+                layers: drawn,
+                of_layers,
+                fins: this.fins + (next.fins - this.fins) * fade,
+                coat,
+                fur_px: None,
+            },
+            layers: baked,
+            step: this.step,
+            next_step: next.step,
+            // The coat alone is the next of nothing.
+            weights: if this.step == 0 { [0.0, 1.0] } else { [(1.0 - fade) * this.density, fade * next.density] },
+            map_layers: drawn + 1,
+        }
+    }
+
+    /// Whether layers are left out, or fade.
+    pub(crate) fn is_reduced(&self) -> bool {
+        self.detail.level > 0 || self.detail.fade > 0.0
+    }
+
+    /// Whether it draws layers above the skin.
+    pub(crate) fn has_shells(&self) -> bool {
+        self.detail.layers > 0
+    }
+
+    /// Instances of the draw of the shells: layers, or where it is reduced the indices of `detail_layer`.
+    pub(crate) fn shell_instances(&self) -> Range<u32> {
+        if self.is_reduced() { 0..self.detail.layers } else { 1..self.layers }
+    }
+}
+
+/// Level and fade of fur that is `px` pixels high.
+fn place_in(levels: &[DetailLevel], px: f32) -> (usize, f32) {
+    let last = levels.len().saturating_sub(1);
+    let level = levels.iter().position(|level| px > level.gone_px).unwrap_or(last);
+    let Some(found) = levels.get(level).filter(|found| level < last && px < found.full_px) else { return (level, 0.0) };
+    let fade = (found.full_px / px).ln() / (found.full_px / found.gone_px).ln();
+    // A level that is never gone does not fade.
+    (level, if fade.is_finite() { fade.clamp(0.0, 1.0) } else { 0.0 })
+}
+
+/// Height of the fur on screen, pixels, at the nearest point of the model.
+fn fur_px(instance: &Instance, hull: &Hull, params: &FrameParams, clip_from_view: Mat4) -> f32 {
+    let w = (clip_from_view * params.camera.view_from_world).row(3);
+    // Of clip space's w, which is the depth of a perspective view and 1 of a parallel one.
+    let reach = w.truncate().length();
+    let nearest = hull.0.iter().map(|(p, margin)| w.dot(p.extend(1.0)) - reach * margin).fold(f32::INFINITY, f32::min);
+    let scale = Mat3::from_mat4(instance.transform).determinant().abs().cbrt();
+    let fur_m = instance.model.manifest().fur.height_m * scale;
+    let px_per_m = 0.5 * params.viewport[1] as f32 * clip_from_view.y_axis.y.abs() / nearest;
+    if nearest > 0.0 { fur_m * px_per_m } else { f32::INFINITY }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+#[path = "detail_tests.rs"]
+mod tests;

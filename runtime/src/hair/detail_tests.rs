@@ -1,0 +1,117 @@
+use super::*;
+use crate::camera::{Camera, Projection};
+use crate::params::Style;
+use crate::shared::detail::{coat_light, coat_light_numbers, detail_exponent, detail_layer, layers_stood_for};
+use glam::Vec3;
+use pelage_formats::{CoatInfo, FurInfo};
+
+fn levels() -> Vec<DetailLevel> {
+    vec![
+        DetailLevel { step: 1, full_px: 16.0, gone_px: 12.0, fins: 1.0, density: 1.0 },
+        DetailLevel { step: 2, full_px: 8.0, gone_px: 8.0, fins: 0.5, density: 1.25 },
+        DetailLevel { step: 4, full_px: 2.0, gone_px: 1.0, fins: 0.0, density: 1.5 },
+        DetailLevel { density: 1.0, ..DetailLevel::default() },
+    ]
+}
+
+fn manifest() -> Manifest {
+    Manifest {
+        fur: FurInfo { layers: 16, height_m: 0.1, ..FurInfo::default() },
+        detail: levels(),
+        coat: Some(CoatInfo { height: 0.75, ambient_height: 0.5, light_straight: 0.75, light_slanted: 0.5 }),
+        ..Manifest::default()
+    }
+}
+
+fn params() -> FrameParams {
+    let projection = Projection::Perspective { fov_y_rad: 1.0, aspect: 1.0, near_m: 0.1, far_m: 100.0 };
+    FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [834, 424])
+}
+
+#[test]
+fn sizes_find_their_level() {
+    let at = |px| place_in(&levels(), px);
+    assert_eq!([f32::INFINITY, 100.0, 16.0].map(at), [(0, 0.0); 3]);
+    assert_eq!([12.0, 9.0, 8.5].map(at), [(1, 0.0); 3]);
+    assert_eq!([8.0, 7.0, 2.0].map(at), [(2, 0.0); 3], "levels without a range switch at once");
+    assert_eq!([1.0, 0.1, 0.0].map(at), [(3, 0.0); 3]);
+    let (level, fade) = at((16.0f32 * 12.0).sqrt());
+    assert!(level == 0 && (fade - 0.5).abs() < 1e-5, "half way in the logarithm: {level}, {fade}");
+    let (level, fade) = at(1.01);
+    assert!(level == 2 && fade > 0.98 && fade < 1.0);
+    // The last level of a package without coat, and one that is never gone.
+    let endless = [
+        DetailLevel { step: 1, full_px: 4.0, gone_px: 0.0, fins: 1.0, density: 1.0 },
+        DetailLevel { step: 2, ..Default::default() },
+    ];
+    assert_eq!(place_in(&endless, 0.5), (0, 0.0));
+    assert_eq!(place_in(&endless[..1], 0.0), (0, 0.0));
+}
+
+/// Each level draws what it says, and all together hide as much as all layers do.
+#[test]
+fn levels_keep_the_number_of_layers_that_are_stood_for() {
+    for baked in [2u32, 3, 4, 5, 16, 17, 64] {
+        for step in [1u32, 2, 4, 8] {
+            let drawn: Vec<_> = (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step)).collect();
+            let counted: Vec<_> = (1..baked).filter(|k| layers_stood_for(*k, baked, step) > 0).collect();
+            assert_eq!(drawn, counted, "{baked} layers, step {step}");
+            assert_eq!(drawn.last(), Some(&(baked - 1)), "the outermost is kept");
+            for fade in [0.0, 0.3, 1.0] {
+                let sum: f32 = (1..baked).map(|k| detail_exponent(k, baked, step, 2 * step, 1.0 - fade, fade)).sum();
+                assert!((sum - (baked - 1) as f32).abs() < 1e-3, "{baked} layers, step {step}, fade {fade}: {sum}");
+            }
+        }
+    }
+    assert_eq!(detail_count(16, 0), 0);
+    // Towards the coat they lose their opacity.
+    assert_eq!(detail_exponent(15, 16, 4, 0, 0.75, 0.25), 3.0);
+}
+
+#[test]
+fn an_instance_draws_what_its_level_says() {
+    let (manifest, params) = (manifest(), params());
+    let at = |level, fade| Drawing::at(&manifest, &params, level, fade);
+    let full = at(0, 0.0);
+    assert!(!full.is_reduced() && full.shell_instances() == (1..16) && full.map_layers == 16);
+    let fading = at(0, 0.5);
+    assert!(fading.is_reduced() && fading.detail.layers == 15 && fading.shell_instances() == (0..15));
+    assert_eq!((fading.step, fading.next_step, fading.detail.fins), (1, 2, 0.75));
+    let half = at(1, 0.0);
+    assert_eq!((half.detail.layers, half.detail.of_layers, half.map_layers, half.detail.fins), (8, 15, 9, 0.5));
+    let last = at(2, 0.25);
+    assert_eq!((last.detail.layers, last.detail.coat, last.weights, last.next_step), (4, 0.25, [1.125, 0.25], 0));
+    let coat = at(3, 0.5);
+    assert!(!coat.has_shells() && coat.map_layers == 1 && coat.shell_instances().is_empty());
+    assert_eq!((coat.detail.coat, coat.detail.fade, coat.weights), (1.0, 0.0, [0.0, 1.0]));
+    assert_eq!(fading.weights, [0.5, 0.625]);
+    // Asking for a number of layers goes before.
+    let eight = params.clone().with_fur(|fur| fur.layers = Some(8));
+    assert_eq!(Drawing::at(&manifest, &eight, 2, 0.5), Drawing::at(&manifest, &eight, 0, 0.0));
+    let bare = params.clone().with(|params| params.style = Style::Bare);
+    assert!(
+        !Drawing::at(&manifest, &bare, 3, 0.0).has_shells() && Drawing::at(&manifest, &bare, 3, 0.0).detail.coat == 0.0
+    );
+}
+
+#[test]
+fn the_light_in_the_coat_meets_what_was_baked() {
+    let manifest = manifest();
+    let coat = manifest.coat.as_ref().unwrap();
+    let [base, slope] = coat_light_numbers(coat);
+    assert!((coat_light(1.0, base, slope) - 0.75).abs() < 1e-6 && (coat_light(4.0, base, slope) - 0.5).abs() < 1e-6);
+    // A black coat has no numbers that are not finite.
+    let dark = coat_light_numbers(&CoatInfo::default());
+    assert!(dark.iter().all(|x| x.is_finite()) && coat_light(2.0, dark[0], dark[1]) <= 1e-3);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    for detail in
+        [Detail::Auto { bias: 0.0 }, Detail::Auto { bias: f32::NAN }, Detail::Level(-1.0), Detail::Level(f32::INFINITY)]
+    {
+        assert!(detail.check().unwrap_err().to_string().contains("FurParams::detail"), "{detail:?}");
+    }
+    Detail::Full.check().unwrap();
+    Detail::Level(2.5).check().unwrap();
+}

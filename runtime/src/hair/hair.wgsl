@@ -1,0 +1,97 @@
+// What geometries read of the hair's volume: texels of a layer, dry and wet, what the groom says of them, and how layers thin out.
+
+@group(1) @binding(3) var groom_texture: texture_2d<f32>;
+@group(2) @binding(0) var shell_colors: texture_2d_array<f32>;
+@group(2) @binding(1) var shell_directions: texture_2d_array<f32>;
+@group(2) @binding(2) var shell_sampler: sampler;
+@group(2) @binding(3) var wet_colors: texture_2d_array<f32>;
+@group(2) @binding(4) var wet_directions: texture_2d_array<f32>;
+
+// The direction texture has two components.
+override PLANAR_DIRECTIONS: bool = false;
+// More or fewer layers are drawn than were baked.
+override RESAMPLED: bool = false;
+// Some of the layers are left out, or fade: a level of detail.
+override DETAIL: bool = false;
+// Some vertex is bare or wet.
+override GROOM_VERTICES: bool = false;
+// The material has a groom texture.
+override GROOM_TEXTURE: bool = false;
+// The package has wet hair to mix in.
+override WET: bool = false;
+
+// Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
+const LEAST_ALPHA: f32 = 0.5 / 255.0;
+
+// Height of a drawn layer: 0 on the skin, 1 the outermost.
+fn height_of(layer: u32) -> f32 {
+    return f32(layer) / f32(instance.drawn_layers - 1u);
+}
+
+// The layer that an instance of the draw is.
+fn drawn_layer(index: u32) -> u32 {
+    if !DETAIL {
+        return index;
+    }
+    return detail_layer(index, instance.baked_layers, instance.layer_step);
+}
+
+// How many layers a drawn one stands for.
+fn stands_for(layer: u32) -> f32 {
+    if DETAIL {
+        let baked = instance.baked_layers;
+        return detail_exponent(
+            layer, baked, instance.layer_step, instance.next_step, instance.detail_here, instance.detail_next,
+        );
+    }
+    if RESAMPLED {
+        return instance.opacity_exponent;
+    }
+    return 1.0;
+}
+
+// What the groom says of a point: share of the hair that grows, and wetness, both 0..=1. `at_vertex` is bareness and wetness.
+fn groom_at(at_vertex: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
+    var groom = vec2(1.0, 0.0);
+    if GROOM_VERTICES {
+        groom = vec2(1.0 - at_vertex.x, at_vertex.y);
+    }
+    if GROOM_TEXTURE {
+        let texel = textureSample(groom_texture, base_color_sampler, uv);
+        groom = vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
+    }
+    return groom;
+}
+
+struct Hair {
+    // Premultiplied colour and opacity.
+    color: vec4<f32>,
+    // In the tile frame.
+    direction: vec3<f32>,
+}
+
+// The dry hair of a layer, or of a slab of fins.
+fn dry_hair_at(uv: vec2<f32>, layer: u32) -> Hair {
+    let color = textureSample(shell_colors, shell_sampler, uv, layer);
+    let direction = decode_direction(textureSample(shell_directions, shell_sampler, uv, layer), PLANAR_DIRECTIONS);
+    return Hair(color, direction);
+}
+
+// The hair of a layer: dry and wet mixed.
+fn hair_at(uv: vec2<f32>, layer: u32, wetness: f32) -> Hair {
+    let dry = dry_hair_at(uv, layer);
+    if !WET {
+        return dry;
+    }
+    let wet_color = textureSample(wet_colors, shell_sampler, uv, layer);
+    let wet = decode_direction(textureSample(wet_directions, shell_sampler, uv, layer), PLANAR_DIRECTIONS);
+    return Hair(mix(dry.color, wet_color, wetness), mix(dry.direction, wet, wetness));
+}
+
+// The direction of hair whose vertices lean it: `slope` is what they add.
+fn leaned(direction: vec3<f32>, slope: f32) -> vec3<f32> {
+    if LEAN {
+        return leaned_direction(direction, slope);
+    }
+    return direction;
+}

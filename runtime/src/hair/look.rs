@@ -1,0 +1,118 @@
+//! What the shaders of hair are told by override constants: what a package or a frame does not need is compiled away. A branch on a uniform
+//! costs its body on rasterisers that mask instead of jump.
+
+use super::detail::Drawing;
+use crate::gpu::{Constants, on};
+use crate::instance::Instance;
+use crate::light::ShadowKey;
+use crate::model::{Model, Part};
+use crate::params::FrameParams;
+use crate::shared::skinning;
+use glam::Mat3;
+use pelage_formats::Shading;
+
+/// Source of what geometries of hair share, joined before each.
+macro_rules! hair_wgsl {
+    ($($geometry:expr),+ $(,)?) => {
+        concat!(
+            include_str!("../../shared/detail.wgsl"),
+            include_str!("../../shared/fins.wgsl"),
+            include_str!("../../shared/frame.wgsl"),
+            include_str!("../../shared/kajiya_kay.wgsl"),
+            include_str!("../../shared/layer_shadow.wgsl"),
+            include_str!("../../shared/opacity.wgsl"),
+            include_str!("../../shared/skinning.wgsl"),
+            include_str!("../../shared/soft_shadow.wgsl"),
+            include_str!("../../shared/tile_frame.wgsl"),
+            include_str!("../../surface/place.wgsl"),
+            include_str!("../../light/fibre.wgsl"),
+            include_str!("../../light/fills.wgsl"),
+            $crate::study::form_wgsl!("light"),
+            include_str!("../../light/key.wgsl"),
+            include_str!("../../light/point.wgsl"),
+            include_str!("../../light/visibility.wgsl"),
+            include_str!("../../hair/hair.wgsl"),
+            include_str!("../../hair/vertex.wgsl"),
+            $($geometry,)+
+        )
+    };
+}
+pub(crate) use hair_wgsl;
+
+/// How a frame draws an instance, as far as the choice of pipelines goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    /// The instance mirrors: its front faces wind clockwise.
+    pub(crate) mirrored: bool,
+    /// Other than the baked number of layers is drawn.
+    pub(crate) resampled: bool,
+    /// Layers are left out, or fade.
+    pub(crate) detail: bool,
+    /// The far coat lies on the skin.
+    pub(crate) coat: bool,
+    /// Fins are drawn.
+    pub(crate) fins: bool,
+    /// Hair shadows hair.
+    self_shadow: bool,
+    /// The layer-wise maps are of other layers than are drawn.
+    pub(crate) maps_between: bool,
+    /// The layer-wise maps have another number of layers than were baked.
+    pub(crate) maps_resampled: bool,
+    /// Things throw soft shadows.
+    soft_shadow: bool,
+    /// There are lights without shadow.
+    pub(crate) fill_lights: bool,
+    /// Constants of the lighting equation.
+    shading: Shading,
+}
+
+impl Look {
+    /// Of an instance of which `drawing` is drawn, under the shadow maps of `maps`.
+    pub(crate) fn new(instance: &Instance, params: &FrameParams, drawing: &Drawing, maps: Option<&ShadowKey>) -> Self {
+        let manifest = instance.model.manifest();
+        let baked = manifest.fur.layers;
+        let self_shadow = maps.is_some_and(|key| key.self_shadow);
+        let map_layers = maps.map_or(0, |key| key.map_layers);
+        let with_fins = params.style.fur().is_some_and(|fur| fur.fins) && instance.model.fins().is_some();
+        Self {
+            mirrored: skinning::handedness_of(Mat3::from_mat4(instance.transform)) < 0.0,
+            resampled: drawing.layers != baked,
+            detail: drawing.is_reduced(),
+            coat: drawing.detail.coat > 0.0,
+            fins: with_fins && drawing.has_shells() && drawing.detail.fins > 0.0,
+            self_shadow,
+            // Reduced layers are lit at the height of the hair seen in them.
+            maps_between: self_shadow && (map_layers != drawing.layers || drawing.is_reduced()),
+            maps_resampled: map_layers != baked,
+            soft_shadow: maps.is_some_and(|key| key.soft_shadow),
+            fill_lights: !params.fill_lights.is_empty(),
+            shading: params.shading.unwrap_or(manifest.shading),
+        }
+    }
+
+    /// What all that is lit is told.
+    pub(crate) fn lights(&self) -> Constants {
+        vec![
+            on("SQUARED_DIFFUSE", self.shading.diffuse_exponent == 2.0),
+            on("SPECULAR", self.shading.specular != [0.0; 3]),
+            on("SELF_SHADOW", self.self_shadow),
+            on("SOFT_SHADOW", self.soft_shadow),
+            on("FILL_LIGHTS", self.fill_lights),
+        ]
+    }
+}
+
+/// What all that looks at a part's material is told.
+pub(crate) fn material(part: &Part) -> Constants {
+    vec![on("BASE_COLOR_TEXTURE", part.has_texture), on("CUTOUT", part.cutout)]
+}
+
+/// What all that reads the hair of a part is told.
+pub(crate) fn groom(model: &Model, part: &Part) -> Constants {
+    vec![
+        on("LEAN", model.varies().lean),
+        on("GROOM_VERTICES", model.varies().groom),
+        on("GROOM_TEXTURE", part.has_groom_texture),
+        on("WET", model.manifest().fur.wet.is_some()),
+    ]
+}

@@ -1,0 +1,29 @@
+// What all geometries of hair compute at a vertex. What is linear over a triangle belongs here: the directions to the light and H, turned
+// into the tile's frame, where the direction texture lives.
+
+struct HairVertex {
+    position: vec4<f32>,
+    light_ts: vec3<f32>,
+    half_ts: vec3<f32>,
+    // Base colour without its texture.
+    tint: vec4<f32>,
+    base_uv: vec2<f32>,
+    // Bareness, wetness.
+    groom: vec2<f32>,
+    // Place in the shadow maps.
+    place: vec4<f32>,
+    // Cosine between the skin's normal and the direction to the eye.
+    n_dot_e: f32,
+    spot: Spot,
+}
+
+fn hair_vertex(v: Vertex, tile: TileFrame, position: vec3<f32>) -> HairVertex {
+    let light = direction_to(frame.light_ws, position);
+    let eye = direction_to(frame.eye_ws, position);
+    let half = half_vector(light, eye);
+    return HairVertex(
+        frame.clip_from_world * vec4(position, 1.0), to_tile(tile, light), to_tile(tile, half),
+        v.color * material.base_color, v.base_uv, v.groom.xy, map_place(position), dot(tile.normal_ws, eye),
+        spot_of(v, position, tile),
+    );
+}

@@ -1,0 +1,146 @@
+//! The constants that the ink passes read.
+
+use crate::bounds::Hull;
+use crate::model::ModelInk;
+use crate::params::InkParams;
+use crate::shared::srgb::encoded;
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat3, Mat4, Vec2};
+
+/// The constants of a frame, as the shaders read them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct InkFrame {
+    pub(crate) ink: [f32; 3],
+    pub(crate) roughness: f32,
+    pub(crate) paper: [f32; 3],
+    pub(crate) paper_grain: f32,
+    pub(crate) size: [f32; 2],
+    pub(crate) t1: f32,
+    pub(crate) t2: f32,
+    pub(crate) step: i32,
+    pub(crate) reach: i32,
+    pub(crate) half_width: f32,
+    pub(crate) half_width_scaled: f32,
+    pub(crate) tone: f32,
+    pub(crate) lightness: f32,
+    pub(crate) dryness: f32,
+    pub(crate) paper_period: f32,
+    pub(crate) mist_from: f32,
+    pub(crate) mist_to: f32,
+    pub(crate) depth_step: f32,
+    pub(crate) far_depth: f32,
+}
+
+/// The constants of an instance, as the shaders read them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct InkModel {
+    pub(crate) right_ws: [f32; 3],
+    pub(crate) wash_speed: f32,
+    pub(crate) up_ws: [f32; 3],
+    pub(crate) wash_range: f32,
+    pub(crate) periods: f32,
+    pub(crate) normalised: f32,
+    pub(crate) grain: f32,
+    pub(crate) tone: f32,
+    pub(crate) fur: f32,
+    pub(crate) line: f32,
+    pub(crate) pressure: f32,
+    pub(crate) swell: f32,
+    pub(crate) ink: [f32; 3],
+    pub(crate) paper_period: f32,
+    pub(crate) stroke_px: f32,
+    pub(crate) px_per_unit: f32,
+    pub(crate) reserved: [f32; 2],
+}
+
+impl InkFrame {
+    pub(crate) fn new(params: &InkParams, viewport: [u32; 2], clip_from_view: Mat4, reversed_depth: bool) -> Self {
+        let [width, height] = viewport.map(|n| n as f32);
+        let (half_width, half_width_scaled) = match params.width_px(viewport[1]) {
+            Ok(px) => (0.5 * px, 0.0),
+            Err(m) => (0.0, 0.5 * m * px_per_unit(clip_from_view, viewport)),
+        };
+        let [mist_from, mist_to] = params.mist_m.unwrap_or_default();
+        Self {
+            ink: encoded(params.ink).to_array(),
+            roughness: params.roughness_px,
+            paper: encoded(params.paper).to_array(),
+            paper_grain: params.paper_grain,
+            size: [width, height],
+            t1: params.threshold,
+            t2: params.threshold - params.weak_difference,
+            step: params.step_px as i32,
+            reach: params.reach_px(viewport[1]) as i32,
+            half_width,
+            half_width_scaled,
+            tone: params.tone,
+            lightness: params.weak_lightness,
+            dryness: params.dryness,
+            paper_period: params.paper_period_px,
+            mist_from,
+            mist_to,
+            depth_step: params.depth_step,
+            far_depth: if reversed_depth { 0.0 } else { 1.0 },
+        }
+    }
+}
+
+impl InkModel {
+    pub(crate) fn new(
+        ink: &ModelInk,
+        params: &InkParams,
+        viewport: [u32; 2],
+        view_from_world: Mat4,
+        clip_from_view: Mat4,
+    ) -> Self {
+        let shading = params.shading.unwrap_or(ink.info.shading);
+        let rotation = Mat3::from_mat4(view_from_world);
+        Self {
+            right_ws: rotation.row(0).to_array(),
+            wash_speed: shading.wash_speed,
+            up_ws: rotation.row(1).to_array(),
+            wash_range: shading.wash_range,
+            periods: ink.periods,
+            normalised: f32::from(u8::from(shading.normalised)),
+            grain: shading.grain,
+            tone: shading.tone,
+            fur: shading.fur,
+            line: shading.line,
+            pressure: params.pressure,
+            swell: params.swell,
+            ink: encoded(params.ink).to_array(),
+            paper_period: params.paper_period_px,
+            stroke_px: (0.17 * InkParams::default_width_px(viewport[1])).max(1.2),
+            px_per_unit: px_per_unit(clip_from_view, viewport),
+            reserved: [0.0; 2],
+        }
+    }
+}
+
+/// How many pixels high a metre is at clip w 1.
+fn px_per_unit(clip_from_view: Mat4, viewport: [u32; 2]) -> f32 {
+    clip_from_view.y_axis.y.abs() * 0.5 * viewport[1] as f32
+}
+
+/// The part of the target that a frame's lines can reach: left, top, width and height, pixels. Passes over the picture leave out the rest.
+pub(crate) fn painted_rect(hull: &Hull, clip_from_world: Mat4, params: &InkParams, viewport: [u32; 2]) -> [u32; 4] {
+    let size = Vec2::from(viewport.map(|n| n as f32));
+    let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    for (point, _) in &hull.0 {
+        let clip = clip_from_world * point.extend(1.0);
+        // Beside or behind the eye there is no place in the picture.
+        if clip.w <= 1e-6 {
+            return [0, 0, viewport[0], viewport[1]];
+        }
+        let place = (Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * size;
+        (least, most) = (least.min(place), most.max(place));
+    }
+    // Lines reach beyond their features, and those are found beside what is drawn.
+    let margin = (params.reach_px(viewport[1]) + params.step_px + 1) as f32;
+    let clamped = |v: Vec2| v.clamp(Vec2::ZERO, size);
+    let (least, most) = (clamped((least - margin).floor()), clamped((most + margin).ceil()));
+    let extent = (most - least).max(Vec2::ZERO);
+    [least.x, least.y, extent.x, extent.y].map(|n| if n.is_finite() { n as u32 } else { 0 })
+}

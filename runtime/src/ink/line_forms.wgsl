@@ -1,0 +1,33 @@
+// The forms that pelage draws lines with. A study of what Fang 2006 prints puts another file in the place of this one.
+
+// Lines are no wider than the template.
+const TEMPLATE: bool = true;
+// Lines run a little into the paper, as wash does.
+const SOFT: bool = true;
+
+// Strength of a feature; `dots`: of the pixel's normal with those of its neighbours.
+fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
+    return strength;
+}
+
+// Least for the feature whose line reaches farthest, at 0 or below where it reaches a pixel: `d` away, the line's half width being `w`.
+fn line_cost(d: vec2<f32>, w: f32) -> f32 {
+    return dot(d, d) - w * w;
+}
+
+fn line_distance(d: vec2<f32>) -> f32 {
+    return length(d);
+}
+
+// Opacity and grey of a line.
+fn form_of_line(
+    brushed: vec2<f32>,
+    even_grey: f32,
+    in_reach: bool,
+    distance: f32,
+    half_width: f32,
+    on_body: bool,
+    stroke: f32,
+) -> vec2<f32> {
+    return brushed;
+}

@@ -1,0 +1,25 @@
+// The optics of one hair: Kajiya-Kay, Yang 2006, eq. (1).
+
+// pd is 2: the power of sin^2 is itself.
+override SQUARED_DIFFUSE: bool = false;
+// ks is not zero.
+override SPECULAR: bool = false;
+
+// What a hair sends to the eye of light from one direction: `x` takes the hair's colour, sin^pd; `y` does not, sin^ps as strong as wet and
+// dry hair have it together. All in the tile frame; `half` is H of light and eye.
+fn fibre(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {
+    var diffuse = sin_squared(direction, light);
+    if !SQUARED_DIFFUSE {
+        diffuse = sin_power(diffuse, instance.diffuse_half_exponent);
+    }
+    if !SPECULAR {
+        return vec2(diffuse, 0.0);
+    }
+    var strength = 1.0;
+    var half_exponent = instance.specular_half_exponent;
+    if WET {
+        strength = mix(1.0, instance.wet_specular, wetness);
+        half_exponent = mix(half_exponent, instance.wet_specular_half_exponent, wetness);
+    }
+    return vec2(diffuse, strength * sin_power(sin_squared(direction, half), half_exponent));
+}

@@ -1,0 +1,40 @@
+// Lights without shadow.
+
+const MAX_FILL_LIGHTS: u32 = 32u;
+
+@group(0) @binding(2) var<uniform> fill_lights: array<FillLight, MAX_FILL_LIGHTS>;
+
+// There are some.
+override FILL_LIGHTS: bool = false;
+
+// The terms of eq. (1) and Attenu_Back of each.
+fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
+    let spot = p.spot;
+    let color = p.color * p.tint;
+    let tile = tile_frame(normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)), spot.tangent.xyz, spot.tangent.w);
+    let eye = direction_to(frame.eye_ws, spot.position_ws);
+    var sum = vec3(0.0);
+    for (var i = 0u; i < frame.fill_lights; i++) {
+        let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
+        let light = to_tile(tile, towards);
+        let sent = fibre(p.direction, light, to_tile(tile, half_vector(towards, eye)), p.wetness)
+            * back_attenuation(light.z, instance.back_light_range);
+        let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);
+        sum += lit * fill_lights[i].color.rgb;
+    }
+    return sum;
+}
+
+// On bare skin, by Lambert's law. side: -1 for the back of a double-sided part.
+fn fill_lights_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
+    var sum = vec3(0.0);
+    if !FILL_LIGHTS {
+        return sum;
+    }
+    let normal = normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)) * side;
+    for (var i = 0u; i < frame.fill_lights; i++) {
+        let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
+        sum += color * instance.diffuse_constant * max(dot(normal, towards), 0.0) * fill_lights[i].color.rgb;
+    }
+    return sum;
+}

@@ -1,0 +1,36 @@
+// The light that throws shadows, and the ambient light, on hair: Yang 2006, eqs. (2) and (3).
+
+// What reaches a point. Geometries that know some of it at their vertices hand it on from there.
+struct Arriving {
+    // ka times the ambient light times its share at the point's height.
+    ambient: vec3<f32>,
+    // kd and ks times the key light.
+    diffuse: vec3<f32>,
+    specular: vec3<f32>,
+    // Towards the key light and H in the tile frame, lengths near 1; or what half_or_factors puts there.
+    light_ts: vec3<f32>,
+    half_ts: vec3<f32>,
+    // Attenu_Back.
+    facing: f32,
+    // Share of the key light that hair and things let through: t Attenu_Shadow.
+    visible: f32,
+}
+
+// What reaches a point at that share of the fur's height.
+fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f32) -> Arriving {
+    return Arriving(
+        instance.ambient * ambient_attenuation(height, instance.ambient_floor), instance.diffuse, instance.specular,
+        light_ts, half_ts, back_attenuation(light_ts.z, instance.back_light_range), visible,
+    );
+}
+
+fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
+    let a = p.arriving;
+    let sent = key_fibre(p.direction, a.light_ts, a.half_ts, p.wetness) * (a.facing * a.visible);
+    return p.color * (a.ambient + a.diffuse * sent.x) + a.specular * (sent.y * p.opacity);
+}
+
+// The same on bare skin, by Lambert's law with the package's constants: bare parts are as bright as the fur beside them.
+fn key_light_on_bare(color: vec3<f32>, n_dot_l: f32, visible: f32) -> vec3<f32> {
+    return color * (instance.ambient + instance.diffuse * (max(n_dot_l, 0.0) * visible));
+}

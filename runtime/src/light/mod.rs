@@ -1,0 +1,11 @@
+//! The key light: where it sees the scene from, its shadow maps, and what of the application's takes part in them. How hair is lit stands in the
+//! shaders of this folder: `point.wgsl` has the one function that does it.
+
+mod casters;
+mod maps;
+mod view;
+
+pub use casters::{CasterPass, Casters};
+pub use maps::ShadowMaps;
+pub(crate) use maps::{InstanceKey, ShadowKey, settle};
+pub use view::LightView;

@@ -1,0 +1,36 @@
+// A point of hair as lights meet it, whatever geometry it is on, and the one function that lights it.
+
+// Where a point is, for lights that vertices know nothing of.
+struct Spot {
+    position_ws: vec3<f32>,
+    normal_ws: vec3<f32>,
+    // Along +u of the tile; handedness.
+    tangent: vec4<f32>,
+}
+
+fn spot_of(v: Vertex, position: vec3<f32>, tile: TileFrame) -> Spot {
+    return Spot(position, tile.normal_ws, vec4(tile.tangent_ws, v.tangent.w * instance.handedness));
+}
+
+struct HairPoint {
+    spot: Spot,
+    // Unit vector along the hair, in the tile frame.
+    direction: vec3<f32>,
+    // Of the hair, premultiplied with its opacity. `tint` colours it for those lights whose colour does not hold it already.
+    color: vec3<f32>,
+    opacity: f32,
+    tint: vec3<f32>,
+    // 0..=1.
+    wetness: f32,
+    // What reaches it of the ambient light and the key light.
+    arriving: Arriving,
+}
+
+// Premultiplied light that a point of hair sends to the eye: the sum of what each of the lights makes of it.
+fn light_hair(p: HairPoint) -> vec3<f32> {
+    var lit = key_light_on_hair(p);
+    if FILL_LIGHTS {
+        lit += fill_lights_on_hair(p);
+    }
+    return lit;
+}

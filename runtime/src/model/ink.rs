@@ -1,0 +1,64 @@
+//! The ink style of a package on the GPU.
+
+use super::upload::Uploader;
+use crate::error::RuntimeError;
+use pelage_formats::{InkInfo, InkTextures, MeshView, Package};
+
+/// Textures and vertices of a model's ink style.
+#[derive(Debug)]
+pub(crate) struct ModelInk {
+    pub(crate) info: InkInfo,
+    /// One [`pelage_formats::InkVertex`] for each vertex.
+    pub(crate) vertices: wgpu::Buffer,
+    pub(crate) stroke: wgpu::TextureView,
+    pub(crate) wash: wgpu::TextureView,
+    pub(crate) paper: wgpu::TextureView,
+    /// Two array layers: strokes from above and from the side.
+    pub(crate) fur: Option<wgpu::TextureView>,
+    /// Periods of the wash's tile per unit of the stored mesh, which with a skeleton need not be metres.
+    pub(crate) periods: f32,
+}
+
+/// Uploads the ink style, with the bytes that it takes; `None` for a package without.
+pub(super) fn load(
+    uploader: &Uploader<'_>,
+    package: &Package<'_>,
+    mesh: &MeshView<'_>,
+) -> Result<Option<(ModelInk, u64)>, RuntimeError> {
+    let (Some(ink), Some(textures)) = (package.ink()?, package.ink_textures()?) else { return Ok(None) };
+    let InkTextures { stroke, wash, paper, fur } = textures;
+    let vertices = uploader.buffer("ink vertices", ink.vertices, wgpu::BufferUsages::VERTEX)?;
+    let mut bytes = vertices.size();
+    let mut view = |index, texture: &pelage_formats::TextureView<'_>, dimension| {
+        bytes += texture.gpu_bytes();
+        let array = wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() };
+        Ok::<_, RuntimeError>(uploader.texture(index, texture)?.create_view(&array))
+    };
+    use wgpu::TextureViewDimension::{D2, D2Array};
+    let info = &ink.info;
+    let stroke = view(info.stroke_texture, &stroke, D2)?;
+    let wash = view(info.wash_texture, &wash, D2)?;
+    let paper = view(info.paper_texture, &paper, D2)?;
+    let fur = match (info.fur_texture, fur) {
+        (Some(index), Some(fur)) => Some(view(index, &fur, D2Array)?),
+        _ => None,
+    };
+    let periods = metres_per_unit(package, mesh) / info.grain_size_m;
+    Ok(Some((ModelInk { info: info.clone(), vertices, stroke, wash, paper, fur, periods }, bytes)))
+}
+
+/// Metres per unit of the stored mesh: how far it reaches at rest over how far as stored.
+fn metres_per_unit(package: &Package<'_>, mesh: &MeshView<'_>) -> f32 {
+    use glam::Vec3;
+    let mut least = Vec3::INFINITY;
+    let mut most = Vec3::NEG_INFINITY;
+    for vertex in mesh.geometry() {
+        least = least.min(Vec3::from(vertex.position));
+        most = most.max(Vec3::from(vertex.position));
+    }
+    let bounds = &package.manifest().bounds;
+    let at_rest = Vec3::from(bounds.max).distance(Vec3::from(bounds.min));
+    let ratio = at_rest / most.distance(least);
+    // Of a point there is no scale.
+    if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
+}

@@ -1,0 +1,174 @@
+//! From a package to a model.
+
+use super::extent::Extent;
+use super::ink;
+use super::resources::{Fins, LOADED, Model, Part, Resources, Varies};
+use super::upload::Uploader;
+use crate::error::RuntimeError;
+use crate::gpu::{Gpu, Sampling};
+use crate::params::RendererOptions;
+use crate::surface::{MaterialUniform, Surfaces};
+use pelage_formats::{FinsView, Package, TextureView};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Uploads a package, straight from the slices that it borrows.
+pub(crate) fn load(
+    gpu: &Gpu,
+    options: &RendererOptions,
+    surfaces: &Surfaces,
+    package: &Package<'_>,
+) -> Result<Model, RuntimeError> {
+    let manifest = package.manifest();
+    let uploader = Uploader { gpu, package };
+    let mesh = package.mesh()?.ok_or_else(|| uploader.content("mesh".into(), "there is none, expected one".into()))?;
+    if mesh.index_count == 0 {
+        return Err(uploader.content("mesh".into(), "it has no triangles, expected at least one".into()));
+    }
+    let animation = package.animation()?;
+    let skinned = !mesh.skin.is_empty();
+
+    use wgpu::BufferUsages as Usage;
+    let fins = package.fins()?.filter(|fins| fins.count > 0 && surfaces.fins.is_some());
+    let read = |by_shader| if by_shader { Usage::STORAGE } else { Usage::empty() };
+    let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | read(skinned || fins.is_some()))?;
+    let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX | read(fins.is_some()))?;
+    let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
+    let indices = uploader.buffer("indices", mesh.indices, Usage::INDEX)?;
+    let buffers = [Some(&geometry), Some(&attributes), skin.as_ref(), Some(&indices)];
+    let mut gpu_bytes: u64 = buffers.into_iter().flatten().map(wgpu::Buffer::size).sum();
+
+    let sampler = |label, v, anisotropy| {
+        let sampling = Sampling::new(label, wgpu::AddressMode::Repeat);
+        Sampling { v, anisotropy, ..sampling }.make(&gpu.device)
+    };
+
+    let mut planar_directions = false;
+    let fur = match package.fur_textures()? {
+        None => None,
+        Some(textures) => {
+            planar_directions = textures.direction.format.components() == 2;
+            gpu_bytes += uploader.hair_bytes(&textures);
+            let hair = &manifest.fur;
+            let [color, direction] = uploader.hair(hair.color_texture, hair.direction_texture, &textures)?;
+            let wet = match (&hair.wet, package.wet_textures()?) {
+                (Some(wet), Some(textures)) => {
+                    gpu_bytes += uploader.hair_bytes(&textures);
+                    if (textures.direction.format.components() == 2) != planar_directions {
+                        let reason = "directions of dry and of wet hair in formats of two and of more components, expected both alike";
+                        return Err(uploader.content("fur.wet".into(), reason.into()));
+                    }
+                    Some(uploader.hair(wet.color_texture, wet.direction_texture, &textures)?)
+                }
+                _ => None,
+            };
+            let wet = wet.as_ref().map(|[color, direction]| [color, direction]);
+            Some(surfaces.fur_group(
+                gpu,
+                [&color, &direction],
+                wet,
+                &sampler("pelage shells", wgpu::AddressMode::Repeat, 1),
+            ))
+        }
+    };
+    let fin_resources = match (fins, package.fin_textures()?, &manifest.fur.fins) {
+        (Some(view), Some(textures), Some(info)) => {
+            let [color, direction] = uploader.hair(info.color_texture, info.direction_texture, &textures)?;
+            // The skin's row must not show above the tips.
+            let clamp = sampler("pelage fins", wgpu::AddressMode::ClampToEdge, 1);
+            let buffer = uploader.buffer("fins", view.fins, Usage::STORAGE)?;
+            gpu_bytes += uploader.hair_bytes(&textures) + buffer.size();
+            Some(Fins {
+                buffer,
+                textures: surfaces.fur_group(gpu, [&color, &direction], None, &clamp),
+                planar_directions: textures.direction.format.components() == 2,
+            })
+        }
+        _ => None,
+    };
+    let mut fin_ends = fins.iter().flat_map(FinsView::part_counts).scan(0, |end, count| {
+        *end += count;
+        Some(*end)
+    });
+
+    let base_sampler = sampler("pelage base colour", wgpu::AddressMode::Repeat, options.anisotropy);
+    // Materials may share a texture.
+    let mut uploaded = vec![None; manifest.textures.len()];
+    let mut materials = Vec::new();
+    for (i, material) in manifest.materials.iter().enumerate() {
+        let mut view = |index: Option<u32>, texture: Option<TextureView<'_>>| {
+            let (Some(index), Some(texture)) = (index, texture) else { return Ok(surfaces.white.clone()) };
+            if let Some(Some(shared)) = uploaded.get(index as usize) {
+                return Ok(wgpu::TextureView::clone(shared));
+            }
+            gpu_bytes += texture.gpu_bytes();
+            let made = uploader.texture(index, &texture)?.create_view(&wgpu::TextureViewDescriptor::default());
+            uploaded[index as usize] = Some(made.clone());
+            Ok::<_, RuntimeError>(made)
+        };
+        let base_color = view(material.base_color_texture, package.base_color_texture(i)?)?;
+        let groom = view(material.groom_texture, package.groom_texture(i)?)?;
+        let uniform = MaterialUniform {
+            base_color: material.base_color,
+            alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
+            reserved: [0.0; 3],
+        };
+        gpu_bytes += size_of::<MaterialUniform>() as u64;
+        materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom));
+    }
+
+    let mut parts: Vec<Part> = Vec::new();
+    let (mut previous, mut first_fin) = (None, 0);
+    for part in &manifest.parts {
+        let indices = part.first_index..part.first_index + part.index_count;
+        let fins = first_fin..fin_ends.next().unwrap_or(first_fin);
+        first_fin = fins.end;
+        if part.index_count == 0 && fins.is_empty() {
+            continue;
+        }
+        // Neighbours with one material are one draw.
+        match parts.last_mut() {
+            Some(last) if previous == Some(part.material) => {
+                last.indices.end = indices.end;
+                last.fins.end = fins.end;
+            }
+            _ => {
+                let material = &manifest.materials[part.material as usize];
+                parts.push(Part {
+                    indices,
+                    fins,
+                    material: materials[part.material as usize].clone(),
+                    has_texture: material.base_color_texture.is_some(),
+                    has_groom_texture: material.groom_texture.is_some(),
+                    cutout: material.alpha_cutoff.is_some(),
+                    furred: material.furred && fur.is_some(),
+                    double_sided: material.double_sided,
+                });
+            }
+        }
+        previous = Some(part.material);
+    }
+
+    let (ink, ink_bytes) = ink::load(&uploader, package, &mesh)?.unzip();
+    gpu_bytes += ink_bytes.unwrap_or(0);
+    let manifest = manifest.clone();
+    let has_skeleton = animation.is_some();
+    let resources = Resources {
+        manifest,
+        animation,
+        geometry,
+        attributes,
+        skin,
+        indices,
+        fur,
+        fins: fin_resources,
+        planar_directions,
+        varies: Varies::of(&mesh),
+        extent: Extent::of(&mesh, skinned && has_skeleton),
+        number: LOADED.fetch_add(1, Ordering::Relaxed),
+        parts,
+        ink,
+        gpu_bytes,
+    };
+    Ok(Model(Arc::new(resources)))
+}

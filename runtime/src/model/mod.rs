@@ -1,0 +1,12 @@
+//! A package on the GPU.
+
+mod extent;
+mod ink;
+mod load;
+mod resources;
+mod upload;
+
+pub(crate) use ink::ModelInk;
+pub(crate) use load::load;
+pub use resources::Model;
+pub(crate) use resources::Part;

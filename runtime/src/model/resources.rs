@@ -1,0 +1,164 @@
+//! A package on the GPU.
+
+use super::extent::Extent;
+use super::ink::ModelInk;
+use crate::error::RuntimeError;
+use pelage_formats::{Animation, Clip, Manifest, MeshView};
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+/// A package on the GPU: vertices, textures, materials. Cheap to clone; the clones share everything.
+#[derive(Clone, Debug)]
+pub struct Model(pub(super) Arc<Resources>);
+
+#[derive(Debug)]
+pub(super) struct Resources {
+    pub(super) manifest: Manifest,
+    pub(super) animation: Option<Animation>,
+    pub(super) geometry: wgpu::Buffer,
+    pub(super) attributes: wgpu::Buffer,
+    pub(super) skin: Option<wgpu::Buffer>,
+    pub(super) indices: wgpu::Buffer,
+    pub(super) fur: Option<wgpu::BindGroup>,
+    pub(super) fins: Option<Fins>,
+    pub(super) planar_directions: bool,
+    pub(super) varies: Varies,
+    pub(super) parts: Vec<Part>,
+    pub(super) extent: Extent,
+    pub(super) ink: Option<ModelInk>,
+    /// Tells models apart, also from those that are gone.
+    pub(super) number: u64,
+    pub(super) gpu_bytes: u64,
+}
+
+pub(super) static LOADED: AtomicU64 = AtomicU64::new(0);
+
+/// Fins of a model.
+#[derive(Debug)]
+pub(crate) struct Fins {
+    /// All fins, part after part.
+    pub(crate) buffer: wgpu::Buffer,
+    /// Their textures, in the layout of the shells'.
+    pub(crate) textures: wgpu::BindGroup,
+    /// The direction texture has two components.
+    pub(crate) planar_directions: bool,
+}
+
+/// What varies over the vertices of a model: the shaders do nothing for what does not.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Varies {
+    /// Some vertex leans more than the tile's strands.
+    pub(crate) lean: bool,
+    /// Some vertex is bare or wet.
+    pub(crate) groom: bool,
+}
+
+impl Varies {
+    pub(super) fn of(mesh: &MeshView<'_>) -> Self {
+        Self { lean: mesh.geometry().any(|v| v.lean > 0.0), groom: mesh.attributes().any(|v| v.groom != [0; 4]) }
+    }
+}
+
+/// A range of the index buffer with one material.
+#[derive(Debug)]
+pub(crate) struct Part {
+    pub(crate) indices: Range<u32>,
+    pub(crate) fins: Range<u32>,
+    pub(crate) material: wgpu::BindGroup,
+    pub(crate) has_texture: bool,
+    pub(crate) has_groom_texture: bool,
+    pub(crate) cutout: bool,
+    pub(crate) furred: bool,
+    pub(crate) double_sided: bool,
+}
+
+impl Model {
+    /// What the package says about itself.
+    pub fn manifest(&self) -> &Manifest {
+        &self.0.manifest
+    }
+
+    /// The model's motions.
+    pub fn clips(&self) -> &[Clip] {
+        self.0.animation.as_ref().map_or(&[], |a| &a.clips)
+    }
+
+    /// Index of the first clip of that name, for [`crate::Motion::Clip`].
+    pub fn clip_index(&self, name: &str) -> Option<usize> {
+        self.clips().iter().position(|c| c.name == name)
+    }
+
+    /// Bytes of its buffers and textures, shared by all instances.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.0.gpu_bytes
+    }
+
+    /// The skeleton, where the vertices follow one.
+    pub fn skeleton(&self) -> Option<&Animation> {
+        self.0.animation.as_ref().filter(|_| self.0.skin.is_some())
+    }
+
+    pub(crate) fn geometry(&self) -> &wgpu::Buffer {
+        &self.0.geometry
+    }
+
+    pub(crate) fn attributes(&self) -> &wgpu::Buffer {
+        &self.0.attributes
+    }
+
+    pub(crate) fn skin(&self) -> Option<&wgpu::Buffer> {
+        self.0.skin.as_ref()
+    }
+
+    pub(crate) fn indices(&self) -> &wgpu::Buffer {
+        &self.0.indices
+    }
+
+    pub(crate) fn fur(&self) -> Option<&wgpu::BindGroup> {
+        self.0.fur.as_ref()
+    }
+
+    pub(crate) fn fins(&self) -> Option<&Fins> {
+        self.0.fins.as_ref()
+    }
+
+    pub(crate) fn planar_directions(&self) -> bool {
+        self.0.planar_directions
+    }
+
+    pub(crate) fn varies(&self) -> Varies {
+        self.0.varies
+    }
+
+    /// Fails for a model that has no ink style.
+    pub(crate) fn has_ink(&self) -> Result<(), RuntimeError> {
+        if self.0.ink.is_some() {
+            return Ok(());
+        }
+        Err(RuntimeError::Content {
+            package: self.manifest().model.clone(),
+            what: "ink style".into(),
+            reason: "there is none, expected one: bake the model again with ink.enabled = true in its recipe".into(),
+        })
+    }
+
+    /// Its ink style, where the package has one.
+    pub(crate) fn ink(&self) -> Option<&ModelInk> {
+        self.0.ink.as_ref()
+    }
+
+    /// How far the skin reaches.
+    pub(crate) fn extent(&self) -> &Extent {
+        &self.0.extent
+    }
+
+    /// Tells models apart, also from those that are gone.
+    pub(crate) fn number(&self) -> u64 {
+        self.0.number
+    }
+
+    pub(crate) fn parts(&self) -> &[Part] {
+        &self.0.parts
+    }
+}

@@ -1,0 +1,162 @@
+//! Buffers and textures of a package, checked against the device.
+
+use crate::error::RuntimeError;
+use crate::gpu::Gpu;
+use pelage_formats::{FurTextures, Package, TextureFormat, TextureView};
+
+/// Uploads what a package holds, straight from the slices that it borrows.
+pub(crate) struct Uploader<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) package: &'a Package<'a>,
+}
+
+impl Uploader<'_> {
+    pub(super) fn content(&self, what: String, reason: String) -> RuntimeError {
+        RuntimeError::Content { package: self.package.manifest().model.clone(), what, reason }
+    }
+
+    fn texture_name(&self, index: u32) -> &str {
+        self.package.manifest().textures.get(index as usize).map_or("", |t| &t.name)
+    }
+
+    fn within(
+        &self,
+        what: impl Fn() -> String,
+        found: u64,
+        limit: &'static str,
+        allowed: u64,
+    ) -> Result<(), RuntimeError> {
+        if found > allowed {
+            return Err(RuntimeError::DeviceLimit { what: what(), found, limit, allowed });
+        }
+        Ok(())
+    }
+
+    pub(crate) fn buffer(
+        &self,
+        name: &str,
+        contents: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, RuntimeError> {
+        let limits = self.gpu.device.limits();
+        let what = || format!("size in bytes of the {name} of package {:?}", self.package.manifest().model);
+        self.within(what, contents.len() as u64, "max_buffer_size", limits.max_buffer_size)?;
+        if usage.contains(wgpu::BufferUsages::STORAGE) {
+            let allowed = limits.max_storage_buffer_binding_size;
+            self.within(what, contents.len() as u64, "max_storage_buffer_binding_size", allowed)?;
+        }
+        let label = format!("pelage {name}");
+        Ok(self.gpu.buffer_of(&label, contents, usage))
+    }
+
+    /// Whether texels of two bytes travel as four: software rasterisers fetch those eight at a time and these one by one, which
+    /// makes reading directions a quarter dearer.
+    fn widens(&self, format: TextureFormat) -> bool {
+        format == TextureFormat::Rg8Unorm && self.gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Bytes of colours and directions on the device.
+    pub(super) fn hair_bytes(&self, textures: &FurTextures<'_>) -> u64 {
+        let bytes = |view: &TextureView<'_>| view.gpu_bytes().saturating_mul(1 + u64::from(self.widens(view.format)));
+        bytes(&textures.color) + bytes(&textures.direction)
+    }
+
+    /// Colours and directions of hair, as array textures.
+    pub(super) fn hair(
+        &self,
+        color: u32,
+        direction: u32,
+        textures: &FurTextures<'_>,
+    ) -> Result<[wgpu::TextureView; 2], RuntimeError> {
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        let array = wgpu::TextureViewDescriptor { dimension, ..Default::default() };
+        let color = self.texture(color, &textures.color)?.create_view(&array);
+        Ok([color, self.texture(direction, &textures.direction)?.create_view(&array)])
+    }
+
+    pub(crate) fn texture(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::Texture, RuntimeError> {
+        let name = self.texture_name(index);
+        let limits = self.gpu.device.limits();
+        let edge = view.width.max(view.height);
+        let what = |what: &str| format!("{what} of texture {name:?} of package {:?}", self.package.manifest().model);
+        self.within(
+            || what("size in texels"),
+            edge.into(),
+            "max_texture_dimension_2d",
+            limits.max_texture_dimension_2d.into(),
+        )?;
+        let (layers, allowed) = (view.layers.into(), limits.max_texture_array_layers.into());
+        self.within(|| what("array layers"), layers, "max_texture_array_layers", allowed)?;
+        let block = view.format.block_size();
+        if block > 1 {
+            if !self.gpu.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC) {
+                return Err(RuntimeError::MissingFeature {
+                    package: self.package.manifest().model.clone(),
+                    texture: name.into(),
+                    format: view.format.name(),
+                    feature: "TEXTURE_COMPRESSION_BC",
+                });
+            }
+            if !view.width.is_multiple_of(block) || !view.height.is_multiple_of(block) {
+                let reason = format!(
+                    "{} x {} texels of {}, expected multiples of {block}: WebGPU has no partial blocks",
+                    view.width,
+                    view.height,
+                    view.format.name()
+                );
+                return Err(self.content(format!("texture {name:?}"), reason));
+            }
+        }
+        let widens = self.widens(view.format);
+        let format = if widens { TextureFormat::Rgba8Unorm } else { view.format };
+        let texture = self.gpu.texture(&wgpu::TextureDescriptor {
+            label: Some(name),
+            size: wgpu::Extent3d { width: view.width, height: view.height, depth_or_array_layers: view.layers },
+            mip_level_count: view.levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu_format(format),
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        for level in 0..view.levels {
+            let (width, height) = view.level_size(level);
+            let (columns, rows) = (width.div_ceil(block), height.div_ceil(block));
+            let wide: Vec<u8>;
+            let texels = if widens {
+                wide = view.level(level).chunks_exact(2).flat_map(|t| [t[0], t[1], 0, 255]).collect();
+                &wide
+            } else {
+                view.level(level)
+            };
+            self.gpu.queue.write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &texture,
+                    mip_level: level,
+                    origin: wgpu::Origin3d::ZERO,
+                    aspect: wgpu::TextureAspect::All,
+                },
+                texels,
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(columns * format.block_bytes()),
+                    rows_per_image: Some(rows),
+                },
+                // Whole blocks: small levels of compressed textures are stored so.
+                wgpu::Extent3d { width: columns * block, height: rows * block, depth_or_array_layers: view.layers },
+            );
+        }
+        Ok(texture)
+    }
+}
+
+fn wgpu_format(format: TextureFormat) -> wgpu::TextureFormat {
+    match format {
+        TextureFormat::Rgba8Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
+        TextureFormat::Rgba8Unorm => wgpu::TextureFormat::Rgba8Unorm,
+        TextureFormat::Rg8Unorm => wgpu::TextureFormat::Rg8Unorm,
+        TextureFormat::Bc7Srgb => wgpu::TextureFormat::Bc7RgbaUnormSrgb,
+        TextureFormat::Bc7Unorm => wgpu::TextureFormat::Bc7RgbaUnorm,
+        TextureFormat::Bc5Unorm => wgpu::TextureFormat::Bc5RgUnorm,
+    }
+}

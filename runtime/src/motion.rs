@@ -1,0 +1,113 @@
+//! What the renderer keeps of each owner from frame to frame.
+
+use crate::bounds::Hull;
+use crate::gpu::Gpu;
+use crate::instance::{Instance, Motion};
+use crate::model::Model;
+use glam::Mat4;
+use pelage_formats::Pose;
+use std::collections::HashMap;
+
+/// Frames after which an owner that none of them named is forgotten.
+const FORGOTTEN_AFTER: u64 = 256;
+
+/// The state of one owner.
+#[derive(Debug)]
+struct State {
+    model: Model,
+    /// Posed vertices, where the model has a skeleton.
+    posed: Option<wgpu::Buffer>,
+    /// What they are of.
+    motion: Option<Motion>,
+    pose: Pose,
+    /// Another number whenever the shape in model space is another, and never one that any owner had before.
+    revision: u64,
+    last_frame: u64,
+}
+
+/// The states of all owners.
+#[derive(Debug, Default)]
+pub(crate) struct States {
+    owners: HashMap<u64, State>,
+    frame: u64,
+    revisions: u64,
+}
+
+/// An instance as it is in this frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Moved {
+    /// The first vertex stream: posed where the model has a skeleton.
+    pub(crate) geometry: wgpu::Buffer,
+    /// The joint matrices, where the posed vertices are not of them yet.
+    pub(crate) joints: Option<Vec<Mat4>>,
+    pub(crate) revision: u64,
+    /// The posed skin with its fur, in world space.
+    pub(crate) hull: Hull,
+}
+
+impl States {
+    /// Moves the owners of instances that passed their check to where this frame has them.
+    pub(crate) fn move_to(&mut self, gpu: &Gpu, instances: &[&Instance]) -> Vec<Moved> {
+        self.frame += 1;
+        let oldest = self.frame.saturating_sub(FORGOTTEN_AFTER);
+        self.owners.retain(|_, state| state.last_frame >= oldest);
+        instances.iter().map(|instance| self.moved(gpu, instance)).collect()
+    }
+
+    fn moved(&mut self, gpu: &Gpu, instance: &Instance) -> Moved {
+        let model = &instance.model;
+        let frame = self.frame;
+        if self.owners.get(&instance.owner).is_some_and(|state| state.model.number() != model.number()) {
+            self.owners.remove(&instance.owner);
+        }
+        let state = self.owners.entry(instance.owner).or_insert_with(|| State {
+            model: model.clone(),
+            posed: model.skeleton().map(|_| {
+                let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
+                gpu.buffer("pelage posed vertices", model.geometry().size(), usage)
+            }),
+            motion: None,
+            pose: Pose::default(),
+            revision: 0,
+            last_frame: frame,
+        });
+        state.last_frame = frame;
+        let mut joints = None;
+        // Without skeleton nothing moves.
+        let motion = model.skeleton().map_or(&Motion::Rest, |_| &instance.motion);
+        if state.motion.as_ref() != Some(motion) {
+            self.revisions += 1;
+            state.revision = self.revisions;
+            state.motion = Some(motion.clone());
+            if let Some(animation) = model.skeleton() {
+                match motion {
+                    Motion::Rest => state.pose.sample(animation, None, 0.0),
+                    Motion::Clip { clip, time_s } => state.pose.sample(animation, Some(*clip), *time_s),
+                    Motion::Joints(joints) => state.pose.joints.clone_from(joints),
+                }
+                joints = Some(state.pose.joints.clone());
+            }
+        }
+        let mut hull = Hull::default();
+        // Leaning hair reaches farther than its height.
+        let fur_m = std::f32::consts::SQRT_2 * model.manifest().fur.height_m;
+        model.extent().add_to(&mut hull, &state.pose.joints, instance.transform, fur_m);
+        let geometry = state.posed.as_ref().unwrap_or(model.geometry()).clone();
+        Moved { geometry, joints, revision: state.revision, hull }
+    }
+
+    /// Forgets all poses, so that they are computed anew.
+    pub(crate) fn invalidate(&mut self) {
+        self.owners.values_mut().for_each(|state| state.motion = None);
+    }
+
+    /// Forgets an owner.
+    pub(crate) fn forget(&mut self, owner: u64) {
+        self.owners.remove(&owner);
+    }
+
+    /// Bytes on the GPU.
+    pub(crate) fn gpu_bytes(&self) -> u64 {
+        self.owners.values().filter_map(|state| state.posed.as_ref()).map(wgpu::Buffer::size).sum()
+    }
+}

@@ -1,0 +1,128 @@
+//! What is set per frame.
+
+use super::fur::FurParams;
+use super::ink::InkParams;
+use super::shadows::ShadowParams;
+#[cfg(feature = "study")]
+use super::study::Study;
+use super::style::Style;
+use crate::camera::{Camera, Light};
+use crate::error::RuntimeError;
+use glam::Vec3;
+use pelage_formats::Shading;
+
+/// Set per frame.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FrameParams {
+    /// From where the scene is seen.
+    pub camera: Camera,
+    /// Width and height of the part of the target that the frame is drawn to, pixels, at least 1 each. The application's pass has a
+    /// viewport of that size; for [`Style::Ink`] it begins at the target's upper left corner.
+    pub viewport: [u32; 2],
+    /// Seconds since the last frame, 0 or more (default 0: time stands still). For what moves of itself; poses are set by
+    /// [`crate::Instance::motion`].
+    pub time_step_s: f32,
+    /// The key light: the one that throws shadows.
+    pub light: Light,
+    /// Other lights, without shadows: at most [`MAX_FILL_LIGHTS`] (default none). Each costs about as much as the key light.
+    pub fill_lights: Vec<Light>,
+    /// Light from everywhere, linear RGB, multiplies the package's ambient constant (default 1).
+    pub ambient: Vec3,
+    /// Whether things throw soft shadows, Attenu_Shadow of Yang 2006, eq. (3), by a shadow-width map (default true): skins on fur, and
+    /// what [`crate::Casters`] brings. Without it [`crate::Frame::shadow_receiver`] lights everything.
+    pub soft_shadow: bool,
+    /// How the key light's shadows are made (default [`ShadowParams::default`]).
+    pub shadows: ShadowParams,
+    /// How models are drawn (default fur).
+    pub style: Style,
+    /// Constants of the lighting equation instead of the package's own (default `None`).
+    pub shading: Option<Shading>,
+    /// The papers' printed forms, and what is measured (default: ours, and nothing).
+    #[cfg(feature = "study")]
+    pub study: Study,
+}
+
+impl FrameParams {
+    /// A furry picture of that many pixels from `camera`, with everything else at its default.
+    pub fn new(camera: Camera, viewport: [u32; 2]) -> Self {
+        Self {
+            camera,
+            viewport,
+            time_step_s: 0.0,
+            light: Light::default(),
+            fill_lights: Vec::new(),
+            ambient: Vec3::ONE,
+            soft_shadow: true,
+            shadows: ShadowParams::default(),
+            style: Style::default(),
+            shading: None,
+            #[cfg(feature = "study")]
+            study: Study::default(),
+        }
+    }
+
+    /// The same with changes: `FrameParams::new(camera, viewport).with(|p| p.soft_shadow = false)`.
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
+    /// The same with changes to how fur is drawn; in another style as it is.
+    pub fn with_fur(mut self, change: impl FnOnce(&mut FurParams)) -> Self {
+        if let Style::Fur(fur) = &mut self.style {
+            change(fur);
+        }
+        self
+    }
+
+    /// The same in ink.
+    pub fn with_ink(mut self, ink: InkParams) -> Self {
+        self.style = Style::Ink(ink);
+        self
+    }
+
+    /// Whether hair shadows hair.
+    pub(crate) fn self_shadow(&self) -> bool {
+        self.style.fur().is_some_and(|fur| fur.self_shadow)
+    }
+
+    pub(crate) fn check(&self, limits: &wgpu::Limits) -> Result<(), RuntimeError> {
+        let fail = |field, found: String, expected: &str| {
+            Err(RuntimeError::Params { field, found, expected: expected.into() })
+        };
+        let most = limits.max_texture_dimension_2d;
+        if !self.viewport.iter().all(|side| (1..=most).contains(side)) {
+            let [width, height] = self.viewport;
+            return fail("FrameParams::viewport", format!("{width}x{height}"), &format!("1..={most} pixels a side"));
+        }
+        if !(self.time_step_s.is_finite() && self.time_step_s >= 0.0) {
+            return fail("FrameParams::time_step_s", self.time_step_s.to_string(), "a finite number, at least 0");
+        }
+        self.shadows.check(limits)?;
+        match &self.style {
+            Style::Fur(fur) => fur.check()?,
+            Style::Bare => {}
+            Style::Ink(ink) => ink.check()?,
+        }
+        if self.fill_lights.len() > MAX_FILL_LIGHTS {
+            return fail("FrameParams::fill_lights", format!("{} lights", self.fill_lights.len()), "at most 32");
+        }
+        if !self.ambient.is_finite() {
+            return fail("FrameParams::ambient", self.ambient.to_string(), "finite numbers");
+        }
+        if let Some(s) = &self.shading {
+            let colors = [s.ambient, s.diffuse, s.specular];
+            let exponents = [s.diffuse_exponent, s.specular_exponent].iter().all(|e| (0.0..=10_000.0).contains(e));
+            let shares = [s.ambient_floor, s.back_light_range].iter().all(|e| (0.0..=1.0).contains(e));
+            if !colors.as_flattened().iter().all(|v| v.is_finite()) || !exponents || !shares {
+                let expected = "finite colours, exponents 0..=10000, ambient_floor and back_light_range 0..=1";
+                return fail("FrameParams::shading", format!("{s:?}"), expected);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Most lights without shadow that a frame may have.
+pub const MAX_FILL_LIGHTS: usize = 32;

@@ -1,0 +1,180 @@
+//! The ink-wash style (Fang 2006): what a frame can say about it, and the textures that its passes hand on.
+
+use crate::error::RuntimeError;
+use glam::Vec3;
+use pelage_formats::InkShading;
+
+/// How a frame in [`crate::Style::Ink`] is painted. Greys are 0 for black and 1 for white, as a display shows them.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct InkParams {
+    /// T1 of Fang 2006, §2, 0.15..=1 (default 0.64, the cosine of 50°): where the dot of the normals of neighbouring pixels is lower, there is a line. Higher
+    /// draws more lines.
+    pub threshold: f32,
+    /// T1 − T2, 0..=1 (default 0.15): lines between the two thresholds are weak, thinner and paler.
+    pub weak_difference: f32,
+    /// Relative step of depth between neighbours that is a line as well, at least 0 (default 0.01), weak up to four times as much; 0 looks at normals
+    /// alone, as printed.
+    pub depth_step: f32,
+    /// Distance of the neighbours that are compared, pixels, 1..=8 (default 1).
+    pub step_px: u32,
+    /// Width of the widest line (default [`LineWidth::Auto`]).
+    pub width: LineWidth,
+    /// Whether strokes of fur are drawn on fins where the package has them (default true).
+    pub fins: bool,
+    /// Factor on the breadth of the sphere map's rim, 0..=4 (default 1.5).
+    pub swell: f32,
+    /// k of D = k (0.5 cos + 0.5), 0..=1 (default 0.35): lightness of lines.
+    pub tone: f32,
+    /// levelColor, 0..=1 (default 0.35): what weak lines are lifted by.
+    pub weak_lightness: f32,
+    /// How unevenly the hand presses, 0..=1 (default 1).
+    pub pressure: f32,
+    /// How far lines run dry, 0..=1 (default 0.4).
+    pub dryness: f32,
+    /// How far the relief of the paper moves the edge of lines, pixels, 0..=8 (default 1.2).
+    pub roughness_px: f32,
+    /// Colour of the ink, linear RGB, 0..=1 each.
+    pub ink: Vec3,
+    /// Colour of the paper, linear RGB, 0..=1 each.
+    pub paper: Vec3,
+    /// How much of the paper's relief and flecks shows, 0..=1 (default 1).
+    pub paper_grain: f32,
+    /// Period of the paper's tile, pixels, above 0 (default 768).
+    pub paper_period_px: f32,
+    /// What is there beside what is painted (default [`InkBackground::Paper`]).
+    pub background: InkBackground,
+    /// Distances where mist begins and where only it is left, metres along the view, rising; `None` (default) for clear air.
+    pub mist_m: Option<[f32; 2]>,
+    /// Constants of the models' wash, fur and lines instead of their packages' own (default `None`).
+    pub shading: Option<InkShading>,
+}
+
+/// Width of the widest line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LineWidth {
+    /// [`InkParams::default_width_px`] of the picture's height.
+    Auto,
+    /// Pixels, above 0 and at most 32: the same at any distance.
+    Pixels(f32),
+    /// Metres, above 0: thinner with distance, and at most 32 pixels.
+    Metres(f32),
+}
+
+/// What is there beside what is painted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum InkBackground {
+    /// Paper over the whole target, except where something nearer than the far plane was drawn before.
+    #[default]
+    Paper,
+    /// What the application drew before.
+    Picture,
+}
+
+/// Widest line that the passes can draw, pixels.
+const WIDEST_PX: f32 = 32.0;
+
+impl Default for InkParams {
+    fn default() -> Self {
+        Self {
+            threshold: 0.64,
+            weak_difference: 0.15,
+            depth_step: 0.01,
+            step_px: 1,
+            width: LineWidth::Auto,
+            fins: true,
+            swell: 1.5,
+            tone: 0.35,
+            weak_lightness: 0.35,
+            pressure: 1.0,
+            dryness: 0.4,
+            roughness_px: 1.2,
+            ink: Vec3::new(0.008, 0.0085, 0.010),
+            paper: Vec3::new(0.896, 0.863, 0.784),
+            paper_grain: 1.0,
+            paper_period_px: 768.0,
+            background: InkBackground::Paper,
+            mist_m: None,
+            shading: None,
+        }
+    }
+}
+
+impl InkParams {
+    /// The same with changes: `InkParams::default().with(|i| i.background = InkBackground::Picture)`.
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
+    /// Nine pixels in a picture of 424 rows, the size in Fang 2006, whose three dilations come to seven or eight; in proportion in others.
+    pub fn default_width_px(height: u32) -> f32 {
+        (9.0 * height as f32 / PRINTED_HEIGHT).clamp(1.5, WIDEST_PX)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), RuntimeError> {
+        let fail = |field, found: String, expected: &str| {
+            Err(RuntimeError::Params { field, found, expected: expected.into() })
+        };
+        // Not a number is in no range.
+        for (field, value, range) in [
+            ("InkParams::threshold", self.threshold, 0.15..=1.0),
+            ("InkParams::weak_difference", self.weak_difference, 0.0..=1.0),
+            ("InkParams::swell", self.swell, 0.0..=4.0),
+            ("InkParams::tone", self.tone, 0.0..=1.0),
+            ("InkParams::weak_lightness", self.weak_lightness, 0.0..=1.0),
+            ("InkParams::pressure", self.pressure, 0.0..=1.0),
+            ("InkParams::dryness", self.dryness, 0.0..=1.0),
+            ("InkParams::roughness_px", self.roughness_px, 0.0..=8.0),
+            ("InkParams::paper_grain", self.paper_grain, 0.0..=1.0),
+            ("InkParams::depth_step", self.depth_step, 0.0..=f32::MAX),
+            ("InkParams::paper_period_px", self.paper_period_px, 1.0..=65536.0),
+            ("InkParams::step_px", self.step_px as f32, 1.0..=8.0),
+        ] {
+            if !range.contains(&value) {
+                return fail(field, value.to_string(), &format!("{}..={}", range.start(), range.end()));
+            }
+        }
+        match self.width {
+            LineWidth::Pixels(px) if !(px > 0.0 && px <= WIDEST_PX) => {
+                return fail("InkParams::width", format!("{px} pixels"), "above 0 and at most 32 pixels");
+            }
+            LineWidth::Metres(m) if !(m > 0.0 && m.is_finite()) => {
+                return fail("InkParams::width", format!("{m} metres"), "a finite number above 0");
+            }
+            _ => {}
+        }
+        for (field, color) in [("InkParams::ink", self.ink), ("InkParams::paper", self.paper)] {
+            if !color.to_array().iter().all(|c| (0.0..=1.0).contains(c)) {
+                return fail(field, color.to_string(), "0..=1 each");
+            }
+        }
+        if let Some(shading) = &self.shading {
+            shading.check().or_else(|reason| fail("InkParams::shading", reason, "every number in its range"))?;
+        }
+        if let Some([from, to]) = self.mist_m
+            && !(from.is_finite() && to.is_finite() && from < to)
+        {
+            return fail("InkParams::mist_m", format!("{from} to {to}"), "two finite numbers, the second greater");
+        }
+        Ok(())
+    }
+
+    /// Width of the widest line in a picture of `height` pixels, or its half width in metres.
+    pub(crate) fn width_px(&self, height: u32) -> Result<f32, f32> {
+        match self.width {
+            LineWidth::Auto => Ok(Self::default_width_px(height)),
+            LineWidth::Pixels(px) => Ok(px),
+            LineWidth::Metres(m) => Err(m),
+        }
+    }
+
+    /// Farthest that a line reaches from its feature in a picture of `height` pixels, whole pixels.
+    pub(crate) fn reach_px(&self, height: u32) -> u32 {
+        let half = self.width_px(height).map_or(0.5 * WIDEST_PX, |px| 0.5 * px);
+        half.min(0.5 * WIDEST_PX).ceil() as u32 + 1
+    }
+}
+
+/// Rows of the pictures in Fang 2006.
+const PRINTED_HEIGHT: f32 = 424.0;

@@ -1,0 +1,21 @@
+//! What is set once and what is set per frame: plain data.
+
+mod detail;
+mod frame;
+mod fur;
+mod ink;
+mod renderer;
+mod shadows;
+#[cfg(feature = "study")]
+mod study;
+mod style;
+
+pub use detail::Detail;
+pub use frame::{FrameParams, MAX_FILL_LIGHTS};
+pub use fur::FurParams;
+pub use ink::{InkBackground, InkParams, LineWidth};
+pub use renderer::RendererOptions;
+pub use shadows::ShadowParams;
+#[cfg(feature = "study")]
+pub use study::{Anchoring, FeatureRule, InkShow, Lighting, PenumbraForm, SlantForm, SphereMapForm, Study};
+pub use style::{Style, StyleKind};

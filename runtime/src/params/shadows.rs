@@ -1,0 +1,71 @@
+//! How the key light's shadows are made.
+
+use crate::error::RuntimeError;
+
+/// How the shadows of the key light are made; [`crate::FurParams::self_shadow`] and [`crate::FrameParams::soft_shadow`] say which are.
+/// Set per frame; a change draws the maps anew. [`crate::ShadowMaps::gpu_bytes`] tells what they take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ShadowParams {
+    /// Width and height of every shadow map, texels, 16..=8192 (default 512, as in Yang 2006, §6). One map covers all that is drawn
+    /// and [`crate::Casters::bounds`]: its texels are [`crate::LightView::extent`] / `map_size` wide.
+    pub map_size: u32,
+    /// Layers of the layer-wise maps, skin counted, 2..=256; `None` (default) for as many as are drawn. Fewer cost less, and
+    /// what lies between two is interpolated.
+    pub map_layers: Option<u32>,
+    /// Share of the layers' optical depth that the light meets, 0..=4 (default 1, as they are drawn).
+    pub density: f32,
+    /// Width of the penumbra over the distance between what throws a shadow and where it falls, 0..=2 (default 0.15): 1 / C_scale of
+    /// Yang 2006, §5; 2 tan of the light's angular radius. The sun has 0.009; 0 is a hard shadow. `shrink` says how wide it can
+    /// get. The shadow of hair on other things is blurred by `shrink` texels at every distance.
+    pub penumbra: f32,
+    /// How far the shadow-width map is shrunk before it is stretched again, 2..=32 (default 4, as in Yang 2006, §4): the widest
+    /// penumbra is 4/3 of as many texels, and things much thinner throw no shadow.
+    pub shrink: u32,
+}
+
+impl Default for ShadowParams {
+    fn default() -> Self {
+        Self { map_size: 512, map_layers: None, density: 1.0, penumbra: 0.15, shrink: 4 }
+    }
+}
+
+impl ShadowParams {
+    /// The same with changes: `ShadowParams::default().with(|s| s.map_size = 1024)`.
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
+    pub(crate) fn check(&self, limits: &wgpu::Limits) -> Result<(), RuntimeError> {
+        let fail = |field, found: String, expected: &str| {
+            Err(RuntimeError::Params { field, found, expected: expected.into() })
+        };
+        if !(16..=8192).contains(&self.map_size) {
+            return fail("ShadowParams::map_size", self.map_size.to_string(), "16..=8192");
+        }
+        if self.map_size > limits.max_texture_dimension_2d {
+            return Err(RuntimeError::DeviceLimit {
+                what: "ShadowParams::map_size".into(),
+                found: self.map_size.into(),
+                limit: "max_texture_dimension_2d",
+                allowed: limits.max_texture_dimension_2d.into(),
+            });
+        }
+        if let Some(layers) = self.map_layers
+            && !(2..=256).contains(&layers)
+        {
+            return fail("ShadowParams::map_layers", layers.to_string(), "2..=256");
+        }
+        if !(0.0..=4.0).contains(&self.density) {
+            return fail("ShadowParams::density", self.density.to_string(), "0..=4");
+        }
+        if !(0.0..=2.0).contains(&self.penumbra) {
+            return fail("ShadowParams::penumbra", self.penumbra.to_string(), "0..=2");
+        }
+        if !(2..=32).contains(&self.shrink) {
+            return fail("ShadowParams::shrink", self.shrink.to_string(), "2..=32");
+        }
+        Ok(())
+    }
+}

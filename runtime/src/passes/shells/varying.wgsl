@@ -1,0 +1,144 @@
+// The packed path between vertices and fragments of shells. They meet in three forms, each with no more slots than its coats need: a software
+// rasteriser pays for a slot at every vertex, triangle and block of pixels, and for each uniform value at every block. So light times base
+// colour comes from the vertices, and uniforms as flat values.
+
+// What is computed per vertex.
+struct Shell {
+    tile_uv: vec2<f32>,
+    // What arrives of the ambient light, and the diffuse light, both times the base colour.
+    ambient: vec3<f32>,
+    diffuse: vec3<f32>,
+    // Attenu_Back before its clamp.
+    back: f32,
+    // Layer of the layer-wise maps.
+    map_layer: f32,
+    // Slope that the lean of the vertex adds to hair at this height.
+    slope: f32,
+    // Among the baked layers.
+    layer: u32,
+    at: HairVertex,
+}
+
+// Coats coloured at vertices.
+struct PlainVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    // Tile coordinates, n_dot_e, back.
+    @location(0) uv_cosine_back: vec4<f32>,
+    // Directions with the diffuse colour.
+    @location(1) light_red: vec4<f32>,
+    @location(2) half_green: vec4<f32>,
+    @location(3) ambient_blue: vec4<f32>,
+    @location(4) place: vec4<f32>,
+    // Highlight; baked layer. The bits of three numbers f32 and one u32.
+    @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
+}
+
+// With all that textures and maps of the material, or another number of layers, need besides.
+struct MappedVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) uv_cosine_back: vec4<f32>,
+    @location(1) light_red: vec4<f32>,
+    @location(2) half_green: vec4<f32>,
+    @location(3) ambient_blue: vec4<f32>,
+    @location(4) place: vec4<f32>,
+    @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
+    @location(6) base_uv_groom: vec4<f32>,
+    // Slope, opacity of the base colour, layer of the maps.
+    @location(7) slope_alpha_map: vec3<f32>,
+}
+
+// With what lights need that are not known per vertex.
+struct FilledVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) uv_cosine_back: vec4<f32>,
+    @location(1) light_red: vec4<f32>,
+    @location(2) half_green: vec4<f32>,
+    @location(3) ambient_blue: vec4<f32>,
+    @location(4) place: vec4<f32>,
+    @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
+    @location(6) base_uv_groom: vec4<f32>,
+    @location(7) slope_alpha_map: vec3<f32>,
+    @location(8) position_ws_red: vec4<f32>,
+    @location(9) normal_ws_green: vec4<f32>,
+    @location(10) tangent: vec4<f32>,
+    @location(11) blue: f32,
+}
+
+fn plain_varying(s: Shell) -> PlainVarying {
+    let specular = bitcast<vec3<u32>>(instance.specular);
+    return PlainVarying(
+        s.at.position, vec4(s.tile_uv, s.at.n_dot_e, s.back), vec4(s.at.light_ts, s.diffuse.r),
+        vec4(s.at.half_ts, s.diffuse.g), vec4(s.ambient, s.diffuse.b), s.at.place, vec4(specular, s.layer),
+    );
+}
+
+fn mapped_varying(s: Shell) -> MappedVarying {
+    let p = plain_varying(s);
+    return MappedVarying(
+        p.position, p.uv_cosine_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
+        vec4(s.at.base_uv, s.at.groom), vec3(s.slope, s.at.tint.a, s.map_layer),
+    );
+}
+
+fn filled_varying(s: Shell) -> FilledVarying {
+    let m = mapped_varying(s);
+    return FilledVarying(
+        m.position, m.uv_cosine_back, m.light_red, m.half_green, m.ambient_blue, m.place, m.specular_layer,
+        m.base_uv_groom, m.slope_alpha_map, vec4(s.at.spot.position_ws, s.at.tint.r),
+        vec4(s.at.spot.normal_ws, s.at.tint.g), s.at.spot.tangent, s.at.tint.b,
+    );
+}
+
+// What a fragment gets of them.
+struct ShellFragment {
+    tile_uv: vec2<f32>,
+    layer: u32,
+    n_dot_e: f32,
+    base_uv: vec2<f32>,
+    groom: vec2<f32>,
+    slope: f32,
+    base_alpha: f32,
+    place: vec4<f32>,
+    map_layer: f32,
+    // For the fill lights.
+    tint: vec3<f32>,
+    spot: Spot,
+    // But for what is visible of the key light.
+    arriving: Arriving,
+}
+
+fn plain_fragment(in: PlainVarying) -> ShellFragment {
+    let arriving = Arriving(
+        in.ambient_blue.rgb, vec3(in.light_red.w, in.half_green.w, in.ambient_blue.w),
+        bitcast<vec3<f32>>(in.specular_layer.xyz), in.light_red.xyz, in.half_green.xyz,
+        clamp(in.uv_cosine_back.w, 0.0, 1.0), 1.0,
+    );
+    // Drawn, baked and map layers are the same, or of them.
+    let layer = in.specular_layer.w;
+    return ShellFragment(
+        in.uv_cosine_back.xy, layer, in.uv_cosine_back.z, vec2(0.0), vec2(0.0), 0.0, 1.0, in.place, f32(layer),
+        vec3(0.0), Spot(), arriving,
+    );
+}
+
+fn mapped_fragment(in: MappedVarying) -> ShellFragment {
+    var out = plain_fragment(PlainVarying(
+        in.position, in.uv_cosine_back, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
+    ));
+    out.base_uv = in.base_uv_groom.xy;
+    out.groom = in.base_uv_groom.zw;
+    out.slope = in.slope_alpha_map.x;
+    out.base_alpha = in.slope_alpha_map.y;
+    out.map_layer = in.slope_alpha_map.z;
+    return out;
+}
+
+fn filled_fragment(in: FilledVarying) -> ShellFragment {
+    var out = mapped_fragment(MappedVarying(
+        in.position, in.uv_cosine_back, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
+        in.base_uv_groom, in.slope_alpha_map,
+    ));
+    out.tint = vec3(in.position_ws_red.w, in.normal_ws_green.w, in.blue);
+    out.spot = Spot(in.position_ws_red.xyz, in.normal_ws_green.xyz, in.tangent);
+    return out;
+}

@@ -1,0 +1,179 @@
+//! From what the application gives to what passes plan with: checked, moved, culled, with shadow maps chosen and uniforms put.
+
+use super::blocks::{fill_lights, frame_block, instance_block, map_level};
+use super::ink::{InkScene, View};
+use super::recording::{Kept, Recording};
+use super::seen::Seen;
+use crate::bounds::Hull;
+use crate::error::RuntimeError;
+use crate::gpu::{Bound, Cache, Place, Target};
+use crate::hair::{Drawing, Look};
+use crate::instance::Instance;
+use crate::light::{Casters, InstanceKey, ShadowKey, ShadowMaps, settle};
+use crate::motion::Moved;
+use crate::params::{FrameParams, MAX_FILL_LIGHTS};
+use crate::shared::frame as blocks;
+use std::collections::HashSet;
+use std::sync::Arc;
+
+fn check_instances(params: &FrameParams, instances: &[&Instance]) -> Result<(), RuntimeError> {
+    let mut owners = HashSet::new();
+    for instance in instances {
+        instance.check()?;
+        if !owners.insert(instance.owner) {
+            return Err(RuntimeError::Params {
+                field: "Instance::owner",
+                found: format!("{} twice in one frame", instance.owner),
+                expected: "another number for each instance".into(),
+            });
+        }
+        if params.style.ink().is_some() {
+            instance.model.has_ink()?;
+        }
+    }
+    Ok(())
+}
+
+/// Begins a frame. Whatever can fail does so before anything is changed.
+pub(crate) fn begin<'f>(
+    kept: &'f mut Kept,
+    encoder: &'f mut wgpu::CommandEncoder,
+    params: &'f FrameParams,
+    instances: &[&Instance],
+    casters: Option<Casters<'f>>,
+    targets: &[Target],
+) -> Result<Recording<'f>, RuntimeError> {
+    params.check(&kept.gpu.device.limits())?;
+    let reversed_depth = kept.options.reversed_depth;
+    let clip_from_view = params.camera.check(reversed_depth)?;
+    check_instances(params, instances)?;
+    let light_ws = params.light.homogeneous()?;
+    let fills = fill_lights(params)?;
+    if kept.ring.lost_work() {
+        kept.states.invalidate();
+        kept.shadows = None;
+    }
+
+    let gpu = &kept.gpu;
+    kept.cache.bind_groups.next_frame();
+    let view_from_world = params.camera.view_from_world;
+    let clip_from_world = clip_from_view * view_from_world;
+    let moved = kept.states.move_to(gpu, instances);
+    let drawings: Vec<_> = instances
+        .iter()
+        .zip(&moved)
+        .map(|(instance, moved)| {
+            let mut drawing = Drawing::of(instance, &moved.hull, params, clip_from_view);
+            drawing.detail.in_picture = moved.hull.may_be_seen(clip_from_world);
+            drawing
+        })
+        .collect();
+
+    let key = shadow_key(params, instances, &moved, &drawings, casters.as_ref());
+    let Cache { bind_groups, targets: pool, .. } = &mut kept.cache;
+    let targets = pool.take(gpu, bind_groups, params.viewport, targets);
+    let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, bind_groups, key)).unzip();
+    let redraw = redraw.unwrap_or(false);
+
+    let mut uniforms = kept.ring.take(gpu);
+    let fills = uniforms.put(gpu, &[fills]);
+    let eye_ws = params.camera.eye_ws(clip_from_view);
+    let frame = frame_block(params, clip_from_world, eye_ws, light_ws, maps.as_deref());
+    let blocks_of = |maps: Option<&ShadowMaps>| -> Vec<_> {
+        let block = |(instance, drawing): (&&Instance, &Drawing)| {
+            let layers = maps.map_or(drawing.layers, |maps| maps.key.map_layers);
+            let map_level = maps.map_or(0.0, |maps| map_level(instance, maps));
+            blocks::Instance { map_level, ..instance_block(instance, params, drawing, layers) }
+        };
+        instances.iter().zip(&drawings).map(block).collect()
+    };
+    let (frame_place, places) = (uniforms.put(gpu, &[frame]), uniforms.put(gpu, &blocks_of(None)));
+    let from_light = maps.as_deref().filter(|_| redraw).map(|maps| {
+        let clip_from_world = maps.view().clip_from_world.to_cols_array_2d();
+        let frame = blocks::Frame { clip_from_world, eye_ws: light_ws.to_array(), ..frame };
+        (uniforms.put(gpu, &[frame]), uniforms.put(gpu, &blocks_of(Some(maps))))
+    });
+    let light_places = from_light.as_ref().map(|(_, places)| places.clone());
+
+    let seen = instances.iter().zip(moved).zip(drawings).enumerate().map(|(index, ((instance, moved), drawing))| {
+        let offset = |place: &Place| place.offset + index as u64 * place.stride;
+        Seen {
+            model: instance.model.clone(),
+            look: Look::new(instance, params, &drawing, maps.as_ref().map(|maps| &maps.key)),
+            moved,
+            in_picture: drawing.detail.in_picture,
+            drawing,
+            view_offset: offset(&places),
+            light_offset: light_places.as_ref().map_or(0, offset),
+        }
+    });
+    let instances: Arc<[Seen]> = seen.collect();
+    let view = View { viewport: params.viewport, view_from_world, clip_from_view, reversed_depth };
+    let ink = params.style.ink().map(|ink| InkScene::new(&mut uniforms, gpu, ink, &view, &instances));
+    let mut group = |frame: &Place, places: &Place, maps: Option<&ShadowMaps>| {
+        let surfaces = &kept.surfaces;
+        let layers = maps.and_then(|maps| maps.layers.as_ref()).map_or(&surfaces.white_array, |l| &l.map.view);
+        let width = maps.and_then(|maps| maps.width.as_ref()).map_or(&surfaces.white, |w| &w.width.view);
+        let entries = vec![
+            (0, Bound::block::<blocks::Frame>(&frame.buffer, frame.offset)),
+            (1, Bound::block::<blocks::Instance>(&places.buffer, 0)),
+            (2, Bound::block::<[blocks::FillLight; MAX_FILL_LIGHTS]>(&fills.buffer, fills.offset)),
+            (3, Bound::View(layers.clone())),
+            (4, Bound::View(width.clone())),
+            (5, Bound::Sampler(surfaces.map_sampler.clone())),
+        ];
+        kept.cache.bind_groups.get(gpu, "pelage frame", &surfaces.frame, entries)
+    };
+    let light = from_light.map(|(frame, places)| group(&frame, &places, None));
+    let view = group(&frame_place, &places, maps.as_deref());
+    Ok(Recording {
+        gpu,
+        cache: &mut kept.cache,
+        surfaces: &kept.surfaces,
+        options: &kept.options,
+        params,
+        encoder,
+        instances,
+        maps,
+        redraw,
+        casters,
+        targets,
+        ink,
+        uniforms,
+        ring: &mut kept.ring,
+        view,
+        light,
+    })
+}
+
+/// What the shadow maps of a frame depend on; `None` where it needs none.
+fn shadow_key(
+    params: &FrameParams,
+    instances: &[&Instance],
+    moved: &[Moved],
+    drawings: &[Drawing],
+    casters: Option<&Casters<'_>>,
+) -> Option<ShadowKey> {
+    // The finest instance decides.
+    let layers = drawings.iter().map(|d| d.map_layers).max()?;
+    // In ink there is no light.
+    if params.style.ink().is_some() {
+        return None;
+    }
+    let mut hull = Hull::default();
+    moved.iter().for_each(|moved| hull.0.extend(&moved.hull.0));
+    hull.0.extend(casters.and_then(|c| c.bounds).map(|b| (b.center, b.radius)));
+    // A model that no joint holds is a point.
+    if hull.0.is_empty() {
+        hull.0.extend(instances.iter().map(|i| (i.transform.w_axis.truncate(), 0.0)));
+    }
+    let of = |((instance, moved), drawing): ((&&Instance, &Moved), &Drawing)| InstanceKey {
+        owner: instance.owner,
+        model: instance.model.number(),
+        transform: instance.transform,
+        revision: moved.revision,
+        furry: drawing.has_shells(),
+    };
+    let instances = instances.iter().zip(moved).zip(drawings).map(of).collect();
+    ShadowKey::new(params, layers, &hull, instances, casters.map(|c| c.revision))
+}

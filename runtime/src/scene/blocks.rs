@@ -1,0 +1,122 @@
+//! The uniform blocks of a frame and of its instances.
+
+use crate::error::RuntimeError;
+use crate::hair::Drawing;
+use crate::instance::Instance;
+use crate::light::ShadowMaps;
+use crate::params::{FrameParams, MAX_FILL_LIGHTS};
+use crate::shared::{detail, frame as blocks, skinning};
+use crate::study;
+use glam::{Mat3, Mat4, Vec3, Vec4};
+use pelage_formats::{CoatInfo, Shading};
+
+/// As the eye sees the scene. `maps`: those that it reads.
+pub(super) fn frame_block(
+    params: &FrameParams,
+    clip_from_world: Mat4,
+    eye_ws: Vec4,
+    light_ws: Vec4,
+    maps: Option<&ShadowMaps>,
+) -> blocks::Frame {
+    blocks::Frame {
+        clip_from_world: clip_from_world.to_cols_array_2d(),
+        eye_ws: eye_ws.to_array(),
+        light_ws: light_ws.to_array(),
+        map_from_world: maps.map_or(Mat4::IDENTITY, |maps| maps.view().map_from_world).to_cols_array_2d(),
+        soft_shadow: maps.map_or([0.0; 4], |maps| {
+            let s = maps.soft_shadow();
+            [s.range_m, s.penumbra, s.blur, s.texel]
+        }),
+        last_map_layer: maps.map_or(0.0, |maps| (maps.key.map_layers - 1) as f32),
+        fill_lights: params.fill_lights.len() as u32,
+        // Also what the hair of a far coat meets, which has no maps.
+        hair_density: if params.self_shadow() { params.shadows.density } else { 0.0 },
+        reserved: 0,
+    }
+}
+
+/// Lights without shadow, as the shaders read them.
+pub(super) fn fill_lights(params: &FrameParams) -> Result<[blocks::FillLight; MAX_FILL_LIGHTS], RuntimeError> {
+    let mut lights = [blocks::FillLight::default(); MAX_FILL_LIGHTS];
+    for (slot, light) in lights.iter_mut().zip(&params.fill_lights) {
+        *slot = blocks::FillLight {
+            light_ws: light.homogeneous()?.to_array(),
+            color: light.color().extend(0.0).to_array(),
+        };
+    }
+    Ok(lights)
+}
+
+/// Mip level of an instance's hair whose texels are as large as those of the maps, whole: one level is read, not two.
+pub(super) fn map_level(instance: &Instance, maps: &ShadowMaps) -> f32 {
+    let fur = &instance.model.manifest().fur;
+    let scale = Mat3::from_mat4(instance.transform).determinant().abs().cbrt();
+    let hair_m = scale * fur.tile_size_m / fur.tile_texels.max(1) as f32;
+    let level = (maps.texel_m() / hair_m).log2().round();
+    // Of hair without a size there is no level.
+    if level.is_finite() { level.max(0.0) } else { 0.0 }
+}
+
+/// `drawn`: layers, skin counted; 1 where no fur shows.
+pub(super) fn instance_block(
+    instance: &Instance,
+    params: &FrameParams,
+    drawing: &Drawing,
+    drawn: u32,
+) -> blocks::Instance {
+    let manifest = instance.model.manifest();
+    let shading = params.shading.unwrap_or(manifest.shading);
+    let linear = Mat3::from_mat4(instance.transform);
+    let handedness = skinning::handedness_of(linear);
+    let cofactor = |a: Vec3, b: Vec3| -> [f32; 4] { (a.cross(b) * handedness).extend(0.0).to_array() };
+    let constant = |k: [f32; 3], light: Vec3| (Vec3::from(k) * light).to_array();
+    let unit = Shading { specular: [1.0; 3], ..shading };
+    let baked = manifest.fur.layers;
+    let coat = manifest.coat.unwrap_or_default();
+    let [coat_light_base, coat_light_slope] = coat_light(&coat, params);
+    blocks::Instance {
+        world_from_model: instance.transform.to_cols_array_2d(),
+        normal_x: cofactor(linear.y_axis, linear.z_axis),
+        normal_y: cofactor(linear.z_axis, linear.x_axis),
+        normal_z: cofactor(linear.x_axis, linear.y_axis),
+        ambient: constant(shading.ambient, params.ambient),
+        diffuse_half_exponent: 0.5 * shading.diffuse_exponent,
+        diffuse: constant(shading.diffuse, params.light.color()),
+        specular_half_exponent: 0.5 * shading.specular_exponent,
+        specular: constant(shading.specular, params.light.color()),
+        back_light_range: study::back_light_range(params, shading.back_light_range),
+        ambient_floor: study::ambient_floor(params, shading.ambient_floor),
+        scale: linear.determinant().abs().cbrt(),
+        handedness,
+        opacity_exponent: if drawn > 1 && baked > 1 { (baked - 1) as f32 / (drawn - 1) as f32 } else { 1.0 },
+        baked_layers: baked,
+        // The shaders divide by one less.
+        drawn_layers: drawn.max(2),
+        wet_specular: unit.wet().specular[0],
+        wet_specular_half_exponent: 0.5 * shading.wet().specular_exponent,
+        diffuse_constant: shading.diffuse,
+        map_level: 0.0,
+        specular_constant: shading.specular,
+        detail_here: drawing.weights[0],
+        // The shaders divide by it; a level without layers draws none.
+        layer_step: drawing.step.max(1),
+        next_step: drawing.next_step,
+        detail_next: drawing.weights[1],
+        fin_share: drawing.detail.fins,
+        coat_height: coat.height,
+        coat_ambient_height: coat.ambient_height,
+        coat_light_base,
+        coat_light_slope,
+    }
+}
+
+/// How the key light reaches the hair of a far coat: the numbers of `coat_light` in the shaders.
+fn coat_light(coat: &CoatInfo, params: &FrameParams) -> [f32; 2] {
+    if !params.self_shadow() {
+        return [1.0, 0.0];
+    }
+    let [base, slope] = detail::coat_light_numbers(coat);
+    let slope = slope * params.shadows.density;
+    // Where slant changes nothing all light comes straight.
+    if study::light_is_slanted(params) { [base, slope] } else { [base + slope, 0.0] }
+}

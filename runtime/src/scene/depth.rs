@@ -1,0 +1,118 @@
+//! The opaque skin as the key light sees it, and passes into the light's maps.
+
+use super::recording::Recording;
+use super::seen::Seen;
+use crate::camera::Light;
+use crate::gpu::{Draw, RenderSpec, Shader, depth_state, faces, on, record};
+use crate::light::{CasterPass, ShadowMaps};
+use crate::surface::STREAMS;
+
+macro_rules! depth_wgsl {
+    () => {
+        concat!(
+            include_str!("../shared/frame.wgsl"),
+            include_str!("../shared/skinning.wgsl"),
+            include_str!("../shared/tile_frame.wgsl"),
+            include_str!("../surface/place.wgsl"),
+            include_str!("../light/casters.wgsl"),
+        )
+    };
+}
+
+/// The shader that draws depth.
+pub(crate) const DEPTH: Shader = Shader { name: "pelage casters", wgsl: depth_wgsl!() };
+
+/// What a pass into the key light's maps draws to.
+pub(crate) enum MapTarget<'a> {
+    /// Texels, cleared to full light.
+    Light(&'a wgpu::TextureView),
+    /// Texels as they are, where nothing in the depth map is nearer.
+    LightBefore { light: &'a wgpu::TextureView, nearest: &'a wgpu::TextureView },
+    /// Depth, cleared to what the pass starts from.
+    Depth(&'a wgpu::TextureView, CasterPass),
+}
+
+/// Begins a pass into the key light's maps.
+pub(crate) fn begin_maps<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
+    target: MapTarget<'_>,
+) -> wgpu::RenderPass<'e> {
+    let texels = |view, load| {
+        let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+        [Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })]
+    };
+    // Without operations a depth buffer is only read.
+    let depth = |view, depth_ops| wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None };
+    let white = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
+    let (colors, depth) = match target {
+        MapTarget::Light(view) => (Some(texels(view, white)), None),
+        MapTarget::LightBefore { light, nearest } => {
+            (Some(texels(light, wgpu::LoadOp::Load)), Some(depth(nearest, None)))
+        }
+        MapTarget::Depth(view, pass) => {
+            let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(pass.clear()), store: wgpu::StoreOp::Store };
+            (None, Some(depth(view, Some(ops))))
+        }
+    };
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: colors.as_ref().map_or(&[], |c| &c[..]),
+        depth_stencil_attachment: depth,
+        ..Default::default()
+    })
+}
+
+/// Draws of a skin into one of the depth maps.
+fn depth_draws(frame: &mut Recording<'_>, seen: &Seen, kind: CasterPass) -> Vec<Draw> {
+    let mut draws = Vec::new();
+    for part in seen.model.parts() {
+        // Back faces throw shadows too.
+        let both = kind == CasterPass::Nearest;
+        let groups = vec![frame.surfaces.frame.clone(), frame.surfaces.material.clone()];
+        let pipeline = frame.pipeline(RenderSpec {
+            shader: DEPTH,
+            vertex: "vs_caster",
+            // Depth alone needs no fragment shader, unless there are holes to cut.
+            fragment: part.cutout.then_some("fs_caster"),
+            groups,
+            streams: STREAMS.to_vec(),
+            constants: vec![on("BASE_COLOR_TEXTURE", part.cutout && part.has_texture), on("CUTOUT", part.cutout)],
+            primitive: faces(seen.look.mirrored && !both, part.double_sided || both),
+            colors: Vec::new(),
+            depth: Some(depth_state(ShadowMaps::DEPTH_FORMAT, true, kind.compare())),
+            samples: 1,
+        });
+        draws.push(seen.draw(part, pipeline, frame.seen_from_light(seen), None, 0..1));
+    }
+    draws
+}
+
+/// Records one of the depth maps, with the application's casters.
+pub(crate) fn record_depth(frame: &mut Recording<'_>, maps: &ShadowMaps, kind: CasterPass) {
+    let depth = match (kind, &maps.width) {
+        (CasterPass::Nearest, _) => &maps.nearest.view,
+        (CasterPass::Farthest, Some(width)) => &width.farthest.view,
+        (CasterPass::Farthest, None) => return,
+    };
+    let mut draws = Vec::new();
+    for seen in frame.instances.clone().iter() {
+        draws.extend(depth_draws(frame, seen, kind));
+    }
+    let mut pass = begin_maps(frame.encoder, "pelage casters", MapTarget::Depth(depth, kind));
+    record(&mut pass, &draws);
+    if let Some(casters) = &mut frame.casters {
+        (casters.draw)(&mut pass, maps.view(), kind);
+    }
+}
+
+/// Words for maps of a light inside what it lights, which has no view of all of it.
+pub(crate) fn light_inside(maps: &ShadowMaps) -> &'static str {
+    let sphere = maps.view().sphere;
+    match maps.key.light {
+        Light::Point { position, .. } if position.distance(sphere.center) < sphere.radius => {
+            "; the light is inside the scene, the maps cover the side of its centre"
+        }
+        _ => "",
+    }
+}

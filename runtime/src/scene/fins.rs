@@ -1,0 +1,38 @@
+//! Draws of fins, whose shaders find their vertices in storage buffers.
+
+use super::recording::Recording;
+use super::seen::Seen;
+use crate::gpu::{Bound, Draw, Group, RenderSpec};
+use crate::hair::{FIN_CORNERS, LEANING_ROWS};
+use crate::model::Part;
+
+/// Draws of the parts of a model that have fins; none for a model without. `textures`: group 2; `spec`: the pipeline of a part, whose groups
+/// and streams are set here.
+pub(crate) fn fin_draws(
+    frame: &mut Recording<'_>,
+    seen: &Seen,
+    textures: Option<Group>,
+    spec: impl Fn(&Recording<'_>, &Part) -> RenderSpec,
+) -> Vec<Draw> {
+    let model = &seen.model;
+    let (Some(fins), Some(layout)) = (model.fins(), &frame.surfaces.fins) else { return Vec::new() };
+    let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
+    let entries = vec![buffer(0, &seen.moved.geometry), buffer(1, model.attributes()), buffer(2, &fins.buffer)];
+    let group = frame.cache.bind_groups.get(frame.gpu, "pelage fins", layout, entries);
+    let vertices = if model.varies().lean { FIN_CORNERS * LEANING_ROWS } else { FIN_CORNERS };
+    let mut draws = Vec::new();
+    for part in model.parts().iter().filter(|part| !part.fins.is_empty()) {
+        let mut spec = spec(frame, part);
+        spec.groups.push(layout.clone());
+        spec.streams.clear();
+        draws.push(Draw {
+            pipeline: frame.pipeline(spec),
+            groups: [frame.seen_from_eye(seen), Group::of(&part.material), textures.clone(), Group::of(&group)],
+            vertices: Default::default(),
+            indices: None,
+            range: part.fins.start * vertices..part.fins.end * vertices,
+            instances: 0..1,
+        });
+    }
+    draws
+}

@@ -1,0 +1,71 @@
+//! A frame in ink: its constants, and what the passes over surfaces share.
+
+use super::seen::Seen;
+use crate::bounds::Hull;
+use crate::gpu::{Gpu, Place, Uniforms};
+use crate::ink::{InkFrame, InkModel, painted_rect};
+use crate::model::ModelInk;
+use crate::params::InkParams;
+use glam::Mat4;
+
+/// Source of what the passes over a model's surface share, joined before each.
+macro_rules! ink_surface_wgsl {
+    ($($file:expr),+ $(,)?) => {
+        concat!(
+            include_str!("../../shared/fins.wgsl"),
+            include_str!("../../shared/frame.wgsl"),
+            include_str!("../../shared/ink.wgsl"),
+            include_str!("../../shared/skinning.wgsl"),
+            include_str!("../../shared/tile_frame.wgsl"),
+            include_str!("../../surface/place.wgsl"),
+            include_str!("../../ink/model.wgsl"),
+            $($file,)+
+        )
+    };
+}
+pub(crate) use ink_surface_wgsl;
+
+/// From where a frame is seen.
+pub(super) struct View {
+    pub(super) viewport: [u32; 2],
+    pub(super) view_from_world: Mat4,
+    pub(super) clip_from_view: Mat4,
+    pub(super) reversed_depth: bool,
+}
+
+/// A frame in ink.
+#[derive(Clone, Debug)]
+pub(crate) struct InkScene {
+    pub(crate) params: InkParams,
+    /// Left, top, width and height of the part of the picture that there is something in.
+    pub(super) painted: [u32; 4],
+    /// [`InkFrame`].
+    pub(super) frame: Place,
+    /// [`InkModel`] of each instance.
+    pub(super) models: Place,
+}
+
+impl InkScene {
+    pub(super) fn new(uniforms: &mut Uniforms, gpu: &Gpu, params: &InkParams, view: &View, instances: &[Seen]) -> Self {
+        let models: Vec<_> = instances
+            .iter()
+            .filter_map(|seen| seen.model.ink())
+            .map(|ink| InkModel::new(ink, params, view.viewport, view.view_from_world, view.clip_from_view))
+            .collect();
+        let mut hull = Hull::default();
+        instances.iter().filter(|seen| seen.in_picture).for_each(|seen| hull.0.extend(&seen.moved.hull.0));
+        let constants = InkFrame::new(params, view.viewport, view.clip_from_view, view.reversed_depth);
+        Self {
+            params: params.clone(),
+            painted: painted_rect(&hull, view.clip_from_view * view.view_from_world, params, view.viewport),
+            frame: uniforms.put(gpu, &[constants]),
+            models: uniforms.put(gpu, &models),
+        }
+    }
+}
+
+/// Whether a model has strokes of fur to draw.
+pub(crate) fn has_strokes(seen: &Seen, params: &InkParams) -> bool {
+    let fur = |ink: &ModelInk| params.shading.unwrap_or(ink.info.shading).fur;
+    seen.model.ink().is_some_and(|ink| ink.fur.is_some() && fur(ink) > 0.0)
+}

@@ -1,0 +1,18 @@
+//! A frame while it is prepared: all that passes plan with. No pass is known here.
+
+mod begin;
+mod blocks;
+mod depth;
+mod fins;
+mod ink;
+mod recording;
+mod screen;
+mod seen;
+
+pub(crate) use begin::begin;
+pub(crate) use depth::{DEPTH, MapTarget, begin_maps, light_inside, record_depth};
+pub(crate) use fins::fin_draws;
+pub(crate) use ink::{has_strokes, ink_surface_wgsl};
+pub(crate) use recording::{Kept, Recording, nearer};
+pub(crate) use screen::{Screen, ink_screen_wgsl};
+pub(crate) use seen::Seen;

@@ -1,0 +1,121 @@
+//! A frame while it is prepared: all that passes plan with.
+
+use super::ink::InkScene;
+use super::seen::Seen;
+use crate::gpu::{Cache, Constants, Gpu, Group, RenderSpec, Ring, Shader, TargetSet, Uniforms, depth_state, faces};
+use crate::light::{Casters, ShadowMaps};
+use crate::motion::States;
+use crate::params::{FrameParams, RendererOptions};
+use crate::study;
+use crate::surface::{STREAMS, Surfaces};
+use std::sync::Arc;
+
+/// What a renderer keeps from frame to frame.
+#[derive(Debug)]
+pub(crate) struct Kept {
+    pub(crate) gpu: Gpu,
+    pub(crate) cache: Cache,
+    pub(crate) surfaces: Surfaces,
+    pub(crate) options: RendererOptions,
+    pub(crate) states: States,
+    /// Of the last frame that had any.
+    pub(crate) shadows: Option<Arc<ShadowMaps>>,
+    pub(crate) ring: Ring,
+}
+
+/// What passes plan with, and record into.
+pub(crate) struct Recording<'f> {
+    pub(crate) gpu: &'f Gpu,
+    pub(crate) cache: &'f mut Cache,
+    pub(crate) surfaces: &'f Surfaces,
+    pub(crate) options: &'f RendererOptions,
+    pub(crate) params: &'f FrameParams,
+    pub(crate) encoder: &'f mut wgpu::CommandEncoder,
+    /// In the order given.
+    pub(crate) instances: Arc<[Seen]>,
+    /// The key light's maps, where the frame has any, and whether they are to be drawn anew.
+    pub(crate) maps: Option<Arc<ShadowMaps>>,
+    pub(crate) redraw: bool,
+    pub(crate) casters: Option<Casters<'f>>,
+    /// What passes hand on to each other.
+    pub(crate) targets: Arc<TargetSet>,
+    pub(crate) ink: Option<InkScene>,
+    pub(crate) uniforms: Uniforms,
+    pub(super) ring: &'f mut Ring,
+    /// Group 0 as the eye sees the scene, and as the key light does where maps are drawn.
+    pub(super) view: wgpu::BindGroup,
+    pub(super) light: Option<wgpu::BindGroup>,
+}
+
+impl Recording<'_> {
+    /// The pipeline that a pass asks for.
+    pub(crate) fn pipeline(&mut self, mut spec: RenderSpec) -> wgpu::RenderPipeline {
+        study::amend(self.params, &mut spec);
+        self.cache.pipelines.render(self.gpu, spec)
+    }
+
+    /// A pipeline over surfaces into the application's pass: opaque, or `over` what is there.
+    pub(crate) fn picture_spec(
+        &self,
+        shader: Shader,
+        [vertex, fragment]: [&'static str; 2],
+        constants: Constants,
+        [mirrored, double_sided]: [bool; 2],
+        over: bool,
+    ) -> RenderSpec {
+        let surfaces = self.surfaces;
+        RenderSpec {
+            shader,
+            vertex,
+            fragment: Some(fragment),
+            groups: vec![surfaces.frame.clone(), surfaces.material.clone(), surfaces.fur.clone()],
+            streams: STREAMS.to_vec(),
+            constants,
+            primitive: faces(mirrored, double_sided),
+            colors: vec![self.picture_color(over)],
+            // Layers that coincide with the skin (fur of height 0) stay hidden: strictly nearer only.
+            depth: Some(self.picture_depth(true, over)),
+            samples: self.options.sample_count,
+        }
+    }
+
+    /// The application's colour target. Hair is premultiplied.
+    pub(crate) fn picture_color(&self, over: bool) -> wgpu::ColorTargetState {
+        wgpu::ColorTargetState {
+            format: self.options.color_format,
+            blend: over.then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+            write_mask: wgpu::ColorWrites::ALL,
+        }
+    }
+
+    /// The application's depth: what is nearer, or with `strictly` not as far as well, is drawn.
+    pub(crate) fn picture_depth(&self, write: bool, strictly: bool) -> wgpu::DepthStencilState {
+        depth_state(self.options.depth_format, write, nearer(strictly, self.options.reversed_depth))
+    }
+
+    /// Group 0 of an instance as the eye sees it.
+    pub(crate) fn seen_from_eye(&self, seen: &Seen) -> Option<Group> {
+        Group::at(&self.view, seen.view_offset)
+    }
+
+    /// Group 0 of an instance as the key light sees it; `None` where no maps are drawn.
+    pub(crate) fn seen_from_light(&self, seen: &Seen) -> Option<Group> {
+        self.light.as_ref().and_then(|group| Group::at(group, seen.light_offset))
+    }
+
+    /// Hands uniforms to the queue and their slot back to the ring; the frame keeps what this returns.
+    pub(crate) fn finish(mut self) -> Arc<()> {
+        self.uniforms.write(self.gpu);
+        self.ring.give(self.uniforms, self.encoder)
+    }
+}
+
+/// The comparison for what is nearer, or with `strictly` not as far as well.
+pub(crate) fn nearer(strictly: bool, reversed_depth: bool) -> wgpu::CompareFunction {
+    match (strictly, reversed_depth) {
+        (true, false) => wgpu::CompareFunction::Less,
+        (true, true) => wgpu::CompareFunction::Greater,
+        (false, false) => wgpu::CompareFunction::LessEqual,
+        (false, true) => wgpu::CompareFunction::GreaterEqual,
+    }
+}

@@ -1,0 +1,142 @@
+//! What ink passes are made of: a model's textures, and passes over the whole picture.
+
+use super::recording::Recording;
+use crate::gpu::{
+    Bound, Constants, Draw, Group, RenderSpec, Sampling, Shader, Target, depth_texture, record, sampler, texture,
+    uniform,
+};
+use crate::ink::{InkFrame, InkModel};
+
+/// Source of what the passes over the picture share, joined before each.
+macro_rules! ink_screen_wgsl {
+    ($($file:expr),+ $(,)?) => {
+        concat!(
+            include_str!("../../shared/ink.wgsl"),
+            include_str!("../../shared/srgb.wgsl"),
+            include_str!("../../ink/screen.wgsl"),
+            $crate::study::form_wgsl!("ink lines"),
+            $($file,)+
+        )
+    };
+}
+pub(crate) use ink_screen_wgsl;
+
+/// A pass over the whole picture: its pipeline and what it reads, each by the number of its binding.
+#[derive(Default)]
+pub(crate) struct Screen<'a> {
+    pub(crate) constants: Constants,
+    pub(crate) reads: &'a [(u32, Target)],
+    /// A depth texture among them.
+    pub(crate) depth: Option<(u32, Target)>,
+    /// The paper's tile with its sampler.
+    pub(crate) paper: Option<[u32; 2]>,
+    /// A sampler that clamps.
+    pub(crate) clamped: Option<u32>,
+}
+
+fn sampling(mode: wgpu::AddressMode) -> Sampling {
+    Sampling::new("pelage ink", mode)
+}
+
+impl Recording<'_> {
+    /// Layout and group 2 of the passes over an instance's surface in ink; `None` for a model without the style.
+    pub(crate) fn ink_model(&mut self, index: usize) -> Option<(wgpu::BindGroupLayout, Group)> {
+        use wgpu::TextureViewDimension::{D2, D2Array};
+        let places = self.ink.as_ref()?.models.clone();
+        let seen = self.instances.clone();
+        let ink = seen[index].model.ink()?;
+        let layout = self.cache.layouts.get(self.gpu, "pelage ink model", || {
+            vec![
+                uniform::<InkModel>(0, true),
+                texture(1, D2),
+                texture(2, D2),
+                texture(3, D2Array),
+                texture(4, D2),
+                sampler(5),
+                sampler(6),
+            ]
+        });
+        let [tile, clamp] = [wgpu::AddressMode::Repeat, wgpu::AddressMode::ClampToEdge]
+            .map(|mode| Bound::Sampler(self.cache.layouts.sampler(self.gpu, sampling(mode))));
+        let view = |view: &wgpu::TextureView| Bound::View(view.clone());
+        let entries = vec![
+            (0, Bound::block::<InkModel>(&places.buffer, 0)),
+            (1, view(&ink.stroke)),
+            (2, view(&ink.wash)),
+            (3, view(ink.fur.as_ref().unwrap_or(&self.surfaces.white_array))),
+            (4, view(&ink.paper)),
+            (5, tile),
+            (6, clamp),
+        ];
+        let group = self.cache.bind_groups.get(self.gpu, "pelage ink model", &layout, entries);
+        Some((layout, Group::at(&group, places.offset + index as u64 * places.stride)?))
+    }
+
+    /// The paper of the sheet: that of the first who is on it.
+    fn paper(&self) -> wgpu::TextureView {
+        let ink = self.instances.iter().find_map(|seen| seen.model.ink());
+        ink.map_or(&self.surfaces.white, |ink| &ink.paper).clone()
+    }
+
+    /// Farthest that a line of ink reaches from its feature, whole pixels.
+    pub(crate) fn ink_reach_px(&self) -> u32 {
+        self.ink.as_ref().map_or(0, |ink| ink.params.reach_px(self.params.viewport[1]))
+    }
+
+    /// The pipeline of a pass over the whole picture, and its group. Colour and depth are those of a target of `format`.
+    pub(crate) fn screen(
+        &mut self,
+        shader: Shader,
+        fragment: &'static str,
+        screen: &Screen<'_>,
+        format: wgpu::TextureFormat,
+    ) -> Option<(RenderSpec, wgpu::BindGroup)> {
+        use wgpu::AddressMode::{ClampToEdge, Repeat};
+        let constants = self.ink.as_ref()?.frame.clone();
+        let mut entries = vec![(0, Bound::block::<InkFrame>(&constants.buffer, constants.offset))];
+        let mut layout = vec![uniform::<InkFrame>(0, false)];
+        let textures = screen.reads.iter().map(|read| (*read, texture as fn(_, _) -> _));
+        for ((number, target), entry) in textures.chain(screen.depth.map(|read| (read, depth_texture as _))) {
+            layout.push(entry(number, wgpu::TextureViewDimension::D2));
+            entries.push((number, Bound::View(self.targets.view(&target)?.clone())));
+        }
+        if let Some([number, _]) = screen.paper {
+            layout.push(texture(number, wgpu::TextureViewDimension::D2));
+            entries.push((number, Bound::View(self.paper())));
+        }
+        let samplers = [(screen.paper.map(|[_, number]| number), Repeat), (screen.clamped, ClampToEdge)];
+        for (number, mode) in samplers.into_iter().filter_map(|(number, mode)| Some((number?, mode))) {
+            layout.push(sampler(number));
+            entries.push((number, Bound::Sampler(self.cache.layouts.sampler(self.gpu, sampling(mode)))));
+        }
+        let layout = self.cache.layouts.get(self.gpu, shader.name, || layout);
+        let group = self.cache.bind_groups.get(self.gpu, shader.name, &layout, entries);
+        let mut spec = RenderSpec::screen(shader, ["vs_screen", fragment], layout, format);
+        spec.constants.clone_from(&screen.constants);
+        Some((spec, group))
+    }
+
+    /// Fills the painted part of a target.
+    pub(crate) fn fill(&mut self, shader: Shader, fragment: &'static str, screen: &Screen<'_>, target: &Target) {
+        let made = self.screen(shader, fragment, screen, target.format);
+        let targets = self.targets.clone();
+        let (Some(view), Some((spec, group))) = (targets.view(target), made) else { return };
+        let draw = Draw::screen(self.pipeline(spec), &group);
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
+        let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(shader.name),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops,
+            })],
+            ..Default::default()
+        });
+        let [left, top, width, height] = self.ink.as_ref().map_or([0; 4], |ink| ink.painted);
+        if width > 0 && height > 0 {
+            pass.set_scissor_rect(left, top, width, height);
+            record(&mut pass, [&draw]);
+        }
+    }
+}

@@ -1,0 +1,30 @@
+// Beside the forms that pelage draws with those that the papers print, chosen by overrides; in the place of light/forms.wgsl.
+
+override LOOK_SLANTED: bool = true;
+override LIGHT_SLANTED: bool = true;
+override CENTRED: bool = true;
+// The key light's factors of eq. (1) are computed at vertices.
+override VERTEX_LIGHTING: bool = false;
+
+// H, or the factors themselves. At a vertex all that is known of the hair is the mean direction of its layer, which is the last level of
+// the direction texture, and how the vertex leans it.
+fn half_or_factors(layer: u32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
+    if !VERTEX_LIGHTING {
+        return half;
+    }
+    var direction =
+        decode_direction(textureLoad(shell_directions, vec2(0), layer, textureNumLevels(shell_directions) - 1u), PLANAR_DIRECTIONS);
+    if WET {
+        let last = textureNumLevels(wet_directions) - 1u;
+        let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last), PLANAR_DIRECTIONS);
+        direction = mix(direction, wet, wetness);
+    }
+    return vec3(fibre(leaned(direction, slope), light, half, wetness), 0.0);
+}
+
+fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>, wetness: f32) -> vec2<f32> {
+    if VERTEX_LIGHTING {
+        return half_or_factors.xy;
+    }
+    return fibre(direction, light, half_or_factors, wetness);
+}

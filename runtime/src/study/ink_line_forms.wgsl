@@ -1,0 +1,55 @@
+// Beside the forms that pelage draws lines with those that Fang 2006 prints; in the place of ink/line_forms.wgsl.
+
+// All four dots must be low, and nothing is between yes and no.
+override ALL_BELOW: bool = false;
+// Squares instead of discs.
+override SQUARES: bool = false;
+// A pixel is ink or not.
+override HARD: bool = false;
+// Without the template the sphere map alone decides how wide lines are.
+override TEMPLATE: bool = true;
+// Lines that are ink or not do not run into the paper.
+override SOFT: bool = true;
+
+// Below this grey the sphere map is ink, where it is one or the other.
+const DARK: f32 = 0.5;
+
+fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
+    if !ALL_BELOW {
+        return strength;
+    }
+    // Between the thresholds lines are weak, which here is little more than nothing.
+    return select(0.0, 1.0, all(dots <= vec4(ink.t1))) * select(0.004, 1.0, all(dots <= vec4(ink.t2)));
+}
+
+fn line_cost(d: vec2<f32>, w: f32) -> f32 {
+    if SQUARES {
+        return max(abs(d.x), abs(d.y)) - w;
+    }
+    return dot(d, d) - w * w;
+}
+
+fn line_distance(d: vec2<f32>) -> f32 {
+    if SQUARES {
+        return max(abs(d.x), abs(d.y));
+    }
+    return length(d);
+}
+
+fn form_of_line(
+    brushed: vec2<f32>,
+    even_grey: f32,
+    in_reach: bool,
+    distance: f32,
+    half_width: f32,
+    on_body: bool,
+    stroke: f32,
+) -> vec2<f32> {
+    if !HARD {
+        return brushed;
+    }
+    let core = select(0.0, 1.0, in_reach && distance == 0.0);
+    let band = select(0.0, 1.0, !TEMPLATE || in_reach && distance <= half_width);
+    let dark = select(0.0, 1.0, on_body && stroke < DARK);
+    return vec2(max(core, band * dark), even_grey);
+}

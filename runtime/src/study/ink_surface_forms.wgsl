@@ -1,0 +1,25 @@
+// Beside the forms that pelage paints surfaces with those that Fang 2006 prints; in the place of ink/surface_forms.wgsl.
+
+// How the sphere map is looked up: 0 perpendicular to the view, 1 by reflection, 2 as printed.
+override SPHERE_MAP: u32 = 0u;
+// What varies holds on to the picture instead of the surface: what is bad about doing so is measured.
+override ON_SCREEN: bool = false;
+
+fn form_of_grain(on_surface: vec4<f32>, position: vec2<f32>) -> vec4<f32> {
+    if ON_SCREEN {
+        return textureSample(wash_tile, tile_sampler, position / 160.0);
+    }
+    return on_surface;
+}
+
+fn form_of_sphere_uv(perpendicular: vec2<f32>, normal: vec3<f32>, eye: vec3<f32>) -> vec2<f32> {
+    // View space: the eye's frame at the middle of the picture.
+    let view = mat3x3(model.right_ws, model.up_ws, cross(model.right_ws, model.up_ws));
+    if SPHERE_MAP == 1u {
+        return ink_sphere_uv_reflected(normal * view, eye * view);
+    }
+    if SPHERE_MAP == 2u {
+        return ink_sphere_uv_printed(normal * view, eye * view);
+    }
+    return perpendicular;
+}

@@ -1,0 +1,108 @@
+//! What only measuring needs: the forms that the papers print beside those that pelage draws with, single layers, the yardstick. Compiled
+//! with the feature `study`; without it [`off.rs`](../off.rs) stands here, and neither code nor shaders know of any of this.
+//!
+//! Shaders keep what has another form in files of their own (`light/forms.wgsl`, `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`): here are files
+//! that take their place. [`amend`] then turns a pipeline that a pass asks for into the one that is studied.
+
+use crate::gpu::{RenderSpec, Shader, on};
+use crate::params::{Anchoring, FeatureRule, FrameParams, InkShow, Lighting, PenumbraForm, SlantForm};
+use crate::shared::kajiya_kay;
+
+macro_rules! form_wgsl {
+    ("light") => {
+        include_str!("../../study/forms.wgsl")
+    };
+    ("ink lines") => {
+        include_str!("../../study/ink_line_forms.wgsl")
+    };
+    ("ink surfaces") => {
+        include_str!("../../study/ink_surface_forms.wgsl")
+    };
+    ("behind shells") => {
+        include_str!("../../study/yardstick.wgsl")
+    };
+    ("behind ink_composite") => {
+        include_str!("../../study/ink_show.wgsl")
+    };
+}
+pub(crate) use form_wgsl;
+
+/// The pipeline that is studied instead of `spec`.
+pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
+    let study = &params.study;
+    let lit = [
+        on("LOOK_SLANTED", study.look_slant == SlantForm::Corrected),
+        on("LIGHT_SLANTED", light_is_slanted(params)),
+        on("CENTRED", penumbra_is_centred(params)),
+        on("VERTEX_LIGHTING", study.lighting == Lighting::Vertex),
+    ];
+    let Shader { name, .. } = spec.shader;
+    match name {
+        "pelage shells" if study.yardstick => {
+            (spec.vertex, spec.fragment) = ("vs_yardstick", Some("fs_yardstick"));
+            spec.constants.retain(|(name, _)| ["LEAN", "DETAIL"].contains(name));
+        }
+        "pelage skin" | "pelage fins" | "pelage shells" => spec.constants.extend(lit),
+        "pelage layer shadow" => spec.constants.extend(&lit[1..2]),
+        "pelage ink normals" => {
+            spec.constants.push(("SPHERE_MAP", study.sphere_map as u32));
+            spec.constants.push(on("ON_SCREEN", study.anchoring == Anchoring::Screen));
+        }
+        "pelage ink features" => spec.constants.push(on("ALL_BELOW", study.features == FeatureRule::AllBelow)),
+        "pelage ink dilate" => spec.constants.push(on("SQUARES", study.printed_lines)),
+        "pelage ink stroke" => spec.constants.extend([
+            on("SQUARES", study.printed_lines),
+            on("HARD", study.printed_lines),
+            on("TEMPLATE", study.template),
+        ]),
+        "pelage ink composite" => {
+            spec.constants.push(on("SOFT", !study.printed_lines));
+            if !paints(params) {
+                spec.fragment = Some("fs_show");
+                spec.constants.retain(|(name, _)| *name != "PICTURE");
+                spec.constants.push(("SHOW", study.show as u32));
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Whether the light's way through a layer grows with its slant.
+pub(crate) fn light_is_slanted(params: &FrameParams) -> bool {
+    params.study.light_slant == SlantForm::Corrected
+}
+
+/// Whether the penumbra lies on both sides of the hard edge.
+pub(crate) fn penumbra_is_centred(params: &FrameParams) -> bool {
+    params.study.penumbra == PenumbraForm::Centred
+}
+
+/// r of Attenu_Back.
+pub(crate) fn back_light_range(params: &FrameParams, range: f32) -> f32 {
+    if params.study.back_attenuation { range } else { kajiya_kay::BACK_ATTENUATION_OFF }
+}
+
+/// ε of γ.
+pub(crate) fn ambient_floor(params: &FrameParams, floor: f32) -> f32 {
+    if params.study.ambient_attenuation { floor } else { 1.0 }
+}
+
+/// The one layer that is drawn, where it is not all.
+pub(crate) fn only_layer(params: &FrameParams) -> Option<u32> {
+    params.study.only_layer
+}
+
+/// What is said of shells besides.
+pub(crate) fn words_of_shells(params: &FrameParams) -> &'static str {
+    if params.study.yardstick { ", yardstick: one read, no lighting" } else { "" }
+}
+
+/// Whether the painting is shown, and not a part of it.
+pub(crate) fn paints(params: &FrameParams) -> bool {
+    params.study.show == InkShow::Painting
+}
+
+/// Whether features stand in for the lines.
+pub(crate) fn shows_features(params: &FrameParams) -> bool {
+    params.study.show == InkShow::Features
+}

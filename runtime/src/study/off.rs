@@ -1,0 +1,54 @@
+//! In the place of [`study`](mod.rs) without the feature: pelage draws with its own forms alone.
+
+use crate::gpu::RenderSpec;
+use crate::params::FrameParams;
+
+macro_rules! form_wgsl {
+    ("light") => {
+        include_str!("../../light/forms.wgsl")
+    };
+    ("ink lines") => {
+        include_str!("../../ink/line_forms.wgsl")
+    };
+    ("ink surfaces") => {
+        include_str!("../../ink/surface_forms.wgsl")
+    };
+    ($behind:literal) => {
+        ""
+    };
+}
+pub(crate) use form_wgsl;
+
+pub(crate) fn amend(_: &FrameParams, _: &mut RenderSpec) {}
+
+pub(crate) fn light_is_slanted(_: &FrameParams) -> bool {
+    true
+}
+
+pub(crate) fn penumbra_is_centred(_: &FrameParams) -> bool {
+    true
+}
+
+pub(crate) fn back_light_range(_: &FrameParams, range: f32) -> f32 {
+    range
+}
+
+pub(crate) fn ambient_floor(_: &FrameParams, floor: f32) -> f32 {
+    floor
+}
+
+pub(crate) fn only_layer(_: &FrameParams) -> Option<u32> {
+    None
+}
+
+pub(crate) fn words_of_shells(_: &FrameParams) -> &'static str {
+    ""
+}
+
+pub(crate) fn paints(_: &FrameParams) -> bool {
+    true
+}
+
+pub(crate) fn shows_features(_: &FrameParams) -> bool {
+    false
+}

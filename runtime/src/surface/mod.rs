@@ -1,0 +1,154 @@
+//! What all passes over a model's surface share: bindings, vertex streams, materials.
+
+use crate::gpu::{Bound, Gpu, Sampling, Stream, attribute, sampler, storage, texture, uniform};
+use crate::params::MAX_FILL_LIGHTS;
+use crate::shared::frame;
+use bytemuck::{Pod, Zeroable};
+use pelage_formats::{AttributeVertex, Fin, GeometryVertex};
+use std::mem::offset_of;
+use wgpu::util::DeviceExt;
+
+/// A material's constants.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct MaterialUniform {
+    pub(crate) base_color: [f32; 4],
+    pub(crate) alpha_cutoff: f32,
+    pub(crate) reserved: [f32; 3],
+}
+
+/// The streams that all passes over surfaces read, except fins, which find their vertices in storage buffers.
+pub(crate) const STREAMS: [Stream; 2] =
+    [Stream::of::<GeometryVertex>(&GEOMETRY_ATTRIBUTES), Stream::of::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES)];
+
+/// The first stream, [`GeometryVertex`].
+pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
+    attribute(0, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
+    attribute(1, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, fur_height)),
+    attribute(2, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, normal)),
+    attribute(3, wgpu::VertexFormat::Float32x4, offset_of!(GeometryVertex, tangent)),
+    attribute(7, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, lean)),
+];
+/// The second stream, [`AttributeVertex`].
+pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
+    attribute(4, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, tile_uv)),
+    attribute(5, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, base_uv)),
+    attribute(6, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, color)),
+    attribute(8, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, groom)),
+];
+
+/// Layouts of the bind groups, and what stands in for a texture that there is not.
+#[derive(Debug)]
+pub(crate) struct Surfaces {
+    /// Group 0: frame, and the instance at a dynamic offset.
+    pub(crate) frame: wgpu::BindGroupLayout,
+    /// Group 1.
+    pub(crate) material: wgpu::BindGroupLayout,
+    /// Group 2.
+    pub(crate) fur: wgpu::BindGroupLayout,
+    /// Group 3, of the fins alone: posed vertices, attributes, fins. `None` where vertex shaders have no storage buffers.
+    pub(crate) fins: Option<wgpu::BindGroupLayout>,
+    pub(crate) white: wgpu::TextureView,
+    pub(crate) white_array: wgpu::TextureView,
+    pub(crate) map_sampler: wgpu::Sampler,
+}
+
+fn layout(device: &wgpu::Device, label: &str, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+}
+
+/// Directions of hair: vertices may look at them too.
+fn directions(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    wgpu::BindGroupLayoutEntry { visibility, ..texture(binding, wgpu::TextureViewDimension::D2Array) }
+}
+
+impl Surfaces {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        use wgpu::TextureViewDimension::{D2, D2Array};
+        let device = &gpu.device;
+        let white = device.create_texture_with_data(
+            &gpu.queue,
+            &wgpu::TextureDescriptor {
+                label: Some("pelage white"),
+                size: wgpu::Extent3d::default(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            },
+            wgpu::util::TextureDataOrder::LayerMajor,
+            &[255; 4],
+        );
+        let frame = [
+            uniform::<frame::Frame>(0, false),
+            uniform::<frame::Instance>(1, true),
+            uniform::<[frame::FillLight; MAX_FILL_LIGHTS]>(2, false),
+            texture(3, D2Array),
+            texture(4, D2),
+            sampler(5),
+        ];
+        let material = [uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2), texture(3, D2)];
+        let fur = [texture(0, D2Array), directions(1), sampler(2), texture(3, D2Array), directions(4)];
+        let vertices = wgpu::ShaderStages::VERTEX;
+        let fins = [
+            storage::<GeometryVertex>(0, vertices),
+            storage::<AttributeVertex>(1, vertices),
+            storage::<Fin>(2, vertices),
+        ];
+        let map_sampling =
+            Sampling { mipmaps: false, ..Sampling::new("pelage shadow maps", wgpu::AddressMode::ClampToEdge) };
+        Self {
+            frame: layout(device, "pelage frame", &frame),
+            material: layout(device, "pelage material", &material),
+            fur: layout(device, "pelage fur", &fur),
+            fins: (device.limits().max_storage_buffers_per_shader_stage >= 3)
+                .then(|| layout(device, "pelage fins", &fins)),
+            map_sampler: map_sampling.make(device),
+            white: white.create_view(&wgpu::TextureViewDescriptor::default()),
+            white_array: white
+                .create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2Array), ..Default::default() }),
+        }
+    }
+
+    /// Group 1.
+    pub(crate) fn material_group(
+        &self,
+        gpu: &Gpu,
+        constants: &MaterialUniform,
+        base_color: &wgpu::TextureView,
+        base_color_sampler: &wgpu::Sampler,
+        groom: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        let bytes = bytemuck::bytes_of(constants);
+        let entries = [
+            (0, Bound::Buffer(gpu.buffer_of("pelage material", bytes, wgpu::BufferUsages::UNIFORM))),
+            (1, Bound::View(base_color.clone())),
+            (2, Bound::Sampler(base_color_sampler.clone())),
+            (3, Bound::View(groom.clone())),
+        ];
+        gpu.bind_group("pelage material", &self.material, &entries)
+    }
+
+    /// Group 2 of colours and directions. `wet`: those of wet hair, where there is any.
+    pub(crate) fn fur_group(
+        &self,
+        gpu: &Gpu,
+        [colors, directions]: [&wgpu::TextureView; 2],
+        wet: Option<[&wgpu::TextureView; 2]>,
+        sampler: &wgpu::Sampler,
+    ) -> wgpu::BindGroup {
+        let [wet_colors, wet_directions] = wet.unwrap_or([&self.white_array; 2]);
+        let view = |binding, view: &wgpu::TextureView| (binding, Bound::View(view.clone()));
+        let entries = [
+            view(0, colors),
+            view(1, directions),
+            (2, Bound::Sampler(sampler.clone())),
+            view(3, wet_colors),
+            view(4, wet_directions),
+        ];
+        gpu.bind_group("pelage fur", &self.fur, &entries)
+    }
+}

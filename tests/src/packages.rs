@@ -1,0 +1,48 @@
+//! Packages made from others: with fins, with another manifest.
+
+use crate::support::ktx2;
+use pelage_runtime::formats::{
+    Fin, FinData, FinInfo, Limits, Manifest, Package, PackageWriter, TextureEntry, TextureFormat,
+};
+
+/// The same package with another manifest.
+pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
+    let package = Package::open(bytes, &Limits::default()).expect("a valid package");
+    let mut manifest = package.manifest().clone();
+    change(&mut manifest);
+    let sections = package.sections().iter().enumerate().skip(1);
+    sections
+        .fold(PackageWriter::new(manifest), |w, (i, s)| {
+            w.section(s.tag, package.section_bytes(i).expect("a valid section"))
+        })
+        .finish()
+        .expect("a valid package")
+}
+
+/// Opacity of every texel of the fins' textures.
+pub const ALPHA: u8 = 128;
+
+/// The package with fins of even opacity on pairs of its first part's vertices. What it has of ink is left out.
+pub fn with_fins(bytes: &[u8], edges: &[(u32, u32)]) -> Vec<u8> {
+    let package = Package::open(bytes, &Limits::default()).expect("a valid package");
+    let mut manifest = package.manifest().clone();
+    let first = manifest.textures.len() as u32;
+    manifest.fur.fins =
+        Some(FinInfo { width: 4, height: 4, slabs: 1, color_texture: first, direction_texture: first + 1 });
+    manifest.textures.extend(["fin_color", "fin_direction"].map(|name| TextureEntry { name: name.into() }));
+    let mut part_counts = vec![0; manifest.parts.len()];
+    part_counts[0] = edges.len() as u32;
+    let fin = |(a, b): &(u32, u32)| Fin { a: *a, b: *b, start: 0.0, length: 1.0, slab: 0, opacity: 1.0 };
+    let fins = FinData { part_counts, fins: edges.iter().map(fin).collect() };
+    let mesh = package.mesh().expect("a valid mesh").expect("a mesh").to_data();
+    let mut writer = PackageWriter::new(manifest).mesh(&mesh).fins(&fins);
+    if let Some(animation) = package.animation().expect("a valid animation") {
+        writer = writer.animation(&animation);
+    }
+    for index in 0..first {
+        writer = writer.texture(package.texture(index).expect("a valid texture").ktx2);
+    }
+    let texels = |texel: [u8; 4]| ktx2::write(TextureFormat::Rgba8Unorm, 4, 4, 1, &[texel.repeat(16)]);
+    let writer = writer.texture(texels([60, 60, 60, ALPHA])).texture(texels([128, 128, 255, 255]));
+    writer.finish().expect("a valid package")
+}

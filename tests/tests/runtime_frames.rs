@@ -1,0 +1,555 @@
+//! Frames beside and after each other: what they make anew, what they keep of owners, what a dropped encoder loses, and what is not drawn
+//! because nobody sees it.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_runtime::formats::{CoatInfo, DetailLevel, InkShading};
+use pelage_runtime::glam::{Mat4, Vec3};
+use pelage_runtime::{
+    Camera, Created, Detail, Frame, FrameParams, FrameReport, InkBackground, InkParams, Instance, Light, LineWidth,
+    Model, Motion, PassId, Projection, Renderer, RendererOptions, Style, wgpu,
+};
+use pelage_tests::gpu::gpu;
+use pelage_tests::packages::{with_fins, with_manifest};
+use pelage_tests::pictures::{Counted, Picture, counted};
+use pelage_tests::support::headless::{Gpu, Targets};
+use pelage_tests::support::sphere::{SphereParams, package};
+use std::borrow::Borrow;
+
+const SIZE: (u32, u32) = (96, 96);
+const QUADS: u32 = 8;
+
+fn sphere() -> SphereParams {
+    SphereParams { quads: QUADS, texels: 16, strands: 60, ..SphereParams::default() }
+}
+
+/// A furry sphere that bends, with a bare band and with fins on the rows of its first side.
+fn creature() -> Vec<u8> {
+    let row = |j: u32| (0..QUADS).map(move |i| (j * (QUADS + 1) + i, j * (QUADS + 1) + i + 1));
+    let edges: Vec<_> = (0..=QUADS).flat_map(row).collect();
+    with_fins(&package(&SphereParams { skeleton: true, bare_band: true, ..sphere() }), &edges)
+}
+
+/// One with the ink style and strokes of fur, which bends too.
+fn inked() -> Vec<u8> {
+    package(&SphereParams { skeleton: true, ink: true, ..sphere() })
+}
+
+/// One with levels of detail and a far coat: its outermost layer.
+fn detailed() -> Vec<u8> {
+    with_manifest(&creature(), |manifest| {
+        manifest.fur.layers -= 1;
+        manifest.coat = Some(CoatInfo { height: 0.5, ambient_height: 0.5, light_straight: 0.5, light_slanted: 0.2 });
+        let level = |step, full_px, gone_px, fins, density| DetailLevel { step, full_px, gone_px, fins, density };
+        manifest.detail =
+            vec![level(1, 8.0, 4.0, 1.0, 1.0), level(2, 3.0, 1.5, 0.5, 1.1), level(0, 0.0, 0.0, 0.0, 1.0)];
+    })
+}
+
+fn bend(time_s: f32) -> Motion {
+    Motion::Clip { clip: 0, time_s }
+}
+
+fn from(towards: Vec3) -> FrameParams {
+    FrameParams::new(Camera::framing(Vec3::ZERO, 0.17, towards, 0.6, 1.0), SIZE.into())
+}
+
+/// The same with strokes of fur, over what the application drew.
+fn in_ink(params: FrameParams) -> FrameParams {
+    params.with_ink(InkParams::default().with(|ink| {
+        ink.background = InkBackground::Picture;
+        ink.shading = Some(InkShading { fur: 1.0, ..InkShading::default() });
+    }))
+}
+
+fn lit_from(params: FrameParams, towards_light: Vec3) -> FrameParams {
+    params.with(|p| p.light = Light::Directional { towards_light, color: Vec3::ONE })
+}
+
+fn aside(x: f32) -> Mat4 {
+    Mat4::from_translation(Vec3::X * x)
+}
+
+/// An application: a renderer, and targets of its own.
+struct Stage<'a> {
+    gpu: &'a Gpu,
+    renderer: Renderer,
+    targets: Targets,
+}
+
+impl<'a> Stage<'a> {
+    fn new(gpu: &'a Gpu) -> Self {
+        let options = RendererOptions::default();
+        let renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+        Self { gpu, renderer, targets: Targets::new(gpu, SIZE, &options) }
+    }
+
+    fn load(&self, package: &[u8]) -> Model {
+        self.renderer.load_bytes(package).unwrap()
+    }
+
+    fn prepare<I>(&mut self, params: &FrameParams, instances: I) -> (wgpu::CommandEncoder, Frame)
+    where
+        I: IntoIterator,
+        I::Item: Borrow<Instance>,
+    {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let frame = self.renderer.prepare(&mut encoder, params, instances).unwrap();
+        (encoder, frame)
+    }
+
+    /// Draws what is prepared, submits it, and waits for it as an application's present does.
+    fn finish(&self, mut encoder: wgpu::CommandEncoder, frame: &Frame) {
+        frame.draw(&mut self.targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait();
+    }
+
+    fn present<I>(&mut self, params: &FrameParams, instances: I) -> FrameReport
+    where
+        I: IntoIterator,
+        I::Item: Borrow<Instance>,
+    {
+        let (encoder, frame) = self.prepare(params, instances);
+        self.finish(encoder, &frame);
+        frame.report().clone()
+    }
+
+    /// What was drawn last.
+    fn picture(&self) -> Picture {
+        read(self.gpu, &self.targets)
+    }
+}
+
+fn read(gpu: &Gpu, targets: &Targets) -> Picture {
+    let rgba = targets.read(gpu).chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
+    Picture { size: SIZE, rgba }
+}
+
+/// What a renderer that has done nothing before draws of a package.
+fn alone(gpu: &Gpu, package: &[u8], params: &FrameParams, place: impl Fn(Instance) -> Instance) -> Picture {
+    let mut stage = Stage::new(gpu);
+    let model = stage.load(package);
+    stage.present(params, [place(Instance::new(0, &model))]);
+    stage.picture()
+}
+
+fn ran(report: &FrameReport, id: PassId) -> bool {
+    report.passes.iter().find(|pass| pass.name == id.name()).unwrap().ran
+}
+
+fn reason(report: &FrameReport, id: PassId) -> &str {
+    &report.passes.iter().find(|pass| pass.name == id.name()).unwrap().reason
+}
+
+/// A device of the test's own: nobody else's poll may take the word that a submission is done and keep it for a moment.
+fn own(features: wgpu::Features) -> Gpu {
+    Gpu::open(features).unwrap()
+}
+
+#[test]
+fn a_frame_in_which_nothing_is_new_makes_nothing() {
+    if gpu("a_frame_in_which_nothing_is_new_makes_nothing").is_none() {
+        return;
+    }
+    let gpu = own(wgpu::Features::empty());
+    let front = from(Vec3::new(-0.3, 0.35, 1.0));
+    for (name, package, params) in [
+        ("fur", creature(), front.clone()),
+        ("levels of detail", detailed(), front.clone().with_fur(|f| f.detail = Detail::Auto { bias: 0.2 })),
+        ("skin", creature(), front.clone().with(|p| p.style = Style::Bare)),
+        ("ink", inked(), in_ink(front.clone())),
+    ] {
+        let mut stage = Stage::new(&gpu);
+        let model = stage.load(&package);
+        let still =
+            [Instance::new(3, &model).at(aside(-0.05)).moving(bend(0.3)), Instance::new(8, &model).at(aside(0.05))];
+        let reports: Vec<_> = (0..6).map(|_| stage.present(&params, &still)).collect();
+        let Created { buffers, textures, bind_groups, pipelines, .. } = reports[0].created;
+        assert!(buffers > 0 && textures > 0 && bind_groups > 0 && pipelines > 0, "{name}: {:?}", reports[0].created);
+        for (number, report) in reports.iter().enumerate().skip(2) {
+            assert_eq!(report.created, Created::default(), "{name}, frame {number}");
+        }
+        assert!(!ran(&reports[5], PassId::POSE) && !ran(&reports[5], PassId::SHADOW_WIDTH), "{name}");
+
+        // The camera goes round, the animation plays, the light turns: from the sixth frame on there is room for all of it.
+        for number in 0..24 {
+            let time_s = number as f32 / 24.0;
+            let angle = std::f32::consts::TAU * time_s;
+            let camera = from(Vec3::new(angle.sin(), 0.3, angle.cos())).camera;
+            let params = lit_from(params.clone().with(|p| p.camera = camera), Vec3::new(angle.cos(), 1.0, angle.sin()));
+            let moving = (0..2).map(|k| Instance::new(3 + 5 * k, &model).at(aside(-0.05)).moving(bend(time_s)));
+            let report = stage.present(&params, moving);
+            assert!(ran(&report, PassId::POSE), "{name}, moving frame {number}");
+            if number >= 6 {
+                assert_eq!(report.created, Created::default(), "{name}, moving frame {number}");
+            }
+        }
+    }
+}
+
+#[test]
+fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
+    let Some(gpu) = gpu("frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone") else { return };
+    // Two cameras, and for what has light two lights, whose maps differ.
+    let left = lit_from(from(Vec3::new(-0.3, 0.35, 1.0)), Vec3::new(-1.0, 1.0, 0.3));
+    let right = lit_from(from(Vec3::new(1.0, 0.2, 0.1)), Vec3::new(0.2, 0.4, 1.0));
+    for (name, package, views) in
+        [("fur", creature(), [left.clone(), right.clone()]), ("ink", inked(), [left, right].map(in_ink))]
+    {
+        let expected = views.each_ref().map(|view| alone(gpu, &package, view, |one| one.moving(bend(0.4))));
+        assert_ne!(expected[0], expected[1], "{name}: both views show the same");
+
+        let mut stage = Stage::new(gpu);
+        let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.4));
+        let targets = [0, 1].map(|_| Targets::new(gpu, SIZE, stage.renderer.options()));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let frames = views.each_ref().map(|view| stage.renderer.prepare(&mut encoder, view, [&creature]).unwrap());
+        for (frame, targets) in frames.iter().zip(&targets) {
+            frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+        }
+        gpu.queue.submit([encoder.finish()]);
+        for (targets, expected) in targets.iter().zip(&expected) {
+            assert!(read(gpu, targets) == *expected, "{name}: the other frame of the encoder shows through");
+        }
+
+        // Kept while others are prepared and drawn, of the same size and of another.
+        let kept = frames;
+        for turn in 1..4 {
+            let towards = Vec3::new(turn as f32, 1.0, -1.0);
+            let mut params = lit_from(views[0].clone(), towards);
+            params.camera = from(towards).camera;
+            stage.present(&params, [&creature]);
+            let (encoder, small) = stage.prepare(&params.with(|p| p.viewport = [40, 30]), [&creature]);
+            gpu.queue.submit([encoder.finish()]);
+            drop(small);
+        }
+        for (frame, expected) in kept.iter().zip(&expected) {
+            stage.finish(gpu.device.create_command_encoder(&Default::default()), frame);
+            assert!(stage.picture() == *expected, "{name}: a frame that was kept is not what it was");
+        }
+    }
+}
+
+#[test]
+fn a_dropped_encoder_loses_nothing() {
+    let Some(gpu) = gpu("a_dropped_encoder_loses_nothing") else { return };
+    let bytes = creature();
+    let before = from(Vec3::new(-0.3, 0.35, 1.0));
+    let after = lit_from(before.clone(), Vec3::new(1.0, 0.5, 0.2));
+    let expected = alone(gpu, &bytes, &after, |one| one.moving(bend(0.5)));
+    let passes = [PassId::POSE, PassId::LAYER_SHADOW, PassId::SHADOW_WIDTH];
+    // As the first of all frames and as a later one; dropped as an encoder and as commands that were never submitted; with the frame before it or
+    // after.
+    for first in [true, false] {
+        for finished in [true, false] {
+            for frame_first in [true, false] {
+                let said = format!("first {first}, finished {finished}, frame dropped first {frame_first}");
+                let mut stage = Stage::new(gpu);
+                let creature = Instance::new(0, &stage.load(&bytes));
+                if !first {
+                    stage.present(&before, [&creature]);
+                }
+                let creature = creature.moving(bend(0.5));
+                let (encoder, frame) = stage.prepare(&after, [&creature]);
+                assert!(passes.iter().all(|id| ran(frame.report(), *id)), "{said}");
+                let held = (!frame_first).then_some(frame);
+                if finished {
+                    drop(encoder.finish());
+                } else {
+                    drop(encoder);
+                }
+                drop(held);
+
+                let report = stage.present(&after, [&creature]);
+                assert!(passes.iter().all(|id| ran(&report, *id)), "{said}: {:?}", report.passes);
+                assert!(stage.picture() == expected, "{said}: something was lost");
+                let report = stage.present(&after, [&creature]);
+                assert!(!passes.iter().any(|id| ran(&report, *id)), "{said}: again {:?}", report.passes);
+                assert!(stage.picture() == expected, "{said}: the frame after it");
+            }
+        }
+    }
+}
+
+#[test]
+fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
+    if gpu("who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it").is_none() {
+        return;
+    }
+    let gpu = own(wgpu::Features::PIPELINE_STATISTICS_QUERY);
+    let mut stage = Stage::new(&gpu);
+    let model = stage.load(&creature());
+    // On the way from the light to the one that is seen.
+    let towards_light = Vec3::new(-1.0, 0.05, 0.5).normalize();
+    let between = Mat4::from_translation(0.6 * towards_light);
+    let (seen, outside) = (Instance::new(0, &model), Instance::new(1, &model).at(between));
+    let params = lit_from(from(Vec3::Z), towards_light);
+    let count = |stage: &mut Stage<'_>, instances: &[&Instance]| -> (FrameReport, Counted) {
+        let (encoder, frame) = stage.prepare(&params, instances.iter().copied());
+        (frame.report().clone(), counted(&gpu, &stage.targets, encoder, |pass| frame.draw(pass)))
+    };
+    let (report, one) = count(&mut stage, &[&seen]);
+    assert!(report.instances[0].in_picture && one.vertices > 1000 && one.fragments > 1000, "{one:?}");
+    let unshaded = stage.picture();
+    let (report, both) = count(&mut stage, &[&seen, &outside]);
+    assert_eq!(report.instances.iter().map(|i| i.in_picture).collect::<Vec<_>>(), [true, false]);
+    assert!(reason(&report, PassId::SKIN).starts_with("1 instances"), "{}", reason(&report, PassId::SKIN));
+    assert_eq!(both, one, "who is outside costs nothing in the picture");
+    let shaded = stage.picture();
+    assert!(shaded.mean(1) < 0.9 * unshaded.mean(1), "{} shaded, {} not", shaded.mean(1), unshaded.mean(1));
+    assert_eq!(shaded.covered(), unshaded.covered());
+
+    let (report, none) = count(&mut stage, &[&outside]);
+    assert_eq!(none, Counted { vertices: 0, fragments: 0 });
+    for id in [PassId::SKIN, PassId::FINS, PassId::SHELLS] {
+        assert!(!ran(&report, id) && reason(&report, id) == "nothing is in the picture", "{id:?}: {report:?}");
+    }
+    assert!(ran(&report, PassId::LAYER_SHADOW) && ran(&report, PassId::SHADOW_WIDTH), "{report:?}");
+    // Without shadows nothing is left of it.
+    let dark = params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    stage.present(&dark, [&seen]);
+    let one = stage.picture();
+    stage.present(&dark, [&seen, &outside]);
+    assert!(stage.picture() == one);
+}
+
+/// Nothing is left out too early: where an instance that goes out of the picture is left out from, nothing of it was to be seen any more.
+#[test]
+fn what_is_left_out_could_not_be_seen() {
+    let Some(gpu) = gpu("what_is_left_out_could_not_be_seen") else { return };
+    let target = Vec3::new(0.02, -0.01, 0.0);
+    let aslant = Vec3::new(-0.2, 0.3, 1.0);
+    let perspective = Projection::Perspective { fov_y_rad: 0.7, aspect: 1.0, near_m: 0.1, far_m: 2.0 };
+    let parallel = Projection::Orthographic { height_m: 0.5, aspect: 1.0, near_m: 0.1, far_m: 2.0 };
+    for (reversed_depth, projection, from, motion) in [
+        (false, perspective, aslant, bend(0.45)),
+        (true, perspective, aslant, bend(0.45)),
+        // Along the sides of the box about the model, which then is no larger than what is in it.
+        (false, parallel, Vec3::Z, Motion::Rest),
+    ] {
+        let options = RendererOptions { reversed_depth, ..RendererOptions::default() };
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+        let targets = Targets::new(gpu, SIZE, &options);
+        let camera = Camera::look_at(target + from, target, projection);
+        let plain =
+            FrameParams::new(camera, SIZE.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+        for (package, params) in [(creature(), plain.clone()), (inked(), in_ink(plain))] {
+            let model = renderer.load_bytes(&package).unwrap();
+            let world_from_view = camera.view_from_world.inverse();
+            for way in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+                let way_ws = world_from_view.transform_vector3(way);
+                let mut at = |distance: f32| {
+                    let place = Mat4::from_translation(target + way_ws * distance);
+                    let instance = Instance::new(0, &model).at(place).moving(motion.clone());
+                    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+                    let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
+                    frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+                    gpu.queue.submit([encoder.finish()]);
+                    frame.report().instances[0].in_picture
+                };
+                let (mut inside, mut outside) = (0.0f32, 3.0f32);
+                assert!(at(inside) && !at(outside), "{projection:?}, {way}");
+                for _ in 0..14 {
+                    let middle = 0.5 * (inside + outside);
+                    if at(middle) { inside = middle } else { outside = middle }
+                }
+                assert!(at(inside));
+                let left = read(gpu, &targets).covered();
+                assert_eq!(left, 0, "{projection:?}, {way}: pixels to be seen at {inside} m, left out at {outside} m");
+                // But it was, not long ago.
+                let seen = (1..300).map(|k| inside - 0.01 * k as f32).find(|distance| {
+                    at(*distance);
+                    read(gpu, &targets).covered() > 0
+                });
+                let last = seen.expect("it was in the picture");
+                assert!(inside - last < 0.3, "{projection:?}, {way}: seen up to {last} m, left out at {outside} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn owners_keep_what_is_theirs() {
+    let Some(gpu) = gpu("owners_keep_what_is_theirs") else { return };
+    let mut stage = Stage::new(gpu);
+    let params = from(Vec3::new(-0.3, 0.35, 1.0));
+    let (bending, plain) = (creature(), package(&SphereParams { quads: 11, stripes: true, ..sphere() }));
+    let (bending_model, plain_model) = (stage.load(&bending), stage.load(&plain));
+
+    // Two of one number are a mistake, and change nothing.
+    let twins = [Instance::new(7, &bending_model), Instance::new(7, &plain_model).at(aside(0.1))];
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let error = stage.renderer.prepare(&mut encoder, &params, &twins).unwrap_err().to_string();
+    assert!(error.contains("Instance::owner") && error.contains('7') && error.contains("twice"), "{error}");
+    assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "a frame that failed keeps nothing");
+
+    // Who changes its model, there and back, is drawn as if it had had no other.
+    let [bent, still] = [(&bending, bend(0.5)), (&plain, Motion::Rest)]
+        .map(|(package, motion)| alone(gpu, package, &params, |one| one.moving(motion.clone())));
+    assert_ne!(bent, still);
+    for _ in 0..2 {
+        stage.present(&params, [Instance::new(7, &bending_model).moving(bend(0.5))]);
+        assert!(stage.picture() == bent, "the model that bends");
+        assert!(stage.renderer.owners_gpu_bytes() > 0, "its posed vertices");
+        stage.present(&params, [Instance::new(7, &plain_model)]);
+        assert!(stage.picture() == still, "the model without skeleton");
+        assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "nothing is posed any more");
+    }
+
+    // Straight from an iterator, from a vector, and borrowed one by one: the same picture, whatever the numbers.
+    let place = |k: u64| Instance::new(k, &bending_model).at(aside(0.05 * k as f32)).moving(bend(0.2 * k as f32));
+    stage.present(&params, (0..3).map(place));
+    let three = stage.picture();
+    let one_owner = stage.renderer.owners_gpu_bytes() / 3;
+    assert!(one_owner > 0 && stage.renderer.owners_gpu_bytes() == 3 * one_owner);
+    let kept: Vec<Instance> = (0..3).map(place).collect();
+    let report = stage.present(&params, &kept);
+    assert!(stage.picture() == three && !ran(&report, PassId::POSE), "{}", reason(&report, PassId::POSE));
+    stage.present(&params, [&kept[0], &kept[1], &kept[2]]);
+    assert!(stage.picture() == three);
+    let others =
+        kept.iter().cloned().map(|one| Instance::new(one.owner + 100, &one.model).at(one.transform).moving(one.motion));
+    let report = stage.present(&params, others);
+    assert!(stage.picture() == three && ran(&report, PassId::POSE));
+    assert_eq!(stage.renderer.owners_gpu_bytes(), 6 * one_owner);
+
+    // Forgotten on request, or after 256 frames that do not name them.
+    for owner in 0..3 {
+        stage.renderer.forget(owner);
+    }
+    stage.renderer.forget(12_345);
+    assert_eq!(stage.renderer.owners_gpu_bytes(), 3 * one_owner);
+    stage.present(&params, (0..3).map(place));
+    assert!(stage.picture() == three);
+    for _ in 0..300 {
+        stage.present(&params, [&kept[1]]);
+    }
+    assert_eq!(stage.renderer.owners_gpu_bytes(), one_owner);
+}
+
+/// More than a buffer of the renderer's holds: what one frame draws of many is what eight draw of an eighth each.
+#[test]
+fn a_crowd_is_drawn_as_in_smaller_frames() {
+    let Some(gpu) = gpu("a_crowd_is_drawn_as_in_smaller_frames") else { return };
+    let size = (400, 400);
+    let parallel = Projection::Orthographic { height_m: 8.0, aspect: 1.0, near_m: 0.0, far_m: 10.0 };
+    let camera = Camera::look_at(Vec3::Z * 5.0, Vec3::ZERO, parallel);
+    let fur = FrameParams::new(camera, size.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    // Lines so thin that they stay away from those of another frame.
+    let ink = in_ink(fur.clone()).with(|p| {
+        if let Style::Ink(ink) = &mut p.style {
+            ink.width = LineWidth::Pixels(2.0);
+        }
+    });
+    for (name, params) in [("fur", fur), ("ink", ink)] {
+        let pictures = [400, 50].map(|at_once: u64| {
+            let mut stage = Stage::new(gpu);
+            let model = stage.load(&inked());
+            let place = |k: u64| {
+                let [column, row] = [k % 20, k / 20].map(|n| 0.4 * (n as f32 - 9.5));
+                let place = Mat4::from_translation(Vec3::new(column, row, 0.0));
+                Instance::new(k, &model).at(place).moving(bend(k as f32 / 400.0))
+            };
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let mut some = |first| {
+                let instances = (first..first + at_once).map(place);
+                stage.renderer.prepare(&mut encoder, &params, instances).unwrap()
+            };
+            let frames: Vec<_> = (0..400).step_by(at_once as usize).map(&mut some).collect();
+            let targets = Targets::new(gpu, size, stage.renderer.options());
+            let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+            frames.iter().for_each(|frame| frame.draw(&mut pass));
+            drop(pass);
+            gpu.queue.submit([encoder.finish()]);
+            targets.read(gpu)
+        });
+        let covered = pictures[0].chunks_exact(4).filter(|p| p[3] > 0).count();
+        assert!((20_000..120_000).contains(&covered), "{name}: {covered} pixels of them");
+        assert!(pictures[0] == pictures[1], "{name}: a crowd is another in one frame");
+    }
+}
+
+#[test]
+fn what_an_application_holds_may_go_to_another_thread() {
+    fn may<T: Send + Sync>() {}
+    fn may_be_kept_twice<T: Clone + Send + Sync>() {}
+    may::<Renderer>();
+    may::<Frame>();
+    may_be_kept_twice::<Model>();
+    may_be_kept_twice::<Instance>();
+    may_be_kept_twice::<FrameParams>();
+}
+
+#[test]
+fn prepared_pipelines_are_all_that_the_first_frame_needs() {
+    let Some(gpu) = gpu("prepared_pipelines_are_all_that_the_first_frame_needs") else { return };
+    let front = from(Vec3::new(-0.3, 0.35, 1.0));
+    let filled = front.clone().with(|p| p.fill_lights = vec![Light::default()]);
+    for (name, package, params) in [
+        ("fur", creature(), front.clone()),
+        ("fur in two lights", creature(), filled),
+        ("skin", creature(), front.clone().with(|p| p.style = Style::Bare)),
+        ("ink", inked(), in_ink(front.clone())),
+    ] {
+        let mut stage = Stage::new(gpu);
+        let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.3));
+        let unprepared = stage.present(&params, [&creature]);
+        assert!(unprepared.created.pipelines > 0, "{name}");
+        let expected = stage.picture();
+
+        let mut stage = Stage::new(gpu);
+        let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.3));
+        stage.renderer.prepare_pipelines(&creature.model, &params).unwrap();
+        assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "{name}: nobody was drawn yet");
+        let report = stage.present(&params, [&creature]);
+        assert_eq!(report.created.pipelines, 0, "{name}");
+        assert!(stage.picture() == expected, "{name}");
+    }
+
+    // Every level of detail, alone and beside one that is near.
+    let auto = front.clone().with_fur(|f| f.detail = Detail::Auto { bias: 1.0 });
+    let mut stage = Stage::new(gpu);
+    let model = stage.load(&detailed());
+    stage.renderer.prepare_pipelines(&model, &auto).unwrap();
+    let (mut levels, mut faded) = ([false; 3], 0);
+    for step in 0..60 {
+        let away = Vec3::new(-0.3, 0.35, 1.0).normalize() * -0.1 * 1.09f32.powi(step);
+        let far = Instance::new(1, &model).at(Mat4::from_translation(away)).moving(bend(0.3));
+        let mut params = auto.clone();
+        if let Projection::Perspective { far_m, .. } = &mut params.camera.projection {
+            *far_m = 100.0;
+        }
+        for instances in [vec![&far], vec![&far, &Instance::new(0, &model)]] {
+            let report = stage.present(&params, instances.iter().copied());
+            assert_eq!(report.created.pipelines, 0, "{step} steps away: {:?}", report.instances);
+            assert!(report.instances[0].in_picture, "{step} steps away");
+            levels[report.instances[0].level as usize] = true;
+            faded += u32::from(report.instances[0].fade > 0.0);
+        }
+    }
+    assert!(levels == [true; 3] && faded > 4, "{levels:?}, {faded} fading");
+}
+
+#[test]
+fn preparing_pipelines_between_frames_disturbs_none() {
+    if gpu("preparing_pipelines_between_frames_disturbs_none").is_none() {
+        return;
+    }
+    let gpu = own(wgpu::Features::empty());
+    let params = from(Vec3::new(-0.3, 0.35, 1.0));
+    let mut stage = Stage::new(&gpu);
+    let creature = Instance::new(0, &stage.load(&inked())).moving(bend(0.3));
+    for _ in 0..3 {
+        stage.present(&params, [&creature]);
+    }
+    let (picture, bytes) = (stage.picture(), stage.renderer.owners_gpu_bytes());
+    stage.renderer.prepare_pipelines(&creature.model, &in_ink(params.clone())).unwrap();
+    let report = stage.present(&params, [&creature]);
+    assert_eq!(report.created, Created::default());
+    for id in [PassId::POSE, PassId::LAYER_SHADOW, PassId::SHADOW_WIDTH] {
+        assert!(!ran(&report, id), "{id:?}: {}", reason(&report, id));
+    }
+    assert!(stage.picture() == picture && stage.renderer.owners_gpu_bytes() == bytes);
+    assert_eq!(stage.present(&in_ink(params), [&creature]).created.pipelines, 0);
+}
