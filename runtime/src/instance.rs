@@ -31,7 +31,8 @@ pub enum Motion {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Instance {
-    /// The application's number for whoever this is: the same in every frame, and another for each instance of one frame.
+    /// The application's number for whoever this is: the same in every frame, and another for each instance of one frame. Any but
+    /// [`Instance::NOBODY`].
     pub owner: u64,
     /// The model that it is a copy of.
     pub model: Model,
@@ -43,6 +44,9 @@ pub struct Instance {
 }
 
 impl Instance {
+    /// The number that no owner has.
+    pub const NOBODY: u64 = u64::MAX;
+
     /// A copy at the origin, at rest.
     pub fn new(owner: u64, model: &Model) -> Self {
         Self { owner, model: model.clone(), transform: Mat4::IDENTITY, motion: Motion::Rest }
@@ -58,6 +62,14 @@ impl Instance {
         Self { motion, ..self }
     }
 
+    pub(crate) fn check_owner(&self) -> Result<(), RuntimeError> {
+        if self.owner != Self::NOBODY {
+            return Ok(());
+        }
+        let expected = "any other number: this one is nobody's".into();
+        Err(RuntimeError::Params { field: "Instance::owner", found: self.owner.to_string(), expected })
+    }
+
     pub(crate) fn check(&self) -> Result<(), RuntimeError> {
         let fail = |field, found, expected| Err(RuntimeError::Params { field, found, expected });
         if !(self.transform.is_finite() && Mat3::from_mat4(self.transform).determinant() != 0.0) {
@@ -66,6 +78,9 @@ impl Instance {
         }
         let Some(animation) = self.model.skeleton() else { return Ok(()) };
         match &self.motion {
+            Motion::Clip { time_s, .. } if !time_s.is_finite() => {
+                fail("Instance::motion", format!("{time_s} seconds"), "a finite number".into())
+            }
             Motion::Clip { clip, .. } if *clip >= animation.clips.len() => {
                 let expected = format!("less than the {} clips", animation.clips.len());
                 fail("Instance::motion", format!("clip {clip}"), expected)
@@ -76,5 +91,11 @@ impl Instance {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl AsRef<Instance> for Instance {
+    fn as_ref(&self) -> &Self {
+        self
     }
 }

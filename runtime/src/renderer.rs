@@ -1,8 +1,9 @@
 //! What lasts from frame to frame, and the one way to a frame.
 
+use crate::camera::Camera;
 use crate::error::RuntimeError;
 use crate::frame::{self, Frame};
-use crate::gpu::{Cache, Gpu, Ring};
+use crate::gpu::{Cache, Gpu, Ring, Shelf};
 use crate::hooks::Hooks;
 use crate::instance::Instance;
 use crate::model::{self, Model};
@@ -10,8 +11,8 @@ use crate::motion::States;
 use crate::params::{Detail, FrameParams, RendererOptions, Style};
 use crate::scene::Kept;
 use crate::surface::Surfaces;
+use glam::Vec3;
 use pelage_formats::{Limits, Package};
-use std::borrow::Borrow;
 
 /// Draws models into the application's own render pass. One per device and kind of pass.
 #[derive(Debug)]
@@ -32,7 +33,7 @@ impl Renderer {
             surfaces,
             options: options.clone(),
             states: States::default(),
-            shadows: None,
+            shadows: Shelf::default(),
             ring: Ring::default(),
         };
         Ok(Self { kept })
@@ -57,7 +58,8 @@ impl Renderer {
     }
 
     /// Compiles what drawing `model` with `params` needs, so that the first frame does not wait for it. Mirrored instances, and
-    /// parameters of another style or with other constants of the lighting equation, may compile more when first drawn.
+    /// parameters of another style or with other constants of the lighting equation, and models of different numbers of layers in one frame,
+    /// may compile more when first drawn.
     ///
     /// It prepares frames of one instance, for every level of detail that `params` may choose, and drops them unseen.
     pub fn prepare_pipelines(&mut self, model: &Model, params: &FrameParams) -> Result<(), RuntimeError> {
@@ -72,24 +74,29 @@ impl Renderer {
         if self.kept.ring.lost_work() {
             self.invalidate();
         }
+        // What these frames leave behind is dropped with them.
+        let shadows = std::mem::take(&mut self.kept.shadows);
+        let targets = std::mem::take(&mut self.kept.cache.targets);
+        let bind_groups = std::mem::take(&mut self.kept.cache.bind_groups);
         let mut encoder = self.kept.gpu.device.create_command_encoder(&Default::default());
-        let shadows = self.kept.shadows.take();
-        for variant in variants {
-            // Wherever the camera looks, the instance must not be left out.
-            let bounds = model.manifest().bounds;
-            let radius = bounds.radius.max(1e-6) + model.manifest().fur.height_m;
+        // Wherever the camera looks, the instance must not be left out.
+        let bounds = model.manifest().bounds;
+        let radius = bounds.radius.max(1e-6) + model.manifest().fur.height_m;
+        let unseen = Instance::new(Instance::NOBODY, model);
+        let prepared = variants.into_iter().try_for_each(|variant| {
             let [width, height] = variant.viewport.map(|side| side as f32);
-            let towards = glam::Vec3::Z;
-            let framed = crate::camera::Camera::framing(bounds.center.into(), radius, towards, 0.6, width / height);
+            let framed = Camera::framing(bounds.center.into(), radius, Vec3::Z, 0.6, width / height);
             let variant = variant.with(|p| p.camera = framed);
-            frame::prepare(&mut self.kept, &mut encoder, &variant, &[&Instance::new(UNSEEN, model)], Hooks::default())?;
-            self.kept.states.forget(UNSEEN);
-        }
+            frame::prepare(&mut self.kept, &mut encoder, &variant, &[&unseen], Hooks::default()).map(drop)
+        });
+        self.kept.states.forget(Instance::NOBODY);
         self.kept.shadows = shadows;
+        self.kept.cache.targets = targets;
+        self.kept.cache.bind_groups = bind_groups;
         drop(encoder);
         // That this encoder is dropped loses nothing that anybody waits for.
         self.kept.ring.lost_work();
-        Ok(())
+        prepared
     }
 
     /// Prepares a frame: compiles missing pipelines, uploads what changed, and records the passes that run before the
@@ -107,7 +114,7 @@ impl Renderer {
     ) -> Result<Frame, RuntimeError>
     where
         I: IntoIterator,
-        I::Item: Borrow<Instance>,
+        I::Item: AsRef<Instance>,
     {
         self.prepare_with(encoder, params, instances, Hooks::default())
     }
@@ -122,10 +129,11 @@ impl Renderer {
     ) -> Result<Frame, RuntimeError>
     where
         I: IntoIterator,
-        I::Item: Borrow<Instance>,
+        I::Item: AsRef<Instance>,
     {
         let instances: Vec<I::Item> = instances.into_iter().collect();
-        let instances: Vec<&Instance> = instances.iter().map(Borrow::borrow).collect();
+        let instances: Vec<&Instance> = instances.iter().map(AsRef::as_ref).collect();
+        instances.iter().try_for_each(|instance| instance.check_owner())?;
         frame::prepare(&mut self.kept, encoder, params, &instances, hooks)
     }
 
@@ -133,7 +141,7 @@ impl Renderer {
     /// prepared into and that was dropped instead of submitted is noticed without this.
     pub fn invalidate(&mut self) {
         self.kept.states.invalidate();
-        self.kept.shadows = None;
+        self.kept.shadows = Shelf::default();
         self.kept.cache.bind_groups.clear();
     }
 
@@ -148,6 +156,3 @@ impl Renderer {
         self.kept.states.gpu_bytes()
     }
 }
-
-/// An owner that no application has.
-const UNSEEN: u64 = u64::MAX;

@@ -6,15 +6,14 @@
 use pelage_runtime::formats::{CoatInfo, DetailLevel, InkShading};
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, Created, Detail, Frame, FrameParams, FrameReport, InkBackground, InkParams, Instance, Light, LineWidth,
-    Model, Motion, PassId, Projection, Renderer, RendererOptions, Style, wgpu,
+    Camera, Created, Detail, Frame, FrameParams, FrameReport, Hooks, InkBackground, InkParams, Instance, Light,
+    LineWidth, Model, Motion, PassId, PassPlace, Projection, Renderer, RendererOptions, Style, wgpu,
 };
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::{with_fins, with_manifest};
 use pelage_tests::pictures::{Counted, Picture, counted};
 use pelage_tests::support::headless::{Gpu, Targets};
 use pelage_tests::support::sphere::{SphereParams, package};
-use std::borrow::Borrow;
 
 const SIZE: (u32, u32) = (96, 96);
 const QUADS: u32 = 8;
@@ -91,7 +90,7 @@ impl<'a> Stage<'a> {
     fn prepare<I>(&mut self, params: &FrameParams, instances: I) -> (wgpu::CommandEncoder, Frame)
     where
         I: IntoIterator,
-        I::Item: Borrow<Instance>,
+        I::Item: AsRef<Instance>,
     {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let frame = self.renderer.prepare(&mut encoder, params, instances).unwrap();
@@ -108,7 +107,7 @@ impl<'a> Stage<'a> {
     fn present<I>(&mut self, params: &FrameParams, instances: I) -> FrameReport
     where
         I: IntoIterator,
-        I::Item: Borrow<Instance>,
+        I::Item: AsRef<Instance>,
     {
         let (encoder, frame) = self.prepare(params, instances);
         self.finish(encoder, &frame);
@@ -552,4 +551,69 @@ fn preparing_pipelines_between_frames_disturbs_none() {
     }
     assert!(stage.picture() == picture && stage.renderer.owners_gpu_bytes() == bytes);
     assert_eq!(stage.present(&in_ink(params), [&creature]).created.pipelines, 0);
+}
+
+/// Two cameras of one submission, as for two eyes or two windows, need no more than one camera does once there is room for both.
+#[test]
+fn two_views_of_one_submission_make_nothing_either() {
+    if gpu("two_views_of_one_submission_make_nothing_either").is_none() {
+        return;
+    }
+    let gpu = own(wgpu::Features::empty());
+    let near = from(Vec3::new(-0.3, 0.35, 1.0));
+    let far = |params: FrameParams| params.with(|p| p.camera = Camera::framing(Vec3::ZERO, 3.0, Vec3::X, 0.6, 1.0));
+    let auto = near.clone().with_fur(|fur| fur.detail = Detail::Auto { bias: 0.3 });
+    let small = |params: FrameParams| params.with(|p| p.viewport = [40, 30]);
+    for (name, package, views) in [
+        ("two lights", creature(), [near.clone(), lit_from(near.clone(), Vec3::new(-1.0, 1.0, 0.3))]),
+        ("near and far", detailed(), [auto.clone(), far(auto)]),
+        ("ink", inked(), [in_ink(near.clone()), in_ink(far(near.clone()))]),
+        ("ink of two sizes", inked(), [in_ink(near.clone()), small(in_ink(near))]),
+    ] {
+        for kept in [true, false] {
+            let mut stage = Stage::new(&gpu);
+            let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.4));
+            for round in 0..12 {
+                let mut encoder = gpu.device.create_command_encoder(&Default::default());
+                let mut frames = Vec::new();
+                for (number, view) in views.iter().enumerate() {
+                    let frame = stage.renderer.prepare(&mut encoder, view, [&creature]).unwrap();
+                    frame.draw(&mut stage.targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+                    let created = frame.report().created;
+                    assert!(round < 6 || created == Created::default(), "{name} {kept} {round} {number}: {created:?}");
+                    // Of two lights each draws over the other's maps, unless their frames live at once.
+                    let maps = ran(frame.report(), PassId::SHADOW_WIDTH) && (kept || name != "two lights");
+                    assert!(round < 6 || !maps, "{name} {kept} {round} {number}: maps are drawn anew");
+                    frames.extend(kept.then_some(frame));
+                }
+                gpu.queue.submit([encoder.finish()]);
+                gpu.wait();
+            }
+        }
+    }
+}
+
+/// Who times passes may submit what is recorded so far after each of them.
+#[test]
+fn a_mark_may_submit_what_is_recorded() {
+    let Some(gpu) = gpu("a_mark_may_submit_what_is_recorded") else { return };
+    let front = from(Vec3::new(-0.3, 0.35, 1.0));
+    for (name, package, params) in [("fur", creature(), front.clone()), ("ink", inked(), in_ink(front))] {
+        let expected = alone(gpu, &package, &params, |one| one.moving(bend(0.4)));
+        let mut stage = Stage::new(gpu);
+        let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.4));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut marked = Vec::new();
+        let mut mark = |encoder: &mut wgpu::CommandEncoder, id: PassId| {
+            let next = gpu.device.create_command_encoder(&Default::default());
+            gpu.queue.submit([std::mem::replace(encoder, next).finish()]);
+            marked.push(id);
+        };
+        let hooks = Hooks::default().mark(&mut mark);
+        let frame = stage.renderer.prepare_with(&mut encoder, &params, [&creature], hooks).unwrap();
+        stage.finish(encoder, &frame);
+        assert!(stage.picture() == expected, "{name}");
+        let before: Vec<_> = PassId::all().filter(|id| id.place() == PassPlace::Before).collect();
+        assert_eq!(marked, before, "{name}: every pass before the picture, in order");
+    }
 }

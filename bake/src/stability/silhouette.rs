@@ -35,6 +35,7 @@ fn coverage(
     passes: &[PassId],
 ) -> Result<Coverage, BakeError> {
     let large = (size.0 * SAMPLES, size.1 * SAMPLES);
+    let params = &params.clone().with(|params| params.viewport = large.into());
     let found = draw(&Drawing { package, params, size: large, passes })?;
     let mut alpha = vec![0.0; (size.0 * size.1) as usize];
     for (i, [.., opacity]) in found.into_iter().enumerate() {

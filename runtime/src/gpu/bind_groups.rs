@@ -36,7 +36,7 @@ impl BindGroups {
         group
     }
 
-    /// Forgets all. Bind groups keep alive what they bind: whoever is about to make large textures anew lets go of the old ones first.
+    /// Forgets all, with what they bind.
     pub(crate) fn clear(&mut self) {
         self.made.clear();
     }

@@ -8,15 +8,16 @@ mod device;
 mod draw;
 mod layouts;
 mod pipelines;
+mod shelf;
 mod targets;
 mod uniforms;
 
-pub(crate) use bind_groups::BindGroups;
 pub(crate) use bound::Bound;
 pub(crate) use cache::Cache;
 pub(crate) use device::Gpu;
 pub(crate) use draw::{Draw, Group, record};
 pub(crate) use layouts::{Sampling, depth_texture, sampler, storage, texture, uniform};
 pub(crate) use pipelines::{ComputeSpec, Constants, RenderSpec, Shader, Stream, attribute, depth_state, faces, on};
-pub(crate) use targets::{Target, TargetSet};
+pub(crate) use shelf::Shelf;
+pub(crate) use targets::{Target, TargetSet, take_targets};
 pub(crate) use uniforms::{Place, Ring, Uniforms};

@@ -1,7 +1,7 @@
 //! Textures of the picture's size that passes hand on to each other.
 
-use super::bind_groups::BindGroups;
 use super::device::Gpu;
+use super::shelf::Shelf;
 use std::sync::Arc;
 
 /// A texture that a pass draws to and later ones read.
@@ -52,30 +52,16 @@ impl TargetSet {
     }
 }
 
-/// Keeps the textures of the last frame for the next of the same size.
-#[derive(Debug, Default)]
-pub(crate) struct TargetPool {
-    last: Option<Arc<TargetSet>>,
-}
-
-impl TargetPool {
-    /// The `wanted` textures, unless a living frame still draws from those of the last.
-    pub(crate) fn take(
-        &mut self,
-        gpu: &Gpu,
-        bind_groups: &mut BindGroups,
-        size: [u32; 2],
-        wanted: &[Target],
-    ) -> Arc<TargetSet> {
-        if wanted.is_empty() {
-            return Arc::default();
-        }
-        let free = self.last.take().filter(|set| set.holds(size, wanted) && Arc::strong_count(set) == 1);
-        let set = free.unwrap_or_else(|| {
-            bind_groups.clear();
-            Arc::new(TargetSet::new(gpu, size, wanted))
-        });
-        self.last = Some(set.clone());
-        set
+/// The `wanted` textures, none that a living frame still draws from.
+pub(crate) fn take_targets(
+    shelf: &mut Shelf<TargetSet>,
+    gpu: &Gpu,
+    size: [u32; 2],
+    wanted: &[Target],
+) -> Arc<TargetSet> {
+    if wanted.is_empty() {
+        return Arc::default();
     }
+    let set = shelf.take(|set| set.holds(size, wanted)).unwrap_or_else(|| TargetSet::new(gpu, size, wanted));
+    shelf.put(set)
 }

@@ -8,6 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Bytes of a buffer of a slot, unless more are needed at once.
 const CHUNK_BYTES: u64 = 64 << 10;
 
+/// Free slots that are kept for the next frames.
+const SPARE_SLOTS: usize = 4;
+
 /// Where something was put: `offset` bytes into a buffer of the slot.
 #[derive(Clone, Debug)]
 pub(crate) struct Place {
@@ -115,6 +118,12 @@ impl Ring {
     pub(crate) fn take(&mut self, gpu: &Gpu) -> Uniforms {
         let free = self.slots.iter().position(|slot| Arc::strong_count(&slot.in_use) == 1);
         let mut slot = free.map_or_else(|| Uniforms::new(gpu), |index| self.slots.swap_remove(index));
+        // What many frames at once needed is given back.
+        let mut spare = 0;
+        self.slots.retain(|slot| {
+            spare += usize::from(Arc::strong_count(&slot.in_use) == 1);
+            spare <= SPARE_SLOTS || Arc::strong_count(&slot.in_use) > 1
+        });
         for chunk in &mut slot.chunks {
             chunk.bytes.clear();
             chunk.written = 0;

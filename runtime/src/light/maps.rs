@@ -3,7 +3,7 @@
 use super::view::LightView;
 use crate::bounds::Hull;
 use crate::camera::Light;
-use crate::gpu::{BindGroups, Gpu};
+use crate::gpu::{Gpu, Shelf};
 use crate::params::{FrameParams, ShadowParams};
 use crate::shared::receiver::ShadowReceiver;
 use crate::shared::soft_shadow::SoftShadow;
@@ -249,25 +249,14 @@ impl ShadowMaps {
     }
 }
 
-/// The maps of `key`, and whether they must be drawn anew. `kept`: those of the last frame that had any.
-pub(crate) fn settle(
-    kept: &mut Option<Arc<ShadowMaps>>,
-    gpu: &Gpu,
-    bind_groups: &mut BindGroups,
-    key: ShadowKey,
-) -> (Arc<ShadowMaps>, bool) {
-    if let Some(maps) = kept.as_ref().filter(|maps| maps.key == key) {
-        return (maps.clone(), false);
+/// The maps of `key`, and whether they must be drawn anew. Maps that another frame still reads stay as they are.
+pub(crate) fn settle(shelf: &mut Shelf<ShadowMaps>, gpu: &Gpu, key: ShadowKey) -> (Arc<ShadowMaps>, bool) {
+    if let Some(maps) = shelf.share(|maps| maps.key == key) {
+        return (maps, false);
     }
-    // Maps that another frame still reads stay as they are.
-    let free = kept.take().and_then(|maps| Arc::try_unwrap(maps).ok()).filter(|maps| maps.fits(&key));
-    let maps = Arc::new(match free {
+    let maps = match shelf.take(|maps| maps.fits(&key)) {
         Some(maps) => ShadowMaps { key, ..maps },
-        None => {
-            bind_groups.clear();
-            ShadowMaps::new(gpu, key)
-        }
-    });
-    *kept = Some(maps.clone());
-    (maps, true)
+        None => ShadowMaps::new(gpu, key),
+    };
+    (shelf.put(maps), true)
 }

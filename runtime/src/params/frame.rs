@@ -70,10 +70,13 @@ impl FrameParams {
 
     /// The same with changes to how fur is drawn; in another style as it is.
     pub fn with_fur(mut self, change: impl FnOnce(&mut FurParams)) -> Self {
-        if let Style::Fur(fur) = &mut self.style {
-            change(fur);
-        }
+        self.fur_mut().map(change);
         self
+    }
+
+    /// How fur is drawn, to be changed; `None` in another style.
+    pub fn fur_mut(&mut self) -> Option<&mut FurParams> {
+        if let Style::Fur(fur) = &mut self.style { Some(fur) } else { None }
     }
 
     /// The same in ink.

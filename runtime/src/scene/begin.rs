@@ -6,7 +6,7 @@ use super::recording::{Kept, Recording};
 use super::seen::Seen;
 use crate::bounds::Hull;
 use crate::error::RuntimeError;
-use crate::gpu::{Bound, Cache, Place, Target};
+use crate::gpu::{Bound, Place, Shelf, Target, take_targets};
 use crate::hair::{Drawing, Look};
 use crate::instance::Instance;
 use crate::light::{Casters, InstanceKey, ShadowKey, ShadowMaps, settle};
@@ -51,11 +51,15 @@ pub(crate) fn begin<'f>(
     let fills = fill_lights(params)?;
     if kept.ring.lost_work() {
         kept.states.invalidate();
-        kept.shadows = None;
+        kept.shadows = Shelf::default();
     }
 
     let gpu = &kept.gpu;
     kept.cache.bind_groups.next_frame();
+    if kept.cache.targets.next_frame() | kept.shadows.next_frame() {
+        // Bind groups keep alive what they bind.
+        kept.cache.bind_groups.clear();
+    }
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
     let moved = kept.states.move_to(gpu, instances);
@@ -70,9 +74,8 @@ pub(crate) fn begin<'f>(
         .collect();
 
     let key = shadow_key(params, instances, &moved, &drawings, casters.as_ref());
-    let Cache { bind_groups, targets: pool, .. } = &mut kept.cache;
-    let targets = pool.take(gpu, bind_groups, params.viewport, targets);
-    let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, bind_groups, key)).unzip();
+    let targets = take_targets(&mut kept.cache.targets, gpu, params.viewport, targets);
+    let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, key)).unzip();
     let redraw = redraw.unwrap_or(false);
 
     let mut uniforms = kept.ring.take(gpu);

@@ -2,7 +2,9 @@
 
 use super::ink::InkScene;
 use super::seen::Seen;
-use crate::gpu::{Cache, Constants, Gpu, Group, RenderSpec, Ring, Shader, TargetSet, Uniforms, depth_state, faces};
+use crate::gpu::{
+    Cache, Constants, Gpu, Group, RenderSpec, Ring, Shader, Shelf, TargetSet, Uniforms, depth_state, faces,
+};
 use crate::light::{Casters, ShadowMaps};
 use crate::motion::States;
 use crate::params::{FrameParams, RendererOptions};
@@ -18,8 +20,7 @@ pub(crate) struct Kept {
     pub(crate) surfaces: Surfaces,
     pub(crate) options: RendererOptions,
     pub(crate) states: States,
-    /// Of the last frame that had any.
-    pub(crate) shadows: Option<Arc<ShadowMaps>>,
+    pub(crate) shadows: Shelf<ShadowMaps>,
     pub(crate) ring: Ring,
 }
 

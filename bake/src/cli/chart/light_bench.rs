@@ -46,7 +46,9 @@ impl LightBench {
         params.shadows = shadows;
         params.study = study;
         params.soft_shadow = pass == PassId::SHADOW_WIDTH;
-        *params = params.clone().with_fur(|fur| fur.self_shadow = pass == PassId::LAYER_SHADOW);
+        if let Some(fur) = params.fur_mut() {
+            fur.self_shadow = pass == PassId::LAYER_SHADOW;
+        }
         let (frame, _) = self.meter.prepared(&mut self.scene, pass)?;
         let maps = frame.shadows().ok_or_else(|| lost("no shadow map was drawn"))?;
         let maps = read_maps(&self.scene.gpu, maps)?;

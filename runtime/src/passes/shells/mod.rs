@@ -65,7 +65,10 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
 /// Instances of the draw, layer by layer.
 fn layers(frame: &Recording<'_>, seen: &Seen) -> Range<u32> {
     let only = study::only_layer(frame.params);
-    only.map_or_else(|| seen.drawing.shell_instances(), |k| k..(k + 1).min(seen.drawing.layers))
+    only.map_or_else(
+        || seen.drawing.shell_instances(),
+        |k| k.min(seen.drawing.layers)..(k + 1).min(seen.drawing.layers),
+    )
 }
 
 /// Draws of one instance's furred parts.

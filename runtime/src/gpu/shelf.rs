@@ -1,0 +1,74 @@
+//! Sets of textures that frames use again: one for each that is in use at a time.
+
+use std::sync::Arc;
+
+/// Frames after which a set that none of them used is given back.
+const GIVEN_BACK_AFTER: u64 = 8;
+
+/// What is kept of sets `T`. A frame holds those that it draws from.
+#[derive(Debug)]
+pub(crate) struct Shelf<T> {
+    /// Each with the last frame that used it.
+    sets: Vec<(Arc<T>, u64)>,
+    frame: u64,
+}
+
+impl<T> Default for Shelf<T> {
+    fn default() -> Self {
+        Self { sets: Vec::new(), frame: 0 }
+    }
+}
+
+impl<T> Shelf<T> {
+    /// Gives back what has not been used for long; whether there was any.
+    pub(crate) fn next_frame(&mut self) -> bool {
+        self.frame += 1;
+        let (before, oldest) = (self.sets.len(), self.frame.saturating_sub(GIVEN_BACK_AFTER));
+        self.sets.retain(|(_, last)| *last >= oldest);
+        self.sets.len() < before
+    }
+
+    /// A set as it is, to be shared.
+    pub(crate) fn share(&mut self, wanted: impl Fn(&T) -> bool) -> Option<Arc<T>> {
+        let (set, last) = self.sets.iter_mut().find(|(set, _)| wanted(set))?;
+        *last = self.frame;
+        Some(set.clone())
+    }
+
+    /// A set that no frame holds, to be drawn over: of several the one that was used longest ago.
+    pub(crate) fn take(&mut self, fits: impl Fn(&T) -> bool) -> Option<T> {
+        let free = self.sets.iter().enumerate().filter(|(_, (set, _))| Arc::strong_count(set) == 1 && fits(set));
+        let (index, _) = free.min_by_key(|(_, (_, last))| *last)?;
+        let (set, last) = self.sets.swap_remove(index);
+        Arc::try_unwrap(set).map_err(|held| self.sets.push((held, last))).ok()
+    }
+
+    /// Keeps a set for this frame and later ones.
+    pub(crate) fn put(&mut self, set: T) -> Arc<T> {
+        let set = Arc::new(set);
+        self.sets.push((set.clone(), self.frame));
+        set
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_are_used_again_when_nobody_holds_them() {
+        let mut shelf = Shelf::default();
+        let held = shelf.put(1);
+        drop(shelf.put(2));
+        assert_eq!(shelf.take(|n| *n == 1), None, "a frame holds it");
+        assert_eq!(shelf.take(|_| true), Some(2));
+        assert_eq!(shelf.share(|n| *n == 1), Some(held.clone()));
+        drop(held);
+        shelf.next_frame();
+        drop(shelf.put(3));
+        assert_eq!(shelf.take(|_| true), Some(1), "the one that was used longest ago");
+        assert!((0..GIVEN_BACK_AFTER).all(|_| !shelf.next_frame()));
+        assert!(shelf.next_frame() && shelf.take(|_| true).is_none());
+    }
+}
