@@ -101,7 +101,7 @@ fn animal(owner: u64, model: &Model) -> Instance {
     let standing = Instance::new(owner, model).at(transform);
     match model.clips().first() {
         Some(clip) if owner.is_multiple_of(3) => {
-            standing.moving(Motion::Clip { clip: 0, time_s: 0.13 * owner as f32 % clip.duration_s })
+            standing.moving(Motion::Clip { clip: 0, time_s: 0.13 * owner as f32 % clip.duration_s.max(1e-3) })
         }
         _ => standing,
     }

@@ -173,13 +173,14 @@ impl Light {
     }
 
     /// Position and 1, or unit direction towards the light and 0.
-    pub(crate) fn homogeneous(&self) -> Result<Vec4, RuntimeError> {
+    /// `field`: whose light it is.
+    pub(crate) fn homogeneous(&self, field: &'static str) -> Result<Vec4, RuntimeError> {
         let result = match *self {
             Self::Directional { towards_light, .. } => towards_light.try_normalize().map(|d| d.extend(0.0)),
             Self::Point { position, .. } => position.is_finite().then(|| position.extend(1.0)),
         };
         result.filter(|_| self.color().is_finite()).ok_or_else(|| RuntimeError::Params {
-            field: "FrameParams::light",
+            field,
             found: format!("{self:?}"),
             expected: "finite numbers and a direction that is not zero".into(),
         })

@@ -61,7 +61,7 @@ pub enum RuntimeError {
     /// [`crate::FrameParams`] or an [`crate::Instance`] outside its range.
     #[error("{field} is {found}, expected {expected}")]
     Params {
-        /// The field: `FrameParams::layers`.
+        /// The field: `FurParams::layers`.
         field: &'static str,
         /// Its value.
         found: String,

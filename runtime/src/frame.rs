@@ -116,8 +116,8 @@ impl Frame {
         &self.shadow_map
     }
 
-    /// The key light's shadow maps themselves; `None` where the frame has none. They hold until a later frame draws them anew, which
-    /// the order of submission settles: submit what reads them before that frame's encoder.
+    /// The key light's shadow maps themselves; `None` where the frame has none. No later frame draws over them while this one
+    /// lives.
     pub fn shadows(&self) -> Option<&ShadowMaps> {
         self.shadows.as_deref()
     }

@@ -13,7 +13,8 @@ pub(crate) type Mark<'a> = dyn FnMut(&mut wgpu::CommandEncoder, PassId) + 'a;
 pub struct Hooks<'a> {
     /// Geometry of the application's own among the shadows.
     pub casters: Option<Casters<'a>>,
-    /// Called after each pass with [`crate::PassPlace::Before`], whether it recorded anything or not: how passes are timed.
+    /// Called after each pass with [`crate::PassPlace::Before`], whether it recorded anything or not: how passes are timed. It may put another
+    /// encoder of the device in the place of the one it is given, and must then submit them in their order.
     pub mark: Option<&'a mut Mark<'a>>,
 }
 

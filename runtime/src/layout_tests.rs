@@ -6,10 +6,7 @@ use crate::hair::{FIN_CORNERS, LEANING_ROWS};
 use crate::ink::{InkFrame, InkModel};
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin};
-use crate::shared::{
-    detail, fins as fin_shares, frame, ink as ink_formulas, kajiya_kay, layer_shadow as layers, opacity, receiver,
-    skinning, soft_shadow, srgb, tile_frame,
-};
+use crate::shared::{frame, receiver, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
@@ -315,25 +312,5 @@ fn workgroups_agree() {
             panic!("{name} is not a number")
         };
         assert_eq!(found, expected, "{name}");
-    }
-}
-
-#[test]
-fn shared_sources_stand_alone() {
-    for (name, source) in [
-        ("detail", detail::WGSL),
-        ("fins", fin_shares::WGSL),
-        ("frame", frame::WGSL),
-        ("ink", ink_formulas::WGSL),
-        ("srgb", srgb::WGSL),
-        ("kajiya_kay", kajiya_kay::WGSL),
-        ("layer_shadow", layers::WGSL),
-        ("opacity", opacity::WGSL),
-        ("receiver", receiver::WGSL),
-        ("skinning", skinning::WGSL),
-        ("soft_shadow", soft_shadow::WGSL),
-        ("tile_frame", tile_frame::WGSL),
-    ] {
-        parse(name, source);
     }
 }

@@ -57,7 +57,7 @@ impl States {
     fn moved(&mut self, gpu: &Gpu, instance: &Instance) -> Moved {
         let model = &instance.model;
         let frame = self.frame;
-        if self.owners.get(&instance.owner).is_some_and(|state| state.model.number() != model.number()) {
+        if self.owners.get(&instance.owner).is_some_and(|state| !state.model.is(model)) {
             self.owners.remove(&instance.owner);
         }
         let state = self.owners.entry(instance.owner).or_insert_with(|| State {

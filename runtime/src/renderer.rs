@@ -102,8 +102,9 @@ impl Renderer {
     /// Prepares a frame: compiles missing pipelines, uploads what changed, and records the passes that run before the
     /// application's render pass into `encoder`.
     ///
-    /// The encoder must be submitted before, or together with, the pass that the frame is drawn into. Two cameras in one
-    /// submission take two frames. Instances are drawn in the order given; where furs overlap in the picture, give the farther
+    /// The encoder must be submitted before, or together with, the pass that the frame is drawn into, and encoders in the order in which frames
+    /// were prepared into them: a later frame counts on poses and shadow maps that an earlier one made. Two cameras in one
+    /// submission take two frames; an owner has one pose at a time, which is that of the last frame prepared. Instances are drawn in the order given; where furs overlap in the picture, give the farther
     /// first. They may be owned or borrowed, from an array or straight from a query: nothing is kept of them but what the renderer notes
     /// under their owner.
     pub fn prepare<I>(
@@ -145,10 +146,10 @@ impl Renderer {
         self.kept.cache.bind_groups.clear();
     }
 
-    /// Forgets an owner at once. Those that no frame has named for 256 frames are forgotten without this.
+    /// Forgets an owner at once. Those that no frame has named for 256 frames are forgotten without this. What is kept of an owner holds its
+    /// model.
     pub fn forget(&mut self, owner: u64) {
         self.kept.states.forget(owner);
-        self.kept.cache.bind_groups.clear();
     }
 
     /// Bytes on the GPU of what is kept of all owners: posed vertices.

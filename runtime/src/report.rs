@@ -10,8 +10,8 @@ pub struct FrameReport {
     pub instances: Vec<InstanceDetail>,
     /// What had to be made for the frame.
     pub created: Created,
-    /// Bytes on the GPU of the textures of the picture's size that the passes hand on. The renderer keeps them for the next frame of the
-    /// same size.
+    /// Bytes on the GPU of the textures of the picture's size that the passes hand on. The renderer keeps them for the next frames of
+    /// the same size.
     pub target_bytes: u64,
 }
 

@@ -6,8 +6,9 @@
 use pelage_runtime::formats::{CoatInfo, DetailLevel, InkShading};
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, Created, Detail, Frame, FrameParams, FrameReport, Hooks, InkBackground, InkParams, Instance, Light,
-    LineWidth, Model, Motion, PassId, PassPlace, Projection, Renderer, RendererOptions, Style, wgpu,
+    Camera, CasterPass, Casters, Created, Detail, Frame, FrameParams, FrameReport, Hooks, InkBackground, InkParams,
+    Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassPlace, Projection, Renderer, RendererOptions,
+    Sphere, Style, wgpu,
 };
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::{with_fins, with_manifest};
@@ -615,5 +616,38 @@ fn a_mark_may_submit_what_is_recorded() {
         assert!(stage.picture() == expected, "{name}");
         let before: Vec<_> = PassId::all().filter(|id| id.place() == PassPlace::Before).collect();
         assert_eq!(marked, before, "{name}: every pass before the picture, in order");
+    }
+}
+
+/// A herd that grows by one a frame needs new room now and then, not in every frame.
+#[test]
+fn a_growing_herd_makes_few_buffers() {
+    if gpu("a_growing_herd_makes_few_buffers").is_none() {
+        return;
+    }
+    let gpu = own(wgpu::Features::empty());
+    let mut stage = Stage::new(&gpu);
+    let model = stage.load(&package(&SphereParams { quads: 2, ..sphere() }));
+    // Outside the picture: what is told of them counts, not what they draw.
+    let params = from(Vec3::Z).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    let far = |k: u64| Instance::new(k, &model).at(aside(50.0 + k as f32));
+    let mut buffers = 0;
+    for count in (240..900).step_by(4) {
+        buffers += stage.present(&params, (0..count).map(far)).created.buffers;
+    }
+    assert!((1..=24).contains(&buffers), "{buffers} buffers for 165 sizes");
+}
+
+#[test]
+fn bounds_of_casters_are_a_sphere() {
+    let Some(gpu) = gpu("bounds_of_casters_are_a_sphere") else { return };
+    let mut stage = Stage::new(gpu);
+    for (center, radius) in [(Vec3::NAN, 1.0), (Vec3::ZERO, -1.0), (Vec3::ZERO, f32::INFINITY)] {
+        let mut draw = |_: &mut wgpu::RenderPass<'_>, _: &LightView, _: CasterPass| ();
+        let casters = Casters { bounds: Some(Sphere { center, radius }), revision: 0, draw: &mut draw };
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let hooks = Hooks::default().casters(casters);
+        let prepared = stage.renderer.prepare_with(&mut encoder, &from(Vec3::Z), std::iter::empty::<Instance>(), hooks);
+        assert!(prepared.unwrap_err().to_string().starts_with("Casters::bounds is"), "{center} {radius}");
     }
 }

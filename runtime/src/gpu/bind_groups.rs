@@ -4,7 +4,7 @@ use super::bound::Bound;
 use super::device::Gpu;
 use std::collections::HashMap;
 
-/// Frames after which what none of them bound is forgotten: more than the ring of uniforms ever has slots.
+/// Frames after which what none of them bound is forgotten, and what it binds can be freed.
 const FORGOTTEN_AFTER: u64 = 64;
 
 /// Layout and entries by their numbers.

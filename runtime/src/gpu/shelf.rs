@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 /// Frames after which a set that none of them used is given back.
-const GIVEN_BACK_AFTER: u64 = 8;
+const GIVEN_BACK_AFTER: u64 = 32;
 
 /// What is kept of sets `T`. A frame holds those that it draws from.
 #[derive(Debug)]
@@ -20,12 +20,11 @@ impl<T> Default for Shelf<T> {
 }
 
 impl<T> Shelf<T> {
-    /// Gives back what has not been used for long; whether there was any.
-    pub(crate) fn next_frame(&mut self) -> bool {
+    /// Gives back what has not been used for long.
+    pub(crate) fn next_frame(&mut self) {
         self.frame += 1;
-        let (before, oldest) = (self.sets.len(), self.frame.saturating_sub(GIVEN_BACK_AFTER));
+        let oldest = self.frame.saturating_sub(GIVEN_BACK_AFTER);
         self.sets.retain(|(_, last)| *last >= oldest);
-        self.sets.len() < before
     }
 
     /// A set as it is, to be shared.
@@ -68,7 +67,9 @@ mod tests {
         shelf.next_frame();
         drop(shelf.put(3));
         assert_eq!(shelf.take(|_| true), Some(1), "the one that was used longest ago");
-        assert!((0..GIVEN_BACK_AFTER).all(|_| !shelf.next_frame()));
-        assert!(shelf.next_frame() && shelf.take(|_| true).is_none());
+        (0..GIVEN_BACK_AFTER).for_each(|_| shelf.next_frame());
+        assert!(shelf.share(|n| *n == 3).is_some());
+        (0..=GIVEN_BACK_AFTER).for_each(|_| shelf.next_frame());
+        assert!(shelf.take(|_| true).is_none());
     }
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const CHUNK_BYTES: u64 = 64 << 10;
 
 /// Free slots that are kept for the next frames.
-const SPARE_SLOTS: usize = 4;
+const SPARE_SLOTS: usize = 16;
 
 /// Where something was put: `offset` bytes into a buffer of the slot.
 #[derive(Clone, Debug)]
@@ -62,7 +62,8 @@ impl Uniforms {
         let fits = |chunk: &Chunk| chunk.bytes.len() as u64 + needed <= chunk.buffer.size();
         let index = self.chunks.iter().position(fits).unwrap_or_else(|| {
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-            let buffer = gpu.buffer("pelage uniforms", needed.max(CHUNK_BYTES), usage);
+            // With room to grow, or a herd that grows by one a frame would make a buffer in each.
+            let buffer = gpu.buffer("pelage uniforms", needed.next_power_of_two().max(CHUNK_BYTES), usage);
             self.chunks.push(Chunk { buffer, bytes: Vec::new(), written: 0 });
             self.chunks.len() - 1
         });
@@ -124,6 +125,7 @@ impl Ring {
             spare += usize::from(Arc::strong_count(&slot.in_use) == 1);
             spare <= SPARE_SLOTS || Arc::strong_count(&slot.in_use) > 1
         });
+        slot.chunks.retain(|chunk| !chunk.bytes.is_empty());
         for chunk in &mut slot.chunks {
             chunk.bytes.clear();
             chunk.written = 0;

@@ -150,10 +150,8 @@ pub(crate) struct ShadowKey {
 /// What the maps see of an instance.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct InstanceKey {
-    pub(crate) owner: u64,
-    pub(crate) model: u64,
     pub(crate) transform: Mat4,
-    /// Of its shape.
+    /// Of its shape: no two shapes of any owners ever have the same.
     pub(crate) revision: u64,
     pub(crate) furry: bool,
 }

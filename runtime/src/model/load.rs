@@ -2,7 +2,7 @@
 
 use super::extent::Extent;
 use super::ink;
-use super::resources::{Fins, LOADED, Model, Part, Resources, Varies};
+use super::resources::{Fins, Model, Part, Resources, Varies};
 use super::upload::Uploader;
 use crate::error::RuntimeError;
 use crate::gpu::{Gpu, Sampling};
@@ -10,7 +10,6 @@ use crate::params::RendererOptions;
 use crate::surface::{MaterialUniform, Surfaces};
 use pelage_formats::{FinsView, Package, TextureView};
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 /// Uploads a package, straight from the slices that it borrows.
 pub(crate) fn load(
@@ -151,6 +150,7 @@ pub(crate) fn load(
 
     let (ink, ink_bytes) = ink::load(&uploader, package, &mesh)?.unzip();
     gpu_bytes += ink_bytes.unwrap_or(0);
+    let varies = Varies::of(&mesh, manifest.fur.height_m);
     let manifest = manifest.clone();
     let has_skeleton = animation.is_some();
     let resources = Resources {
@@ -163,9 +163,8 @@ pub(crate) fn load(
         fur,
         fins: fin_resources,
         planar_directions,
-        varies: Varies::of(&mesh),
+        varies,
         extent: Extent::of(&mesh, skinned && has_skeleton),
-        number: LOADED.fetch_add(1, Ordering::Relaxed),
         parts,
         ink,
         gpu_bytes,

@@ -6,7 +6,6 @@ use crate::error::RuntimeError;
 use pelage_formats::{Animation, Clip, Manifest, MeshView};
 use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
 
 /// A package on the GPU: vertices, textures, materials. Cheap to clone; the clones share everything.
 #[derive(Clone, Debug)]
@@ -27,12 +26,8 @@ pub(super) struct Resources {
     pub(super) parts: Vec<Part>,
     pub(super) extent: Extent,
     pub(super) ink: Option<ModelInk>,
-    /// Tells models apart, also from those that are gone.
-    pub(super) number: u64,
     pub(super) gpu_bytes: u64,
 }
-
-pub(super) static LOADED: AtomicU64 = AtomicU64::new(0);
 
 /// Fins of a model.
 #[derive(Debug)]
@@ -52,11 +47,17 @@ pub(crate) struct Varies {
     pub(crate) lean: bool,
     /// Some vertex is bare or wet.
     pub(crate) groom: bool,
+    /// Some vertex has higher fur than the manifest says.
+    pub(crate) beyond_height: bool,
 }
 
 impl Varies {
-    pub(super) fn of(mesh: &MeshView<'_>) -> Self {
-        Self { lean: mesh.geometry().any(|v| v.lean > 0.0), groom: mesh.attributes().any(|v| v.groom != [0; 4]) }
+    pub(super) fn of(mesh: &MeshView<'_>, height_m: f32) -> Self {
+        Self {
+            lean: mesh.geometry().any(|v| v.lean > 0.0),
+            groom: mesh.attributes().any(|v| v.groom != [0; 4]),
+            beyond_height: mesh.geometry().any(|v| v.fur_height > height_m * 1.001),
+        }
     }
 }
 
@@ -153,9 +154,9 @@ impl Model {
         &self.0.extent
     }
 
-    /// Tells models apart, also from those that are gone.
-    pub(crate) fn number(&self) -> u64 {
-        self.0.number
+    /// Whether the other is a clone of it.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
     }
 
     pub(crate) fn parts(&self) -> &[Part] {

@@ -20,8 +20,8 @@ pub struct FrameParams {
     /// Width and height of the part of the target that the frame is drawn to, pixels, at least 1 each. The application's pass has a
     /// viewport of that size; for [`Style::Ink`] it begins at the target's upper left corner.
     pub viewport: [u32; 2],
-    /// Seconds since the last frame, 0 or more (default 0: time stands still). For what moves of itself; poses are set by
-    /// [`crate::Instance::motion`].
+    /// Seconds since the last frame, 0 or more (default 0: time stands still). For what moves of itself, which nothing does yet: poses are set
+    /// by [`crate::Instance::motion`].
     pub time_step_s: f32,
     /// The key light: the one that throws shadows.
     pub light: Light,

@@ -1,4 +1,4 @@
-//! The ink-wash style (Fang 2006): what a frame can say about it, and the textures that its passes hand on.
+//! The ink-wash style (Fang 2006): what a frame can say about it.
 
 use crate::error::RuntimeError;
 use glam::Vec3;
@@ -40,7 +40,7 @@ pub struct InkParams {
     pub paper: Vec3,
     /// How much of the paper's relief and flecks shows, 0..=1 (default 1).
     pub paper_grain: f32,
-    /// Period of the paper's tile, pixels, above 0 (default 768).
+    /// Period of the paper's tile, pixels, 1..=65536 (default 768).
     pub paper_period_px: f32,
     /// What is there beside what is painted (default [`InkBackground::Paper`]).
     pub background: InkBackground,
@@ -160,7 +160,7 @@ impl InkParams {
         Ok(())
     }
 
-    /// Width of the widest line in a picture of `height` pixels, or its half width in metres.
+    /// Width of the widest line in a picture of `height` pixels, or its width in metres.
     pub(crate) fn width_px(&self, height: u32) -> Result<f32, f32> {
         match self.width {
             LineWidth::Auto => Ok(Self::default_width_px(height)),

@@ -55,14 +55,3 @@ impl Style {
         if let Self::Ink(ink) = self { Some(ink) } else { None }
     }
 }
-
-impl StyleKind {
-    /// Name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fur => "fur",
-            Self::Bare => "bare",
-            Self::Ink => "ink",
-        }
-    }
-}

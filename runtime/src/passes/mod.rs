@@ -109,7 +109,7 @@ impl Outcome {
     }
 }
 
-/// Words for what is left out because everything is far away.
+/// Whether some fur is left out because it is small on screen.
 pub(crate) fn any_reduced(frame: &Recording<'_>) -> bool {
     frame.instances.iter().any(|seen| seen.drawing.is_reduced())
 }

@@ -47,8 +47,17 @@ pub(crate) fn begin<'f>(
     let reversed_depth = kept.options.reversed_depth;
     let clip_from_view = params.camera.check(reversed_depth)?;
     check_instances(params, instances)?;
-    let light_ws = params.light.homogeneous()?;
+    let light_ws = params.light.homogeneous("FrameParams::light")?;
     let fills = fill_lights(params)?;
+    if let Some(bounds) = casters.as_ref().and_then(|casters| casters.bounds)
+        && !(bounds.center.is_finite() && bounds.radius.is_finite() && bounds.radius >= 0.0)
+    {
+        return Err(RuntimeError::Params {
+            field: "Casters::bounds",
+            found: format!("{bounds:?}"),
+            expected: "a finite sphere with a radius of at least 0".into(),
+        });
+    }
     if kept.ring.lost_work() {
         kept.states.invalidate();
         kept.shadows = Shelf::default();
@@ -56,10 +65,8 @@ pub(crate) fn begin<'f>(
 
     let gpu = &kept.gpu;
     kept.cache.bind_groups.next_frame();
-    if kept.cache.targets.next_frame() | kept.shadows.next_frame() {
-        // Bind groups keep alive what they bind.
-        kept.cache.bind_groups.clear();
-    }
+    kept.cache.targets.next_frame();
+    kept.shadows.next_frame();
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
     let moved = kept.states.move_to(gpu, instances);
@@ -68,7 +75,9 @@ pub(crate) fn begin<'f>(
         .zip(&moved)
         .map(|(instance, moved)| {
             let mut drawing = Drawing::of(instance, &moved.hull, params, clip_from_view);
-            drawing.detail.in_picture = moved.hull.may_be_seen(clip_from_world);
+            // Bounds hold what the manifest says of the fur's height.
+            let beyond = instance.model.varies().beyond_height;
+            drawing.detail.in_picture = beyond || moved.hull.may_be_seen(clip_from_world);
             drawing
         })
         .collect();
@@ -171,8 +180,6 @@ fn shadow_key(
         hull.0.extend(instances.iter().map(|i| (i.transform.w_axis.truncate(), 0.0)));
     }
     let of = |((instance, moved), drawing): ((&&Instance, &Moved), &Drawing)| InstanceKey {
-        owner: instance.owner,
-        model: instance.model.number(),
         transform: instance.transform,
         revision: moved.revision,
         furry: drawing.has_shells(),

@@ -40,7 +40,7 @@ pub(super) fn fill_lights(params: &FrameParams) -> Result<[blocks::FillLight; MA
     let mut lights = [blocks::FillLight::default(); MAX_FILL_LIGHTS];
     for (slot, light) in lights.iter_mut().zip(&params.fill_lights) {
         *slot = blocks::FillLight {
-            light_ws: light.homogeneous()?.to_array(),
+            light_ws: light.homogeneous("FrameParams::fill_lights")?.to_array(),
             color: light.color().extend(0.0).to_array(),
         };
     }

@@ -7,20 +7,17 @@ use crate::gpu::{Draw, RenderSpec, Shader, depth_state, faces, on, record};
 use crate::light::{CasterPass, ShadowMaps};
 use crate::surface::STREAMS;
 
-macro_rules! depth_wgsl {
-    () => {
-        concat!(
-            include_str!("../shared/frame.wgsl"),
-            include_str!("../shared/skinning.wgsl"),
-            include_str!("../shared/tile_frame.wgsl"),
-            include_str!("../surface/place.wgsl"),
-            include_str!("../light/casters.wgsl"),
-        )
-    };
-}
-
 /// The shader that draws depth.
-pub(crate) const DEPTH: Shader = Shader { name: "pelage casters", wgsl: depth_wgsl!() };
+pub(crate) const DEPTH: Shader = Shader {
+    name: "pelage casters",
+    wgsl: concat!(
+        include_str!("../shared/frame.wgsl"),
+        include_str!("../shared/skinning.wgsl"),
+        include_str!("../shared/tile_frame.wgsl"),
+        include_str!("../surface/place.wgsl"),
+        include_str!("../light/casters.wgsl"),
+    ),
+};
 
 /// What a pass into the key light's maps draws to.
 pub(crate) enum MapTarget<'a> {

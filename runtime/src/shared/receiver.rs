@@ -30,7 +30,7 @@ pub struct ShadowReceiver {
     pub map_from_world: Mat4,
     /// What the shadow-width map's numbers mean.
     pub soft_shadow: soft_shadow::SoftShadow,
-    /// 1 where the penumbra lies on both sides of the hard edge, 0 where inside it alone: [`crate::PenumbraForm`].
+    /// 1 where the penumbra lies on both sides of the hard edge, 0 where inside it alone.
     pub centred: u32,
     /// Zero.
     pub reserved: [u32; 3],

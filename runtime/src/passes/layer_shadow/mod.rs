@@ -116,8 +116,7 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
-    if let Some(maps) = maps.as_deref().filter(|_| frame.redraw) {
-        // The soft shadow needs it as well.
+    if let Some(maps) = maps.as_deref().filter(|maps| frame.redraw && maps.key.self_shadow) {
         record_depth(frame, maps, CasterPass::Nearest);
         record_layers(frame, maps);
     }

@@ -143,8 +143,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
     match maps.as_deref().filter(|maps| maps.key.soft_shadow) {
         Some(maps) if frame.redraw => {
-            // Frames without fur have no other pass that draws it.
-            if frame.params.style.fur().is_none() {
+            // Where hair shadows hair it is there already.
+            if !maps.key.self_shadow {
                 record_depth(frame, maps, CasterPass::Nearest);
             }
             record_depth(frame, maps, CasterPass::Farthest);
