@@ -314,3 +314,13 @@ fn workgroups_agree() {
         assert_eq!(found, expected, "{name}");
     }
 }
+
+/// The study knows pipelines by the names of their shaders: one that no pass has would be studied in silence as ours.
+#[test]
+fn a_study_names_shaders_that_passes_have() {
+    let names: Vec<_> = PASSES.iter().flat_map(|pass| pass.shaders).map(|shader| shader.name).collect();
+    let study = include_str!("study/mod.rs");
+    let studied: Vec<_> = study.split('"').filter(|text| text.starts_with("pelage ")).collect();
+    assert!(studied.len() >= 8, "{studied:?}");
+    assert!(studied.iter().all(|name| names.contains(name)), "{studied:?} of {names:?}");
+}
