@@ -33,8 +33,8 @@ pub struct FrameTimes {
     pub frame: f64,
     /// The same without self-shadow and soft shadow; the same as `frame` where there are none anyway.
     pub unshadowed: f64,
-    /// Each of [`PassId::all`] in a pass of its own, the shadow maps drawn anew.
-    pub passes: Vec<f64>,
+    /// Each pass in a pass of its own, the shadow maps drawn anew.
+    pub passes: Vec<(PassId, f64)>,
     /// The shells with one texture read and no lighting.
     pub yardstick: f64,
 }
@@ -42,13 +42,13 @@ pub struct FrameTimes {
 impl FrameTimes {
     /// Milliseconds of a pass.
     pub fn of(&self, pass: PassId) -> f64 {
-        of_pass(&self.passes, pass).copied().unwrap_or_default()
+        of_pass(&self.passes, pass)
     }
 }
 
-/// What belongs to a pass in a list in the order of [`PassId::all`].
-pub fn of_pass<T>(list: &[T], pass: PassId) -> Option<&T> {
-    PassId::all().zip(list).find(|(id, _)| *id == pass).map(|(_, found)| found)
+/// Milliseconds of a pass among those that were measured; 0 for another.
+fn of_pass(times: &[(PassId, f64)], pass: PassId) -> f64 {
+    times.iter().find(|(id, _)| *id == pass).map_or(0.0, |(_, ms)| *ms)
 }
 
 /// The passes that draw the picture, in their order.
@@ -126,7 +126,7 @@ impl Meter {
         scene.params.study.yardstick = true;
         let yardstick = self.passes(scene);
         scene.params.study.yardstick = false;
-        times.yardstick = of_pass(&yardstick?, PassId::SHELLS).copied().unwrap_or_default();
+        times.yardstick = of_pass(&yardstick?, PassId::SHELLS);
         Ok(times)
     }
 
@@ -141,8 +141,8 @@ impl Meter {
         Ok(times.into_iter().sum())
     }
 
-    /// Of each of [`PassId::all`].
-    fn passes(&self, scene: &mut Scene) -> Result<Vec<f64>, Failure> {
+    /// Milliseconds of each pass, in their order.
+    fn passes(&self, scene: &mut Scene) -> Result<Vec<(PassId, f64)>, Failure> {
         let mut marked = Vec::new();
         let times = self.sections(scene, |scene, encoder, mark| {
             let frame = scene.prepare_marked(encoder, &mut |encoder, id| {
@@ -156,8 +156,7 @@ impl Meter {
             }
             Ok(())
         })?;
-        let time = |id| marked.iter().zip(&times).filter(|(marked, _)| **marked == id).map(|(_, ms)| ms).sum();
-        Ok(PassId::all().map(time).collect())
+        Ok(marked.into_iter().zip(times).collect())
     }
 
     /// Prepares a frame whose shadow maps are drawn anew, and has the device do that; with it the milliseconds of `pass`, which is one of those
@@ -171,8 +170,8 @@ impl Meter {
             })?);
             Ok(())
         })?;
-        let time = marked.iter().zip(times).find(|(id, _)| **id == pass).map_or(0.0, |(_, ms)| ms);
-        Ok((prepared.ok_or_else(|| lost("no frame was prepared"))?, time))
+        let times: Vec<_> = marked.into_iter().zip(times).collect();
+        Ok((prepared.ok_or_else(|| lost("no frame was prepared"))?, of_pass(&times, pass)))
     }
 
     /// Records sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds that each took.

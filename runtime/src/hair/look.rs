@@ -107,10 +107,14 @@ pub(crate) fn material(part: &Part) -> Constants {
     vec![on("BASE_COLOR_TEXTURE", part.has_texture), on("CUTOUT", part.cutout)]
 }
 
-/// What all that reads the hair of a part is told.
+/// What all that sees of a part's colour only what is cut away is told.
+pub(crate) fn holes(part: &Part) -> Constants {
+    vec![on("BASE_COLOR_TEXTURE", part.cutout && part.has_texture), on("CUTOUT", part.cutout)]
+}
+
+/// What all that reads the hair of a part is told, but for how it leans.
 pub(crate) fn groom(model: &Model, part: &Part) -> Constants {
     vec![
-        on("LEAN", model.varies().lean),
         on("GROOM_VERTICES", model.varies().groom),
         on("GROOM_TEXTURE", part.has_groom_texture),
         on("WET", model.manifest().fur.wet.is_some()),

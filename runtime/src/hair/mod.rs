@@ -4,7 +4,7 @@ mod detail;
 mod look;
 
 pub(crate) use detail::Drawing;
-pub(crate) use look::{Look, groom, hair_wgsl, material};
+pub(crate) use look::{Look, groom, hair_wgsl, holes, material};
 
 /// Vertices of a fin's quad, as in `fin_corner.wgsl`.
 pub(crate) const FIN_CORNERS: u32 = 6;

@@ -58,10 +58,7 @@ pub(crate) struct InkModel {
 impl InkFrame {
     pub(crate) fn new(params: &InkParams, viewport: [u32; 2], clip_from_view: Mat4, reversed_depth: bool) -> Self {
         let [width, height] = viewport.map(|n| n as f32);
-        let (half_width, half_width_scaled) = match params.width_px(viewport[1]) {
-            Ok(px) => (0.5 * px, 0.0),
-            Err(m) => (0.0, 0.5 * m * px_per_unit(clip_from_view, viewport)),
-        };
+        let [half_width, half_width_m] = params.half_width(viewport[1]);
         let [mist_from, mist_to] = params.mist_m.unwrap_or_default();
         Self {
             ink: encoded(params.ink).to_array(),
@@ -74,7 +71,7 @@ impl InkFrame {
             step: params.step_px as i32,
             reach: params.reach_px(viewport[1]) as i32,
             half_width,
-            half_width_scaled,
+            half_width_scaled: half_width_m * px_per_unit(clip_from_view, viewport),
             tone: params.tone,
             lightness: params.weak_lightness,
             dryness: params.dryness,

@@ -160,18 +160,20 @@ impl InkParams {
         Ok(())
     }
 
-    /// Width of the widest line in a picture of `height` pixels, or its width in metres.
-    pub(crate) fn width_px(&self, height: u32) -> Result<f32, f32> {
+    /// Halves of the widest line in a picture of `height` pixels: pixels, and metres that count besides.
+    pub(crate) fn half_width(&self, height: u32) -> [f32; 2] {
         match self.width {
-            LineWidth::Auto => Ok(Self::default_width_px(height)),
-            LineWidth::Pixels(px) => Ok(px),
-            LineWidth::Metres(m) => Err(m),
+            LineWidth::Auto => [0.5 * Self::default_width_px(height), 0.0],
+            LineWidth::Pixels(px) => [0.5 * px, 0.0],
+            LineWidth::Metres(m) => [0.0, 0.5 * m],
         }
     }
 
     /// Farthest that a line reaches from its feature in a picture of `height` pixels, whole pixels.
     pub(crate) fn reach_px(&self, height: u32) -> u32 {
-        let half = self.width_px(height).map_or(0.5 * WIDEST_PX, |px| 0.5 * px);
+        let [px, metres] = self.half_width(height);
+        // How large metres get in the picture is not known.
+        let half = if metres > 0.0 { WIDEST_PX } else { px };
         half.min(0.5 * WIDEST_PX).ceil() as u32 + 1
     }
 }

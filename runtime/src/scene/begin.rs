@@ -85,7 +85,6 @@ pub(crate) fn begin<'f>(
     let key = shadow_key(params, instances, &moved, &drawings, casters.as_ref());
     let targets = take_targets(&mut kept.cache.targets, gpu, params.viewport, targets);
     let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, key)).unzip();
-    let redraw = redraw.unwrap_or(false);
 
     let mut uniforms = kept.ring.take(gpu);
     let fills = uniforms.put(gpu, &[fills]);
@@ -100,7 +99,7 @@ pub(crate) fn begin<'f>(
         instances.iter().zip(&drawings).map(block).collect()
     };
     let (frame_place, places) = (uniforms.put(gpu, &[frame]), uniforms.put(gpu, &blocks_of(None)));
-    let from_light = maps.as_deref().filter(|_| redraw).map(|maps| {
+    let from_light = maps.as_deref().filter(|_| redraw == Some(true)).map(|maps| {
         let clip_from_world = maps.view().clip_from_world.to_cols_array_2d();
         let frame = blocks::Frame { clip_from_world, eye_ws: light_ws.to_array(), ..frame };
         (uniforms.put(gpu, &[frame]), uniforms.put(gpu, &blocks_of(Some(maps))))
@@ -113,7 +112,6 @@ pub(crate) fn begin<'f>(
             model: instance.model.clone(),
             look: Look::new(instance, params, &drawing, maps.as_ref().map(|maps| &maps.key)),
             moved,
-            in_picture: drawing.detail.in_picture,
             drawing,
             view_offset: offset(&places),
             light_offset: light_places.as_ref().map_or(0, offset),
@@ -147,7 +145,6 @@ pub(crate) fn begin<'f>(
         encoder,
         instances,
         maps,
-        redraw,
         casters,
         targets,
         ink,

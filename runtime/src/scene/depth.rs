@@ -3,8 +3,10 @@
 use super::recording::Recording;
 use super::seen::Seen;
 use crate::camera::Light;
-use crate::gpu::{Draw, RenderSpec, Shader, depth_state, faces, on, record};
+use crate::gpu::{Draw, RenderSpec, Shader, depth_state, faces, record};
+use crate::hair::holes;
 use crate::light::{CasterPass, ShadowMaps};
+use crate::model::Part;
 use crate::surface::STREAMS;
 
 /// The shader that draws depth.
@@ -62,27 +64,22 @@ pub(crate) fn begin_maps<'e>(
 
 /// Draws of a skin into one of the depth maps.
 fn depth_draws(frame: &mut Recording<'_>, seen: &Seen, kind: CasterPass) -> Vec<Draw> {
-    let mut draws = Vec::new();
-    for part in seen.model.parts() {
-        // Back faces throw shadows too.
-        let both = kind == CasterPass::Nearest;
-        let groups = vec![frame.surfaces.frame.clone(), frame.surfaces.material.clone()];
-        let pipeline = frame.pipeline(RenderSpec {
-            shader: DEPTH,
-            vertex: "vs_caster",
-            // Depth alone needs no fragment shader, unless there are holes to cut.
-            fragment: part.cutout.then_some("fs_caster"),
-            groups,
-            streams: STREAMS.to_vec(),
-            constants: vec![on("BASE_COLOR_TEXTURE", part.cutout && part.has_texture), on("CUTOUT", part.cutout)],
-            primitive: faces(seen.look.mirrored && !both, part.double_sided || both),
-            colors: Vec::new(),
-            depth: Some(depth_state(ShadowMaps::DEPTH_FORMAT, true, kind.compare())),
-            samples: 1,
-        });
-        draws.push(seen.draw(part, pipeline, frame.seen_from_light(seen), None, 0..1));
-    }
-    draws
+    // Back faces throw shadows too.
+    let both = kind == CasterPass::Nearest;
+    let spec = |frame: &Recording<'_>, part: &Part| RenderSpec {
+        shader: DEPTH,
+        vertex: "vs_caster",
+        // Depth alone needs no fragment shader, unless there are holes to cut.
+        fragment: part.cutout.then_some("fs_caster"),
+        groups: vec![frame.surfaces.frame.clone(), frame.surfaces.material.clone()],
+        streams: STREAMS.to_vec(),
+        constants: holes(part),
+        primitive: faces(seen.look.mirrored && !both, part.double_sided || both),
+        colors: Vec::new(),
+        depth: Some(depth_state(ShadowMaps::DEPTH_FORMAT, true, kind.compare())),
+        samples: 1,
+    };
+    frame.part_draws(seen, |_| true, [frame.seen_from_light(seen), None], 0..1, spec)
 }
 
 /// Records one of the depth maps, with the application's casters.

@@ -36,7 +36,6 @@ pub(super) struct View {
 /// A frame in ink.
 #[derive(Clone, Debug)]
 pub(crate) struct InkScene {
-    pub(crate) params: InkParams,
     /// Left, top, width and height of the part of the picture that there is something in.
     pub(super) painted: [u32; 4],
     /// [`InkFrame`].
@@ -53,10 +52,9 @@ impl InkScene {
             .map(|ink| InkModel::new(ink, params, view.viewport, view.view_from_world, view.clip_from_view))
             .collect();
         let mut hull = Hull::default();
-        instances.iter().filter(|seen| seen.in_picture).for_each(|seen| hull.0.extend(&seen.moved.hull.0));
+        instances.iter().filter(|seen| seen.in_picture()).for_each(|seen| hull.0.extend(&seen.moved.hull.0));
         let constants = InkFrame::new(params, view.viewport, view.clip_from_view, view.reversed_depth);
         Self {
-            params: params.clone(),
             painted: painted_rect(&hull, view.clip_from_view * view.view_from_world, params, view.viewport),
             frame: uniforms.put(gpu, &[constants]),
             models: uniforms.put(gpu, &models),

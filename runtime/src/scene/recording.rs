@@ -3,13 +3,15 @@
 use super::ink::InkScene;
 use super::seen::Seen;
 use crate::gpu::{
-    Cache, Constants, Gpu, Group, RenderSpec, Ring, Shader, Shelf, TargetSet, Uniforms, depth_state, faces,
+    Cache, Constants, Draw, Gpu, Group, RenderSpec, Ring, Shader, Shelf, TargetSet, Uniforms, depth_state, faces,
 };
 use crate::light::{Casters, ShadowMaps};
+use crate::model::Part;
 use crate::motion::States;
 use crate::params::{FrameParams, RendererOptions};
 use crate::study;
 use crate::surface::{STREAMS, Surfaces};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// What a renderer keeps from frame to frame.
@@ -34,9 +36,8 @@ pub(crate) struct Recording<'f> {
     pub(crate) encoder: &'f mut wgpu::CommandEncoder,
     /// In the order given.
     pub(crate) instances: Arc<[Seen]>,
-    /// The key light's maps, where the frame has any, and whether they are to be drawn anew.
+    /// The key light's maps, where the frame has any.
     pub(crate) maps: Option<Arc<ShadowMaps>>,
-    pub(crate) redraw: bool,
     pub(crate) casters: Option<Casters<'f>>,
     /// What passes hand on to each other.
     pub(crate) targets: Arc<TargetSet>,
@@ -55,7 +56,32 @@ impl Recording<'_> {
         self.cache.pipelines.render(self.gpu, spec)
     }
 
-    /// A pipeline over surfaces into the application's pass: opaque, or `over` what is there.
+    /// Draws of the `wanted` parts of an instance, once for each of `layers`. `at`: group 0; `hair`: group 2; `spec`: the pipeline of a part.
+    pub(crate) fn part_draws(
+        &mut self,
+        seen: &Seen,
+        wanted: impl Fn(&Part) -> bool,
+        [at, hair]: [Option<Group>; 2],
+        layers: Range<u32>,
+        spec: impl Fn(&Self, &Part) -> RenderSpec,
+    ) -> Vec<Draw> {
+        let mut draws = Vec::new();
+        for part in seen.model.parts().iter().filter(|part| wanted(part)) {
+            let spec = spec(self, part);
+            let pipeline = self.pipeline(spec);
+            draws.push(Draw {
+                pipeline,
+                groups: [at.clone(), Group::of(&part.material), hair.clone(), None],
+                vertices: [Some(seen.moved.geometry.clone()), Some(seen.model.attributes().clone()), None, None],
+                indices: Some(seen.model.indices().clone()),
+                range: part.indices.clone(),
+                instances: layers.clone(),
+            });
+        }
+        draws
+    }
+
+    /// A pipeline over surfaces into the application's pass: opaque, or `over` what is there. Passes to other targets say what differs.
     pub(crate) fn picture_spec(
         &self,
         shader: Shader,
@@ -97,6 +123,11 @@ impl Recording<'_> {
     /// Group 0 of an instance as the eye sees it.
     pub(crate) fn seen_from_eye(&self, seen: &Seen) -> Option<Group> {
         Group::at(&self.view, seen.view_offset)
+    }
+
+    /// Whether the maps are to be drawn anew.
+    pub(crate) fn redraws_maps(&self) -> bool {
+        self.light.is_some()
     }
 
     /// Group 0 of an instance as the key light sees it; `None` where no maps are drawn.

@@ -80,7 +80,7 @@ impl Recording<'_> {
 
     /// Farthest that a line of ink reaches from its feature, whole pixels.
     pub(crate) fn ink_reach_px(&self) -> u32 {
-        self.ink.as_ref().map_or(0, |ink| ink.params.reach_px(self.params.viewport[1]))
+        self.params.style.ink().map_or(0, |ink| ink.reach_px(self.params.viewport[1]))
     }
 
     /// The pipeline of a pass over the whole picture, and its group. Colour and depth are those of a target of `format`.

@@ -336,7 +336,7 @@ fn inverse_translation(at: DVec3) -> [f64; 16] {
 }
 
 /// Header, JSON chunk padded with spaces, binary chunk padded with zeros (glTF 2.0, section 4.4).
-fn container(root: &Value, binary: &[u8]) -> anyhow::Result<Vec<u8>> {
+pub fn container(root: &Value, binary: &[u8]) -> anyhow::Result<Vec<u8>> {
     let mut text = serde_json::to_vec(root)?;
     text.resize(text.len().next_multiple_of(4), b' ');
     let total = u32::try_from(12 + 8 + text.len() + 8 + binary.len()).context("a .glb holds at most 4 GiB")?;

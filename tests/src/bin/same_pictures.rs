@@ -14,6 +14,7 @@
 
 use anyhow::{Context as _, bail, ensure};
 use image::{Rgba, RgbaImage};
+use pelage_tests::assets::glb::container;
 use pelage_tests::binary::{data, workspace};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -846,15 +847,9 @@ fn edit(name: &str, to: &Path, change: impl FnOnce(&mut Value)) -> anyhow::Resul
     let (json, rest) = glb.get(20..).and_then(|rest| rest.split_at_checked(length)).context("no binary glTF")?;
     let mut model: Value = serde_json::from_slice(json)?;
     change(&mut model);
-    let mut json = serde_json::to_vec(&model)?;
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut edited = glb[..8].to_vec();
-    edited.extend(((20 + json.len() + rest.len()) as u32).to_le_bytes());
-    edited.extend((json.len() as u32).to_le_bytes());
-    edited.extend(b"JSON");
-    edited.extend(json);
-    edited.extend(rest);
-    std::fs::write(to, edited).with_context(|| format!("cannot write {}", to.display()))
+    // Behind length and kind of its own.
+    let binary = rest.get(8..).context("no binary chunk")?;
+    std::fs::write(to, container(&model, binary)?).with_context(|| format!("cannot write {}", to.display()))
 }
 
 #[cfg(test)]

@@ -35,7 +35,10 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
     let mut constants = material(part);
     constants.extend(seen.look.lights());
     constants.extend(groom(&seen.model, part));
-    constants.push(on("PLANAR_DIRECTIONS", seen.model.fins().is_some_and(|fins| fins.planar_directions)));
+    constants.extend([
+        on("LEAN", seen.model.varies().lean),
+        on("PLANAR_DIRECTIONS", seen.model.fins().is_some_and(|fins| fins.planar_directions)),
+    ]);
     // They are seen from both sides, and hide nothing.
     let spec = frame.picture_spec(SHADER, ["vs_fins", "fs_fins"], constants, [false, true], true);
     RenderSpec { depth: Some(frame.picture_depth(false, true)), ..spec }
@@ -44,7 +47,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let (mut draws, mut with_fins, mut edges) = (Vec::new(), 0, 0);
-    for seen in instances.iter().filter(|seen| seen.in_picture && seen.look.fins) {
+    for seen in instances.iter().filter(|seen| seen.in_picture() && seen.look.fins) {
         let textures = seen.model.fins().and_then(|fins| Group::of(&fins.textures));
         let of_model = fin_draws(frame, seen, textures, |frame, part| spec(frame, seen, part));
         if !of_model.is_empty() {
@@ -61,7 +64,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         (true, _) => "no instances",
         (_, Some(1)) => "one layer is the skin alone",
         _ if fur.is_some_and(|fur| !fur.fins) => "switched off",
-        _ if !instances.iter().any(|seen| seen.in_picture) => "nothing is in the picture",
+        _ if !instances.iter().any(Seen::in_picture) => "nothing is in the picture",
         _ if any_reduced(frame) => "the fur is too small on screen",
         _ if instances.iter().any(|seen| seen.model.manifest().fur.fins.is_some()) => {
             "no edges, or no storage buffers in vertex shaders"

@@ -31,7 +31,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let lines = if study::shows_features(frame.params) { ink_features::FEATURES } else { ink_stroke::STROKES };
-    let picture = frame.ink.as_ref().is_some_and(|ink| ink.params.background == InkBackground::Picture);
+    let picture = frame.params.style.ink().is_some_and(|ink| ink.background == InkBackground::Picture);
     let screen = Screen {
         constants: vec![on("PICTURE", picture)],
         reads: &[(1, ink_normals::NORMALS), (2, ink_normals::SURFACES), (3, lines)],

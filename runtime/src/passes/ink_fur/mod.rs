@@ -1,7 +1,7 @@
 //! `ink_fur`: fins and outer shells as dry strokes of a brush, blended over the sheet in the application's pass, with depth tested and not written.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Draw, RenderSpec, Shader, on};
+use crate::gpu::{Draw, RenderSpec, Shader, faces, on};
 use crate::hair::material;
 use crate::model::Part;
 use crate::params::StyleKind;
@@ -55,17 +55,15 @@ fn spec(
 
 fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen, with_fins: bool) -> Vec<Draw> {
     let Some((layout, group)) = frame.ink_model(index) else { return Vec::new() };
-    let mut draws = Vec::new();
-    for part in seen.model.parts().iter().filter(|part| part.furred) {
-        let spec = spec(frame, seen, part, ["vs_ink_shells", "fs_ink_shells"], &layout);
-        let pipeline = frame.pipeline(spec);
-        draws.push(seen.draw(part, pipeline, frame.seen_from_eye(seen), Some(group.clone()), 0..SHELLS));
-    }
+    let groups = [frame.seen_from_eye(seen), Some(group.clone())];
+    let shells =
+        |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, ["vs_ink_shells", "fs_ink_shells"], &layout);
+    let mut draws = frame.part_draws(seen, |part| part.furred, groups, 0..SHELLS, shells);
     if with_fins {
         let fins = |frame: &Recording<'_>, part: &Part| {
             let spec = spec(frame, seen, part, ["vs_ink_fins", "fs_ink_fins"], &layout);
             // They are seen from both sides.
-            RenderSpec { primitive: crate::gpu::faces(false, true), ..spec }
+            RenderSpec { primitive: faces(false, true), ..spec }
         };
         draws.extend(fin_draws(frame, seen, Some(group), fins));
     }
@@ -76,12 +74,10 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if !study::paints(frame.params) {
         return Outcome::Skipped("the painting is not shown");
     }
-    let Some(ink) = frame.ink.as_ref().map(|ink| ink.params.clone()) else {
-        return Outcome::Skipped("the style is not ink");
-    };
+    let Some(ink) = frame.params.style.ink() else { return Outcome::Skipped("the style is not ink") };
     let instances = frame.instances.clone();
     let (mut all, mut furry) = (Vec::new(), 0);
-    let shown = instances.iter().enumerate().filter(|(_, seen)| seen.in_picture && has_strokes(seen, &ink));
+    let shown = instances.iter().enumerate().filter(|(_, seen)| seen.in_picture() && has_strokes(seen, ink));
     for (index, seen) in shown {
         let draws = draws(frame, index, seen, ink.fins);
         furry += usize::from(!draws.is_empty());

@@ -2,12 +2,11 @@
 //! says of wash and lines, and depth. All that the ink style knows of geometry is in them, so that the passes behind it cost the same for any mesh.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Draw, RenderSpec, Shader, Stream, Target, attribute, depth_state, faces, on, record};
+use crate::gpu::{Draw, RenderSpec, Shader, Stream, Target, attribute, depth_state, on, record};
 use crate::hair::material;
 use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{Recording, Seen, has_strokes, ink_surface_wgsl, nearer};
-use crate::surface::STREAMS;
 use pelage_formats::{GeometryVertex, InkVertex};
 use std::mem::offset_of;
 
@@ -64,31 +63,27 @@ fn spec(
     let mut constants = material(part);
     constants.push(on("FUR_STROKES", strokes && part.furred));
     let stored = [Stream::of::<GeometryVertex>(&REST_ATTRIBUTES), Stream::of::<InkVertex>(&INK_ATTRIBUTES)];
+    let sides = [seen.look.mirrored, part.double_sided];
+    let mut spec = frame.picture_spec(SHADER, ["vs_ink", "fs_ink"], constants, sides, false);
+    spec.groups[2] = model_layout.clone();
+    spec.streams.extend(stored);
     RenderSpec {
-        shader: SHADER,
-        vertex: "vs_ink",
-        fragment: Some("fs_ink"),
-        groups: vec![frame.surfaces.frame.clone(), frame.surfaces.material.clone(), model_layout.clone()],
-        streams: STREAMS.into_iter().chain(stored).collect(),
-        constants,
-        primitive: faces(seen.look.mirrored, part.double_sided),
         colors: vec![NORMALS.format.into(), SURFACES.format.into()],
         depth: Some(depth_state(DEPTH.format, true, nearer(false, frame.options.reversed_depth))),
         samples: 1,
+        ..spec
     }
 }
 
 fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen) -> Vec<Draw> {
     let (Some((layout, group)), Some(ink)) = (frame.ink_model(index), seen.model.ink()) else { return Vec::new() };
-    let strokes = frame.ink.as_ref().is_some_and(|ink| has_strokes(seen, &ink.params));
-    let mut draws = Vec::new();
-    for part in seen.model.parts() {
-        let spec = spec(frame, seen, part, &layout, strokes);
-        let pipeline = frame.pipeline(spec);
-        let mut draw = seen.draw(part, pipeline, frame.seen_from_eye(seen), Some(group.clone()), 0..1);
+    let strokes = frame.params.style.ink().is_some_and(|params| has_strokes(seen, params));
+    let groups = [frame.seen_from_eye(seen), Some(group)];
+    let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, &layout, strokes);
+    let mut draws = frame.part_draws(seen, |_| true, groups, 0..1, spec);
+    for draw in &mut draws {
         draw.vertices[2] = Some(seen.model.geometry().clone());
         draw.vertices[3] = Some(ink.vertices.clone());
-        draws.push(draw);
     }
     draws
 }
@@ -96,7 +91,7 @@ fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen) -> Vec<Draw> {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let mut all = Vec::new();
-    for (index, seen) in instances.iter().enumerate().filter(|(_, seen)| seen.in_picture) {
+    for (index, seen) in instances.iter().enumerate().filter(|(_, seen)| seen.in_picture()) {
         all.extend(draws(frame, index, seen));
     }
     let targets = frame.targets.clone();
@@ -120,6 +115,6 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     });
     record(&mut pass, &all);
     let [width, height] = frame.params.viewport;
-    let shown = instances.iter().filter(|seen| seen.in_picture).count();
+    let shown = instances.iter().filter(|seen| seen.in_picture()).count();
     Outcome::recorded(format!("{shown} instances, {} parts, {width} x {height}", all.len()))
 }

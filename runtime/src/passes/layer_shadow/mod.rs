@@ -9,13 +9,12 @@
 //! rasteriser.
 
 use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
-use crate::gpu::{Draw, RenderSpec, Shader, depth_state, faces, on, record};
-use crate::hair::{groom, hair_wgsl};
+use crate::gpu::{Draw, RenderSpec, Shader, depth_state, on, record};
+use crate::hair::{groom, hair_wgsl, holes};
 use crate::light::{CasterPass, ShadowMaps};
 use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{DEPTH, MapTarget, Recording, Seen, begin_maps, light_inside, record_depth};
-use crate::surface::STREAMS;
 use glam::Vec3;
 
 /// The shader.
@@ -52,22 +51,11 @@ const MULTIPLIED: wgpu::BlendState = {
 fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
     let varies = seen.model.varies().groom || part.has_groom_texture || seen.model.manifest().fur.wet.is_some();
     let mapped = part.cutout || varies;
-    let mut constants = groom(&seen.model, part);
-    constants.extend([
-        // Of the colour only what is cut away matters.
-        on("BASE_COLOR_TEXTURE", part.cutout && part.has_texture),
-        on("CUTOUT", part.cutout),
-        on("RESAMPLED", seen.look.maps_resampled),
-    ]);
-    let surfaces = frame.surfaces;
+    let entries = if mapped { ["vs_layer_mapped", "fs_layer_mapped"] } else { ["vs_layer", "fs_layer"] };
+    let mut constants = holes(part);
+    constants.extend(groom(&seen.model, part));
+    constants.extend([on("LEAN", seen.model.varies().lean), on("RESAMPLED", seen.look.maps_resampled)]);
     RenderSpec {
-        shader: SHADER,
-        vertex: if mapped { "vs_layer_mapped" } else { "vs_layer" },
-        fragment: Some(if mapped { "fs_layer_mapped" } else { "fs_layer" }),
-        groups: vec![surfaces.frame.clone(), surfaces.material.clone(), surfaces.fur.clone()],
-        streams: STREAMS.to_vec(),
-        constants,
-        primitive: faces(seen.look.mirrored, part.double_sided),
         colors: vec![wgpu::ColorTargetState {
             format: ShadowMaps::LAYER_FORMAT,
             blend: Some(MULTIPLIED),
@@ -76,6 +64,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
         // Layers that coincide with the skin take no light.
         depth: Some(depth_state(ShadowMaps::DEPTH_FORMAT, false, wgpu::CompareFunction::Less)),
         samples: 1,
+        ..frame.picture_spec(SHADER, entries, constants, [seen.look.mirrored, part.double_sided], true)
     }
 }
 
@@ -83,11 +72,8 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
 fn draws(frame: &mut Recording<'_>) -> Vec<Draw> {
     let mut draws = Vec::new();
     for seen in frame.instances.clone().iter().filter(|seen| seen.drawing.has_shells()) {
-        for part in seen.model.parts().iter().filter(|part| part.furred) {
-            let spec = spec(frame, seen, part);
-            let pipeline = frame.pipeline(spec);
-            draws.push(seen.draw(part, pipeline, frame.seen_from_light(seen), seen.fur(), 0..1));
-        }
+        let groups = [frame.seen_from_light(seen), seen.fur()];
+        draws.extend(frame.part_draws(seen, |part| part.furred, groups, 0..1, |frame, part| spec(frame, seen, part)));
     }
     draws
 }
@@ -116,12 +102,12 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
-    if let Some(maps) = maps.as_deref().filter(|maps| frame.redraw && maps.key.self_shadow) {
+    if let Some(maps) = maps.as_deref().filter(|maps| frame.redraws_maps() && maps.key.self_shadow) {
         record_depth(frame, maps, CasterPass::Nearest);
         record_layers(frame, maps);
     }
     match maps.filter(|maps| maps.key.self_shadow) {
-        Some(maps) if frame.redraw => {
+        Some(maps) if frame.redraws_maps() => {
             let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
             Outcome::recorded(format!("{layers} maps of {size} x {size}{}", light_inside(&maps)))
         }

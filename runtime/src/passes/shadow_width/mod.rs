@@ -13,7 +13,7 @@
 //! surface it is not: the hair there may lie behind the nearer thing, which would lose light at its edges.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, RenderSpec, Shader, depth_texture, sampler, texture, uniform};
+use crate::gpu::{Bound, Draw, RenderSpec, Shader, depth_texture, record, sampler, texture, uniform};
 use crate::light::{CasterPass, ShadowMaps};
 use crate::params::StyleKind;
 use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside, record_depth};
@@ -80,11 +80,8 @@ fn record_step(frame: &mut Recording<'_>, step: &Step<'_>, constants: &Bound) {
     entries.extend(step.linear.then(|| (5, Bound::Sampler(frame.surfaces.map_sampler.clone()))));
     let group = frame.cache.bind_groups.get(frame.gpu, step.layout, &layout, entries);
     let spec = RenderSpec::screen(FILTER, ["vs_filter", step.fragment], layout, ShadowMaps::WIDTH_FORMAT);
-    let pipeline = frame.pipeline(spec);
-    let mut pass = begin_maps(frame.encoder, FILTER.name, MapTarget::Light(step.target));
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.draw(0..3, 0..1);
+    let draw = Draw::screen(frame.pipeline(spec), &group);
+    record(&mut begin_maps(frame.encoder, FILTER.name, MapTarget::Light(step.target)), [&draw]);
 }
 
 /// Records the shadow-width map from depth maps and layer-wise maps that are drawn.
@@ -142,7 +139,7 @@ fn record_filter(frame: &mut Recording<'_>, maps: &ShadowMaps) {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
     match maps.as_deref().filter(|maps| maps.key.soft_shadow) {
-        Some(maps) if frame.redraw => {
+        Some(maps) if frame.redraws_maps() => {
             // Where hair shadows hair it is there already.
             if !maps.key.self_shadow {
                 record_depth(frame, maps, CasterPass::Nearest);

@@ -54,6 +54,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
     constants.extend(look.lights());
     constants.extend(groom(model, part));
     constants.extend([
+        on("LEAN", varies.lean),
         on("PLANAR_DIRECTIONS", model.planar_directions()),
         on("RESAMPLED", look.resampled),
         on("DETAIL", look.detail),
@@ -73,25 +74,22 @@ fn layers(frame: &Recording<'_>, seen: &Seen) -> Range<u32> {
 
 /// Draws of one instance's furred parts.
 fn draws(frame: &mut Recording<'_>, seen: &Seen) -> Vec<Draw> {
-    let mut draws = Vec::new();
-    for part in seen.model.parts().iter().filter(|part| part.furred) {
-        let spec = spec(frame, seen, part);
-        let pipeline = frame.pipeline(spec);
-        draws.push(seen.draw(part, pipeline, frame.seen_from_eye(seen), seen.fur(), layers(frame, seen)));
-    }
+    let (layers, groups) = (layers(frame, seen), [frame.seen_from_eye(seen), seen.fur()]);
+    let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part);
+    let draws = frame.part_draws(seen, |part| part.furred, groups, layers.clone(), spec);
     if draws.len() < 2 {
         // Instances of one draw are drawn in order: all layers at once.
         return draws;
     }
     // Several parts may overlap where they meet: layer by layer, so that an outer layer of one never hides an inner of another.
     let layer = |k: u32| draws.iter().map(move |draw| Draw { instances: k..k + 1, ..draw.clone() });
-    layers(frame, seen).flat_map(layer).collect()
+    layers.flat_map(layer).collect()
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let (mut all, mut furry, mut drawn) = (Vec::new(), 0, 0);
-    for seen in instances.iter().filter(|seen| seen.in_picture && seen.drawing.has_shells()) {
+    for seen in instances.iter().filter(|seen| seen.in_picture() && seen.drawing.has_shells()) {
         let draws = draws(frame, seen);
         if !draws.is_empty() {
             furry += 1;
@@ -108,7 +106,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     Outcome::Skipped(match (instances.is_empty(), frame.params.style.fur().and_then(|fur| fur.layers)) {
         (true, _) => "no instances",
         (_, Some(1)) => "one layer is the skin alone",
-        _ if !instances.iter().any(|seen| seen.in_picture) => "nothing is in the picture",
+        _ if !instances.iter().any(Seen::in_picture) => "nothing is in the picture",
         _ if any_reduced(frame) => "the fur is too small on screen: far coats on the skin",
         _ => "no package has fur",
     })

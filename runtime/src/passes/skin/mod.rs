@@ -40,23 +40,24 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part, furred: bool) -> Render
         return spec;
     }
     constants.extend(groom(model, part));
-    // Skin leans nowhere, unless it is raised.
-    constants.retain(|(name, _)| *name != "LEAN");
-    constants.push(on("LEAN", model.varies().lean && look.coat));
-    constants.extend([on("PLANAR_DIRECTIONS", model.planar_directions()), on("COAT", look.coat)]);
+    constants.extend([
+        // Skin leans nowhere, unless it is raised.
+        on("LEAN", model.varies().lean && look.coat),
+        on("PLANAR_DIRECTIONS", model.planar_directions()),
+        on("COAT", look.coat),
+    ]);
     frame.picture_spec(SHADER, ["vs_furred", "fs_furred"], constants, sides, false)
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let mut draws = Vec::new();
     let instances = frame.instances.clone();
-    let shown = || instances.iter().filter(|seen| seen.in_picture);
+    let shown = || instances.iter().filter(|seen| seen.in_picture());
+    let furry = frame.params.style.fur().is_some();
     for seen in shown() {
-        for part in seen.model.parts() {
-            let spec = spec(frame, seen, part, part.furred && frame.params.style.fur().is_some());
-            let pipeline = frame.pipeline(spec);
-            draws.push(seen.draw(part, pipeline, frame.seen_from_eye(seen), seen.fur(), 0..1));
-        }
+        let groups = [frame.seen_from_eye(seen), seen.fur()];
+        let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, part.furred && furry);
+        draws.extend(frame.part_draws(seen, |_| true, groups, 0..1, spec));
     }
     if draws.is_empty() {
         return Outcome::Skipped(if instances.is_empty() { "no instances" } else { "nothing is in the picture" });
