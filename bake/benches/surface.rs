@@ -4,13 +4,13 @@
 //! `cargo bench --workspace --bench surface -- MODEL…` measures models as well; paths are relative to `bake/`.
 
 use glam::vec3;
-use pelage_bake::groom::{Lengths, bounds};
-use pelage_bake::import::ImportOptions;
 use pelage_bake::io::read_model;
+use pelage_bake::judge::stability::surface::grid;
 use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::recipe;
-use pelage_bake::stability::surface::grid;
-use pelage_bake::surface::{SurfaceParams, parameterize};
+use pelage_bake::stages::groom::{Lengths, bounds};
+use pelage_bake::stages::import::ImportOptions;
+use pelage_bake::stages::surface::{SurfaceParams, parameterize};
 use std::time::Instant;
 
 /// A trefoil tube of `2 * along * around` triangles, with bumps.

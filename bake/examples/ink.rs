@@ -4,10 +4,10 @@
 //! where `height` is the hair's length in widths of the tile.
 
 use image::GrayImage;
-use pelage_bake::hair::{VolumeParams, simulate};
-use pelage_bake::ink::{self, Plane};
 use pelage_bake::io::read_map_images;
 use pelage_bake::recipe::{ImagePath, Recipe};
+use pelage_bake::stages::hair::{VolumeParams, simulate};
+use pelage_bake::stages::ink::{self, Plane};
 use std::path::Path;
 use std::time::Instant;
 

@@ -1,11 +1,11 @@
 //! The only module of the library that touches files.
 
 use crate::BakeError;
-use crate::groom::MapImages;
-use crate::import::{ImportOptions, MAX_TEXELS, decode_image, import, input_record};
 use crate::mesh::Model;
 use crate::picture::Picture;
 use crate::recipe::Recipe;
+use crate::stages::groom::MapImages;
+use crate::stages::import::{ImportOptions, MAX_TEXELS, decode_image, import, input_record};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 //! Pictures in memory, of linear light: what renderers draw and what is compared.
 
 use crate::BakeError;
-use crate::import::bounded_reader;
-use crate::textures::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
+use crate::stages::import::bounded_reader;
+use crate::stages::textures::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
 use image::{EncodableLayout, ImageBuffer, ImageFormat, PixelWithColorType, RgbaImage};
 
 /// A picture of linear light with coverage.

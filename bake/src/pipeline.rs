@@ -1,16 +1,16 @@
 //! The way through bake, top to bottom; no mathematics in here.
 
 use crate::BakeError;
-use crate::detail;
-use crate::fins;
-use crate::groom::{self, Atlas, Lay, Lengths, MapImages, Maps, Pattern};
-use crate::hair::TileHair;
-use crate::ink::{self, Canvas, Ink};
 use crate::mesh::{Image, Model, RestPose};
-use crate::pack::{self, Pieces};
 use crate::recipe::{PackParams, Recipe, Style, SurfaceSource};
-use crate::surface::{self, Comb, Measures, Surface, SurfaceParams};
-use crate::textures;
+use crate::stages::detail;
+use crate::stages::fins;
+use crate::stages::groom::{self, Atlas, Lay, Lengths, MapImages, Maps, Pattern};
+use crate::stages::hair::TileHair;
+use crate::stages::ink::{self, Canvas, Ink};
+use crate::stages::pack::{self, Pieces};
+use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
+use crate::stages::textures;
 use pelage_formats::{Bounds, FurInfo, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.

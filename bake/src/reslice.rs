@@ -3,14 +3,14 @@
 //! Skin, materials and motions stay byte for byte; the strands grow again from the package's own recipe, and only what `slice` makes of them is new.
 
 use crate::BakeError;
-use crate::detail;
-use crate::groom::MapImages;
-use crate::hair::Strands;
-use crate::ink::{self, InkTextures};
-use crate::pack::Textures;
 use crate::recipe::Recipe;
-use crate::reference::tile_hair;
-use crate::textures::{self, SLABS};
+use crate::stages::detail;
+use crate::stages::groom::MapImages;
+use crate::stages::hair::Strands;
+use crate::stages::ink::{self, InkTextures};
+use crate::stages::pack::Textures;
+use crate::stages::textures::{self, SLABS};
+use crate::strands::tile_hair;
 use pelage_formats::{FinInfo, FurInfo, InkData, Manifest, Package, PackageWriter, Tag};
 
 /// The textures of the ink style anew, where `recipe` has them in another format than the package; `None` where they stay, also where a scan would be

@@ -6,8 +6,8 @@ mod import_support;
 use glam::Vec3;
 use import_support::*;
 use pelage_bake::BakeError;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::mesh::Model;
+use pelage_bake::stages::import::{ImportOptions, import};
 use serde_json::{Value, json};
 use std::path::Path;
 

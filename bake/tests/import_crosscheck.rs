@@ -6,8 +6,8 @@ mod import_support;
 use glam::{Mat4, Vec2, Vec3};
 use gltf::animation::util::ReadOutputs;
 use import_support::*;
-use pelage_bake::import::ImportOptions;
 use pelage_bake::io::read_model;
+use pelage_bake::stages::import::ImportOptions;
 use pelage_formats::Property;
 
 #[derive(Default)]

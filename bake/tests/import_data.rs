@@ -6,9 +6,9 @@ mod import_support;
 use glam::Vec3;
 use import_support::*;
 use pelage_bake::BakeError;
-use pelage_bake::import::ImportOptions;
 use pelage_bake::io::read_model;
 use pelage_bake::mesh::{Model, RestPose};
+use pelage_bake::stages::import::ImportOptions;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@ mod import_support;
 
 use glam::{Vec2, Vec3};
 use import_support::*;
-use pelage_bake::import::{ImportOptions, import};
+use pelage_bake::stages::import::{ImportOptions, import};
 use serde_json::json;
 
 fn square(doc: &mut Doc) -> usize {

@@ -5,8 +5,8 @@ mod import_support;
 
 use import_support::*;
 use pelage_bake::BakeError;
-use pelage_bake::import::ImportOptions;
 use pelage_bake::io::{read_file, read_model, write_atomic};
+use pelage_bake::stages::import::ImportOptions;
 use serde_json::json;
 use std::path::Path;
 

@@ -5,8 +5,8 @@ mod import_support;
 
 use glam::{Mat4, Vec3};
 use import_support::*;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::mesh::{Model, RestPose};
+use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_formats::{Interpolation, Pose, Property, SkinVertex};
 use serde_json::json;
 

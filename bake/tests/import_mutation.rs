@@ -6,7 +6,7 @@ mod import_support;
 
 use import_support::*;
 use pelage_bake::BakeError;
-use pelage_bake::import::{ImportOptions, import};
+use pelage_bake::stages::import::{ImportOptions, import};
 use serde_json::{Value, json};
 use std::panic::catch_unwind;
 use std::path::Path;

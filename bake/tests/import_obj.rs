@@ -6,9 +6,9 @@ mod import_support;
 use glam::{Vec2, Vec3};
 use import_support::*;
 use pelage_bake::BakeError;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::io::read_model;
 use pelage_bake::mesh::Model;
+use pelage_bake::stages::import::{ImportOptions, import};
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -2,11 +2,11 @@
 //! The way through bake, from the built-in models to packages.
 
 use pelage_bake::BakeError;
-use pelage_bake::groom::MapImages;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::pipeline::{self, Baked, STAGES};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::reslice;
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_formats::{Limits, Package};
 use std::path::PathBuf;
 

@@ -1,11 +1,11 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! The strands of a whole animal.
 
-use pelage_bake::groom::MapImages;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::pipeline;
 use pelage_bake::recipe::Recipe;
-use pelage_bake::reference::{Skin, grow_on, tile_hair};
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::stages::import::{ImportOptions, import};
+use pelage_bake::strands::{Skin, grow_on, tile_hair};
 use pelage_formats::{Limits, Package};
 use std::path::PathBuf;
 

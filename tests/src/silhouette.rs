@@ -1,9 +1,9 @@
 //! Models whose silhouettes are measured.
 
 use crate::binary::{data, workspace};
-use pelage_bake::groom::MapImages;
-use pelage_bake::import::ImportOptions;
 use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::stages::import::ImportOptions;
 use pelage_bake::{io, pipeline};
 use std::path::{Path, PathBuf};
 

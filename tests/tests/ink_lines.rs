@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::{Mat4, Vec3, vec3};
-use pelage_bake::chart::ink::{on_blank_paper, template_px};
-use pelage_bake::compare_motion::{Flicker, MeanOf, Moment, flicker};
+use pelage_bake::judge::chart::ink::{on_blank_paper, template_px};
+use pelage_bake::judge::compare_motion::{Flicker, MeanOf, Moment, flicker};
+use pelage_bake::judge::truth::{Lens, Sight, TrueCamera};
 use pelage_bake::mask::Mask;
-use pelage_bake::reference::{Lens, Sight, Skin, TrueCamera};
+use pelage_bake::strands::Skin;
 use pelage_runtime::formats::{Limits, Package};
 use pelage_runtime::{
     Anchoring, Camera, FrameParams, InkParams, InkShow, Instance, Motion, PassId, Renderer, RendererOptions, Study,
@@ -84,7 +85,7 @@ fn the_printed_rule_misses_the_lines() {
     if gpu("the_printed_rule_misses_the_lines").is_none() {
         return;
     }
-    let printed = pelage_bake::chart::ink::configurations();
+    let printed = pelage_bake::judge::chart::ink::configurations();
     let index = printed.iter().position(|c| c.series == "as printed").unwrap();
     let rows = chart(&own("hare"), &(index + 1).to_string());
     assert_eq!((&rows[0]["series"], &rows[0]["rule"]), (&"as printed".into(), &"all".into()));

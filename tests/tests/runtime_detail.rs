@@ -1,8 +1,8 @@
 //! Levels of detail: what they draw, that they look like all layers, and that nothing jumps between them.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use pelage_bake::compare::compare;
-use pelage_bake::textures::srgb_to_linear;
+use pelage_bake::judge::compare::compare;
+use pelage_bake::stages::textures::srgb_to_linear;
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
     Camera, Detail, FrameParams, FrameReport, Instance, Projection, Renderer, RendererOptions, Style,

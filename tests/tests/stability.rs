@@ -1,13 +1,13 @@
 //! The stability table: our form of each method stays within its bound where the naive form fails. What drives both over the cliff stands
-//! in `pelage_bake::stability`, which `pelage chart stability` prints; what holds besides is tested here.
+//! in `pelage_bake::judge::stability`, which `pelage chart stability` prints; what holds besides is tested here.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 mod silhouettes;
 
 use glam::Vec3;
+use pelage_bake::judge::stability::{self, Drawing, Finding, Row, grow, hair_simulation, opacity, slice, texels};
 use pelage_bake::recipe::HairParams;
-use pelage_bake::stability::{self, Drawing, Finding, Row, grow, hair_simulation, opacity, slice, texels};
 use pelage_formats::TextureFormat;
 use pelage_tests::gpu::gpu;
 use silhouettes::texels as drawn;
@@ -94,7 +94,7 @@ fn a_row_that_breaks_its_bound_is_seen() {
 
 #[test]
 fn a_cancelled_mean_is_stored_as_upright_or_as_nothing() {
-    use pelage_bake::textures::direction::encode_mean;
+    use pelage_bake::stages::textures::direction::encode_mean;
     let noise = Vec3::new(3e-8, -6e-8, 0.0);
     assert_eq!(encode_mean(noise, TextureFormat::Rg8Unorm)[..2], [128, 128]);
     assert_eq!(encode_mean(noise, TextureFormat::Rgba8Unorm)[..3], [128, 128, 128]);
@@ -111,8 +111,9 @@ fn mip_levels_keep_the_mean_colour_too() {
         let column = |texel: usize| {
             let (mut green, mut t) = (0.0, 1.0);
             for k in (0..16).rev() {
-                green +=
-                    t * f64::from(pelage_bake::textures::srgb_to_linear(set.layers[k].color[level][4 * texel + 1]));
+                green += t * f64::from(pelage_bake::stages::textures::srgb_to_linear(
+                    set.layers[k].color[level][4 * texel + 1],
+                ));
                 t *= 1.0 - opacity(&set, k, level, texel);
             }
             green

@@ -6,12 +6,12 @@
 
 mod silhouettes;
 
-use pelage_bake::import::ImportOptions;
 use pelage_bake::io;
+use pelage_bake::judge::stability::Drawing;
+use pelage_bake::judge::stability::animation::joints;
+use pelage_bake::judge::stability::silhouette::{Measured, bake, measure, profile_error};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::stability::Drawing;
-use pelage_bake::stability::animation::joints;
-use pelage_bake::stability::silhouette::{Measured, bake, measure, profile_error};
+use pelage_bake::stages::import::ImportOptions;
 use pelage_runtime::formats::{Limits, Package, PackageWriter};
 use pelage_runtime::glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{kajiya_kay, skinning, tile_frame};

@@ -1,16 +1,16 @@
 //! Where parameterizations fail, and that ours does not: the rows "surface" and "solver" of the stability table.
 //!
-//! What drives both forms over the cliff stands in `pelage_bake::stability`, where `stability.rs` holds it to bound and failure; here is what
+//! What drives both forms over the cliff stands in `pelage_bake::judge::stability`, where `stability.rs` holds it to bound and failure; here is what
 //! must hold besides.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use glam::{DVec3, Mat4, Quat, Vec2, Vec3, vec3};
-use pelage_bake::mesh::Model;
-use pelage_bake::stability::surface::{
+use pelage_bake::judge::stability::surface::{
     broken_gradients, flips_of_one_chart, grid, lay, lost_half_edges, model, sphere, torus,
 };
-use pelage_bake::surface::{Comb, Guide, PatchParams, Source, Surface, SurfaceParams, parameterize};
+use pelage_bake::mesh::Model;
+use pelage_bake::stages::surface::{Comb, Guide, PatchParams, Source, Surface, SurfaceParams, parameterize};
 
 fn params(tile_size_m: f32) -> SurfaceParams {
     SurfaceParams { tile_size_m, furred: vec![true], ..SurfaceParams::default() }
@@ -199,7 +199,7 @@ mod solver {
     //! Slivers make the equations nearly singular.
 
     use super::*;
-    use pelage_bake::stability::solver::{LEAST, slivers};
+    use pelage_bake::judge::stability::solver::{LEAST, slivers};
 
     #[test]
     fn slivers_neither_flip_nor_spoil_their_neighbours() {

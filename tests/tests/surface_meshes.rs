@@ -1,12 +1,12 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! Lapped patches on real meshes: every mesh of the test data, and the figures that the project promises on the well-known ones.
 
-use pelage_bake::groom::{Lengths, bounds};
-use pelage_bake::import::ImportOptions;
 use pelage_bake::io::read_model;
 use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::recipe;
-use pelage_bake::surface::{Surface, SurfaceParams, parameterize};
+use pelage_bake::stages::groom::{Lengths, bounds};
+use pelage_bake::stages::import::ImportOptions;
+use pelage_bake::stages::surface::{Surface, SurfaceParams, parameterize};
 use pelage_tests::binary::{data, walk, workspace};
 use std::path::{Path, PathBuf};
 

@@ -7,12 +7,13 @@ use super::output::{Output, human_bytes, require_parent};
 #[cfg(feature = "preview")]
 use super::shell_judge::Source;
 use super::threads;
-use pelage_bake::decide::Limits;
-use pelage_bake::groom::MapImages;
-use pelage_bake::import::{ImportOptions, input_record};
+use pelage_bake::judge::decide::Limits;
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::{BakeError, io, pack};
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::stages::import::{ImportOptions, input_record};
+use pelage_bake::stages::pack;
+use pelage_bake::{BakeError, io};
 use pelage_formats::{Choice, InputRecord};
 use serde_json::json;
 use std::path::{Path, PathBuf};

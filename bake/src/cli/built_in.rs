@@ -2,9 +2,9 @@
 
 use super::exit::Failure;
 use pelage_bake::BakeError;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::mesh::Model;
 use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::import::{ImportOptions, import};
 
 /// A model and its recipe.
 #[derive(Debug)]

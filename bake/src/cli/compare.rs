@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
-use pelage_bake::compare::{CompareParams, Comparison, compare_pictures};
+use pelage_bake::judge::compare::{CompareParams, Comparison, compare_pictures};
 use pelage_bake::{BakeError, io};
 use serde_json::{Value, json};
 use std::path::PathBuf;

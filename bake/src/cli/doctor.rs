@@ -7,7 +7,7 @@ use super::package_file::PackageFile;
 use super::view::View;
 use super::view_args::Size;
 use pelage_bake::BakeError;
-use pelage_bake::doctor::{self, PassWork, Prognosis};
+use pelage_bake::judge::doctor::{self, PassWork, Prognosis};
 use pelage_bake::recipe::CameraView;
 use serde_json::{Value, json};
 use std::fmt::Write as _;

@@ -7,8 +7,8 @@ use super::reference::{camera_json, groom_json};
 use super::truth::Truth;
 use super::view::View;
 use super::view_args::{Size, parse_seconds};
-use pelage_bake::export::{StrandFormat, write_mtl, write_obj};
 use pelage_bake::io::write_atomic_with;
+use pelage_bake::strands::export::{StrandFormat, write_mtl, write_obj};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

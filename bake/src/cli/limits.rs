@@ -1,4 +1,4 @@
-//! `pelage bake` with limits: the search of `pelage_bake::decide` over pictures of this machine's adapter.
+//! `pelage bake` with limits: the search of `pelage_bake::judge::decide` over pictures of this machine's adapter.
 
 use super::chart::measured_on;
 use super::exit::Failure;
@@ -6,7 +6,7 @@ use super::gpu::Gpu;
 use super::output::{Output, human_bytes};
 use super::shell_judge::{ShellJudge, Source};
 use pelage_bake::BakeError;
-use pelage_bake::decide::{self, Decision, Judge, Limits, Measured, Setting, Space, Trial};
+use pelage_bake::judge::decide::{self, Decision, Judge, Limits, Measured, Setting, Space, Trial};
 use pelage_bake::recipe::Recipe;
 use pelage_formats::Choice;
 use std::fmt::Write as _;

@@ -15,7 +15,7 @@ use glam::Quat;
 use image::RgbaImage;
 use pelage_bake::io;
 use pelage_bake::picture::encode_png;
-use pelage_bake::textures::srgb_to_linear;
+use pelage_bake::stages::textures::srgb_to_linear;
 use pelage_formats::MAGIC;
 use pelage_runtime::{Frame, Light};
 use serde::{Deserialize, Serialize};

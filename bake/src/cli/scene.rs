@@ -8,7 +8,7 @@ use super::view::View;
 use super::view_args::DetailArg;
 use glam::Vec3;
 use pelage_bake::BakeError;
-use pelage_bake::textures::srgb_to_linear;
+use pelage_bake::stages::textures::srgb_to_linear;
 use pelage_formats::Package;
 use pelage_runtime::{
     Camera, Detail, Frame, FrameParams, FurParams, Hooks, Instance, InstanceDetail, Model, PassId, Projection,

@@ -9,13 +9,13 @@ use super::scene::Scene;
 use super::truth::{self, Truth};
 use super::view::View;
 use image::RgbaImage;
-use pelage_bake::chart::shells::Measured;
-use pelage_bake::compare::{CompareParams, compare};
-use pelage_bake::groom::MapImages;
+use pelage_bake::judge::chart::shells::Measured;
+use pelage_bake::judge::compare::{CompareParams, compare};
 use pelage_bake::mesh::Model;
 use pelage_bake::pipeline;
 use pelage_bake::recipe::{CameraView, Recipe};
 use pelage_bake::reslice::reslice;
+use pelage_bake::stages::groom::MapImages;
 use std::time::Instant;
 
 /// What packages are made from.

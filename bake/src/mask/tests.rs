@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
-use crate::hair::noise::uniform;
+use crate::noise::uniform;
 
 /// The set drawn with `#`.
 fn drawn(rows: &[&str]) -> Mask {

@@ -4,8 +4,8 @@
 use base64::Engine as _;
 use glam::Vec3;
 use pelage_bake::BakeError;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::mesh::{Model, RestPose};
+use pelage_bake::stages::import::{ImportOptions, import};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

@@ -6,8 +6,8 @@ use super::{ChartArgs, create};
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::journal::Key;
 use crate::cli::output::Output;
-use pelage_bake::chart::{self, Cell, Chart, Panel, Row};
 use pelage_bake::io;
+use pelage_bake::judge::chart::{self, Cell, Chart, Panel, Row};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

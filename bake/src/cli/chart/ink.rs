@@ -15,11 +15,12 @@ use crate::cli::truth::true_camera;
 use crate::cli::view::View;
 use glam::{Quat, Vec3};
 use image::RgbaImage;
-use pelage_bake::chart::{Cell, ink};
-use pelage_bake::compare_lines::measure_lines;
-use pelage_bake::compare_motion::{Flicker, Moment, flicker};
+use pelage_bake::judge::chart::{Cell, ink};
+use pelage_bake::judge::compare_lines::measure_lines;
+use pelage_bake::judge::compare_motion::{Flicker, Moment, flicker};
+use pelage_bake::judge::truth::{LineParams, TrueLines};
 use pelage_bake::mask::Mask;
-use pelage_bake::reference::{LineParams, Skin, TrueLines};
+use pelage_bake::strands::Skin;
 use pelage_runtime::{InkParams, InkShow, Style, StyleKind};
 
 /// Frames of the slow turn whose flicker is taken, and the degrees between them.

@@ -5,7 +5,7 @@
 
 use crate::cli::exit::Failure;
 use crate::cli::journal::{Entry, Journal};
-use pelage_bake::chart::Cell;
+use pelage_bake::judge::chart::Cell;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;

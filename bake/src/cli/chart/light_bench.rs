@@ -7,7 +7,7 @@ use crate::cli::package_file::PackageFile;
 use crate::cli::scene::Scene;
 use crate::cli::view::View;
 use glam::Vec3;
-use pelage_bake::chart::light_maps::LightMaps;
+use pelage_bake::judge::chart::light_maps::LightMaps;
 use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams, Study};
 
 /// Drawings of the maps under each light, of which the fastest counts; of all lights the median.

@@ -9,10 +9,10 @@ use crate::cli::measure::{Meter, Spread};
 use crate::cli::package_file::PackageFile;
 use crate::cli::scene::Scene;
 use crate::cli::view::{Terms, View};
-use pelage_bake::chart::{Cell, lighting};
-use pelage_bake::groom::{self, Lengths};
+use pelage_bake::judge::chart::{Cell, lighting};
 use pelage_bake::mesh::RestPose;
 use pelage_bake::pipeline;
+use pelage_bake::stages::groom::{self, Lengths};
 use pelage_runtime::{Lighting, PassId, Study};
 
 /// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and those before them in which pipelines and caches settle.

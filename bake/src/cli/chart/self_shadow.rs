@@ -7,12 +7,12 @@ use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::gpu::Gpu;
 use crate::cli::measure::Spread;
-use pelage_bake::chart::Cell;
-use pelage_bake::chart::self_shadow::{
+use pelage_bake::judge::chart::Cell;
+use pelage_bake::judge::chart::self_shadow::{
     COLUMNS, Configuration, Cost, Measured, PANELS, Sheet, Slant, Truth, cells, configurations, slants,
 };
-use pelage_bake::groom::{self, Lengths};
 use pelage_bake::mesh::RestPose;
+use pelage_bake::stages::groom::{self, Lengths};
 use pelage_formats::Bounds;
 use pelage_runtime::{PassId, Study};
 

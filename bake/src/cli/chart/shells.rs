@@ -6,7 +6,7 @@ use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::gpu::Gpu;
 use crate::cli::shell_judge::{ShellJudge, Source};
-use pelage_bake::chart::{Cell, shells};
+use pelage_bake::judge::chart::{Cell, shells};
 
 /// The topic.
 pub struct ShellsTopic<'a> {

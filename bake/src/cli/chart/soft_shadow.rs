@@ -7,8 +7,8 @@ use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::gpu::Gpu;
 use crate::cli::measure::Spread;
-use pelage_bake::chart::Cell;
-use pelage_bake::chart::soft_shadow::{
+use pelage_bake::judge::chart::Cell;
+use pelage_bake::judge::chart::soft_shadow::{
     COLUMNS, Configuration, Measured, Method, PANELS, Skin, cells, configurations, lights, runtime_settings,
 };
 use pelage_bake::pipeline;

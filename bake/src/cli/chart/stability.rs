@@ -1,12 +1,12 @@
-//! `pelage chart stability`: the table of `bake/src/stability/`, each row driven here and now.
+//! `pelage chart stability`: the table of `bake/src/judge/stability/`, each row driven here and now.
 
 use super::driver::value;
 use super::{ChartArgs, create, processor};
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::output::Output;
-use pelage_bake::chart::{self, Cell};
 use pelage_bake::io;
-use pelage_bake::stability::{Finding, ROWS, Row};
+use pelage_bake::judge::chart::{self, Cell};
+use pelage_bake::judge::stability::{Finding, ROWS, Row};
 use serde_json::{Map, Value, json};
 
 /// What was found so far.
@@ -116,7 +116,7 @@ mod drawn {
     use crate::cli::gpu::{Canvas, DEPTH_FORMAT, Gpu};
     use crate::cli::output::Output;
     use pelage_bake::BakeError;
-    use pelage_bake::stability::{DRAWN_ROWS, Drawing};
+    use pelage_bake::judge::stability::{DRAWN_ROWS, Drawing};
     use pelage_runtime::{Instance, Renderer, RendererOptions, wgpu};
 
     pub fn add(table: &mut Table, output: &mut Output) -> Result<(), Failure> {

@@ -5,10 +5,10 @@ use crate::cli::built_in::HARE;
 use crate::cli::exit::Failure;
 use crate::cli::mesh_glb;
 use crate::cli::package_file::PackageFile;
-use pelage_bake::groom::MapImages;
-use pelage_bake::import::{ImportOptions, import};
 use pelage_bake::mesh::Model;
 use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::groom::MapImages;
+use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_bake::{BakeError, io};
 use std::path::Path;
 

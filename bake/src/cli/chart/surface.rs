@@ -4,7 +4,7 @@ use super::driver::{Plan, PlannedRow, Topic};
 use super::processor;
 use super::subject::{Subject, set_words, shell_word};
 use crate::cli::exit::Failure;
-use pelage_bake::chart::{Cell, surface};
+use pelage_bake::judge::chart::{Cell, surface};
 use pelage_bake::pipeline;
 use std::time::Instant;
 

@@ -4,11 +4,11 @@ use super::driver::{Plan, PlannedRow, Topic, once};
 use super::processor;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
-use pelage_bake::chart::Cell;
-use pelage_bake::chart::textures::{COLUMNS, Configuration, PANELS, Truth, configurations, measure};
-use pelage_bake::groom::{self, Lengths};
-use pelage_bake::hair::{VolumeParams, simulate};
+use pelage_bake::judge::chart::Cell;
+use pelage_bake::judge::chart::textures::{COLUMNS, Configuration, PANELS, Truth, configurations, measure};
 use pelage_bake::mesh::RestPose;
+use pelage_bake::stages::groom::{self, Lengths};
+use pelage_bake::stages::hair::{VolumeParams, simulate};
 use std::time::Instant;
 
 /// The topic.

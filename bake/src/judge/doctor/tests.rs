@@ -1,0 +1,122 @@
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use super::*;
+use crate::judge::stability::surface::torus;
+use crate::mesh::{Image, Model};
+use crate::pipeline;
+use crate::recipe::Recipe;
+use crate::stages::groom::MapImages;
+use glam::Vec2;
+use pelage_formats::Limits;
+
+/// A torus with a base-colour texture of so many texels each way; 0 for none.
+fn model(texels: u32) -> Model {
+    let mut model = torus();
+    if texels > 0 {
+        let texel = |i: u32| if i.is_multiple_of(3) { [255, 200, 150, 255] } else { [90, 120, 60, 255] };
+        let rgba = (0..texels * texels).flat_map(texel).collect();
+        model.images.push(Image { width: texels, height: texels, rgba });
+        model.materials[0].base_color_image = Some(0);
+        model
+            .mesh
+            .uvs
+            .iter_mut()
+            .enumerate()
+            .for_each(|(i, uv)| *uv = Vec2::new(i as f32 * 0.37, i as f32 * 0.11).fract());
+        model.mesh.parts[0].has_uvs = true;
+    }
+    model
+}
+
+/// The torus from a distance in metres, in a square picture of so many pixels.
+fn prognosis(model: &Model, sets: &[&str], pixels: u32, distance_m: f32, instances: u32) -> Prognosis {
+    let mut recipe = Recipe::default();
+    sets.iter().for_each(|set| recipe.set(set).unwrap());
+    let baked = pipeline::bake("torus", "torus", model, &recipe, &MapImages::default(), &mut |_| ()).unwrap();
+    let package = Package::open(&baked.package, &Limits::default()).unwrap();
+    let eye = Vec3::new(0.3, 0.8, 1.0).normalize() * distance_m;
+    let view = View { eye, target: Vec3::ZERO, fov_y_rad: 0.6, size: (pixels, pixels), instances, shadow_map: 512 };
+    diagnose(&package, &view, &|source| BakeError::Package { file: "torus".into(), source }).unwrap()
+}
+
+fn changes(found: &Prognosis) -> Vec<&str> {
+    found.advice.iter().map(|a| a.change.split('=').next().unwrap()).collect()
+}
+
+#[test]
+fn each_advice_is_earned() {
+    let (near, pixels) = (6.0, 600);
+    let plain = prognosis(&model(0), &[], pixels, near, 1);
+    assert_eq!(plain.advice, [], "all is well, {:?}", plain.on_screen);
+    let advised = |sets: &[&str], pixels, distance_m, texels| {
+        let found = prognosis(&model(texels), sets, pixels, distance_m, 1);
+        for advice in &found.advice {
+            assert!(![&advice.found, &advice.saves, &advice.costs].iter().any(|text| text.is_empty()), "{advice:?}");
+        }
+        changes(&found).into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    for (name, sets, pixels, distance_m, texels) in [
+        ("slice.layers", &["slice.layers=64"][..], pixels, 12.0, 0),
+        ("slice.tile_texels", &["slice.tile_texels=256"], pixels, near, 0),
+        ("hair.root_radius", &["hair.root_radius=0.002", "hair.tip_radius=0.001"], pixels, near, 0),
+        ("hair.density", &["hair.density=30000", "hair.length_variation=0"], pixels, near, 0),
+        ("fins.enabled", &[], pixels, 600.0, 0),
+        ("pack.shell_format", &["pack.shell_format=rgba8"], pixels, near, 0),
+        ("pack.base_color_max", &[], pixels, 60.0, 512),
+        ("the model: fewer triangles", &[], 120, near, 0),
+    ] {
+        let found = advised(sets, pixels, distance_m, texels);
+        assert!(found.iter().any(|change| change == name), "{name} is missing: {found:?}");
+    }
+    // The change that is named is enough.
+    let few = prognosis(&model(0), &["slice.layers=64"], pixels, 12.0, 1);
+    let change = few.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap().change.clone();
+    assert!(!changes(&prognosis(&model(0), &[&change], pixels, 12.0, 1)).contains(&"slice.layers"), "{change}");
+}
+
+#[test]
+fn work_grows_as_it_must() {
+    let of = |p: &Prognosis, name: &str| {
+        let pass = p.passes.iter().find(|pass| pass.name == name).unwrap();
+        (pass.fragments.unwrap_or_default() as f64, pass.vertices)
+    };
+    let (one, ten) = (prognosis(&model(0), &[], 300, 6.0, 1), prognosis(&model(0), &[], 300, 6.0, 10));
+    assert_eq!((of(&ten, "shells").1, of(&ten, "skin").0), (10 * of(&one, "shells").1, 10.0 * of(&one, "skin").0));
+    assert_eq!(ten.memory, one.memory, "what stands still is shared");
+    // Twice the picture, four times the pixels; above some size they are counted on a smaller one.
+    let (large, huge) = (prognosis(&model(0), &[], 600, 6.0, 1), prognosis(&model(0), &[], 4800, 6.0, 1));
+    for (picture, factor) in [(&large, 4.0), (&huge, 256.0)] {
+        let ratio = of(picture, "shells").0 / of(&one, "shells").0 / factor;
+        assert!((0.97..1.03).contains(&ratio), "{ratio}");
+    }
+    assert!(one.overdraw.0 > 8.0 && one.overdraw.1 >= 15, "{:?}", one.overdraw);
+    assert!(one.covered_pixels[1] > one.covered_pixels[0]);
+    // Without fur there is less to do, and the report says why.
+    let bare = prognosis(&model(0), &["model.bare=[\"*\"]"], 300, 6.0, 1);
+    let shells = bare.passes.iter().find(|pass| pass.name == "shells").unwrap();
+    assert!(!shells.runs && shells.vertices == 0 && shells.reason.contains("no fur"), "{shells:?}");
+}
+
+#[test]
+fn what_is_behind_the_eye_is_not_drawn() {
+    let baked = {
+        let recipe = Recipe::default();
+        pipeline::bake("torus", "torus", &model(0), &recipe, &MapImages::default(), &mut |_| ()).unwrap().package
+    };
+    let package = Package::open(&baked, &Limits::default()).unwrap();
+    let fault = |source| BakeError::Package { file: "torus".into(), source };
+    let view = View {
+        eye: Vec3::new(0.0, 0.0, 5.0),
+        target: Vec3::new(0.0, 0.0, 6.0),
+        fov_y_rad: 0.6,
+        size: (64, 64),
+        instances: 1,
+        shadow_map: 0,
+    };
+    let found = diagnose(&package, &view, &fault).unwrap();
+    assert_eq!((found.covered_pixels, found.overdraw.1, found.on_screen.triangles), ([0, 0], 0, 0));
+    assert!(
+        found.passes.iter().find(|p| p.name == "shadow_width").is_some_and(|p| !p.runs && p.reason == "switched off")
+    );
+    assert!(diagnose(&package, &View { target: view.eye, ..view }, &fault).is_err());
+}

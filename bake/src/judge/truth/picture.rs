@@ -1,0 +1,172 @@
+//! The true picture of a package: its strands and skin, traced.
+
+use super::camera::{RayCaster, TrueCamera};
+use super::lighting::{Material, Sample, TrueLighting, root_directions};
+use super::tracer::Tracer;
+use crate::BakeError;
+use crate::noise::{hash, uniform};
+use crate::stages::hair::TileHair;
+use crate::strands::Curves;
+use crate::strands::Skin;
+use glam::{DVec2, DVec3};
+use pelage_formats::Shading;
+use rayon::prelude::*;
+
+/// Width and height of the squares that the picture is traced in, pixels.
+const SQUARE: u32 = 16;
+/// Squares between two calls of the progress callback.
+const BATCH: usize = 32;
+
+/// A traced picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TracedPicture {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Linear RGB times alpha, and alpha: the share of samples that met anything. Row-major from the top; colours may exceed 1.
+    pub pixels: Vec<[f32; 4]>,
+    /// What it took.
+    pub rays: Rays,
+}
+
+/// Rays of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rays {
+    /// From the eye.
+    pub primary: u64,
+    /// To the key light.
+    pub shadow: u64,
+}
+
+/// Strands and skin, ready to be traced.
+pub struct TrueScene {
+    tracer: Tracer,
+    material: Material,
+}
+
+impl TrueScene {
+    /// Builds the trees.
+    ///
+    /// * `hair`: the tile that the strands are copies of, for the undercoat; `None` leaves furred skin bare
+    /// * `shading`: of `hair.strands`
+    ///
+    /// # Errors
+    /// [`BakeError::Internal`] for places that are not finite.
+    pub fn new(curves: Curves, skin: Skin, hair: Option<&TileHair>, shading: Shading) -> Result<Self, BakeError> {
+        let wet = hair.and_then(|h| h.wet.as_ref());
+        let directions =
+            |strands: Option<&crate::stages::hair::Strands>| strands.map_or_else(Vec::new, root_directions);
+        let color =
+            |strands: Option<&crate::stages::hair::Strands>| strands.map_or(DVec3::ONE, |s| s.root_color.as_dvec3());
+        let dry = hair.map(|h| &h.strands);
+        let material = Material {
+            dry: shading,
+            wet: shading.wet(),
+            roots: [directions(dry), directions(wet)],
+            root_colors: [color(dry), color(wet)],
+        };
+        Ok(Self { tracer: Tracer::new(curves, skin)?, material })
+    }
+
+    /// The strands.
+    pub fn curves(&self) -> &Curves {
+        &self.tracer.curves
+    }
+
+    /// The skin.
+    pub fn skin(&self) -> &Skin {
+        &self.tracer.skin
+    }
+
+    /// Bytes in memory for each strand: its points, its pieces and their tree.
+    pub fn bytes_per_strand(&self) -> f64 {
+        self.tracer.bytes_per_strand()
+    }
+
+    /// Traces a picture of `width` × `height` pixels with `spp` samples each, spread over the pixel's square (box filter).
+    ///
+    /// `progress` gets the pixels that are done and all of them. The same arguments give the same picture on any number of threads.
+    pub fn picture(
+        &self,
+        camera: &TrueCamera,
+        lighting: &TrueLighting,
+        (width, height): (u32, u32),
+        spp: u32,
+        progress: &mut dyn FnMut(u64, u64),
+    ) -> TracedPicture {
+        let mut picture = TracedPicture { width, height, ..TracedPicture::default() };
+        picture.pixels = vec![[0.0; 4]; width as usize * height as usize];
+        let squares: Vec<(u32, u32)> = (0..height.div_ceil(SQUARE))
+            .flat_map(|y| (0..width.div_ceil(SQUARE)).map(move |x| (SQUARE * x, SQUARE * y)))
+            .collect();
+        let total = u64::from(width) * u64::from(height);
+        let mut done = 0;
+        let rays = RayCaster::new(camera, (width, height));
+        for batch in squares.chunks(BATCH) {
+            let traced: Vec<_> = batch
+                .par_iter()
+                .map(|(x0, y0)| {
+                    let columns = *x0..(x0 + SQUARE).min(width);
+                    let mut pixels = Vec::new();
+                    let mut count = Rays::default();
+                    for y in *y0..(y0 + SQUARE).min(height) {
+                        pixels.extend(columns.clone().map(|x| self.pixel(&rays, lighting, (x, y), spp, &mut count)));
+                    }
+                    (columns, *y0, pixels, count)
+                })
+                .collect();
+            for (columns, y0, pixels, count) in traced {
+                for (row, colors) in pixels.chunks(columns.len()).enumerate() {
+                    let first = (y0 as usize + row) * width as usize + columns.start as usize;
+                    picture.pixels[first..first + columns.len()].copy_from_slice(colors);
+                }
+                done += pixels.len() as u64;
+                picture.rays.primary += count.primary;
+                picture.rays.shadow += count.shadow;
+            }
+            progress(done, total);
+        }
+        picture
+    }
+
+    fn pixel(
+        &self,
+        rays: &RayCaster,
+        lighting: &TrueLighting,
+        (x, y): (u32, u32),
+        spp: u32,
+        count: &mut Rays,
+    ) -> [f32; 4] {
+        let seed = hash(u64::from(x) << 32 | u64::from(y), 0x0123);
+        let shift = DVec2::new(f64::from(uniform(seed, 0)), f64::from(uniform(seed, 1)));
+        let mut sum = DVec3::ZERO;
+        let mut met = 0u32;
+        for i in 0..spp {
+            let inside = spread(i, shift);
+            let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + inside);
+            count.primary += 1;
+            if let Some((hit, distance)) = self.tracer.first(origin, way) {
+                let seed = hash(seed, u64::from(i) + 2);
+                let sample = Sample { tracer: &self.tracer, material: &self.material, lighting, seed };
+                met += 1;
+                sum += sample.light(&hit, origin + way * distance, -way, &mut count.shadow);
+            }
+        }
+        let spp = f64::from(spp.max(1));
+        let color = (sum / spp).as_vec3();
+        [color.x, color.y, color.z, (f64::from(met) / spp) as f32]
+    }
+}
+
+/// Point number `i` of a sequence that covers the unit square evenly however far it goes (Roberts 2018, "R2"), shifted round.
+fn spread(i: u32, shift: DVec2) -> DVec2 {
+    // Powers of the reciprocal of the plastic number, the root of x³ = x + 1.
+    const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
+    let p = STEP * f64::from(i) + shift;
+    p - p.floor()
+}
+
+#[cfg(test)]
+#[path = "picture_tests.rs"]
+mod tests;

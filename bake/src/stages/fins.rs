@@ -1,0 +1,164 @@
+//! `fins`: a quad of hair on every edge of the furred skin (Lengyel et al. 2001, "fin rendering").
+//!
+//! Which edges lie on the outline is known only when the model is drawn, so every edge has a fin, and the runtime shows those that are
+//! seen from the side.
+
+use crate::noise;
+use crate::stages::groom::Coat;
+use crate::stages::surface::Surface;
+use crate::stages::textures::{SLABS, slab_along};
+use glam::{Vec2, Vec3};
+use pelage_formats::Fin;
+use std::collections::HashMap;
+
+/// The fins of a surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EdgeFins {
+    /// One per edge.
+    pub fins: Vec<Fin>,
+    /// One per fin: the triangle whose side it stands on, by which its material is known. Rising.
+    pub triangles: Vec<u32>,
+    /// Depth of the slab of hair that the densest fins should show, widths of the tile, in the range of the recipe's `fins.depth`. Their
+    /// opacity is 1, that of the others less.
+    pub depth: f32,
+}
+
+/// Stands a fin on every edge of the furred skin.
+///
+/// * `furred`: one per material; the shorter list counts as bare at its end
+/// * `coat`: of the surface's vertices; an edge without hair at either end has no fin
+/// * `height_m`: of the fur where `coat` does not shorten it, metres
+/// * `tile_size_m`: width of the tile on the skin, metres, greater than 0
+///
+/// Edges are joined by position: where two patches meet, or two sides of a seam, there is one fin, and it takes tile frame, material
+/// and colours from the first triangle in the order of the mesh. An open border counts as an edge like any other.
+///
+/// The length of a fin in the texture is the edge's at rest; it begins at random, the same for the same mesh, so that fins of a
+/// row do not repeat (ibid.). How much hair it carries depends on how many fins a look over the outline crosses there, which follows
+/// from the strip of skin that the edge has to itself and from the curvature.
+pub fn fins(surface: &Surface, furred: &[bool], coat: &Coat, height_m: f32, tile_size_m: f32) -> EdgeFins {
+    let place = |vertex: u32| surface.rest.positions[vertex as usize];
+    let height_at = |vertex: u32| {
+        let bare = coat.bareness[vertex as usize] >= 1.0;
+        if bare { 0.0 } else { coat.length[vertex as usize] * height_m }
+    };
+    let edges = edges(surface, furred);
+    let curvatures = curvatures(surface, &edges);
+    let mut out = EdgeFins::default();
+    let mut depths = Vec::new();
+    for edge in &edges {
+        let [a, b] = edge.ends;
+        let height = 0.5 * (height_at(a) + height_at(b));
+        let length = place(a).distance(place(b));
+        if height <= 0.0 || length <= 0.0 {
+            continue;
+        }
+        let curvature = 0.5 * (curvatures[edge.points[0]] + curvatures[edge.points[1]]);
+        depths.push(slab_depth(edge.area / length, curvature, height));
+        let along: Vec2 = surface.tile_uvs[b as usize] - surface.tile_uvs[a as usize];
+        let (slab, against) = slab_along(along);
+        let periods = length / (tile_size_m * SLABS[slab].period());
+        out.fins.push(Fin {
+            a,
+            b,
+            start: noise::uniform(START, out.fins.len() as u64),
+            length: if against { -periods } else { periods },
+            slab: slab as u32,
+            opacity: 1.0,
+        });
+        out.triangles.push(edge.triangle);
+    }
+    let mut sorted = depths.clone();
+    sorted.sort_by(f32::total_cmp);
+    let densest = sorted.get(sorted.len() * 9 / 10).copied().unwrap_or(0.0);
+    out.depth = (densest / tile_size_m).clamp(1e-3, 8.0);
+    for (fin, depth) in out.fins.iter_mut().zip(depths) {
+        fin.opacity = if densest > 0.0 { (depth / densest).min(1.0) } else { 1.0 };
+    }
+    out
+}
+
+/// Depth of the slab, metres, for a fin that has a strip of skin `strip_m` wide to itself, where the skin has that `curvature`, 1 / metres,
+/// and the fur is `height_m` high.
+///
+/// A look that touches skin of the radius R goes through 2 √((R + H)² − R²) of fur of height H, and so crosses fins in proportion to that over
+/// the strip. Together they should show as much as the layers do that it crosses on the way, whose number is the same for any R: so
+/// much hair as grows on a length of skin in proportion to H.
+fn slab_depth(strip_m: f32, curvature: f32, height_m: f32) -> f32 {
+    DENSITY * strip_m / (1.0 + 2.0 / (curvature * height_m).max(1e-3)).sqrt()
+}
+
+/// Measured: see `stability/silhouette.rs`.
+const DENSITY: f32 = 0.6;
+/// Purpose of the random starts.
+const START: u64 = 0x66_696e;
+
+/// An edge of the furred skin, joined by position.
+struct Edge {
+    /// Vertices of the first triangle it belongs to, in the triangle's order.
+    ends: [u32; 2],
+    /// The two positions, as numbers of distinct positions.
+    points: [usize; 2],
+    /// The first triangle.
+    triangle: u32,
+    /// A third of the area of each triangle it belongs to, square metres at rest.
+    area: f32,
+}
+
+/// The edges in the order of their first triangles.
+fn edges(surface: &Surface, furred: &[bool]) -> Vec<Edge> {
+    let mesh = &surface.mesh;
+    let place = |vertex: u32| surface.rest.positions[vertex as usize];
+    let mut points: HashMap<[u32; 3], usize> = HashMap::new();
+    let mut numbers: HashMap<[usize; 2], usize> = HashMap::new();
+    let mut out: Vec<Edge> = Vec::new();
+    for part in mesh.parts.iter().filter(|p| furred.get(p.material).copied().unwrap_or(false)) {
+        for index in part.first_triangle..part.first_triangle + part.triangle_count {
+            let corners = mesh.triangles[index];
+            let [p, q, r] = corners.map(place);
+            let third = (q - p).cross(r - p).length() / 6.0;
+            let [i, j, k] = corners.map(|vertex| {
+                // Adding zero turns -0 into +0.
+                let key = (mesh.positions[vertex as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
+                let next = points.len();
+                *points.entry(key).or_insert(next)
+            });
+            for (ends, points) in [
+                ([corners[0], corners[1]], [i, j]),
+                ([corners[1], corners[2]], [j, k]),
+                ([corners[2], corners[0]], [k, i]),
+            ] {
+                if points[0] == points[1] {
+                    continue;
+                }
+                let key = [points[0].min(points[1]), points[0].max(points[1])];
+                let next = out.len();
+                let number = *numbers.entry(key).or_insert(next);
+                if number == next {
+                    out.push(Edge { ends, points, triangle: index as u32, area: 0.0 });
+                }
+                out[number].area += third;
+            }
+        }
+    }
+    out
+}
+
+/// Mean size of the curvature along the edges at each position, 1 / metres: how fast the normal turns on the way.
+fn curvatures(surface: &Surface, edges: &[Edge]) -> Vec<f32> {
+    let count = edges.iter().flat_map(|e| e.points).max().map_or(0, |last| last + 1);
+    let mut sums = vec![(0f32, 0f32); count];
+    for edge in edges {
+        let [a, b] = edge.ends.map(|v| v as usize);
+        let step = surface.rest.positions[b] - surface.rest.positions[a];
+        let turn = (surface.rest.normals[b] - surface.rest.normals[a]).dot(step).abs();
+        let length_squared = step.length_squared();
+        if length_squared > 0.0 {
+            for point in edge.points {
+                sums[point].0 += turn / length_squared;
+                sums[point].1 += 1.0;
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, n)| if n > 0.0 { sum / n } else { 0.0 }).collect()
+}

@@ -1,0 +1,221 @@
+//! Patterns of the coat: an image laid through space, painted onto the furred skin.
+//!
+//! What is painted is a function of place and normal alone, so that it runs on over the borders of charts without a seam, and a model
+//! needs no texture coordinates of its own for it. One that has them keeps its base colour: both are painted into the same texture.
+
+use super::atlas::{Atlas, Spot, linear_image, srgb_image};
+use super::colors::Colors;
+use super::maps::{GroomTextures, MapImages};
+use super::sample::{Encoding, Wrap, bilinear};
+use crate::BakeError;
+use crate::mesh::Image;
+use crate::recipe::{ColorParams, PatternProjection, PatternWrap};
+use crate::stages::surface::Surface;
+use glam::{Vec2, Vec3, Vec4};
+use pelage_formats::Bounds;
+
+/// Power of the normal's components by which `box` weighs its three images: high is a sharp border, low a wide blend.
+const BOX_SHARPNESS: i32 = 8;
+
+/// An image laid through space.
+#[derive(Clone, Copy, Debug)]
+pub struct Pattern<'a> {
+    image: &'a Image,
+    projection: PatternProjection,
+    wrap: Wrap,
+    /// Where the image's centre lies, metres.
+    center: Vec3,
+    /// Width and height of the image, metres.
+    size_m: Vec2,
+}
+
+/// Width of a pattern that spans a model once as the projection shows it, metres.
+fn pattern_size_m(image: &Image, projection: PatternProjection, bounds: &Bounds) -> f32 {
+    let extent = Vec3::from(bounds.max) - Vec3::from(bounds.min);
+    let aspect = image.width as f32 / image.height.max(1) as f32;
+    let spans = |axis: Axis| {
+        let on_image = axis.on_image(extent).abs();
+        on_image.x.max(on_image.y * aspect)
+    };
+    let width = axes(projection).iter().map(|axis| spans(*axis)).fold(0.0, f32::max);
+    if width > 0.0 && width.is_finite() { width } else { 1.0 }
+}
+
+/// An axis that an image is projected along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    /// The two components that lie on the image, right and down: as a viewer on the positive side of the axis sees them, with y up, from
+    /// above with z down.
+    fn on_image(self, v: Vec3) -> Vec2 {
+        match self {
+            Self::X => Vec2::new(-v.z, -v.y),
+            Self::Y => Vec2::new(v.x, v.z),
+            Self::Z => Vec2::new(v.x, -v.y),
+        }
+    }
+
+    fn of(self, v: Vec3) -> f32 {
+        match self {
+            Self::X => v.x,
+            Self::Y => v.y,
+            Self::Z => v.z,
+        }
+    }
+}
+
+fn axes(projection: PatternProjection) -> &'static [Axis] {
+    match projection {
+        PatternProjection::X => &[Axis::X],
+        PatternProjection::Y => &[Axis::Y],
+        PatternProjection::Z => &[Axis::Z],
+        PatternProjection::Box => &[Axis::X, Axis::Y, Axis::Z],
+    }
+}
+
+impl<'a> Pattern<'a> {
+    /// The pattern of a recipe on a model of that extent, or `None`.
+    ///
+    /// # Errors
+    /// [`BakeError::Internal`] where the image was not read.
+    pub fn new(color: &ColorParams, images: &'a MapImages, bounds: &Bounds) -> Result<Option<Self>, BakeError> {
+        let Some(path) = &color.pattern else { return Ok(None) };
+        let image = images.get(&path.0)?;
+        let projection = color.pattern_projection;
+        let width = color.pattern_size_m.unwrap_or_else(|| pattern_size_m(image, projection, bounds));
+        let height = width * image.height as f32 / image.width.max(1) as f32;
+        Ok(Some(Self {
+            image,
+            projection,
+            wrap: match color.pattern_wrap {
+                PatternWrap::Repeat => Wrap::Repeat,
+                PatternWrap::Clamp => Wrap::Clamp,
+            },
+            center: (Vec3::from(bounds.min) + Vec3::from(bounds.max)) / 2.0,
+            size_m: Vec2::new(width, height),
+        }))
+    }
+
+    /// Width of the image on the model, metres.
+    pub fn width_m(&self) -> f32 {
+        self.size_m.x
+    }
+
+    /// Linear RGB at a place, metres at rest, on skin with that unit normal. Transparent texels are white: they change nothing.
+    pub fn color(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        let along = |axis: Axis| {
+            let uv = axis.on_image(position - self.center) / self.size_m + 0.5;
+            let texel = bilinear(self.image, uv, self.wrap, Encoding::Srgb);
+            Vec3::ONE.lerp(texel.truncate(), texel.w)
+        };
+        match axes(self.projection) {
+            [axis] => along(*axis),
+            several => {
+                let weighed = several.iter().map(|axis| (axis.of(normal).abs().powi(BOX_SHARPNESS), along(*axis)));
+                let (sum, weight) = weighed.fold((Vec3::ZERO, 0.0), |(sum, n), (w, c)| (sum + c * w, n + w));
+                if weight > 0.0 { sum / weight } else { along(Axis::Y) }
+            }
+        }
+    }
+}
+
+impl Pattern<'_> {
+    /// Paints the pattern, multiplied with the colour textures there are, into one texture for all furred materials, and moves their
+    /// texture coordinates into it. Groom textures are moved along.
+    ///
+    /// * `furred`: one per material
+    ///
+    /// Call it after everything that reads the model's own texture coordinates.
+    pub fn paint(
+        &self,
+        atlas: &Atlas,
+        furred: &[bool],
+        surface: &mut Surface,
+        colors: &mut Colors,
+        grooms: &mut GroomTextures,
+    ) {
+        let material_of = material_of_triangles(surface);
+        let material = |spot: Spot| material_of[spot.triangle];
+        let texels = atlas.paint(surface, |spot, extent| {
+            let own = colors.materials.get(material(spot)).and_then(|m| m.image).map(|image| &colors.images[image]);
+            // Four samples a texel, so that borders in the image stay smooth.
+            let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
+                let at = Spot { weights: spot.weights + extent[0] * dx + extent[1] * dy, ..spot };
+                let normal = at.mean(surface, &surface.rest.normals).normalize_or(Vec3::Y);
+                let pattern = self.color(at.mean(surface, &surface.rest.positions), normal).extend(1.0);
+                pattern * own.map_or(Vec4::ONE, |image| read(surface, at, image, Encoding::Srgb))
+            });
+            samples.into_iter().sum::<Vec4>() / 4.0
+        });
+        let color = srgb_image(atlas.side, &texels);
+        let groom = grooms.of_material.iter().any(Option::is_some).then(|| {
+            let texels = atlas.paint(surface, |spot, _| {
+                let own = grooms.of_material.get(material(spot)).copied().flatten().map(|image| &grooms.images[image]);
+                own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| read(surface, spot, image, Encoding::Linear))
+            });
+            linear_image(atlas.side, &texels)
+        });
+
+        let furred: Vec<usize> = (0..colors.materials.len()).filter(|m| furred.get(*m) == Some(&true)).collect();
+        let mut images: Vec<_> = colors.materials.iter().map(|m| m.image).collect();
+        replace(&mut colors.images, &mut images, &furred, color);
+        colors.materials.iter_mut().zip(images).for_each(|(m, image)| m.image = image);
+        if let Some(groom) = groom {
+            replace(&mut grooms.images, &mut grooms.of_material, &furred, groom);
+        }
+        for (uv, own) in surface.mesh.uvs.iter_mut().zip(&atlas.uvs) {
+            *uv = own.unwrap_or(*uv);
+        }
+    }
+}
+
+impl Spot {
+    /// A value between those of the triangle's vertices.
+    fn mean(self, surface: &Surface, values: &[Vec3]) -> Vec3 {
+        let [a, b, c] = surface.mesh.triangles[self.triangle].map(|v| values[v as usize]);
+        a * self.weights.x + b * self.weights.y + c * self.weights.z
+    }
+}
+
+/// An image in the model's own texture coordinates.
+fn read(surface: &Surface, spot: Spot, image: &Image, encoding: Encoding) -> Vec4 {
+    let [a, b, c] = surface.mesh.triangles[spot.triangle].map(|v| surface.mesh.uvs[v as usize]);
+    bilinear(image, a * spot.weights.x + b * spot.weights.y + c * spot.weights.z, Wrap::Repeat, encoding)
+}
+
+fn material_of_triangles(surface: &Surface) -> Vec<usize> {
+    let mut materials = vec![usize::MAX; surface.mesh.triangles.len()];
+    for part in &surface.mesh.parts {
+        materials[part.first_triangle..part.first_triangle + part.triangle_count].fill(part.material);
+    }
+    materials
+}
+
+/// Gives `materials` the image `new`, and drops the images that none uses any more.
+fn replace(images: &mut Vec<Image>, of_material: &mut [Option<usize>], materials: &[usize], new: Image) {
+    materials.iter().for_each(|m| of_material[*m] = None);
+    let mut kept = Vec::new();
+    for (i, image) in std::mem::take(images).into_iter().enumerate() {
+        let users = of_material.iter_mut().filter(|m| **m == Some(i));
+        let mut used = false;
+        for user in users {
+            *user = Some(kept.len());
+            used = true;
+        }
+        if used {
+            kept.push(image);
+        }
+    }
+    materials.iter().for_each(|m| of_material[*m] = Some(kept.len()));
+    kept.push(new);
+    *images = kept;
+}
+
+#[cfg(test)]
+#[path = "pattern_tests.rs"]
+mod tests;

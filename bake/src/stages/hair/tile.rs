@@ -1,0 +1,37 @@
+//! All the hair of a coat's tile, as a resolved recipe describes it: the one place where a bake and the traced truth get their strands from.
+
+use super::{Strands, VolumeParams, simulate};
+use crate::BakeError;
+use crate::recipe::{HairParams, Recipe, Style};
+use crate::stages::groom::{Lengths, Water};
+
+/// The strands of one tile: dry, and where the coat is wet in places the same hairs wet.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TileHair {
+    /// The strands, or all that there are.
+    pub strands: Strands,
+    /// The same hairs when wet, as high as `strands`; `None` where the coat is dry or wet all over.
+    pub wet: Option<Strands>,
+    /// Style of `strands`.
+    pub style: Style,
+}
+
+impl TileHair {
+    /// Grows them.
+    ///
+    /// # Errors
+    /// [`BakeError::Params`] for a value outside its range.
+    pub fn grow(recipe: &Recipe, lengths: Lengths, water: Water) -> Result<Self, BakeError> {
+        let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
+        let style = if water == Water::Wet { Style::Wet } else { recipe.hair.style };
+        let grow = |style| simulate(&HairParams { style, ..recipe.hair.clone() }, &recipe.color, &volume);
+        let mut strands = grow(style)?;
+        let mut wet = if water == Water::Mixed && style != Style::Wet { Some(grow(Style::Wet)?) } else { None };
+        if let Some(wet) = &mut wet {
+            // Layers that are mixed lie at the same heights.
+            strands.height = strands.height.max(wet.height);
+            wet.height = strands.height;
+        }
+        Ok(Self { strands, wet, style })
+    }
+}

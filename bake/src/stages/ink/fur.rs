@@ -1,0 +1,242 @@
+//! Strokes of fur: the strands of the hair's tile as a painter's brush draws them, in four nested densities.
+//!
+//! A brush draws few hairs, each by itself: it is pressed down near the root and lifted towards the tip, and where it runs dry its bristles
+//! part. So only some strands become strokes, spread evenly over the tile; those that are drawn first are the broadest, and later ones fill in
+//! between them until the density's share of the tile is inked. What one density has inked the next has, too.
+
+use super::noise::{gradient, smooth_step};
+use super::plane::Plane;
+use crate::noise::{hash, uniform};
+use crate::stages::hair::Strands;
+use glam::{UVec2, Vec2, Vec3};
+use rayon::prelude::*;
+
+/// Share of the tile that each density inks, seen from above and from the side, where hairs stand before one another.
+const ABOVE: [f32; 4] = [0.07, 0.17, 0.34, 0.58];
+const BESIDE: [f32; 4] = [0.12, 0.26, 0.44, 0.64];
+/// Strokes at most. The tile is full before, as long as a stroke is not thinner than a texel.
+const MOST_STROKES: usize = 2400;
+/// Strands that are looked at for the place of one stroke.
+const CANDIDATES: u64 = 12;
+/// Half width of the first strokes over their length, and of the last ones.
+const BROAD: f32 = 0.042;
+const FINE: f32 = 0.022;
+/// Length of a stroke seen from above, over its strand's: the brush draws a lock where the strand is one of its hairs.
+const REACH: f32 = 1.9;
+/// A stroke is at least this long, widths of the tile.
+const SHORTEST: f32 = 0.05;
+/// Half width of a stroke at least, texels: thinner ones break up.
+const THINNEST_TEXELS: f32 = 0.8;
+
+/// A stroke: its path from root to tip in widths of the tile, and half its width where it is widest.
+struct Stroke {
+    path: Vec<Vec2>,
+    half_width: f32,
+    seed: u64,
+}
+
+/// How a picture of strokes is drawn.
+struct View {
+    side: usize,
+    /// Texels per width of the tile.
+    scale: Vec2,
+    /// Whether v repeats.
+    periodic_v: bool,
+    densities: [f32; 4],
+    path: PathOf,
+}
+
+/// The path of a stroke from the points of its strand, root first, the unit direction that the tile's hair leans to, or zero, and a seed.
+type PathOf = fn(&[Vec3], Vec2, u64) -> Vec<Vec2>;
+
+/// The two array layers, each one plane of ink (0..=1) per density, from few strokes to all.
+///
+/// * `side`: texels a side
+///
+/// The first is the tile seen from above, periodic both ways. The second is seen from the side, along the fin textures' slab that runs as the
+/// hair leans by default, v; u is periodic, row 0 the skin, and the last row as high as [`Strands::height`].
+pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
+    let side = side as usize;
+    let order = order(strands, seed);
+    let height = strands.height.max(1e-6);
+    let scale = side as f32;
+    let looks = [
+        View { side, scale: Vec2::splat(scale), periodic_v: true, densities: ABOVE, path: from_above },
+        View { side, scale: Vec2::new(scale, scale / height), periodic_v: false, densities: BESIDE, path: from_beside },
+    ];
+    let lean = mean_lean(strands);
+    let drawn: Vec<_> = looks.par_iter().map(|view| draw(strands, &order, view, lean, seed)).collect();
+    // Two looks in, two pictures out.
+    <[_; 2]>::try_from(drawn).unwrap_or_else(|_| std::array::from_fn(|_| std::array::from_fn(|_| Plane::empty(side))))
+}
+
+/// Where the strands lean to on average: unit length, or zero where they do not agree.
+fn mean_lean(strands: &Strands) -> Vec2 {
+    let ends = (0..strands.len()).filter_map(|i| {
+        let points = &strands.points[strands.range(i)];
+        Some((*points.last()? - *points.first()?).truncate())
+    });
+    ends.sum::<Vec2>().normalize_or_zero()
+}
+
+/// Strands in the order in which they are drawn: each is, of some at random, the one farthest from all before it.
+fn order(strands: &Strands, seed: u64) -> Vec<usize> {
+    let count = strands.len();
+    let roots: Vec<Vec2> = (0..count)
+        .map(|i| strands.points.get(strands.range(i).start).copied().unwrap_or_default().truncate())
+        .collect();
+    let mut order: Vec<usize> = Vec::new();
+    let mut taken = vec![false; count];
+    for n in 0..count.min(MOST_STROKES) as u64 {
+        let mut best: Option<(f32, usize)> = None;
+        for candidate in 0..CANDIDATES {
+            let mut i = (hash(hash(seed, 1), n << 8 | candidate) % count as u64) as usize;
+            // Late in a small tile most are taken; the next free one will do.
+            for _ in 0..count {
+                if !taken[i] {
+                    break;
+                }
+                i = (i + 1) % count;
+            }
+            // The last few hundred say enough about how full the tile is where.
+            let recent = &order[order.len().saturating_sub(400)..];
+            let away = recent.iter().map(|o| {
+                let d = roots[*o] - roots[i];
+                (d - d.round()).length_squared()
+            });
+            let away = away.fold(f32::INFINITY, f32::min);
+            if best.is_none_or(|(most, _)| away > most) {
+                best = Some((away, i));
+            }
+        }
+        if let Some((_, i)) = best {
+            taken[i] = true;
+            order.push(i);
+        }
+    }
+    order
+}
+
+/// The path of a strand as the brush lays it down: it follows the strand seen from above and goes on to [`REACH`] times the strand's length. Of a
+/// strand that stands nearly upright that is little to go by; it is laid down to where hair leans here, and where none does, to somewhere.
+fn from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
+    let Some(root) = points.first() else { return Vec::new() };
+    let length: f32 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let seen: f32 = points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum();
+    let wanted = (REACH * length).max(SHORTEST);
+    let missing = (wanted - seen).max(0.0);
+    let turn = std::f32::consts::TAU * uniform(seed, 2);
+    let somewhere = Vec2::new(libm::cosf(turn), libm::sinf(turn));
+    let own = points.last().map_or(Vec2::ZERO, |tip| (*tip - *root).truncate()).normalize_or_zero();
+    // A hand never draws two hairs quite parallel.
+    let to = (own + 0.6 * lean + 0.12 * somewhere).try_normalize().unwrap_or(somewhere);
+    let bend = to.perp() * (0.24 * (uniform(seed, 6) - 0.5));
+    let mut gone = 0.0;
+    let mut path = vec![root.truncate()];
+    for w in points.windows(2) {
+        gone += w[0].distance(w[1]) / length.max(1e-6);
+        path.push(w[1].truncate() + (to * gone + bend * gone * gone) * missing);
+    }
+    path
+}
+
+/// The path of a strand seen from the side, along v.
+fn from_beside(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
+    points.iter().map(|p| Vec2::new(p.y, p.z)).collect()
+}
+
+/// Draws strokes until each density has inked its share; what they ink is in all denser ones.
+fn draw(strands: &Strands, order: &[usize], view: &View, lean: Vec2, seed: u64) -> [Plane; 4] {
+    let mut ink = Plane::empty(view.side);
+    let mut touched = Stamp { ink: Plane::empty(view.side), texels: Vec::new() };
+    let mut sum = 0.0f64;
+    let all = (view.side * view.side) as f64;
+    let mut drawn = 0;
+    std::array::from_fn(|density| {
+        let share = density as f32 / 3.0;
+        while drawn < order.len() && sum < f64::from(view.densities[density]) * all {
+            let strand = order[drawn];
+            drawn += 1;
+            let seed = hash(seed, 0x10000 + strand as u64);
+            let path = (view.path)(&strands.points[strands.range(strand)], lean, seed);
+            let long: f32 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
+            let wide = (BROAD + (FINE - BROAD) * share) * (0.7 + 0.6 * uniform(seed, 3)) * long.max(SHORTEST);
+            let thinnest = THINNEST_TEXELS / view.scale.x;
+            touched.stroke(view, &Stroke { path, half_width: wide.max(thinnest), seed });
+            for i in touched.texels.drain(..) {
+                let new = std::mem::take(&mut touched.ink.values[i]);
+                let old = &mut ink.values[i];
+                sum += f64::from((1.0 - *old) * new);
+                *old += (1.0 - *old) * new;
+            }
+        }
+        ink.clone()
+    })
+}
+
+/// One stroke by itself, so that it does not darken where its pieces join.
+struct Stamp {
+    ink: Plane,
+    texels: Vec<usize>,
+}
+
+impl Stamp {
+    fn stroke(&mut self, view: &View, stroke: &Stroke) {
+        let long: f32 = stroke.path.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let mut gone = 0.0;
+        for w in stroke.path.windows(2) {
+            let piece = w[0].distance(w[1]);
+            self.piece(view, stroke, (w[0], w[1]), (gone / long.max(1e-9), (gone + piece) / long.max(1e-9)));
+            gone += piece;
+        }
+    }
+
+    /// Inks the texels near a straight piece, of which `part` are the shares of the stroke where it begins and ends.
+    fn piece(&mut self, view: &View, stroke: &Stroke, (a, b): (Vec2, Vec2), part: (f32, f32)) {
+        let n = view.side as i64;
+        let along = b - a;
+        // Texels are not square from the side: half of one, across the stroke.
+        let across = Vec2::new(-along.y, along.x).normalize_or(Vec2::X);
+        let soft = 0.5 * (across / view.scale).length().max(1e-9);
+        let reach = (stroke.half_width + 2.0 * soft) * view.scale;
+        let (low, high) = (a.min(b) * view.scale - reach, a.max(b) * view.scale + reach);
+        for y in low.y.floor() as i64..=high.y.floor() as i64 {
+            if !view.periodic_v && !(0..n).contains(&y) {
+                continue;
+            }
+            for x in low.x.floor() as i64..=high.x.floor() as i64 {
+                let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / view.scale;
+                let t = ((at - a).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+                let away = at - (a + along * t);
+                // Where along the bristles, and how far from the middle: at the ends of a piece the two are not the same.
+                let side = along.perp_dot(at - a) / along.length().max(1e-12);
+                let ink = brush(stroke, part.0 + (part.1 - part.0) * t, (away.length(), side), soft);
+                if ink <= 0.0 {
+                    continue;
+                }
+                let i = (y.rem_euclid(n) * n + x.rem_euclid(n)) as usize;
+                let texel = &mut self.ink.values[i];
+                if *texel == 0.0 {
+                    self.texels.push(i);
+                }
+                *texel = texel.max(ink);
+            }
+        }
+    }
+}
+
+/// Ink at a share `t` of the stroke's length, `away` from its middle, on the bristle that is `side` to the left of it; `soft` is half a texel.
+fn brush(stroke: &Stroke, t: f32, (away, side): (f32, f32), soft: f32) -> f32 {
+    // Pressed down quickly, lifted slowly.
+    let press = smooth_step(-0.08, 0.24, t) * libm::powf((1.0 - t).max(0.0), 0.75);
+    let half = stroke.half_width * press;
+    let covered = ((half + soft - away) / (2.0 * soft)).clamp(0.0, 1.0) * (half / soft).min(1.0);
+    if covered <= 0.0 {
+        return 0.0;
+    }
+    // Bristles run along the stroke and part as the ink runs out; the fewer texels there are to show them, the less.
+    let at = Vec2::new(0.11 * t, 0.5 + 0.5 * side / stroke.half_width) + uniform(stroke.seed, 4);
+    let bristle = gradient(hash(stroke.seed, 5), at, UVec2::new(16, 5));
+    let dry = smooth_step(0.05, 0.6, 0.8 * bristle + 0.9 * t - 0.35) * smooth_step(1.0, 5.0, stroke.half_width / soft);
+    covered * (1.0 - 0.85 * dry) * (0.92 - 0.25 * t)
+}

@@ -1,0 +1,153 @@
+//! `ink`: what a model needs to be drawn as an ink-wash painting (Fang 2006).
+//!
+//! Four textures, painted by the same rules at any size and seed ([`stroke`], [`wash`], [`paper`], [`fur`]), or taken from scans, and for each
+//! vertex its place in the wash. Greys are as in the paper, 0 black and 1 white.
+//!
+//! Everything random is a hash of seed, place and purpose; functions beyond IEEE arithmetic and square roots come from `libm`, so that the same
+//! recipe paints the same textures on every machine.
+
+mod center;
+mod diffusion;
+mod fur;
+mod noise;
+mod paper;
+mod plane;
+mod scan;
+mod stroke;
+mod vertices;
+mod wash;
+
+pub use fur::fur;
+pub use paper::paper;
+pub use plane::Plane;
+pub use scan::{stroke_band, wash_tile};
+pub use stroke::stroke;
+pub use vertices::{Canvas, InkVertices, vertices};
+pub use wash::wash;
+
+use crate::BakeError;
+use crate::mesh::Image;
+use crate::recipe::{ImagePath, InkParams, PackParams, ShellFormat};
+use crate::stages::groom::MapImages;
+use crate::stages::hair::Strands;
+use crate::stages::textures::{AlphaMode, TextureEncoder};
+use pelage_formats::{InkShading, TextureFormat};
+use plane::{Channel, levels};
+
+/// The textures of the ink style: complete .ktx2 files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InkTextures {
+    /// The stroke of the sphere map.
+    pub stroke: Vec<u8>,
+    /// The wash.
+    pub wash: Vec<u8>,
+    /// The paper.
+    pub paper: Vec<u8>,
+    /// Strokes of fur, for a model that has some.
+    pub fur: Option<Vec<u8>>,
+}
+
+/// Period of the wash texture on the skin where the recipe gives none, as a share of the bounding sphere's radius: the blotches on a body are
+/// then a few times smaller than it.
+const GRAIN_PER_RADIUS: f32 = 0.8;
+
+/// What the `ink` stage hands on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ink {
+    /// Its textures.
+    pub textures: InkTextures,
+    /// Its vertices, and where its wash begins.
+    pub vertices: InkVertices,
+    /// Period of the wash texture on the skin, metres.
+    pub grain_size_m: f32,
+    /// Constants for drawing.
+    pub shading: InkShading,
+}
+
+impl From<&InkParams> for InkShading {
+    fn from(p: &InkParams) -> Self {
+        Self {
+            wash_speed: p.speed,
+            wash_range: p.range,
+            normalised: p.normalised,
+            grain: p.grain,
+            tone: p.tone,
+            fur: p.fur,
+            line: p.line,
+        }
+    }
+}
+
+/// The stage: paints the textures, and finds what each vertex takes of them.
+///
+/// * `strands`: the hair of the coat's tile, where the model has a coat
+///
+/// # Errors
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used, [`BakeError::Internal`] if the encoder
+/// fails or an image was not read.
+pub fn ink(
+    params: &InkParams,
+    pack: &PackParams,
+    canvas: &Canvas<'_>,
+    strands: Option<&Strands>,
+    warnings: &mut Vec<String>,
+) -> Result<Ink, BakeError> {
+    params.validate()?;
+    let shading = InkShading::from(params);
+    let vertices = vertices(params, &shading, canvas, warnings)?;
+    let textures = textures(params, pack, canvas.images, strands)?;
+    // A model of one point has no size to go by.
+    let radius = if canvas.radius > 0.0 { canvas.radius } else { 1.0 };
+    let grain_size_m = params.grain_size_m.unwrap_or(GRAIN_PER_RADIUS * radius);
+    Ok(Ink { textures, vertices, grain_size_m, shading })
+}
+
+/// Paints and encodes the textures. Where there are strands, their fur is painted, too.
+///
+/// # Errors
+/// As [`ink()`].
+pub fn textures(
+    params: &InkParams,
+    pack: &PackParams,
+    images: &MapImages,
+    strands: Option<&Strands>,
+) -> Result<InkTextures, BakeError> {
+    use Channel::{Threshold, Value};
+    params.validate()?;
+    pack.validate()?;
+    let dry = [Value, Value, Value, Threshold];
+    let packed = match pack.shell_format {
+        ShellFormat::Bc7 => TextureFormat::Bc7Unorm,
+        ShellFormat::Rgba8 => TextureFormat::Rgba8Unorm,
+    };
+    let encode = |layers: Vec<[Plane; 4]>, channels, alpha, format| {
+        let mut encoder = TextureEncoder::new(format, alpha, pack.bc_quality);
+        for planes in layers {
+            let side = planes[0].side as u32;
+            encoder.push_square_layer(side, &levels(planes, channels))?;
+        }
+        encoder.finish()
+    };
+    let scan = |path: &Option<ImagePath>, read: fn(&str, &Image) -> Result<Plane, BakeError>| {
+        path.as_ref().map(|path| read(&path.0, images.get(&path.0)?)).transpose()
+    };
+    let (band, tile) = (scan(&params.stroke_image, stroke_band)?, scan(&params.wash_image, wash_tile)?);
+    let ((stroke, wash), (paper, fur)) = rayon::join(
+        || {
+            let stroke = encode(vec![stroke(params, band.as_ref())], [Value; 4], AlphaMode::Opaque, packed);
+            (stroke, encode(vec![wash(params, tile.as_ref())], dry, AlphaMode::Straight, packed))
+        },
+        || {
+            // Blocks hold four unrelated components badly: on blank paper their errors are dashes that everyone sees.
+            let paper = encode(vec![paper(params)], dry, AlphaMode::Straight, TextureFormat::Rgba8Unorm);
+            let fur = strands.filter(|strands| !strands.is_empty()).map(|strands| {
+                encode(fur(strands, params.fur_texels, params.seed).to_vec(), [Value; 4], AlphaMode::Straight, packed)
+            });
+            (paper, fur)
+        },
+    );
+    Ok(InkTextures { stroke: stroke?, wash: wash?, paper: paper?, fur: fur.transpose()? })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,100 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use super::*;
+use crate::stages::ink::noise::octaves;
+use glam::UVec2;
+
+/// A painting on silk that is darker to the right: brush marks of a few sizes.
+fn painting(width: u32, height: u32) -> Image {
+    let texel = |i: u32| {
+        let (x, y) = (i % width, i / width);
+        let uv = Vec2::new(x as f32, y as f32) / width.max(height) as f32;
+        let ink = (0.5 + 0.8 * octaves(5, uv, UVec2::splat(9), 4, 0.7)).clamp(0.0, 1.0);
+        let silk = 0.75 - 0.35 * x as f32 / width as f32;
+        let grey = (255.0 * silk * (1.0 - 0.7 * ink)).round() as u8;
+        [grey, grey, (0.85 * f32::from(grey)) as u8, 255]
+    };
+    Image { width, height, rgba: (0..width * height).flat_map(texel).collect() }
+}
+
+fn seam(plane: &Plane, columns: bool) -> f32 {
+    let n = plane.side as i64;
+    let at = |along: i64, across: i64| if columns { plane.at(across, along) } else { plane.at(along, across) };
+    let step = |across: i64| (0..n).map(|i| (at(i, across + 1) - at(i, across)).abs()).sum::<f32>();
+    step(n - 1) / ((0..n - 1).map(step).sum::<f32>() / (n - 1) as f32)
+}
+
+#[test]
+fn a_painting_becomes_a_tile_without_its_silk() {
+    let plane = wash_tile("p.png", &painting(180, 140)).unwrap();
+    assert_eq!(plane.side, 140);
+    assert!(seam(&plane, true) < 1.35 && seam(&plane, false) < 1.35, "{} {}", seam(&plane, true), seam(&plane, false));
+    assert!((plane.mean() - 0.5).abs() < 0.01 && plane.deviation() > 0.1);
+    // The silk was twice as dark on the right as on the left.
+    let part = |from: usize| {
+        let columns = (0..140).flat_map(|y| (from..from + 35).map(move |x| (x, y)));
+        columns.map(|(x, y)| plane.values[y * 140 + x]).sum::<f32>() / (35.0 * 140.0)
+    };
+    let parts = [part(0), part(35), part(70), part(105)];
+    let [low, high] = [f32::min, f32::max].map(|pick| parts.iter().copied().reduce(pick).unwrap());
+    assert!(high - low < 0.12, "{parts:?}");
+}
+
+#[test]
+fn tiling_keeps_every_grey() {
+    let grey = grey(&painting(90, 90));
+    let plane = square(&grey);
+    let tiled = tile(&plane, [true, true]);
+    let sorted = |plane: &Plane| {
+        let mut values = plane.values.clone();
+        values.sort_unstable_by(f32::total_cmp);
+        values
+    };
+    assert_eq!(sorted(&plane), sorted(&tiled));
+    assert_ne!(plane, tiled);
+}
+
+#[test]
+fn a_stroke_goes_round_and_keeps_its_edges() {
+    // Dark in the middle rows, pale at the lower edge; below and above is paper.
+    let texel = |i: u32| {
+        let (x, y) = (i % 120, i / 120);
+        let grey = match y {
+            20..=49 => 20 + (x % 7) as u8,
+            50..=59 => 150,
+            _ => 240,
+        };
+        [grey, grey, grey, 255]
+    };
+    let image = Image { width: 120, height: 90, rgba: (0..120 * 90).flat_map(texel).collect() };
+    let band = stroke_band("s.png", &image).unwrap();
+    let row = |v: f32| (0..120).map(|x| band.sample(Vec2::new((x as f32 + 0.5) / 120.0, v))).sum::<f32>() / 120.0;
+    assert!(row(0.1) < 0.1 && row(0.6) < 0.1, "{} {}", row(0.1), row(0.6));
+    assert!((row(0.9) - 0.6).abs() < 0.1, "{}", row(0.9));
+    let wet =
+        crate::stages::ink::stroke(&crate::recipe::InkParams { stroke_texels: 64, ..Default::default() }, Some(&band));
+    assert!(wet[0].at(0, 32) < 0.2 && wet[0].at(32, 32) > 0.95, "{} {}", wet[0].at(0, 32), wet[0].at(32, 32));
+}
+
+#[test]
+fn bad_images_are_named_with_what_was_found() {
+    let small = painting(120, 30);
+    let text = wash_tile("maps/p.png", &small).unwrap_err().to_string();
+    assert!(["maps/p.png", "ink.wash_image", "120 x 30", "48 x 48"].iter().all(|part| text.contains(part)), "{text}");
+    let flat = Image { width: 64, height: 64, rgba: [90, 90, 90, 255].repeat(64 * 64) };
+    let text = stroke_band("s.png", &flat).unwrap_err().to_string();
+    assert!(
+        ["s.png", "ink.stroke_image", "0.353 to 0.353", "light and dark"].iter().all(|p| text.contains(p)),
+        "{text}"
+    );
+    // Nothing painted at all is as flat.
+    let clear = Image { width: 64, height: 64, rgba: [0, 0, 0, 0].repeat(64 * 64) };
+    assert!(wash_tile("c.png", &clear).is_err());
+}
+
+#[test]
+fn ranks_of_a_normal_distribution() {
+    for (rank, value) in [(0.5, 0.0), (0.841_345, 1.0), (0.158_655, -1.0), (0.977_25, 2.0), (0.001_35, -3.0)] {
+        assert!((normal_of_rank(rank) - value).abs() < 2e-3, "{rank}: {}", normal_of_rank(rank));
+    }
+}

@@ -1,0 +1,141 @@
+//! What the ink style needs of each vertex: its place in the wash (Fang 2006, §3), and how much of wash, ink and line it takes.
+
+use super::center::{Spot, pick};
+use crate::BakeError;
+use crate::mesh::{Material, Mesh, MeshPart, RestPose};
+use crate::recipe::{InkFill, InkParams, ScalarMap};
+use crate::stages::groom::{MapImages, average, last, report_unmatched, scalar_at};
+use glam::{Vec2, Vec3};
+use pelage_formats::{InkShading, InkVertex};
+
+/// A vertex as near to the centre as this, in radii, has no direction from it.
+const NEAR: f32 = 1e-6;
+
+/// The wash's product at a place with that unit normal: (V − CP)·N over the bounding sphere's radius, −2..=2 for centres within the model, and as the
+/// abstract has it, ((V − CP)/|V − CP|)·N, −1..=1, which is 0 at the centre itself.
+///
+/// Printed is (V − CP)·N in the model's units; over the radius, one a and b suit a model of any size.
+pub(super) fn product(place: Vec3, normal: Vec3, center: Vec3, radius: f32) -> [f32; 2] {
+    let from = (place - center) / radius.max(f32::MIN_POSITIVE);
+    let along = from.dot(normal);
+    let far = from.length();
+    let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+    [finite(along), if far < NEAR { 0.0 } else { finite(along / far).clamp(-1.0, 1.0) }]
+}
+
+/// The ink of all vertices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InkVertices {
+    /// One per vertex.
+    pub vertices: Vec<InkVertex>,
+    /// Where the wash of materials without a centre of their own begins, metres.
+    pub center: Vec3,
+}
+
+/// What is painted.
+#[derive(Clone, Copy, Debug)]
+pub struct Canvas<'a> {
+    /// The mesh as the package will have it.
+    pub mesh: &'a Mesh,
+    /// Its rest pose.
+    pub rest: &'a RestPose,
+    /// Radius of its bounding sphere, metres.
+    pub radius: f32,
+    /// Its materials.
+    pub materials: &'a [Material],
+    /// The images that the recipe names.
+    pub images: &'a MapImages,
+}
+
+/// What one material takes.
+struct MaterialPaint<'a> {
+    /// Share of the wash, and of full ink; a factor on each, 0 or 1.
+    wash: (&'a ScalarMap, f32),
+    solid: (&'a ScalarMap, f32),
+    line: &'a ScalarMap,
+    center: Option<Vec3>,
+}
+
+impl<'a> MaterialPaint<'a> {
+    fn of(params: &'a InkParams, name: &str) -> Self {
+        let tables = &params.material;
+        let amount = last(tables, name, |t| t.amount.as_ref());
+        let (wash, solid) = match last(tables, name, |t| t.fill.as_ref()) {
+            Some(InkFill::Blank) => ((&params.wash, 0.0), (&params.solid, 0.0)),
+            Some(InkFill::Wash) => ((amount.unwrap_or(&params.wash), 1.0), (&params.solid, 0.0)),
+            Some(InkFill::Solid) => ((&params.wash, 1.0), (amount.unwrap_or(&FULL), 1.0)),
+            None => ((amount.unwrap_or(&params.wash), 1.0), (&params.solid, 1.0)),
+        };
+        let line = last(tables, name, |t| t.line.as_ref()).unwrap_or(&params.lines);
+        Self { wash, solid, line, center: last(tables, name, |t| t.center.as_ref()).map(|c| Vec3::from(*c)) }
+    }
+}
+
+/// What [`InkFill::Solid`] means without an amount.
+static FULL: ScalarMap = ScalarMap::Constant(1.0);
+
+/// Evaluates the recipe at every vertex. Where several materials meet, a vertex takes their mean.
+///
+/// Names that match no material are reported in `warnings`.
+///
+/// # Errors
+/// [`BakeError::Internal`] where an image was not read.
+pub fn vertices(
+    params: &InkParams,
+    shading: &InkShading,
+    canvas: &Canvas<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<InkVertices, BakeError> {
+    let Canvas { mesh, rest, radius, materials, images } = *canvas;
+    report_unmatched("ink.material", &params.material, materials, warnings);
+    let paints: Vec<_> = materials.iter().map(|m| MaterialPaint::of(params, &m.name)).collect();
+    let parts = || mesh.parts.iter().filter_map(|part| paints.get(part.material).map(|paint| (part, paint)));
+    let share = |map: &ScalarMap, part: &MeshPart, v: usize, without_uvs: f32| {
+        Ok(scalar_at(images, mesh, part, map, v)?.unwrap_or(without_uvs))
+    };
+    let amounts = average(mesh, parts(), Vec3::ZERO, |part, paint, v| {
+        let wash = paint.wash.1 * share(paint.wash.0, part, v, 1.0)?;
+        let solid = paint.solid.1 * share(paint.solid.0, part, v, 0.0)?;
+        Ok(Vec3::new(wash, solid, share(paint.line, part, v, 1.0)?))
+    })?;
+
+    let center = match params.center {
+        Some(center) => Vec3::from(center),
+        None => {
+            let mut spots: Vec<_> = rest
+                .positions
+                .iter()
+                .zip(&rest.normals)
+                .map(|(place, normal)| Spot { place: *place, normal: *normal, weight: 0.0 })
+                .collect();
+            for (part, _) in parts().filter(|(_, paint)| paint.center.is_none()) {
+                for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
+                    let [a, b, c] = triangle.map(|v| rest.positions[v as usize]);
+                    let third = f64::from((b - a).cross(c - a).length()) / 6.0;
+                    for v in triangle.map(|v| v as usize) {
+                        spots[v].weight += third * f64::from(amounts[v].x * (1.0 - amounts[v].y));
+                    }
+                }
+            }
+            pick(&spots, radius, shading).unwrap_or_default()
+        }
+    };
+    let products = average(mesh, parts(), Vec2::ZERO, |_, paint, v| {
+        let center = paint.center.unwrap_or(center);
+        Ok(Vec2::from(product(rest.positions[v], rest.normals[v], center, radius)))
+    })?;
+    let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
+    let signed = |share: f32| (32767.0 * share.clamp(-1.0, 1.0)).round() as i16;
+    let vertex = |(product, amount): (&Vec2, &Vec3)| InkVertex {
+        wash: [signed(0.5 * product.x), signed(product.y)],
+        amount: byte(amount.x),
+        solid: byte(amount.y),
+        line: byte(amount.z),
+        reserved: 0,
+    };
+    Ok(InkVertices { vertices: products.iter().zip(&amounts).map(vertex).collect(), center })
+}
+
+#[cfg(test)]
+#[path = "vertices_tests.rs"]
+mod tests;

@@ -1,0 +1,96 @@
+//! The wash texture: a tile of dried ink wash, and the noise that lines and dry brushes follow on the surface.
+
+use super::diffusion::{Paper, dry};
+use super::noise::{octaves, smooth_step};
+use super::plane::Plane;
+use crate::noise::{hash, uniform};
+use crate::recipe::InkParams;
+use glam::{UVec2, Vec2};
+
+/// Texels a side that ink runs on; the blotches and marks that it leaves are wider than a texel of it.
+const WET_SIDE: usize = 256;
+/// Texels a side that soft noise is computed for; it has nothing finer.
+const SOFT_SIDE: usize = 256;
+/// Layers of wash, each laid on when the one before is dry.
+const LAYERS: u64 = 3;
+/// Puddles of a layer.
+const PUDDLES: u64 = 4;
+
+/// Standard deviations of the channels: strong enough to be seen at a share of a half, and not yet spots.
+const GRAIN: f32 = 0.13;
+const BLOTCHES: f32 = 0.15;
+const PRESSURE: f32 = 0.17;
+
+/// Red: grain of the wash; green: blotches and tide marks, coarser; blue: pressure of the brush along lines; all 0.5 on average, in grey (low is
+/// more ink, high is more paper). Alpha: threshold of a dry brush, all values equally often, low where ink takes first.
+///
+/// `scanned`: a wash in place of the painted one, already a tile of grey.
+pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
+    let side = params.wash_texels as usize;
+    let seed = hash(params.seed, 0x3a51);
+    let noise =
+        |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
+    // Fibres and sizing, on which grains of soot settle.
+    let tooth = Plane::from_fn(side, |uv| noise(1, uv, 40, 4));
+    let soft = |f: &(dyn Fn(Vec2) -> f32 + Sync)| Plane::from_fn(side.min(SOFT_SIDE), f).resized(side);
+    let cloud = soft(&|uv| noise(2, uv, 5, 5));
+    let (grain, blotches) = match scanned {
+        Some(tile) => {
+            let tile = tile.resized(side);
+            let coarse = tile.blurred(side as f32 / 96.0);
+            let fine = tile.with(&coarse, |all, coarse| all - coarse).balanced(GRAIN);
+            (fine.with(&tooth, |fine, tooth| fine + 0.05 * tooth), coarse)
+        }
+        None => {
+            let stain = stain(seed, params.wash_edges).resized(side);
+            let fine = stain.with(&stain.blurred(side as f32 / 48.0), |all, coarse| all - coarse);
+            let grain = tooth.with(&cloud, |tooth, cloud| tooth + 0.55 * cloud);
+            (
+                grain.with(&fine, |grain, fine| grain - 3.0 * fine),
+                stain.with(&cloud, |stain, cloud| -stain + 0.07 * cloud),
+            )
+        }
+    };
+    // Slower than the lines are wide: what changes within a line's width makes beads of it.
+    let pressure = soft(&|uv| noise(3, uv, 6, 2));
+    let speckle = Plane::from_fn(side, |uv| noise(4, uv, (params.wash_texels / 8).max(4), 3));
+    let dry_brush = speckle.with(&tooth, |speckle, tooth| speckle + 0.5 * tooth).with(&pressure, |v, p| v - 0.15 * p);
+    [grain.balanced(GRAIN), blotches.balanced(BLOTCHES), pressure.balanced(PRESSURE), dry_brush.equalised()]
+}
+
+/// Ink of all layers together, about 0..1.
+fn stain(seed: u64, edges: f32) -> Plane {
+    let noise =
+        |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
+    let permeability = Plane::from_fn(WET_SIDE, |uv| (0.62 + 0.3 * noise(11, uv, 24, 3)).clamp(0.08, 1.0));
+    let threshold = Plane::from_fn(WET_SIDE, |uv| (0.26 + 0.2 * noise(12, uv, 36, 2)).clamp(0.03, 0.9));
+    let paper = Paper { permeability: &permeability, threshold: &threshold };
+    let mut sum = Plane::empty(WET_SIDE);
+    for layer in 0..LAYERS {
+        let seed = hash(seed, 0x100 + layer);
+        let bend = |uv: Vec2| {
+            let bend = |kind: u64| octaves(hash(seed, kind), uv, UVec2::splat(4), 4, 0.55);
+            Vec2::new(bend(1), bend(2)) * 0.075
+        };
+        let puddle = |uv: Vec2| {
+            let at = uv + bend(uv);
+            let mut depth = 0.0f32;
+            for k in 0..PUDDLES {
+                let random = |n: u64| uniform(seed, k << 8 | n);
+                let away = at - Vec2::new(random(1), random(2));
+                let radius = 0.1 + 0.2 * random(3);
+                // Some are laid on dry paper, some run out into damp.
+                let soft = 0.02 + 0.6 * radius * random(4) * random(4);
+                depth =
+                    depth.max(1.0 - smooth_step(radius - soft, radius + 0.4 * soft, (away - away.round()).length()));
+            }
+            depth
+        };
+        let water =
+            Plane::from_fn(WET_SIDE, |uv| puddle(uv) * (0.8 + 0.2 * noise(13 + layer, uv, 6, 2)).clamp(0.3, 1.0));
+        let strength = Plane::from_fn(WET_SIDE, |uv| (0.55 + 0.5 * noise(21 + layer, uv, 4, 4)).clamp(0.06, 1.3));
+        sum = sum.with(&dry(paper, &water, &strength, edges), |sum, ink| sum + ink);
+    }
+    // Rims are sharp outside and soft inside; the paper softens all a little.
+    sum.blurred(0.7).map(|ink| 1.0 - libm::expf(-1.1 * ink))
+}

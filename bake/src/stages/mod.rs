@@ -1,0 +1,14 @@
+//! The stages of a bake, a folder or a file each; [`crate::pipeline`] is their order.
+//!
+//! A stage is a function of plain data: no file, no clock, no global, and random numbers from the recipe's seed. It knows the stages
+//! whose results it reads and nothing that judges it.
+
+pub mod detail;
+pub mod fins;
+pub mod groom;
+pub mod hair;
+pub mod import;
+pub mod ink;
+pub mod pack;
+pub mod surface;
+pub mod textures;

@@ -1,0 +1,138 @@
+//! Strands → layers of texels.
+
+use super::coat::Coat;
+use super::layer::{LevelBytes, Transmittance};
+use super::splat::LayerIndex;
+use crate::BakeError;
+use crate::recipe::SliceParams;
+use crate::stages::hair::Strands;
+use pelage_formats::TextureFormat;
+
+/// One layer with its mip levels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layer {
+    /// Index, 0 on the skin.
+    pub index: u32,
+    /// Per mip level, finest first down to 1×1: `size * size` RGBA8 texels, row-major, v down. Colour is linear light times
+    /// opacity, then sRGB-encoded; alpha is linear opacity.
+    pub color: Vec<Vec<u8>>,
+    /// Per mip level: `size * size` directions in the format asked for, with as many bytes as it has components.
+    pub direction: Vec<Vec<u8>>,
+}
+
+/// All layers of a sliced volume, for volumes that fit in memory.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ShellSet {
+    /// Width and height of a layer at level 0, texels.
+    pub texels: u32,
+    /// Skin first.
+    pub layers: Vec<Layer>,
+}
+
+/// Slices strands into layers, outermost first, and hands each to `sink` with all mip levels.
+///
+/// * `direction_format`: a format of two or of four components, which decides whether the length of mean directions is kept
+///
+/// The layers lie evenly from the skin (layer 0, opaque) to `strands.height`; texels wrap at the tile's borders. Memory beyond the
+/// strands: about 80 bytes a texel of one layer, and an index of 4 bytes for each segment and layer that it crosses.
+///
+/// # Errors
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for strands that are not whole, and
+/// whatever `sink` returns.
+pub fn slice(
+    strands: &Strands,
+    params: &SliceParams,
+    direction_format: TextureFormat,
+    sink: impl FnMut(Layer) -> Result<(), BakeError>,
+) -> Result<(), BakeError> {
+    slice_layers(strands, params, direction_format, sink).map(drop)
+}
+
+/// As [`slice()`]; afterwards hands `sink` the far coat as a layer more, of index `params.layers`, and returns what there is to say of it.
+///
+/// # Errors
+/// As [`slice()`].
+pub fn slice_with_coat(
+    strands: &Strands,
+    params: &SliceParams,
+    direction_format: TextureFormat,
+    mut sink: impl FnMut(Layer) -> Result<(), BakeError>,
+) -> Result<Coat, BakeError> {
+    let transmittance = slice_layers(strands, params, direction_format, &mut sink)?;
+    let (levels, coat) = transmittance.coat(params.tile_texels);
+    sink(layer(params.layers, levels, direction_format))?;
+    Ok(coat)
+}
+
+/// A layer as it is handed out: directions with as many bytes as their format has components.
+fn layer(index: u32, levels: Vec<LevelBytes>, direction_format: TextureFormat) -> Layer {
+    let (color, mut direction): (Vec<_>, Vec<_>) = levels.into_iter().unzip();
+    if direction_format.components() == 2 {
+        direction.iter_mut().for_each(|level| *level = level.chunks_exact(4).flat_map(|t| [t[0], t[1]]).collect());
+    }
+    Layer { index, color, direction }
+}
+
+fn slice_layers(
+    strands: &Strands,
+    params: &SliceParams,
+    direction_format: TextureFormat,
+    mut sink: impl FnMut(Layer) -> Result<(), BakeError>,
+) -> Result<Transmittance, BakeError> {
+    params.validate()?;
+    strands.validate()?;
+    let n = params.tile_texels;
+    let index = LayerIndex::new(strands, params.layers);
+    let halvings = halvings(n);
+    let fine = n << halvings;
+    let (fine_filter, blur) = filter(params.filter_width, halvings);
+    let mut transmittance = Transmittance::new(n, halvings, blur, direction_format);
+    let mut sums = Vec::new();
+    for k in (0..params.layers).rev() {
+        // The skin is opaque; its hair direction is that of the roots just above it.
+        sums.resize(fine as usize * fine as usize, [0.0; 8]);
+        index.draw(strands, k.max(1) as usize, fine, fine_filter, &mut sums);
+        let skin = (k == 0).then_some(strands.root_color);
+        let levels = transmittance.layer(&mut sums, n, skin);
+        sink(layer(k, levels, direction_format))?;
+    }
+    Ok(transmittance)
+}
+
+/// Strands are drawn into texels this many times finer, halvings, than those that are stored: what a coarse texel lets through is the mean of what
+/// the fine ones do, and not what their mean depth would, which is less. So fur is as dense in coarse texels as in fine ones.
+const OVERSAMPLING: u32 = 2;
+/// Texels a side that are fine enough for any strand worth telling apart.
+const FINE: u32 = 512;
+
+fn halvings(texels: u32) -> u32 {
+    OVERSAMPLING.min((FINE / texels).max(1).ilog2())
+}
+
+/// Standard deviation of the filter that strands are drawn with, fine texels, and variance of the blur after the halving, stored texels. Up to half
+/// a texel the filter only keeps strands from breaking up between fine texels; what is wanted beyond is blur.
+fn filter(width: f32, halvings: u32) -> (f32, f32) {
+    if halvings == 0 { (width, 0.0) } else { (width.min(0.5), (width * width - 0.25).max(0.0)) }
+}
+
+/// As [`slice()`], with all layers in memory.
+///
+/// # Errors
+/// As [`slice()`].
+pub fn collect_layers(
+    strands: &Strands,
+    params: &SliceParams,
+    direction_format: TextureFormat,
+) -> Result<ShellSet, BakeError> {
+    let mut layers = Vec::new();
+    slice(strands, params, direction_format, |layer| {
+        layers.push(layer);
+        Ok(())
+    })?;
+    layers.reverse();
+    Ok(ShellSet { texels: params.tile_texels, layers })
+}
+
+#[cfg(test)]
+#[path = "slice_tests.rs"]
+mod tests;

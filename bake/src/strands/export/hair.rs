@@ -1,0 +1,45 @@
+//! The binary format of Cem Yuksel's hair models: a header of 128 bytes, points of each strand, positions, thickness, colours.
+
+use super::{too_many, write_floats};
+use crate::strands::Curves;
+use std::io::{self, Write};
+
+/// Arrays that the file holds: segments, points, thickness, colours.
+const ARRAYS: u32 = 1 | 2 | 4 | 16;
+/// The text of the header, padded with zeros.
+const INFO: usize = 88;
+
+/// Writes strands. Thickness is the hair's diameter, colours are linear RGB.
+///
+/// # Errors
+/// Those of `out`; [`io::ErrorKind::InvalidInput`] for a strand of more than 65 535 pieces or more than 2³² − 1 points, which the format cannot
+/// count.
+pub fn write_hair(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
+    let points =
+        u32::try_from(curves.points.len()).map_err(|_| too_many("points", curves.points.len(), u32::MAX.into()))?;
+    out.write_all(b"HAIR")?;
+    for number in [curves.len() as u32, points, ARRAYS, 0] {
+        out.write_all(&number.to_le_bytes())?;
+    }
+    // Defaults for arrays that are not there: thickness, transparency, colour.
+    write_floats(&[1.0, 0.0, 1.0, 1.0, 1.0], out)?;
+    let mut info = [0; INFO];
+    let text = concat!("pelage ", env!("CARGO_PKG_VERSION"), ": metres, y up; thickness is diameter; linear RGB");
+    info[..text.len()].copy_from_slice(text.as_bytes());
+    out.write_all(&info)?;
+    for strand in 0..curves.len() {
+        let pieces = curves.strand(strand).len() - 1;
+        let pieces = u16::try_from(pieces).map_err(|_| too_many("pieces of a strand", pieces, u16::MAX.into()))?;
+        out.write_all(&pieces.to_le_bytes())?;
+    }
+    for point in &curves.points {
+        write_floats(&point.position_ws.to_array(), out)?;
+    }
+    for point in &curves.points {
+        write_floats(&[2.0 * point.radius_m], out)?;
+    }
+    for point in &curves.points {
+        write_floats(&point.color.to_array(), out)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,153 @@
+#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+use super::*;
+use crate::strands::{CurvePoint, Skin, SkinMaterial, SkinPoint};
+use glam::{DVec3, Vec2, Vec3, Vec4};
+
+/// Three strands of 2, 4 and 3 points.
+fn curves() -> Curves {
+    let mut curves = Curves::default();
+    for (strand, points) in [2, 4, 3].into_iter().enumerate() {
+        let point = |i: i32| CurvePoint {
+            position_ws: Vec3::new(0.1 * strand as f32, i as f32 / 3.0, -1.5e-7 * i as f32),
+            radius_m: 1e-4 / (i + 1) as f32,
+            color: Vec3::new(0.25, 0.1 * strand as f32, i as f32 * 0.5),
+            ..CurvePoint::default()
+        };
+        curves.push(&(0..points).map(point).collect::<Vec<_>>(), strand == 1);
+    }
+    curves
+}
+
+fn written(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write(&mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn text_reads_back_to_the_same_bits() {
+    let curves = curves();
+    let text = String::from_utf8(written(|out| write_text(&curves, out))).unwrap();
+    let strands: Vec<Vec<[f32; 4]>> = text
+        .split("\n\n")
+        .map(|strand| {
+            let numbers = |line: &str| line.split(' ').map(|n| n.parse().unwrap()).collect::<Vec<f32>>();
+            strand.lines().map(|line| numbers(line).try_into().unwrap()).collect()
+        })
+        .collect();
+    assert_eq!(strands.len(), 3);
+    for (i, strand) in strands.iter().enumerate() {
+        let expected: Vec<[f32; 4]> =
+            curves.strand(i).iter().map(|p| p.position_ws.extend(p.radius_m).to_array()).collect();
+        assert_eq!(*strand, expected);
+    }
+    assert_eq!(written(|out| write_text(&Curves::default(), out)), b"");
+}
+
+#[test]
+fn hair_reads_back_by_its_header() {
+    let curves = curves();
+    let bytes = written(|out| write_hair(&curves, out));
+    let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    let f32_at = |at: usize| f32::from_bits(u32_at(at));
+    assert_eq!(&bytes[..4], b"HAIR");
+    assert_eq!([u32_at(4), u32_at(8), u32_at(12)], [3, 9, 0b10111]);
+    assert!(bytes[40..128].starts_with(b"pelage ") && bytes[127] == 0);
+    let pieces: Vec<u16> = bytes[128..134].chunks(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
+    assert_eq!(pieces, [1, 3, 2]);
+    let (points, thickness, colors) = (134, 134 + 9 * 12, 134 + 9 * 16);
+    assert_eq!(bytes.len(), colors + 9 * 12);
+    for (i, p) in curves.points.iter().enumerate() {
+        let vector = |at: usize| Vec3::new(f32_at(at), f32_at(at + 4), f32_at(at + 8));
+        assert_eq!(vector(points + 12 * i), p.position_ws);
+        assert_eq!(f32_at(thickness + 4 * i), 2.0 * p.radius_m);
+        assert_eq!(vector(colors + 12 * i), p.color);
+    }
+    let long = CurvePoint::default();
+    let mut curves = Curves::default();
+    curves.push(&vec![long; 65_537], false);
+    let error = write_hair(&curves, &mut io::sink()).unwrap_err();
+    assert!(error.kind() == io::ErrorKind::InvalidInput && error.to_string().contains("65536 pieces"), "{error}");
+}
+
+#[test]
+fn pbrt_pieces_are_the_lines_of_the_strands() {
+    let curves = curves();
+    let text = String::from_utf8(written(|out| write_pbrt(&curves, out))).unwrap();
+    let shapes: Vec<&str> = text.lines().filter(|l| l.starts_with("Shape \"curve\"")).collect();
+    assert_eq!(shapes.len(), 1 + 3 + 2);
+    assert_eq!((text.matches("AttributeBegin").count(), text.matches("AttributeEnd").count()), (1, 1));
+    let inside = |line: &str, from: &str, to: &str| {
+        let rest = &line[line.find(from).unwrap() + from.len()..];
+        let numbers = rest[..rest.find(to).unwrap_or(rest.len())].split_whitespace();
+        numbers.map(|n| n.parse::<f32>().unwrap()).collect::<Vec<f32>>()
+    };
+    // The second piece of the second strand.
+    let (a, b) = (&curves.strand(1)[1], &curves.strand(1)[2]);
+    let p = inside(shapes[2], "\"point3 P\" [", "]");
+    assert_eq!((p.len(), &p[..3], &p[9..]), (12, &a.position_ws.to_array()[..], &b.position_ws.to_array()[..]));
+    assert!((Vec3::new(p[3], p[4], p[5]) - a.position_ws.lerp(b.position_ws, 1.0 / 3.0)).length() < 1e-6);
+    assert_eq!(inside(shapes[2], "\"float width0\" ", "\""), [2.0 * a.radius_m]);
+    assert_eq!(inside(shapes[2], "\"float width1\" ", "\""), [2.0 * b.radius_m]);
+}
+
+#[test]
+fn glb_opens_in_another_reader() {
+    let curves = curves();
+    let bytes = written(|out| write_glb(&curves, out));
+    let glb = gltf::Gltf::from_slice(&bytes).unwrap();
+    let blob = glb.blob.as_deref().unwrap();
+    let mesh = glb.meshes().next().unwrap();
+    let primitive = mesh.primitives().next().unwrap();
+    assert_eq!(primitive.mode(), gltf::mesh::Mode::Lines);
+    let reader = primitive.reader(|_| Some(blob));
+    let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
+    assert_eq!(positions, curves.points.iter().map(|p| p.position_ws.to_array()).collect::<Vec<_>>());
+    let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+    assert_eq!(indices, [0, 1, 2, 3, 3, 4, 4, 5, 6, 7, 7, 8]);
+    let colors: Vec<[f32; 3]> = reader.read_colors(0).unwrap().into_rgb_f32().collect();
+    let clamped = curves.points.iter().map(|p| p.color.clamp(Vec3::ZERO, Vec3::ONE).to_array());
+    assert_eq!(colors, clamped.collect::<Vec<_>>());
+    let (semantic, radii) = primitive.attributes().find(|(s, _)| s.to_string() == "_RADIUS").unwrap();
+    assert_eq!((semantic.to_string(), radii.count()), ("_RADIUS".to_owned(), 9));
+    assert_eq!(primitive.bounding_box().max, [0.2, 1.0, 0.0]);
+    // Without strands it is a file without a mesh.
+    let empty = written(|out| write_glb(&Curves::default(), out));
+    assert_eq!(gltf::Gltf::from_slice(&empty).unwrap().meshes().len(), 0);
+}
+
+#[test]
+fn obj_opens_in_another_reader() {
+    let vertex = |x: f64, y: f64| SkinPoint {
+        position_ws: DVec3::new(x, y, 0.25),
+        normal_ws: DVec3::Z,
+        base_uv: Vec2::new(x as f32, 0.25),
+        color: Vec4::new(0.5, 1.0, 1.0, 1.0),
+        ..SkinPoint::default()
+    };
+    let material = |name: &str| SkinMaterial { name: name.into(), base_color: Vec4::splat(0.8), ..Default::default() };
+    let skin = Skin {
+        vertices: vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(0.0, 1.0), vertex(1.0, 1.0)],
+        same_place: vec![0, 1, 2, 3],
+        triangles: vec![[0, 1, 2], [1, 3, 2]],
+        material_of: vec![0, 1],
+        materials: vec![material("Fur, brown"), material("Fur, brown")],
+    };
+    let obj = written(|out| write_obj(&skin, "a b.mtl", out));
+    let mtl = written(|out| write_mtl(&skin, out));
+    let options = tobj::LoadOptions { single_index: true, ..Default::default() };
+    let (models, materials) = tobj::load_obj_buf(&mut obj.as_slice(), &options, |path| {
+        assert_eq!(path.to_str(), Some("a b.mtl"));
+        tobj::load_mtl_buf(&mut mtl.as_slice())
+    })
+    .unwrap();
+    let materials = materials.unwrap();
+    let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["0_Fur__brown", "1_Fur__brown"]);
+    assert_eq!(materials[0].diffuse, Some([0.4, 0.8, 0.8]));
+    assert_eq!(models.len(), 2);
+    let mesh = &models[0].mesh;
+    assert_eq!(mesh.positions, [0.0, 0.0, 0.25, 1.0, 0.0, 0.25, 0.0, 1.0, 0.25]);
+    assert_eq!((&mesh.normals[..3], &mesh.texcoords[..2]), (&[0.0, 0.0, 1.0][..], &[0.0, 0.75][..]));
+    assert_eq!((mesh.indices.as_slice(), models[1].mesh.material_id), (&[0, 1, 2][..], Some(1)));
+}

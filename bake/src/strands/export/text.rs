@@ -1,0 +1,21 @@
+//! Curves as text: a line `x y z radius` per point, metres in world space, root first; a blank line between strands.
+
+use crate::strands::Curves;
+use std::io::{self, Write};
+
+/// Writes strands as text. Numbers read back to the same bits.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_text(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
+    for strand in 0..curves.len() {
+        if strand > 0 {
+            writeln!(out)?;
+        }
+        for point in curves.strand(strand) {
+            let p = point.position_ws;
+            writeln!(out, "{} {} {} {}", p.x, p.y, p.z, point.radius_m)?;
+        }
+    }
+    Ok(())
+}

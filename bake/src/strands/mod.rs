@@ -1,0 +1,15 @@
+//! The strands of a package, one by one on its skin: what layers stand for, what is exported, and what the traced truth sees.
+//!
+//! [`grow_on`] grows the strands of the tile again from the package's own recipe and plants them on a posed [`Skin`]; [`Curves`] hold them in world
+//! space, and [`export`] writes those for other programs.
+
+pub mod export;
+
+mod curves;
+mod plant;
+mod skin;
+mod walk;
+
+pub use curves::{CurvePoint, Curves, simplified};
+pub use plant::{GroomReport, grow_on, tile_hair};
+pub use skin::{Skin, SkinMaterial, SkinPoint};

@@ -1,0 +1,312 @@
+//! The strands of a package, one by one on its skin.
+//!
+//! A package holds layers and no strands, but its recipe, from which the very strands that were sliced grow again. Every strand of the periodic
+//! tile stands wherever its root falls into a furred triangle, and from there lies on the skin as [`super::walk`] says. At the share s of the
+//! fur's height a point is moved off the skin as FORMAT.md says of the layers, by s · H along the normal and s² · l · H along the comb,
+//! interpolated between the triangle's corners: the truth fills the volume that the layers are drawn in.
+//!
+//! * A strand's radius is that of the tile in metres, whatever the length map says.
+//! * Its colour is its own times the skin's at its root.
+//! * Where the groom lets a share of the hair grow, strands stand with that probability; where it is wet to a share, they are wet with it.
+
+use super::curves::{CurvePoint, Curves, simplified};
+use super::skin::{Skin, mix};
+use super::walk::{Crossed, Footing, SurfaceWalk};
+use crate::BakeError;
+use crate::noise::{hash, uniform};
+use crate::recipe::Recipe;
+use crate::stages::groom::{Lengths, Water};
+use crate::stages::hair::{Strands, TileHair};
+use glam::{DVec2, DVec3};
+use pelage_formats::Manifest;
+use rayon::prelude::*;
+
+/// Points of a strand that lie this near to the line without them are left out, radii of the strand. A tenth moves no edge by more than a
+/// tenth of the hair's half width, and is far below what a pixel shows.
+const SIMPLIFICATION: f64 = 0.1;
+/// Strands that one scene may hold: about 12 GiB.
+const MAX_STRANDS: f64 = 2e7;
+
+/// What became of the tile's strands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GroomReport {
+    /// Strands on the skin.
+    pub strands: u64,
+    /// Straight pieces of them after simplification.
+    pub segments: u64,
+    /// Points of them before simplification.
+    pub points_before: u64,
+    /// Strands that lie over a border of patches.
+    pub crossed_patch_border: u64,
+    /// Strands that reach beyond the mesh or its furred part.
+    pub crossed_mesh_border: u64,
+    /// Strands that lie along a border of patches for a way, because each of its sides led to the other.
+    pub slid_along_border: u64,
+    /// Strands that left the skin because their way crossed edges without end, as about a corner that all patches there lead to.
+    pub lost: u64,
+    /// Roots where the skin is cut away.
+    pub dropped_cut: u64,
+    /// Roots where the hair has no length.
+    pub dropped_bare: u64,
+    /// Roots that the groom thins out.
+    pub dropped_thinned: u64,
+    /// Furred triangles without tile coordinates of any extent: no hair can root there.
+    pub triangles_without_coordinates: u64,
+}
+
+impl std::ops::AddAssign for GroomReport {
+    fn add_assign(&mut self, other: Self) {
+        self.strands += other.strands;
+        self.segments += other.segments;
+        self.points_before += other.points_before;
+        self.crossed_patch_border += other.crossed_patch_border;
+        self.crossed_mesh_border += other.crossed_mesh_border;
+        self.slid_along_border += other.slid_along_border;
+        self.lost += other.lost;
+        self.dropped_cut += other.dropped_cut;
+        self.dropped_bare += other.dropped_bare;
+        self.dropped_thinned += other.dropped_thinned;
+        self.triangles_without_coordinates += other.triangles_without_coordinates;
+    }
+}
+
+/// The tile's strands of a package, grown again by its recipe; `None` for a package without fur.
+///
+/// # Errors
+/// [`BakeError::Input`] where the recipe cannot be read or gives other strands than the package was sliced from.
+pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, BakeError> {
+    let fur = &manifest.fur;
+    if fur.layers == 0 {
+        return Ok(None);
+    }
+    let fail =
+        |reason: String| BakeError::Input { file: file.to_owned(), place: "the manifest's recipe".into(), reason };
+    let recipe = Recipe::parse("recipe", &manifest.recipe).map_err(|error| {
+        fail(format!("strands cannot be grown from it: {error}; expected the recipe that `pelage bake` writes"))
+    })?;
+    let (Some(length_m), Some(tile_size_m)) = (recipe.hair.length_m, recipe.surface.tile_size_m) else {
+        let what =
+            "it says neither hair.length_m nor surface.tile_size_m, expected both as `pelage bake` resolves them";
+        return Err(fail(what.into()));
+    };
+    let furred: Vec<&str> = manifest.materials.iter().filter(|m| m.furred).map(|m| m.name.as_str()).collect();
+    let water = Water::of(&recipe.groom, &furred);
+    let hair = TileHair::grow(&recipe, Lengths { length_m, tile_size_m }, water).map_err(|e| fail(e.to_string()))?;
+    let height_m = hair.strands.height * tile_size_m;
+    let same_height = (height_m - fur.height_m).abs() <= 1e-4 * fur.height_m.abs();
+    if hair.strands.len() != fur.strands as usize || tile_size_m != fur.tile_size_m || !same_height {
+        return Err(fail(format!(
+            "it grows {} strands of {height_m} m on a tile of {tile_size_m} m, expected the {} strands of {} m on a tile of {} m that the \
+             package was sliced from",
+            hair.strands.len(),
+            fur.strands,
+            fur.height_m,
+            fur.tile_size_m
+        )));
+    }
+    Ok(Some(hair))
+}
+
+/// Lets the strands of a tile grow on a skin.
+///
+/// * `tile_size_m`: width of the tile on the skin
+///
+/// The same arguments give the same strands in the same order on any number of threads.
+///
+/// # Errors
+/// [`BakeError::Params`] where that would be more strands than memory holds.
+pub fn grow_on(skin: &Skin, hair: &TileHair, tile_size_m: f64) -> Result<(Curves, GroomReport), BakeError> {
+    hair.strands.validate()?;
+    let walk = SurfaceWalk::new(skin);
+    let area = |t: usize| {
+        let [a, b, c] = skin.corners(t).map(|c| c.tile_uv);
+        0.5 * (b - a).perp_dot(c - a).abs()
+    };
+    let furred: Vec<usize> = (0..skin.triangles.len()).filter(|t| walk.is_furred(*t)).collect();
+    let expected = furred.iter().map(|t| area(*t)).sum::<f64>() * hair.strands.len() as f64;
+    if expected.is_nan() || expected > MAX_STRANDS {
+        let reason = format!("about {expected:.0} strands on the whole skin, expected at most {MAX_STRANDS:.0}");
+        return Err(BakeError::Params { what: "hair.density", reason });
+    }
+    let gardener = Gardener { skin, walk: &walk, hair, tile_size_m, roots: Roots::new(&hair.strands) };
+    let parts: Vec<(Curves, GroomReport)> =
+        furred.par_chunks(64).map(|chunk| gardener.plant(chunk.iter().copied())).collect();
+    let mut curves = Curves::default();
+    let mut report = GroomReport {
+        triangles_without_coordinates: (0..skin.triangles.len())
+            .filter(|t| skin.material(*t).furred && !walk.is_furred(*t))
+            .count() as u64,
+        ..GroomReport::default()
+    };
+    for (part, counts) in parts {
+        curves.append(&part);
+        report += counts;
+    }
+    report.segments = curves.segments() as u64;
+    Ok((curves, report))
+}
+
+/// Random numbers of a strand: what they are drawn for.
+#[derive(Clone, Copy)]
+enum Draw {
+    Thinning = 1,
+    Wetness,
+}
+
+struct Gardener<'a> {
+    skin: &'a Skin,
+    walk: &'a SurfaceWalk<'a>,
+    hair: &'a TileHair,
+    tile_size_m: f64,
+    roots: Roots,
+}
+
+impl Gardener<'_> {
+    fn plant(&self, triangles: impl Iterator<Item = usize>) -> (Curves, GroomReport) {
+        let mut out = (Curves::default(), GroomReport::default());
+        for triangle in triangles {
+            let corners = self.skin.corners(triangle).map(|c| c.tile_uv);
+            self.roots.for_each_in(corners, |strand, weights| {
+                self.root(triangle, strand, weights, &mut out);
+            });
+        }
+        out
+    }
+
+    /// Lets one strand grow, if one does.
+    fn root(&self, triangle: usize, strand: usize, weights: DVec3, (curves, report): &mut (Curves, GroomReport)) {
+        let base = self.skin.base_color(triangle, weights);
+        if self.skin.is_cut(triangle, base.w) {
+            report.dropped_cut += 1;
+            return;
+        }
+        let corners = self.skin.corners(triangle);
+        if mix(weights, corners.map(|c| c.fur_height_m as f32)) <= 0.0 {
+            report.dropped_bare += 1;
+            return;
+        }
+        let groom = self.skin.groom(triangle, weights);
+        let draw = |what: Draw| uniform(hash(triangle as u64, strand as u64), what as u64);
+        if draw(Draw::Thinning) >= groom.x {
+            report.dropped_thinned += 1;
+            return;
+        }
+        let wet = self.hair.wet.as_ref().filter(|_| draw(Draw::Wetness) < groom.y);
+        let strands = wet.unwrap_or(&self.hair.strands);
+        let mut at = Footing { triangle, weights, beyond: None };
+        let mut crossed = Crossed::default();
+        let range = strands.range(strand);
+        let mut points = Vec::with_capacity(range.len());
+        for i in range.clone() {
+            if i > range.start {
+                let by = strands.points[i].truncate() - strands.points[i - 1].truncate();
+                self.walk.step(&mut at, by.as_dvec2(), &mut crossed);
+            }
+            points.push(self.point(strands, i, &at, base.truncate()));
+        }
+        report.points_before += points.len() as u64;
+        let points = simplified(&points, SIMPLIFICATION);
+        curves.push(&points, wet.is_some());
+        report.strands += 1;
+        report.crossed_patch_border += u64::from(crossed.patch_border);
+        report.crossed_mesh_border += u64::from(crossed.mesh_border);
+        report.slid_along_border += u64::from(crossed.slid);
+        report.lost += u64::from(crossed.lost);
+    }
+
+    fn point(&self, strands: &Strands, i: usize, at: &Footing, tint: glam::Vec3) -> CurvePoint {
+        let share = f64::from(strands.points[i].z / strands.height);
+        let corners = self.skin.corners(at.triangle);
+        let sum = |each: [DVec3; 3]| each[0] * at.weights.x + each[1] * at.weights.y + each[2] * at.weights.z;
+        let offset =
+            sum(corners.map(|c| (c.normal_ws * share + c.bitangent_ws * (c.lean * share * share)) * c.fur_height_m));
+        CurvePoint {
+            position_ws: (self.walk.place_ws(at) + offset).as_vec3(),
+            radius_m: (f64::from(strands.radii[i]) * self.tile_size_m) as f32,
+            color: strands.colors[i] * tint,
+            height: share as f32,
+            normal_ws: sum(corners.map(|c| c.normal_ws)).normalize_or(corners[0].normal_ws).as_vec3(),
+        }
+    }
+}
+
+/// The roots of a tile, sorted into cells of a grid.
+struct Roots {
+    side: usize,
+    /// Root within the tile, 0..1, and strand; cell after cell.
+    roots: Vec<(DVec2, u32)>,
+    starts: Vec<usize>,
+}
+
+impl Roots {
+    fn new(strands: &Strands) -> Self {
+        let side = ((strands.len() as f64 / 2.0).sqrt() as usize).clamp(1, 512);
+        let mut roots: Vec<(DVec2, u32)> = (0..strands.len())
+            .filter(|i| !strands.range(*i).is_empty())
+            .map(|i| {
+                let root = strands.points[strands.range(i).start].truncate().as_dvec2();
+                (root - root.floor(), i as u32)
+            })
+            .collect();
+        let cell = |(root, _): &(DVec2, u32)| {
+            let along = |x: f64| ((x * side as f64) as usize).min(side - 1);
+            along(root.y) * side + along(root.x)
+        };
+        roots.sort_by_key(cell);
+        let starts = (0..=side * side).map(|k| roots.partition_point(|root| cell(root) < k)).collect();
+        Self { side, roots, starts }
+    }
+
+    /// Calls `visit` for every strand, in every copy of the tile, whose root lies in a triangle of tile coordinates, with the weights of the
+    /// corners there. Of triangles side by side, a root on their edge belongs to one.
+    fn for_each_in(&self, corners: [DVec2; 3], mut visit: impl FnMut(usize, DVec3)) {
+        let (low, high) = corners.iter().fold((corners[0], corners[0]), |(l, h), c| (l.min(*c), h.max(*c)));
+        let side = self.side as f64;
+        let cells = |from: f64, to: f64| (from * side).floor() as i64 - 1..=(to * side).floor() as i64 + 1;
+        for y in cells(low.y, high.y) {
+            for x in cells(low.x, high.x) {
+                let tile = DVec2::new(x.div_euclid(self.side as i64) as f64, y.div_euclid(self.side as i64) as f64);
+                let cell =
+                    y.rem_euclid(self.side as i64) as usize * self.side + x.rem_euclid(self.side as i64) as usize;
+                for (root, strand) in &self.roots[self.starts[cell]..self.starts[cell + 1]] {
+                    if let Some(weights) = weights_inside(corners, *root + tile) {
+                        visit(*strand as usize, weights);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Weights of the corners at a point, where it lies in the triangle or on those of its edges that are its own.
+fn weights_inside(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
+    let [a, b, c] = corners;
+    let turn = if (b - a).perp_dot(c - a) < 0.0 { -1.0 } else { 1.0 };
+    let mut weights = DVec3::ZERO;
+    for k in 0..3 {
+        let (from, to) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
+        let side = turn * side_of_edge(from, to, p);
+        // An edge belongs to the triangle that lies above it, or to the right of an upright one.
+        let way = (to - from) * turn;
+        let own = way.x > 0.0 || (way.x == 0.0 && way.y < 0.0);
+        if side < 0.0 || (side == 0.0 && !own) {
+            return None;
+        }
+        weights[k] = side;
+    }
+    let sum = weights.element_sum();
+    (sum > 0.0).then(|| weights / sum)
+}
+
+/// Twice the signed area of the triangle of an edge and a point, computed in the same order for both directions of the edge, so that the
+/// triangles on its two sides see the same rounding.
+fn side_of_edge(from: DVec2, to: DVec2, p: DVec2) -> f64 {
+    let forward = (from.x, from.y) <= (to.x, to.y);
+    let (a, b) = if forward { (from, to) } else { (to, from) };
+    let area = (b - a).perp_dot(p - a);
+    if forward { area } else { -area }
+}
+
+#[cfg(test)]
+#[path = "plant_tests.rs"]
+mod tests;

@@ -1,0 +1,205 @@
+//! The skin of an opened package in one pose: what strands stand on and what they throw shadows on.
+
+use crate::BakeError;
+use crate::mesh::{Image, blend, transform_normal};
+use crate::stages::groom::sample::{Encoding, Wrap, bilinear};
+use crate::stages::textures::decode_texture;
+use glam::{DVec2, DVec3, Mat3, Vec2, Vec3, Vec4};
+use pelage_formats::{FormatError, GeometryVertex, Package, Pose, SkinVertex};
+use std::collections::HashMap;
+
+/// A mesh in world space with all that varies over it. Lists of vertices are as long as [`Skin::vertices`], of triangles as [`Skin::triangles`].
+#[derive(Clone, Debug, Default)]
+pub struct Skin {
+    /// Vertices; the same place stands here once for each patch, part and seam that meets there.
+    pub vertices: Vec<SkinPoint>,
+    /// For each vertex the first one at the same place that moves alike.
+    pub same_place: Vec<u32>,
+    /// Corners, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle an index into `materials`.
+    pub material_of: Vec<u32>,
+    /// What the triangles are made of.
+    pub materials: Vec<SkinMaterial>,
+}
+
+/// A vertex of the posed skin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SkinPoint {
+    /// World space, metres.
+    pub position_ws: DVec3,
+    /// Unit length, outward.
+    pub normal_ws: DVec3,
+    /// Unit length, along +u of the tile, perpendicular to the normal.
+    pub tangent_ws: DVec3,
+    /// Unit length, along +v.
+    pub bitangent_ws: DVec3,
+    /// Height of the outermost layer, metres; 0 where the skin is bare.
+    pub fur_height_m: f64,
+    /// Extra lean, 0..=1.
+    pub lean: f64,
+    /// Hair tile, 1 a tile.
+    pub tile_uv: DVec2,
+    /// The model's own texture.
+    pub base_uv: Vec2,
+    /// Linear RGBA, 0..=1.
+    pub color: Vec4,
+    /// Share of the hair that grows, wetness; 0..=1.
+    pub groom: Vec2,
+}
+
+/// A material of the skin.
+#[derive(Clone, Debug, Default)]
+pub struct SkinMaterial {
+    /// Name in the model.
+    pub name: String,
+    /// Linear RGBA.
+    pub base_color: Vec4,
+    /// Base colour in the model's texture coordinates.
+    pub texture: Option<Image>,
+    /// Red: share of the hair that grows; green: wetness.
+    pub groom: Option<Image>,
+    /// Opacity below which the skin is cut away.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether hair grows on it.
+    pub furred: bool,
+    /// Whether back faces show.
+    pub double_sided: bool,
+}
+
+impl Skin {
+    /// Reads the mesh of a package and poses it.
+    ///
+    /// * `file`: the package as the user named it, for messages
+    /// * `motion`: index of a clip and the time in it, seconds; `None` for the rest pose
+    ///
+    /// # Errors
+    /// [`BakeError::Package`] for a damaged section.
+    pub fn posed(file: &str, package: &Package<'_>, motion: Option<(usize, f32)>) -> Result<Self, BakeError> {
+        let fault = |source: FormatError| BakeError::Package { file: file.to_owned(), source };
+        let Some(mesh) = package.mesh().map_err(fault)? else { return Ok(Self::default()) };
+        let mut pose = Pose::default();
+        if let Some(animation) = package.animation().map_err(fault)? {
+            pose.sample(&animation, motion.map(|(clip, _)| clip), motion.map_or(0.0, |(_, time_s)| time_s));
+        }
+        let skin: Vec<SkinVertex> = mesh.skin().collect();
+        let mut first_at = HashMap::new();
+        let mut out = Self::default();
+        for (i, (geometry, attributes)) in mesh.geometry().zip(mesh.attributes()).enumerate() {
+            let moved_by = skin.get(i).copied();
+            let place = |v: Option<SkinVertex>| v.map(|v| (v.joints, v.weights.map(f32::to_bits)));
+            let key = (geometry.position.map(f32::to_bits), place(moved_by));
+            out.same_place.push(*first_at.entry(key).or_insert(i as u32));
+            let share = |byte: u8| f32::from(byte) / 255.0;
+            out.vertices.push(SkinPoint {
+                tile_uv: Vec2::from(attributes.tile_uv).as_dvec2(),
+                base_uv: attributes.base_uv.into(),
+                color: Vec4::from(attributes.color.map(share)),
+                groom: Vec2::new(1.0 - share(attributes.groom[0]), share(attributes.groom[1])),
+                ..posed_point(&geometry, moved_by.as_ref(), &pose)
+            });
+        }
+        let indices: Vec<u32> = mesh.indices().collect();
+        out.triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        for part in &package.manifest().parts {
+            out.material_of.extend(std::iter::repeat_n(part.material, part.index_count as usize / 3));
+        }
+        for (index, material) in package.manifest().materials.iter().enumerate() {
+            let read = |view: Option<pelage_formats::TextureView<'_>>| {
+                view.map(|view| {
+                    let rgba = decode_texture(&view, 0, 0)?;
+                    Ok::<_, BakeError>(Image { width: view.width, height: view.height, rgba })
+                })
+                .transpose()
+            };
+            out.materials.push(SkinMaterial {
+                name: material.name.clone(),
+                base_color: material.base_color.into(),
+                texture: read(package.base_color_texture(index).map_err(fault)?)?,
+                groom: read(package.groom_texture(index).map_err(fault)?)?,
+                alpha_cutoff: material.alpha_cutoff,
+                furred: material.furred,
+                double_sided: material.double_sided,
+            });
+        }
+        Ok(out)
+    }
+
+    /// Corners of a triangle.
+    pub fn corners(&self, triangle: usize) -> [&SkinPoint; 3] {
+        self.triangles[triangle].map(|v| &self.vertices[v as usize])
+    }
+
+    /// The material of a triangle.
+    pub fn material(&self, triangle: usize) -> &SkinMaterial {
+        &self.materials[self.material_of[triangle] as usize]
+    }
+
+    /// Linear RGBA of the skin at a point of a triangle.
+    pub fn base_color(&self, triangle: usize, weights: DVec3) -> Vec4 {
+        let (corners, material) = (self.corners(triangle), self.material(triangle));
+        let tint = mix(weights, corners.map(|c| c.color)) * material.base_color;
+        match &material.texture {
+            Some(image) => {
+                tint * bilinear(image, mix(weights, corners.map(|c| c.base_uv)), Wrap::Repeat, Encoding::Srgb)
+            }
+            None => tint,
+        }
+    }
+
+    /// Whether the skin is cut away where its base colour has that opacity.
+    pub fn is_cut(&self, triangle: usize, alpha: f32) -> bool {
+        self.material(triangle).alpha_cutoff.is_some_and(|cutoff| alpha < cutoff)
+    }
+
+    /// Share of the hair that grows at a point of a triangle, and its wetness; both 0..=1.
+    pub fn groom(&self, triangle: usize, weights: DVec3) -> Vec2 {
+        let corners = self.corners(triangle);
+        let groom = mix(weights, corners.map(|c| c.groom));
+        match &self.material(triangle).groom {
+            Some(image) => {
+                let uv = mix(weights, corners.map(|c| c.base_uv));
+                let texel = bilinear(image, uv, Wrap::Repeat, Encoding::Linear);
+                Vec2::new(groom.x * texel.x, (groom.y + texel.y).min(1.0))
+            }
+            None => groom,
+        }
+    }
+}
+
+/// A value at a point of a triangle from those at its corners.
+pub(super) fn mix<T>(weights: DVec3, corners: [T; 3]) -> T
+where
+    T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    let [a, b, c] = corners;
+    a * weights.x as f32 + b * weights.y as f32 + c * weights.z as f32
+}
+
+fn posed_point(v: &GeometryVertex, moved_by: Option<&SkinVertex>, pose: &Pose) -> SkinPoint {
+    let (position, own_normal) = (Vec3::from(v.position), Vec3::from(v.normal));
+    let [x, y, z, w] = v.tangent;
+    let (mut place, mut normal, mut tangent) = (position, own_normal, Vec3::new(x, y, z));
+    let mut handedness = if w < 0.0 { -1.0 } else { 1.0 };
+    if let Some(skin) = moved_by {
+        let matrix = blend(pose, skin);
+        place = matrix.transform_point3(position);
+        normal = transform_normal(matrix, own_normal);
+        tangent = matrix.transform_vector3(tangent);
+        if Mat3::from_mat4(matrix).determinant() < 0.0 {
+            handedness = -handedness;
+        }
+    }
+    let normal = normal.as_dvec3().normalize_or(DVec3::Y);
+    let along = tangent.as_dvec3().reject_from_normalized(normal).try_normalize();
+    let tangent_ws = along.unwrap_or_else(|| normal.any_orthonormal_vector());
+    SkinPoint {
+        position_ws: place.as_dvec3(),
+        normal_ws: normal,
+        tangent_ws,
+        bitangent_ws: normal.cross(tangent_ws) * handedness,
+        fur_height_m: f64::from(v.fur_height),
+        lean: f64::from(v.lean),
+        ..SkinPoint::default()
+    }
+}
