@@ -7,7 +7,8 @@
 use glam::{Vec2, Vec3};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::hair::{VolumeParams, simulate};
-use pelage_bake::stages::textures::{ShellSet, collect_layers, slice, srgb_to_linear};
+use pelage_bake::stages::textures::{ShellSet, collect_layers, slice};
+use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{TextureFormat, decode_direction};
 use std::time::Instant;
 
@@ -67,7 +68,7 @@ fn main() -> anyhow::Result<()> {
             picture.put_pixel(
                 x0 + x,
                 y0 + y,
-                image::Rgb([over(t[0]), over(t[1]), over(t[2])].map(pelage_bake::stages::textures::linear_to_srgb)),
+                image::Rgb([over(t[0]), over(t[1]), over(t[2])].map(pelage_formats::meaning::linear_to_srgb)),
             );
         }
     }
@@ -93,7 +94,7 @@ fn main() -> anyhow::Result<()> {
                 color += transmittance * (rgb * (Vec3::from(shading.ambient) * ambient + diffuse) + alpha * specular);
                 transmittance *= 1.0 - alpha;
             }
-            let pixel = image::Rgb(color.to_array().map(pelage_bake::stages::textures::linear_to_srgb));
+            let pixel = image::Rgb(color.to_array().map(pelage_formats::meaning::linear_to_srgb));
             picture.put_pixel(CELL * columns + VIEW * view + x, y, pixel);
         }
     }

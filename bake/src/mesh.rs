@@ -1,6 +1,7 @@
 //! The model as `import` hands it on: one triangle mesh, its materials, images and motions.
 
-use glam::{Mat3, Mat4, Vec2, Vec3};
+use glam::{Vec2, Vec3};
+use pelage_formats::meaning::{skin_matrix, transform_normal};
 use pelage_formats::{Animation, InputRecord, Pose, SkinVertex};
 
 /// An imported model.
@@ -117,32 +118,10 @@ impl RestPose {
     pub fn posed(mesh: &Mesh, pose: &Pose) -> Self {
         let mut rest = Self::default();
         for ((position, normal), skin) in mesh.positions.iter().zip(&mesh.normals).zip(&mesh.skin) {
-            let matrix = blend(pose, skin);
+            let matrix = skin_matrix(pose, skin);
             rest.positions.push(matrix.transform_point3(*position));
             rest.normals.push(transform_normal(matrix, *normal));
         }
         rest
     }
-}
-
-/// The weighted sum of a vertex's joint matrices (linear blend skinning).
-pub fn blend(pose: &Pose, skin: &SkinVertex) -> Mat4 {
-    let mut sum = Mat4::ZERO;
-    for (joint, weight) in skin.joints.iter().zip(skin.weights) {
-        if weight > 0.0 {
-            sum += pose.joints.get(usize::from(*joint)).copied().unwrap_or(Mat4::IDENTITY) * weight;
-        }
-    }
-    sum
-}
-
-/// A normal under a matrix that may scale unevenly, mirror or collapse: unit length always, and outward stays outward.
-///
-/// The cofactor matrix is the inverse transpose times the determinant: it needs no division, so it survives a zero scale; its
-/// sign is the determinant's, which is taken out again. A normal that collapses altogether keeps its old direction.
-pub fn transform_normal(matrix: Mat4, normal: Vec3) -> Vec3 {
-    let m = Mat3::from_mat4(matrix);
-    let cofactor = Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
-    let sign = if m.x_axis.dot(cofactor.x_axis) < 0.0 { -1.0 } else { 1.0 };
-    (cofactor * normal * sign).try_normalize().unwrap_or(normal)
 }

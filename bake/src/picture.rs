@@ -2,8 +2,8 @@
 
 use crate::BakeError;
 use crate::stages::import::bounded_reader;
-use crate::stages::textures::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
 use image::{EncodableLayout, ImageBuffer, ImageFormat, PixelWithColorType, RgbaImage};
+use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
 
 /// A picture of linear light with coverage.
 #[derive(Clone, Debug, PartialEq)]

@@ -43,6 +43,7 @@ mod limits;
 mod manifest;
 mod manifest_v1;
 mod manifest_v2;
+pub mod meaning;
 mod mesh;
 mod package;
 mod sampling;

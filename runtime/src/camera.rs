@@ -2,6 +2,7 @@
 
 use crate::error::RuntimeError;
 use glam::{Mat4, Vec3, Vec4};
+use pelage_formats::meaning::view_from_world;
 
 /// From where the scene is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,16 +84,7 @@ impl Projection {
 impl Camera {
     /// A camera at `eye` that looks at `target` with +Y up, or −Z up where it looks straight up or down.
     pub fn look_at(eye: Vec3, target: Vec3, projection: Projection) -> Self {
-        let backward = (eye - target).try_normalize().unwrap_or(Vec3::Z);
-        let up = if backward.y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y };
-        let right = up.cross(backward).normalize();
-        let world_from_view = Mat4::from_cols(
-            right.extend(0.0),
-            backward.cross(right).extend(0.0),
-            backward.extend(0.0),
-            eye.extend(1.0),
-        );
-        Self { view_from_world: world_from_view.inverse(), projection }
+        Self { view_from_world: view_from_world(eye, target), projection }
     }
 
     /// A perspective camera that sees a whole sphere, such as a package's bounds with its fur, from the side `towards_eye`.

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_bake::judge::compare::compare;
-use pelage_bake::stages::textures::srgb_to_linear;
+use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
     Camera, Detail, FrameParams, FrameReport, Instance, Projection, Renderer, RendererOptions, Style,

@@ -111,9 +111,8 @@ fn mip_levels_keep_the_mean_colour_too() {
         let column = |texel: usize| {
             let (mut green, mut t) = (0.0, 1.0);
             for k in (0..16).rev() {
-                green += t * f64::from(pelage_bake::stages::textures::srgb_to_linear(
-                    set.layers[k].color[level][4 * texel + 1],
-                ));
+                green +=
+                    t * f64::from(pelage_formats::meaning::srgb_to_linear(set.layers[k].color[level][4 * texel + 1]));
                 t *= 1.0 - opacity(&set, k, level, texel);
             }
             green

@@ -6,7 +6,7 @@ use super::package_file::PackageFile;
 use super::track::Track;
 use super::view::View;
 use glam::{Mat4, Quat, Vec3};
-use pelage_bake::mesh::blend;
+use pelage_formats::meaning::skin_matrix;
 use pelage_formats::{Animation, GeometryVertex, Manifest, Package, Pose};
 use pelage_runtime::{Motion, StyleKind};
 
@@ -176,7 +176,7 @@ pub fn rest_points(
         let skin: Vec<_> = mesh.skin().collect();
         let place = |(i, v): (usize, GeometryVertex)| {
             let position = Vec3::from(v.position);
-            skin.get(i).map_or(position, |s| blend(&pose, s).transform_point3(position))
+            skin.get(i).map_or(position, |s| skin_matrix(&pose, s).transform_point3(position))
         };
         mesh.geometry().enumerate().map(place).collect()
     }))

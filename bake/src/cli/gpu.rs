@@ -186,7 +186,7 @@ fn unpremultiply(pixel: &mut [u8]) {
         return;
     }
     for channel in &mut pixel[..3] {
-        let linear = pelage_bake::stages::textures::srgb_to_linear(*channel) / (f32::from(alpha) / 255.0);
-        *channel = pelage_bake::stages::textures::linear_to_srgb(linear.min(1.0));
+        let linear = pelage_formats::meaning::srgb_to_linear(*channel) / (f32::from(alpha) / 255.0);
+        *channel = pelage_formats::meaning::linear_to_srgb(linear.min(1.0));
     }
 }

@@ -4,7 +4,7 @@ use super::compare::Rgb;
 use super::view_args::{Background, Switch};
 use clap::ValueEnum;
 use glam::Vec3;
-use pelage_bake::stages::textures::srgb_to_linear;
+use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{Anchoring, FeatureRule, InkBackground, InkParams, InkShow, LineWidth, SphereMapForm, Study};
 use std::str::FromStr;
 

@@ -8,8 +8,8 @@ use super::view::View;
 use super::view_args::DetailArg;
 use glam::Vec3;
 use pelage_bake::BakeError;
-use pelage_bake::stages::textures::srgb_to_linear;
 use pelage_formats::Package;
+use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
     Camera, Detail, Frame, FrameParams, FurParams, Hooks, Instance, InstanceDetail, Model, PassId, Projection,
     Renderer, RendererOptions, RuntimeError, ShadowMaps, Style, StyleKind, wgpu,

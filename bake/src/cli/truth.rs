@@ -7,8 +7,8 @@ use super::package_file::PackageFile;
 use super::view::View;
 use glam::Vec3;
 use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScene};
-use pelage_bake::stages::textures::{linear_to_srgb, srgb_to_linear};
 use pelage_bake::strands::{GroomReport, Skin, grow_on, tile_hair};
+use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_runtime::{Light, StyleKind};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.

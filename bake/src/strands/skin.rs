@@ -1,10 +1,11 @@
 //! The skin of an opened package in one pose: what strands stand on and what they throw shadows on.
 
 use crate::BakeError;
-use crate::mesh::{Image, blend, transform_normal};
+use crate::mesh::Image;
 use crate::stages::groom::sample::{Encoding, Wrap, bilinear};
 use crate::stages::textures::decode_texture;
 use glam::{DVec2, DVec3, Mat3, Vec2, Vec3, Vec4};
+use pelage_formats::meaning::{skin_matrix, transform_normal};
 use pelage_formats::{FormatError, GeometryVertex, Package, Pose, SkinVertex};
 use std::collections::HashMap;
 
@@ -182,7 +183,7 @@ fn posed_point(v: &GeometryVertex, moved_by: Option<&SkinVertex>, pose: &Pose) -
     let (mut place, mut normal, mut tangent) = (position, own_normal, Vec3::new(x, y, z));
     let mut handedness = if w < 0.0 { -1.0 } else { 1.0 };
     if let Some(skin) = moved_by {
-        let matrix = blend(pose, skin);
+        let matrix = skin_matrix(pose, skin);
         place = matrix.transform_point3(position);
         normal = transform_normal(matrix, own_normal);
         tangent = matrix.transform_vector3(tangent);

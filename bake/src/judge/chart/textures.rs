@@ -8,10 +8,9 @@ use crate::BakeError;
 use crate::judge::stability::{mean, opacity, texels, transmittances};
 use crate::recipe::{BcQuality, DirectionFormat, Recipe, ShellFormat};
 use crate::stages::hair::Strands;
-use crate::stages::textures::{
-    AlphaMode, Layer, ShellSet, TextureEncoder, collect_layers, decode_texture, linear_to_srgb, srgb_to_linear,
-};
+use crate::stages::textures::{AlphaMode, Layer, ShellSet, TextureEncoder, collect_layers, decode_texture};
 use glam::Vec3;
+use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_formats::{Limits, TextureFormat, TextureView, decode_direction};
 
 /// How a coarser level is made of the finer one.

@@ -9,8 +9,8 @@ pub mod raster;
 pub use advice::Advice;
 
 use crate::BakeError;
-use crate::mesh::blend;
 use glam::{Mat3, Mat4, Vec3, Vec4};
+use pelage_formats::meaning::skin_matrix;
 use pelage_formats::{FormatError, Package, Pose};
 use raster::{Covered, Draw, Raster};
 
@@ -246,8 +246,8 @@ fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> 
     }
     let skin: Vec<_> = mesh.skin().collect();
     let vertex = |(i, v): (usize, pelage_formats::GeometryVertex)| {
-        let matrix = skin.get(i).map_or(Mat4::IDENTITY, |s| blend(&pose, s));
-        let normal = crate::mesh::transform_normal(matrix, Vec3::from(v.normal));
+        let matrix = skin.get(i).map_or(Mat4::IDENTITY, |s| skin_matrix(&pose, s));
+        let normal = pelage_formats::meaning::transform_normal(matrix, Vec3::from(v.normal));
         let tangent = Mat3::from_mat4(matrix) * Vec3::new(v.tangent[0], v.tangent[1], v.tangent[2]);
         Vertex {
             position: matrix.transform_point3(Vec3::from(v.position)),

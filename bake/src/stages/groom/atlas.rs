@@ -7,8 +7,8 @@ use super::charts::{Spacing, bounds, charts};
 use crate::BakeError;
 use crate::mesh::Image;
 use crate::stages::surface::Surface;
-use crate::stages::textures::linear_to_srgb;
 use glam::{Vec2, Vec3, Vec4};
+use pelage_formats::meaning::linear_to_srgb;
 use rayon::prelude::*;
 
 /// Texels between a chart and the border of its place in the texture: enough that bilinear filtering of mip level 2 finds nothing of

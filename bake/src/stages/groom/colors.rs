@@ -4,7 +4,7 @@ use super::maps::Maps;
 use crate::BakeError;
 use crate::mesh::{Image, Mesh, Model};
 use crate::recipe::ColorMap;
-use crate::stages::textures::srgb_value_to_linear;
+use pelage_formats::meaning::srgb_value_to_linear;
 
 /// Colours of a model as the package stores them: factor, texture and vertex colour multiply each other.
 #[derive(Clone, Debug, Default, PartialEq)]

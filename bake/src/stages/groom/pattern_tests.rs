@@ -5,7 +5,7 @@ use crate::mesh::{Material, Mesh, MeshPart, Model};
 use crate::recipe::{GroomParams, ImagePath};
 use crate::stages::groom::{Maps, colors};
 use crate::stages::surface::{Source, SurfaceParams, parameterize};
-use crate::stages::textures::{linear_to_srgb, srgb_to_linear};
+use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 
 const SIDE: u32 = 512;
 

@@ -179,7 +179,7 @@ pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams)
 
 /// Linear RGB of an sRGB colour (IEC 61966-2-1).
 pub fn linear(color: SrgbColor) -> Vec3 {
-    Vec3::from(color.0.map(crate::stages::textures::srgb_value_to_linear))
+    Vec3::from(color.0.map(pelage_formats::meaning::srgb_value_to_linear))
 }
 
 #[cfg(test)]

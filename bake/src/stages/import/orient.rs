@@ -3,8 +3,9 @@
 use super::notes::Notes;
 use super::scene::mirrors;
 
-use crate::mesh::{Mesh, RestPose, blend};
+use crate::mesh::{Mesh, RestPose};
 use glam::DVec3;
+use pelage_formats::meaning::skin_matrix;
 use pelage_formats::{Animation, Pose};
 
 /// Turns parts inside out that the skeleton's rest pose mirrors, then those whose triangles still face against their normals.
@@ -29,7 +30,7 @@ pub(super) fn face_outward(
             let corners = triangles.iter().flatten().filter_map(|v| mesh.skin.get(*v as usize));
             let (mut turned, mut total) = (0_usize, 0_usize);
             for vertex in corners {
-                turned += usize::from(mirrors(&blend(&pose, vertex)));
+                turned += usize::from(mirrors(&skin_matrix(&pose, vertex)));
                 total += 1;
             }
             if 2 * turned > total {

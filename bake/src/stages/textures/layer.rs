@@ -12,9 +12,9 @@
 use super::coat::{Coat, CoatSums};
 use super::direction;
 use super::splat::Sums;
-use super::srgb::linear_to_srgb;
 use glam::Vec3;
 use pelage_formats::TextureFormat;
+use pelage_formats::meaning::linear_to_srgb;
 use rayon::prelude::*;
 
 /// Keeps a layer's own opacity where nothing of it can be seen from above.

@@ -12,7 +12,6 @@ mod shells;
 mod slab;
 mod slice;
 mod splat;
-mod srgb;
 
 pub use coat::Coat;
 pub use decode::decode_texture;
@@ -22,4 +21,3 @@ pub use slab::{FinTextures, SLABS, Slab, fin_textures, slab_along};
 pub use slice::{Layer, ShellSet, collect_layers, slice, slice_with_coat};
 pub use splat::extinction;
 pub(crate) use splat::weights as gaussian_weights;
-pub use srgb::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};

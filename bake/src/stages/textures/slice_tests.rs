@@ -3,8 +3,8 @@
 use super::*;
 use crate::recipe::{ColorParams, HairParams};
 use crate::stages::hair::{VolumeParams, simulate};
-use crate::stages::textures::linear_to_srgb;
 use glam::Vec3;
+use pelage_formats::meaning::linear_to_srgb;
 
 fn strands(hair: &HairParams) -> Strands {
     simulate(hair, &ColorParams::default(), &VolumeParams::default()).unwrap()

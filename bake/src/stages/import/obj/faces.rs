@@ -5,8 +5,8 @@ use super::statements::{KEYWORDS, Statement, Statements};
 use crate::BakeError;
 use crate::stages::import::json::shorten;
 use crate::stages::import::notes::Notes;
-use crate::stages::textures::srgb_value_to_linear;
 use glam::{Vec2, Vec3};
+use pelage_formats::meaning::srgb_value_to_linear;
 use std::collections::{BTreeMap, HashMap};
 
 /// A corner of a face: indices into [`Faces::positions`], [`Faces::uvs`] and [`Faces::normals`].
