@@ -40,6 +40,12 @@ fn formats_knows_no_gpu_no_thread_pool_and_no_tool() {
 }
 
 #[test]
+fn params_know_text_and_nothing_else() {
+    let never = ["wgpu", "naga", "rayon", "clap", "image", "glam", "tempfile", "pelage-formats", "pelage-runtime"];
+    assert_floor("pelage-params", &[], &["serde", "toml"], &never);
+}
+
+#[test]
 fn runtime_knows_only_formats_and_the_gpu() {
     let never = ["clap", "rayon", "image", "gltf", "tempfile", "indicatif", "pelage-bake"];
     assert_floor("pelage-runtime", &[], &["wgpu", "pelage-formats", "glam", "bytemuck"], &never);

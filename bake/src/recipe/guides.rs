@@ -1,6 +1,6 @@
 //! Guide directions in a recipe: `surface.guides`.
 
-use super::field::{Field, Range, Raw, describe_raw};
+use pelage_params::{Field, Item, Range, Raw};
 use serde::{Deserialize, Serialize};
 
 /// A direction of the comb at a place; what lies between guides follows from them.
@@ -23,7 +23,7 @@ impl GuideParams {
         let mut seen = [false; 3];
         for (key, raw) in table {
             let (slot, read) = match key.as_str() {
-                "name" => (0, String::read(raw, &()).map(|name| guide.name = name)),
+                "name" => (0, <String as Field>::read(raw, &()).map(|name| guide.name = name)),
                 "at" => (1, <[f32; 3]>::read(raw, &PLACE).map(|at| guide.at = at)),
                 "direction" => (2, <[f32; 3]>::read(raw, &PLACE).map(|d| guide.direction = d)),
                 _ => return Err(format!("unknown key {key:?}, expected name, at and direction")),
@@ -38,45 +38,27 @@ impl GuideParams {
     }
 }
 
-impl Field for Vec<GuideParams> {
-    type Range = ();
+impl Item for GuideParams {
+    const ALONE: bool = false;
 
-    fn expected((): &()) -> String {
+    fn expected_list() -> String {
         "a list of tables such as { name = \"nose\", at = [0, 1, 0.5], direction = [0, 0, -1] } with directions other than 0".into()
     }
 
-    fn from_raw(raw: &Raw) -> Option<Self> {
-        let Raw::Array(items) = raw else { return None };
-        let guide = |item: &Raw| match item {
-            Raw::Table(table) => GuideParams::from_table(table).ok(),
-            _ => None,
-        };
-        items.iter().map(guide).collect()
-    }
-
-    fn in_range(&self, (): &()) -> bool {
-        self.iter().all(|g| g.at.in_range(&PLACE) && g.direction.in_range(&PLACE) && g.direction != [0.0; 3])
-    }
-
-    fn to_toml(&self) -> Option<String> {
-        let vector = |v: &[f32; 3]| v.to_toml().unwrap_or_default();
-        let guide = |g: &GuideParams| {
-            let name = toml::Value::from(g.name.as_str());
-            format!("{{ name = {name}, at = {}, direction = {} }}", vector(&g.at), vector(&g.direction))
-        };
-        Some(format!("[{}]", self.iter().map(guide).collect::<Vec<_>>().join(", ")))
-    }
-
-    fn read(raw: &Raw, range: &()) -> Result<Self, String> {
-        if let Raw::Array(items) = raw {
-            for (i, item) in items.iter().enumerate() {
-                let Raw::Table(table) = item else {
-                    return Err(format!("entry {i}: found {}, expected a table", describe_raw(item)));
-                };
-                GuideParams::from_table(table).map_err(|reason| format!("entry {i}: {reason}"))?;
-            }
+    fn read(raw: &Raw) -> Result<Self, Option<String>> {
+        match raw {
+            Raw::Table(table) => Self::from_table(table).map_err(Some),
+            other => Err(Some(other.instead_of("a table"))),
         }
-        let found = || format!("found {}, expected {}", describe_raw(raw), Self::expected(range));
-        Self::from_raw(raw).filter(|guides| guides.in_range(range)).ok_or_else(found)
+    }
+
+    fn in_range(&self) -> bool {
+        self.at.in_range(&PLACE) && self.direction.in_range(&PLACE) && self.direction != [0.0; 3]
+    }
+
+    fn to_toml(&self) -> String {
+        let vector = |v: &[f32; 3]| v.to_toml().unwrap_or_default();
+        let name = toml::Value::from(self.name.as_str());
+        format!("{{ name = {name}, at = {}, direction = {} }}", vector(&self.at), vector(&self.direction))
     }
 }

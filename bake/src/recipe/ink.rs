@@ -1,14 +1,10 @@
 //! `[ink]`: the model as an ink-wash painting.
 
-use super::Key;
-use super::field::{Field, PowerOfTwo, Range};
 use super::maps::{ImagePath, ScalarMap};
 use super::material_groom::SHARE;
 use super::material_table::material_table;
-use super::params::{params, words};
-use crate::BakeError;
 use pelage_formats::InkShading;
-use serde::{Deserialize, Serialize};
+use pelage_params::{PowerOfTwo, Range, params, words};
 
 /// Range of coordinates.
 const PLACE: Range<f32> = -1e6..=1e6;

@@ -1,8 +1,8 @@
 //! What a recipe says about the hair of single materials: `[[groom.material]]`.
 
-use super::field::Range;
 use super::maps::{ColorMap, ScalarMap, VectorMap};
 use super::material_table::material_table;
+use pelage_params::Range;
 
 /// Range of maps that are shares.
 pub(super) const SHARE: Range<f32> = 0.0..=1.0;

@@ -17,47 +17,15 @@ macro_rules! material_table {
             const KEYS: &[&str] = &[$(stringify!($key)),+];
 
             /// Sets `key`, which is not `name`.
-            fn set(&mut self, key: &str, raw: &super::Raw) -> Result<(), String> {
+            fn set(&mut self, key: &str, raw: &pelage_params::Raw) -> Result<(), String> {
                 match key {
-                    $(stringify!($key) => self.$key = Some(<$ty as super::field::Field>::read(raw, &$range)?),)+
+                    $(stringify!($key) => self.$key = Some(<$ty as pelage_params::Field>::read(raw, &$range)?),)+
                     _ => {
-                        let near = super::nearest(key, Self::KEYS.iter().copied()).unwrap_or_default();
+                        let near = pelage_params::nearest(key, Self::KEYS.iter().copied()).unwrap_or_default();
                         return Err(format!("unknown key; did you mean {near}?"));
                     }
                 }
                 Ok(())
-            }
-
-            fn in_range(&self) -> bool {
-                use super::field::Field as _;
-                !self.name.is_empty() $(&& self.$key.as_ref().is_none_or(|map| map.in_range(&$range)))+
-            }
-
-            fn to_toml(&self) -> String {
-                let mut items = vec![format!("name = {}", toml::Value::from(self.name.as_str()))];
-                $(if let Some(text) = self.$key.as_ref().and_then(super::field::Field::to_toml) {
-                    items.push(format!("{} = {text}", stringify!($key)));
-                })+
-                format!("{{ {} }}", items.join(", "))
-            }
-
-            fn from_table(raw: &super::Raw) -> Result<Self, String> {
-                use super::{Raw, describe_raw};
-                let Raw::Table(table) = raw else {
-                    return Err(format!("found {}, expected a table", describe_raw(raw)));
-                };
-                let mut read = Self::default();
-                for (key, value) in table {
-                    match (key.as_str(), value) {
-                        ("name", Raw::String(name)) => read.name.clone_from(name),
-                        ("name", other) => return Err(format!("name: found {}, expected a string", describe_raw(other))),
-                        _ => read.set(key, value).map_err(|reason| format!("{key}: {reason}"))?,
-                    }
-                }
-                if read.name.is_empty() {
-                    return Err("found no name, expected the name of a material".into());
-                }
-                Ok(read)
             }
         }
 
@@ -67,32 +35,47 @@ macro_rules! material_table {
             }
         }
 
-        /// Tables in their order.
-        impl super::field::Field for Vec<$table> {
-            type Range = ();
+        impl pelage_params::Item for $table {
+            const ALONE: bool = false;
 
-            fn expected((): &()) -> String {
-                format!("a list of tables with name and any of {}", $table::KEYS.join(", "))
+            fn expected_list() -> String {
+                format!("a list of tables with name and any of {}", Self::KEYS.join(", "))
             }
 
-            fn from_raw(raw: &super::Raw) -> Option<Self> {
-                Self::read(raw, &()).ok()
+            fn place(index: usize, _: &pelage_params::Raw) -> String {
+                format!("table {index}")
             }
 
-            fn in_range(&self, (): &()) -> bool {
-                self.iter().all($table::in_range)
-            }
-
-            fn to_toml(&self) -> Option<String> {
-                Some(format!("[{}]", self.iter().map($table::to_toml).collect::<Vec<_>>().join(", ")))
-            }
-
-            fn read(raw: &super::Raw, (): &()) -> Result<Self, String> {
-                let super::Raw::Array(tables) = raw else {
-                    return Err(format!("found {}, expected {}", super::describe_raw(raw), Self::expected(&())));
+            fn read(raw: &pelage_params::Raw) -> Result<Self, Option<String>> {
+                use pelage_params::Raw;
+                let Raw::Table(table) = raw else {
+                    return Err(Some(raw.instead_of("a table")));
                 };
-                let number = |(i, table)| $table::from_table(table).map_err(|reason| format!("table {i}: {reason}"));
-                tables.iter().enumerate().map(number).collect()
+                let mut read = Self::default();
+                for (key, value) in table {
+                    match (key.as_str(), value) {
+                        ("name", Raw::String(name)) => read.name.clone_from(name),
+                        ("name", other) => return Err(Some(format!("name: {}", other.instead_of("a string")))),
+                        _ => read.set(key, value).map_err(|reason| format!("{key}: {reason}"))?,
+                    }
+                }
+                if read.name.is_empty() {
+                    return Err(Some("found no name, expected the name of a material".into()));
+                }
+                Ok(read)
+            }
+
+            fn in_range(&self) -> bool {
+                use pelage_params::Field as _;
+                !self.name.is_empty() $(&& self.$key.as_ref().is_none_or(|map| map.in_range(&$range)))+
+            }
+
+            fn to_toml(&self) -> String {
+                let mut items = vec![format!("name = {}", toml::Value::from(self.name.as_str()))];
+                $(if let Some(text) = self.$key.as_ref().and_then(pelage_params::Field::to_toml) {
+                    items.push(format!("{} = {text}", stringify!($key)));
+                })+
+                format!("{{ {} }}", items.join(", "))
             }
         }
     };

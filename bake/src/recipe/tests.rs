@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use super::field::Field;
 use super::*;
+use pelage_params::{Field, Raw};
 use proptest::prelude::*;
 
 fn error(text: &str) -> String {
@@ -120,6 +120,35 @@ fn validate_names_the_key() {
     recipe = Recipe::default();
     recipe.slice.tile_texels = 96;
     assert!(recipe.validate().unwrap_err().to_string().contains("slice.tile_texels"));
+}
+
+#[test]
+fn validate_looks_at_every_table() {
+    // A number far outside in each table that has one; `detail` was once forgotten.
+    type Spoil = fn(&mut Recipe);
+    let wrong: [(&str, Spoil); 12] = [
+        ("model.unit_m", |r| r.model.unit_m = 0.0),
+        ("surface.patch_size", |r| r.surface.patch_size = 1e9),
+        ("hair.density", |r| r.hair.density = 0),
+        ("groom.length", |r| r.groom.length = ScalarMap::Constant(2.0)),
+        ("color.variation", |r| r.color.variation = -1.0),
+        ("shading.ambient_floor", |r| r.shading.ambient_floor = 2.0),
+        ("slice.layers", |r| r.slice.layers = 1),
+        ("fins.depth", |r| r.fins.depth = Some(0.0)),
+        ("detail.gap_px", |r| r.detail.gap_px = 0.0),
+        ("ink.speed", |r| r.ink.speed = f32::INFINITY),
+        ("pack.base_color_max", |r| r.pack.base_color_max = 0),
+        ("judge.samples", |r| r.judge.samples = 0),
+    ];
+    let tables: Vec<_> = wrong.iter().filter_map(|(name, _)| name.split('.').next()).collect();
+    let all: Vec<_> = <Recipe as pelage_params::Tables>::TABLES.iter().map(|table| table.name).collect();
+    assert_eq!(tables, all);
+    for (name, spoil) in wrong {
+        let mut recipe = Recipe::default();
+        spoil(&mut recipe);
+        let message = recipe.validate().unwrap_err().to_string();
+        assert!(message.starts_with(&format!("{name}: found ")), "{message}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Views of a model in a recipe: `judge.views`, and `--camera`, which reads the same words.
 
-use super::field::{Field, Raw, describe_raw};
 use glam::Vec3;
+use pelage_params::{Item, Raw};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -76,32 +76,33 @@ impl From<CameraView> for String {
     }
 }
 
-/// One alone may stand without brackets.
-impl Field for Vec<CameraView> {
-    type Range = ();
+impl Item for CameraView {
+    const ALONE: bool = true;
 
-    fn expected((): &()) -> String {
+    fn expected_list() -> String {
         "a list of views such as \"0,1,3/0,0.5,0/40\": eye, target, height of the view in degrees".into()
     }
 
-    fn from_raw(raw: &Raw) -> Option<Self> {
-        Vec::<String>::from_raw(raw)?.iter().map(|word| word.parse().ok()).collect()
+    fn place(index: usize, raw: &Raw) -> String {
+        match raw {
+            Raw::String(word) => format!("entry {index}, {word:?}"),
+            _ => format!("entry {index}"),
+        }
     }
 
-    fn in_range(&self, (): &()) -> bool {
-        self.iter().all(|view| view.to_string().parse::<CameraView>().is_ok())
+    fn read(raw: &Raw) -> Result<Self, Option<String>> {
+        match raw {
+            Raw::String(word) => word.parse().map_err(Some),
+            _ => Err(None),
+        }
     }
 
-    fn to_toml(&self) -> Option<String> {
-        self.iter().map(ToString::to_string).collect::<Vec<_>>().to_toml()
+    fn in_range(&self) -> bool {
+        self.to_string().parse::<Self>().is_ok()
     }
 
-    fn read(raw: &Raw, range: &()) -> Result<Self, String> {
-        let words = Vec::<String>::from_raw(raw)
-            .ok_or_else(|| format!("found {}, expected {}", describe_raw(raw), Self::expected(range)))?;
-        let view =
-            |(i, word): (usize, &String)| word.parse().map_err(|reason| format!("entry {i}, {word:?}: {reason}"));
-        words.iter().enumerate().map(view).collect()
+    fn to_toml(&self) -> String {
+        format!("{:?}", self.to_string())
     }
 }
 

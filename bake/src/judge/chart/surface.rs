@@ -58,7 +58,7 @@ pub const PANELS: [Panel; 2] = [
 ///
 /// As [`Recipe::set`]; cannot happen with a valid base.
 pub fn configurations(base: &Recipe, model: &Model) -> Result<Vec<Configuration>, crate::BakeError> {
-    let with = |series: &'static str, label: String, sets: &[String]| {
+    let with = |series: &'static str, label: String, sets: &[String]| -> Result<_, crate::BakeError> {
         let mut recipe = base.clone();
         sets.iter().try_for_each(|set| recipe.set(set))?;
         Ok(Configuration { series, label, sets: sets.to_vec(), recipe })

@@ -247,9 +247,11 @@ impl<'a> Maps<'a> {
 
     /// One image of hair share and wetness, as large as the larger of the two both ways.
     fn join(&self, bare: Option<&ScalarMap>, wetness: Option<&ScalarMap>) -> Result<Image, BakeError> {
-        let source = |map: Option<&ScalarMap>| match map {
-            Some(ScalarMap::Image { path, channel }) => Ok(Some((self.images.get(path)?, channel.index()))),
-            _ => Ok(None),
+        let source = |map: Option<&ScalarMap>| -> Result<_, BakeError> {
+            match map {
+                Some(ScalarMap::Image { path, channel }) => Ok(Some((self.images.get(path)?, channel.index()))),
+                _ => Ok(None),
+            }
         };
         let sources = [source(bare)?, source(wetness)?];
         let side = |of: fn(&Image) -> u32| sources.iter().flatten().map(|(image, _)| of(image)).max().unwrap_or(1);

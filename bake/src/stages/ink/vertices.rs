@@ -90,7 +90,7 @@ pub fn vertices(
     report_unmatched("ink.material", &params.material, materials, warnings);
     let paints: Vec<_> = materials.iter().map(|m| MaterialPaint::of(params, &m.name)).collect();
     let parts = || mesh.parts.iter().filter_map(|part| paints.get(part.material).map(|paint| (part, paint)));
-    let share = |map: &ScalarMap, part: &MeshPart, v: usize, without_uvs: f32| {
+    let share = |map: &ScalarMap, part: &MeshPart, v: usize, without_uvs: f32| -> Result<_, BakeError> {
         Ok(scalar_at(images, mesh, part, map, v)?.unwrap_or(without_uvs))
     };
     let amounts = average(mesh, parts(), Vec3::ZERO, |part, paint, v| {

@@ -61,16 +61,16 @@ pub enum Source {
     Model,
 }
 
-/// How far lapped patches go. Larger patches have fewer seams and more distortion.
+/// How far lapped patches go. Larger patches have fewer seams and more distortion. [`recipe::SurfaceParams`] has the ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchParams {
-    /// How far a patch may grow from its seed, tiles, greater than 0 (default 2).
+    /// How far a patch may grow from its seed, tiles (default 2).
     pub size: f32,
-    /// Largest angle between a patch's v direction and the comb, degrees, 1..=60 (default 25).
+    /// Largest angle between a patch's v direction and the comb, degrees (default 25).
     pub turn_deg: f32,
-    /// Largest stretch of a triangle in any direction, and the inverse of the least, 1.01..=4 (default 1.5).
+    /// Largest stretch of a triangle in any direction, and the inverse of the least (default 1.5).
     pub stretch: f32,
-    /// 1 follows the comb, 0 turns each triangle to what distorts least; 0..=1 (default 0.5).
+    /// 1 follows the comb, 0 turns each triangle to what distorts least (default 0.5).
     pub comb_weight: f32,
 }
 
@@ -81,6 +81,19 @@ impl From<&recipe::SurfaceParams> for PatchParams {
             turn_deg: recipe.patch_turn_deg,
             stretch: recipe.patch_stretch,
             comb_weight: recipe.comb_weight,
+        }
+    }
+}
+
+/// What a recipe with these patches says; all else at its default.
+impl From<&PatchParams> for recipe::SurfaceParams {
+    fn from(patches: &PatchParams) -> Self {
+        Self {
+            patch_size: patches.size,
+            patch_turn_deg: patches.turn_deg,
+            patch_stretch: patches.stretch,
+            comb_weight: patches.comb_weight,
+            ..Self::default()
         }
     }
 }
@@ -249,16 +262,8 @@ impl SurfaceParams {
             return fail("groom.density", format!("{bad}, expected numbers greater than 0"));
         }
         if let Source::Patches(p) = &self.source {
-            for (what, value, range) in [
-                ("surface.patch_size", p.size, 1e-3..=1e6),
-                ("surface.patch_turn_deg", p.turn_deg, 1.0..=60.0),
-                ("surface.patch_stretch", p.stretch, 1.01..=4.0),
-                ("surface.comb_weight", p.comb_weight, 0.0..=1.0),
-            ] {
-                if !range.contains(&value) {
-                    return fail(what, format!("{value}, expected a number {range:?}"));
-                }
-            }
+            // The recipe's declaration is the one place that says how far patches may go.
+            recipe::SurfaceParams::from(p).validate()?;
         }
         Ok(())
     }

@@ -1,84 +1,46 @@
-//! Value types of recipe keys: how each is read from TOML, checked, written and described.
+//! Value types of knobs: how each is read, checked, written, described and shown.
 
+use crate::control::Control;
+use crate::raw::Raw;
 use serde::{Deserialize, Serialize};
-use toml::de::DeValue;
 
-/// A TOML value without its place.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Raw {
-    Integer(i128),
-    Float(f64),
-    Bool(bool),
-    String(String),
-    Array(Vec<Raw>),
-    /// Keys and values in the order of the file.
-    Table(Vec<(String, Raw)>),
-    /// A date or a number too large to hold; the text says which.
-    Other(&'static str),
-}
-
-impl Raw {
-    pub(super) fn from_de(value: &DeValue<'_>) -> Self {
-        match value {
-            DeValue::String(s) => Self::String(s.to_string()),
-            DeValue::Integer(i) => match i128::from_str_radix(i.as_str(), i.radix()) {
-                Ok(i) => Self::Integer(i),
-                Err(_) => Self::Other("an integer of too many digits"),
-            },
-            DeValue::Float(f) => match f.as_str().parse() {
-                Ok(f) => Self::Float(f),
-                Err(_) => Self::Other("a number that cannot be read"),
-            },
-            DeValue::Boolean(b) => Self::Bool(*b),
-            DeValue::Datetime(_) => Self::Other("a date"),
-            DeValue::Array(items) => Self::Array(items.iter().map(|v| Self::from_de(v.get_ref())).collect()),
-            DeValue::Table(table) => {
-                Self::Table(table.iter().map(|(k, v)| (k.get_ref().to_string(), Self::from_de(v.get_ref()))).collect())
-            }
-        }
-    }
-
-    fn number(&self) -> Option<f64> {
-        match self {
-            Self::Integer(i) => Some(*i as f64),
-            Self::Float(f) => Some(*f),
-            _ => None,
-        }
-    }
-}
-
-/// What was found, for messages. Long values are cut.
-pub(super) fn describe_raw(raw: &Raw) -> String {
-    let cut = |s: String| {
-        if s.chars().count() > 40 { format!("{}…", s.chars().take(40).collect::<String>()) } else { s }
-    };
-    match raw {
-        Raw::Integer(i) => i.to_string(),
-        Raw::Float(f) => f.to_string(),
-        Raw::Bool(b) => b.to_string(),
-        Raw::String(s) => format!("the string {}", cut(format!("{s:?}"))),
-        Raw::Array(items) => cut(format!("[{}]", items.iter().map(describe_raw).collect::<Vec<_>>().join(", "))),
-        Raw::Table(_) => "a table".to_owned(),
-        Raw::Other(what) => (*what).to_owned(),
-    }
-}
-
-/// A type that a recipe key can have. `Range` is what its key restricts it to.
-pub(super) trait Field: Sized {
+/// A type that a knob can have. `Range` is what its declaration restricts it to.
+pub trait Field: Sized {
+    /// What a declaration may restrict values to; `()` where there is nothing to say.
     type Range;
+
     /// Type and range in words.
     fn expected(range: &Self::Range) -> String;
+
+    /// How it is shown.
+    fn control(range: &Self::Range) -> Control;
+
+    /// The value of that TOML, whatever its range.
     fn from_raw(raw: &Raw) -> Option<Self>;
+
+    /// Whether it is in its range.
     fn in_range(&self, range: &Self::Range) -> bool;
+
     /// TOML, or `None` for a value that is left out.
     fn to_toml(&self) -> Option<String>;
 
-    fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
-        Self::from_raw(raw)
-            .filter(|value| value.in_range(range))
-            .ok_or_else(|| format!("found {}, expected {}", describe_raw(raw), Self::expected(range)))
+    /// What a word of a command line stands for.
+    fn raw_of_word(word: &str) -> Raw {
+        Raw::from_word(word)
     }
 
+    /// The value of that TOML.
+    ///
+    /// # Errors
+    /// What was found and what was expected.
+    fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
+        Self::from_raw(raw).filter(|value| value.in_range(range)).ok_or_else(|| raw.instead_of(&Self::expected(range)))
+    }
+
+    /// Whether it is in its range.
+    ///
+    /// # Errors
+    /// What was found and what was expected.
     fn check(&self, range: &Self::Range) -> Result<(), String> {
         if self.in_range(range) {
             return Ok(());
@@ -89,13 +51,17 @@ pub(super) trait Field: Sized {
 }
 
 /// Inclusive.
-pub(super) type Range<T> = std::ops::RangeInclusive<T>;
+pub type Range<T> = std::ops::RangeInclusive<T>;
 
 impl Field for f32 {
     type Range = Range<f32>;
 
     fn expected(range: &Self::Range) -> String {
         format!("a number {}..={}", range.start(), range.end())
+    }
+
+    fn control(range: &Self::Range) -> Control {
+        Control::number((*range.start()).into(), (*range.end()).into(), false)
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
@@ -110,6 +76,28 @@ impl Field for f32 {
         // `{:?}` is the shortest text that reads back as the same f32, and always has a point or an exponent, as TOML wants.
         Some(format!("{self:?}"))
     }
+
+    fn raw_of_word(word: &str) -> Raw {
+        number_of_word(word)
+    }
+}
+
+/// A number of a command line may look as it does not in TOML: `.5`, `3.`, `+007`.
+fn number_of_word(word: &str) -> Raw {
+    match (Raw::from_word(word.trim()), word.trim().parse()) {
+        (Raw::String(_), Ok(number)) => Raw::Float(number),
+        (Raw::String(_), Err(_)) => Raw::String(word.to_owned()),
+        (raw, _) => raw,
+    }
+}
+
+/// Numbers with commas between them, `1,2,3`, beside the brackets of TOML.
+fn numbers_of_word(word: &str) -> Raw {
+    let items: Vec<Raw> = word.split(',').map(number_of_word).collect();
+    match Raw::from_word(word) {
+        Raw::String(_) if items.iter().all(|item| item.number().is_some()) => Raw::Array(items),
+        raw => raw,
+    }
 }
 
 impl<T: Field> Field for Option<T> {
@@ -117,6 +105,10 @@ impl<T: Field> Field for Option<T> {
 
     fn expected(range: &Self::Range) -> String {
         T::expected(range)
+    }
+
+    fn control(range: &Self::Range) -> Control {
+        T::control(range)
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
@@ -130,16 +122,24 @@ impl<T: Field> Field for Option<T> {
     fn to_toml(&self) -> Option<String> {
         self.as_ref().and_then(Field::to_toml)
     }
+
+    fn raw_of_word(word: &str) -> Raw {
+        T::raw_of_word(word)
+    }
 }
 
 /// Integers whose range is plain.
 macro_rules! integer_field {
-    ($($ty:ty)*) => { $(
+    ($($ty:ty, $to_f64:expr;)*) => { $(
         impl Field for $ty {
             type Range = Range<$ty>;
 
             fn expected(range: &Self::Range) -> String {
                 format!("an integer {}..={}", range.start(), range.end())
+            }
+
+            fn control(range: &Self::Range) -> Control {
+                Control::number($to_f64(*range.start()), $to_f64(*range.end()), true)
             }
 
             fn from_raw(raw: &Raw) -> Option<Self> {
@@ -156,21 +156,30 @@ macro_rules! integer_field {
             fn to_toml(&self) -> Option<String> {
                 Some(self.to_string())
             }
+
+            fn raw_of_word(word: &str) -> Raw {
+                // `007` is an integer where people type, though not in TOML.
+                word.trim().parse().map_or_else(|_| Raw::from_word(word), Raw::Integer)
+            }
         }
     )* };
 }
-integer_field!(u32 u64);
+integer_field!(u32, f64::from; u64, |x| x as f64;);
 
 /// A power of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(super) struct PowerOfTwo(pub u32);
+pub struct PowerOfTwo(pub u32);
 
 impl Field for PowerOfTwo {
     type Range = Range<u32>;
 
     fn expected(range: &Self::Range) -> String {
         format!("a power of two {}..={}", range.start(), range.end())
+    }
+
+    fn control(range: &Self::Range) -> Control {
+        Control::PowerOfTwo { least: *range.start(), most: *range.end() }
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
@@ -184,6 +193,10 @@ impl Field for PowerOfTwo {
     fn to_toml(&self) -> Option<String> {
         self.0.to_toml()
     }
+
+    fn raw_of_word(word: &str) -> Raw {
+        u32::raw_of_word(word)
+    }
 }
 
 impl Field for bool {
@@ -191,6 +204,10 @@ impl Field for bool {
 
     fn expected((): &()) -> String {
         "true or false".into()
+    }
+
+    fn control((): &()) -> Control {
+        Control::Toggle
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
@@ -207,6 +224,14 @@ impl Field for bool {
     fn to_toml(&self) -> Option<String> {
         Some(self.to_string())
     }
+
+    fn raw_of_word(word: &str) -> Raw {
+        match word {
+            "on" => Raw::Bool(true),
+            "off" => Raw::Bool(false),
+            _ => Raw::from_word(word),
+        }
+    }
 }
 
 impl Field for [f32; 3] {
@@ -214,6 +239,10 @@ impl Field for [f32; 3] {
 
     fn expected(range: &Self::Range) -> String {
         format!("three numbers {}..={} in brackets", range.start(), range.end())
+    }
+
+    fn control(range: &Self::Range) -> Control {
+        Control::Vector { len: 3, least: (*range.start()).into(), most: (*range.end()).into() }
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
@@ -233,9 +262,13 @@ impl Field for [f32; 3] {
     fn to_toml(&self) -> Option<String> {
         Some(format!("[{:?}, {:?}, {:?}]", self[0], self[1], self[2]))
     }
+
+    fn raw_of_word(word: &str) -> Raw {
+        numbers_of_word(word)
+    }
 }
 
-/// A colour in sRGB, each channel 0..=1. In a recipe `[r, g, b]` or `"#rrggbb"`.
+/// A colour in sRGB, each channel 0..=1. In a file `[r, g, b]` or `"#rrggbb"`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct SrgbColor(pub [f32; 3]);
@@ -252,6 +285,10 @@ impl Field for SrgbColor {
 
     fn expected((): &()) -> String {
         "\"#rrggbb\" or [r, g, b] with numbers 0..=1".into()
+    }
+
+    fn control((): &()) -> Control {
+        Control::Color
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
@@ -281,6 +318,10 @@ impl Field for String {
         "a string".into()
     }
 
+    fn control((): &()) -> Control {
+        Control::Text
+    }
+
     fn from_raw(raw: &Raw) -> Option<Self> {
         match raw {
             Raw::String(s) => Some(s.clone()),
@@ -294,34 +335,5 @@ impl Field for String {
 
     fn to_toml(&self) -> Option<String> {
         Some(toml::Value::from(self.as_str()).to_string())
-    }
-}
-
-/// Names; one alone may stand without brackets.
-impl Field for Vec<String> {
-    type Range = ();
-
-    fn expected((): &()) -> String {
-        "a list of strings".into()
-    }
-
-    fn from_raw(raw: &Raw) -> Option<Self> {
-        let string = |raw: &Raw| match raw {
-            Raw::String(s) => Some(s.clone()),
-            _ => None,
-        };
-        match raw {
-            Raw::Array(items) => items.iter().map(string).collect(),
-            _ => string(raw).map(|s| vec![s]),
-        }
-    }
-
-    fn in_range(&self, (): &()) -> bool {
-        true
-    }
-
-    fn to_toml(&self) -> Option<String> {
-        let items: Vec<_> = self.iter().map(|s| toml::Value::from(s.as_str()).to_string()).collect();
-        Some(format!("[{}]", items.join(", ")))
     }
 }

@@ -1,0 +1,222 @@
+//! What declarations are made with.
+
+/// Declares an enum whose values are words in a file; `was` gives the word of earlier files, which is still read. The crate that uses it needs `serde` with `derive`.
+#[macro_export]
+macro_rules! words {
+    (
+        $(#[$meta:meta])*
+        $name:ident { $($(#[doc = $doc:literal])+ $(#[default $($no_args:tt)?])? $variant:ident = $word:literal $(was $old:literal)?,)+ }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, ::serde::Serialize, ::serde::Deserialize)]
+        pub enum $name {
+            $($(#[doc = $doc])+ $(#[default $($no_args)?])? #[serde(rename = $word $(, alias = $old)?)] $variant,)+
+        }
+
+        impl $name {
+            /// All values, in the order of declaration.
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
+            /// The word in a file.
+            pub fn word(self) -> &'static str {
+                match self { $(Self::$variant => $word),+ }
+            }
+        }
+
+        impl $crate::Field for $name {
+            type Range = ();
+
+            fn expected((): &()) -> String {
+                let words: Vec<_> = Self::ALL.iter().map(|v| format!("{:?}", v.word())).collect();
+                match words.as_slice() {
+                    [one] => one.clone(),
+                    _ => format!("one of {}", words.join(", ")),
+                }
+            }
+
+            fn control((): &()) -> $crate::Control {
+                $crate::Control::Choice(&[$($crate::Choice { word: $word, doc: concat!($($doc, "\n"),+) }),+])
+            }
+
+            fn from_raw(raw: &$crate::Raw) -> Option<Self> {
+                match raw {
+                    $crate::Raw::String(s) => match s.as_str() {
+                        $($word $(| $old)? => Some(Self::$variant),)+
+                        _ => None,
+                    },
+                    _ => None,
+                }
+            }
+
+            fn in_range(&self, (): &()) -> bool {
+                true
+            }
+
+            fn to_toml(&self) -> Option<String> {
+                Some(format!("{:?}", self.word()))
+            }
+        }
+    };
+}
+
+/// Declares a table of knobs: the struct, its defaults, its checks and its keys. The crate that uses it needs `serde` with `derive`.
+///
+/// A field reads `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was "name";`, where everything after the default may be left
+/// out. Without a range the type's values are all allowed. `Checked` is the wrapper whose [`Field`](crate::Field) does the checking where
+/// the type alone does not say enough. `"word"` is what the type's own default is called, so that an `Option` can be emptied again. To set
+/// the field empties `other`: of two ways to say the same, the later one counts. `was` is the key of earlier files, which is still read.
+#[macro_export]
+macro_rules! params {
+    (
+        $(#[doc = $table_doc:literal])+
+        $name:ident in $table:ident {
+            $(
+                $(#[doc = $doc:literal])+
+                $field:ident: $ty:ty = $default:expr
+                    $(, in $range:expr $(, as $wrap:ident)?)? $(, or $unset:literal)? $(, clears $other:ident)? $(, was $old:literal)?;
+            )+
+        }
+    ) => {
+        $(#[doc = $table_doc])+
+        #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $(
+                $(#[doc = $doc])+
+                $(#[serde(alias = $old)])?
+                #[doc = concat!("\n\n" $(, "Range `", stringify!($range), "`. ")?, "Default `", stringify!($default), "`.")]
+                pub $field: $ty,
+            )+
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default),+ }
+            }
+        }
+
+        impl $name {
+            /// What is known of the table.
+            pub const TABLE: $crate::TableInfo = $crate::TableInfo {
+                name: stringify!($table),
+                doc: concat!($($table_doc, "\n"),+),
+                knobs: &[$($crate::Knob {
+                    name: concat!(stringify!($table), ".", stringify!($field)),
+                    was: &[$($old)?],
+                    doc: concat!($($doc, "\n"),+),
+                    expected: || {
+                        let range = $crate::params!(@range $($range)?);
+                        let expected = $crate::params!(@field expected, $ty $($(, $wrap)?)?)(&range);
+                        $(let expected = format!("{:?} or {expected}", $unset);)?
+                        expected
+                    },
+                    control: || {
+                        $crate::params!(@field control, $ty $($(, $wrap)?)?)(&$crate::params!(@range $($range)?))
+                    },
+                    raw_of_word: |word| {
+                        $(if word == $unset {
+                            return $crate::Raw::String($unset.to_owned());
+                        })?
+                        $crate::params!(@field raw_of_word, $ty $($(, $wrap)?)?)(word)
+                    },
+                }),+],
+            };
+
+            /// Checks every field against its range.
+            ///
+            /// # Errors
+            /// The first that is outside, with what was found and what was expected.
+            pub fn validate(&self) -> Result<(), $crate::OutOfRange> {
+                $crate::validate_table(self)
+            }
+        }
+
+        impl $crate::Table for $name {
+            fn knobs(&self) -> &'static [$crate::Knob] {
+                Self::TABLE.knobs
+            }
+
+            fn read(&mut self, key: &str, raw: &$crate::Raw) -> Result<(), String> {
+                match key {
+                    $(stringify!($field) => {
+                        let range = $crate::params!(@range $($range)?);
+                        self.$field = $crate::params!(@read [$ty $($(, $wrap)?)?] $(or $unset)?)(raw, &range)?;
+                        $(self.$other = Default::default();)?
+                    })+
+                    _ => return Err("unknown key".to_owned()),
+                }
+                Ok(())
+            }
+
+            fn write(&self, key: &str) -> Option<String> {
+                match key {
+                    $(stringify!($field) => {
+                        let written = $crate::Field::to_toml(&self.$field);
+                        $(let written = written.or_else(|| Some(format!("{:?}", $unset)));)?
+                        written
+                    })+
+                    _ => None,
+                }
+            }
+
+            fn check(&self, key: &str) -> Result<(), String> {
+                match key {
+                    $(stringify!($field) => {
+                        let value = &self.$field;
+                        $($(let value = &$wrap(*value);)?)?
+                        $crate::Field::check(value, &$crate::params!(@range $($range)?))
+                    })+
+                    _ => Err("unknown key".to_owned()),
+                }
+            }
+        }
+    };
+    (@range) => { () };
+    (@range $range:expr) => { $range };
+    (@field $call:ident, $ty:ty) => { <$ty as $crate::Field>::$call };
+    (@field $call:ident, $ty:ty, $wrap:ident) => { <$wrap as $crate::Field>::$call };
+    (@read [$ty:ty]) => { |raw: &$crate::Raw, range| <$ty as $crate::Field>::read(raw, range) };
+    (@read [$ty:ty, $wrap:ident]) => {
+        |raw: &$crate::Raw, range| <$wrap as $crate::Field>::read(raw, range).map(|value| value.0)
+    };
+    (@read [$($field:tt)+] or $unset:literal) => {
+        |raw: &$crate::Raw, range| match raw {
+            $crate::Raw::String(word) if word == $unset => Ok(Default::default()),
+            _ => $crate::params!(@read [$($field)+])(raw, range).map_err(|_| {
+                raw.instead_of(&format!("{:?} or {}", $unset, $crate::params!(@field expected, $($field)+)(range)))
+            }),
+        }
+    };
+}
+
+/// Puts tables together to what stands in one file: the struct, a field a table, and its [`Tables`](crate::Tables). `such as` gives messages an example of
+/// `key=value`. The crate that uses it needs `serde` with `derive`.
+#[macro_export]
+macro_rules! tables {
+    (
+        $(#[$meta:meta])*
+        pub struct $name:ident, such as $example:literal {
+            $($(#[$table_meta:meta])+ $table:ident: $ty:ty,)+
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, Default, PartialEq, ::serde::Serialize, ::serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name { $($(#[$table_meta])+ pub $table: $ty,)+ }
+
+        $(const _: () = assert!($crate::same(<$ty>::TABLE.name, stringify!($table)), "a table's name is that of its field");)+
+
+        impl $crate::Tables for $name {
+            const TABLES: &'static [$crate::TableInfo] = &[$(<$ty>::TABLE),+];
+            const EXAMPLE: &'static str = $example;
+
+            fn tables(&self) -> Vec<&dyn $crate::Table> {
+                vec![$(&self.$table),+]
+            }
+
+            fn tables_mut(&mut self) -> Vec<&mut dyn $crate::Table> {
+                vec![$(&mut self.$table),+]
+            }
+        }
+    };
+}

@@ -1,0 +1,69 @@
+//! A reference page of a set of tables.
+
+use crate::control::Control;
+use crate::knob::{Knob, Tables};
+
+/// Longest line of a page.
+const COLUMNS: usize = 120;
+
+/// All keys of a set as Markdown: a heading for each table, with what it is about, and an entry for each key with default, type and range, meaning,
+/// and what its words mean. `title` and `introduction` come first; lines have at most 120 columns where words allow it.
+pub fn reference_page<S: Tables>(title: &str, introduction: &str) -> String {
+    let defaults = S::default();
+    let mut page = format!("# {title}\n\n{}\n", introduction.trim());
+    for (info, values) in S::TABLES.iter().zip(defaults.tables()) {
+        let doc = one_line(info.doc);
+        // The documentation of the struct begins with the table's name, which the heading says already.
+        let doc = doc.strip_prefix(&format!("`[{}]`: ", info.name)).unwrap_or(&doc);
+        page += &format!("\n## `[{}]`\n\n{}\n", info.name, wrap("", &capital(doc)));
+        for knob in info.knobs {
+            page += &entry(knob, values.write(knob.key()));
+        }
+    }
+    page
+}
+
+fn entry(knob: &Knob, default: Option<String>) -> String {
+    let default = default.map_or("left out".to_owned(), |value| format!("`{value}`"));
+    let head = format!("**`{}`**: {}; default {default}.", knob.key(), (knob.expected)());
+    let mut entry = format!("\n- {}\n{}\n", wrap("  ", &head), indented(&one_line(knob.doc)));
+    if let Control::Choice(choices) = (knob.control)() {
+        for choice in choices {
+            entry += &format!("  - {}\n", wrap("    ", &format!("`{}`: {}", choice.word, one_line(choice.doc))));
+        }
+    }
+    entry
+}
+
+fn indented(text: &str) -> String {
+    format!("  {}", wrap("  ", text))
+}
+
+fn one_line(doc: &str) -> String {
+    doc.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Breaks a text at spaces; all lines but the first begin with `indent`, and the first is taken to begin as far in.
+fn wrap(indent: &str, text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last().map_or(0, |line| line.chars().count());
+        let long = indent.len() + 2 + line + 1 + word.chars().count() > COLUMNS;
+        match lines.last_mut() {
+            // A line that began with one of these would be a list or a heading.
+            Some(line) if line.is_empty() || !long || word.starts_with(['-', '+', '*', '#']) => {
+                if !line.is_empty() {
+                    line.push(' ');
+                }
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines.join(&format!("\n{indent}"))
+}

@@ -1,0 +1,233 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use crate::*;
+use proptest::prelude::*;
+
+words! {
+    /// How it is drawn.
+    Drawn {
+        /// With all of it.
+        #[default]
+        Full = "full",
+        /// With
+        /// little.
+        Sparse = "sparse" was "thin",
+    }
+}
+
+params! {
+    /// `[picture]`: the picture.
+    Picture in picture {
+        /// How it is drawn.
+        drawn: Drawn = Drawn::Full;
+        /// Width of the picture, texels.
+        width: u32 = 64, in 16..=2048, as PowerOfTwo;
+        /// Layers to draw: many are smooth.
+        layers: Option<u32> = None, in 2..=256, or "all";
+        /// Whether there is any.
+        enabled: bool = true, was "visible";
+    }
+}
+
+params! {
+    /// `[light]`: the light.
+    /// There is one.
+    Light in light {
+        /// Towards it.
+        direction: [f32; 3] = [0.0, 1.0, 0.0], in -1e6..=1e6, clears position_m;
+        /// Where it is, metres.
+        position_m: Option<[f32; 3]> = None, in -1e6..=1e6;
+        /// How strong it is.
+        strength: f32 = 1.0, in 0.001..=10.0;
+        /// Its colour.
+        color: SrgbColor = SrgbColor::hex(0xff_00_00);
+        /// Who sees it.
+        seen_by: Vec<String> = Vec::new();
+        /// Its number.
+        seed: u64 = 1, in 0..=i64::MAX as u64;
+    }
+}
+
+tables! {
+    /// All of it.
+    pub struct Look, such as "light.strength=2" {
+        /// The picture.
+        picture: Picture,
+        /// The light.
+        light: Light,
+    }
+}
+
+fn after(words: &[&str]) -> Look {
+    let mut look = Look::default();
+    words.iter().for_each(|word| set(&mut look, word).unwrap());
+    look
+}
+
+#[test]
+fn every_key_of_every_table_is_checked() {
+    for knob in knobs::<Look>() {
+        let mut look = Look::default();
+        validate(&look).unwrap();
+        match knob.name {
+            "picture.width" => look.picture.width = 65,
+            "picture.layers" => look.picture.layers = Some(1),
+            "light.direction" => look.light.direction[2] = f32::NAN,
+            "light.position_m" => look.light.position_m = Some([2e6, 0.0, 0.0]),
+            "light.strength" => look.light.strength = 0.0,
+            "light.color" => look.light.color.0[1] = 1.5,
+            "light.seed" => look.light.seed = u64::MAX,
+            // Every value of these types is in their range.
+            "picture.drawn" | "picture.enabled" | "light.seen_by" => continue,
+            other => panic!("{other} has no wrong value here"),
+        }
+        assert_eq!(validate(&look).unwrap_err().name, knob.name);
+        assert!(look.picture.validate().is_err() != look.light.validate().is_err(), "{} alone is wrong", knob.name);
+    }
+}
+
+#[test]
+fn the_later_of_two_that_exclude_each_other_counts() {
+    let lamp = after(&["light.direction=0,0,1", "light.position_m=1,2,3"]);
+    assert_eq!(lamp.light.position_m, Some([1.0, 2.0, 3.0]));
+    let sun = after(&["light.position_m=1,2,3", "light.direction=[0, 0, 1]"]);
+    assert_eq!((sun.light.position_m, sun.light.direction), (None, [0.0, 0.0, 1.0]));
+    let text = to_toml(&lamp);
+    let mut again = sun;
+    read(&mut again, &text).unwrap();
+    assert_eq!(again, lamp, "{text}");
+}
+
+#[test]
+fn what_is_left_out_has_a_word() {
+    let mut look = after(&["picture.layers=8"]);
+    assert_eq!(look.picture.layers, Some(8));
+    assert!(to_toml(&look).contains("layers = 8\n"));
+    set(&mut look, "picture.layers=all").unwrap();
+    assert_eq!(look.picture.layers, None);
+    assert!(to_toml(&look).contains("layers = \"all\"\n"));
+    let error = set(&mut look, "picture.layers=1").unwrap_err().to_string();
+    assert_eq!(error, "picture.layers: found 1, expected \"all\" or an integer 2..=256");
+}
+
+#[test]
+fn words_are_what_people_type() {
+    let look = after(&[
+        "light.strength=.5",
+        "light.seed=007",
+        "picture.enabled=off",
+        "light.color=#00ff00",
+        "light.seen_by=a",
+        "picture.drawn=sparse",
+        "picture.width=32",
+    ]);
+    assert_eq!((look.light.strength, look.light.seed, look.picture.enabled), (0.5, 7, false));
+    assert_eq!((look.light.color.0, look.light.seen_by.as_slice()), ([0.0, 1.0, 0.0], &["a".to_owned()][..]));
+    assert_eq!((look.picture.drawn, look.picture.width), (Drawn::Sparse, 32));
+    assert!(!after(&["picture.enabled=false"]).picture.enabled);
+    for (word, message) in [
+        ("light.strength=1,2", "found the string \"1,2\", expected a number 0.001..=10"),
+        ("light.strength=nan", "found NaN"),
+        ("light.direction=1,2", "found [1, 2], expected three numbers"),
+        ("light.direction=1,b,2", "found the string \"1,b,2\""),
+        ("light.seed=-1", "found -1"),
+        ("light.strength", "found no '=', expected key=value, such as light.strength=2"),
+        ("light.position=1,2,3", "did you mean light.position_m?"),
+        ("picture.strength=1", "did you mean light.strength?"),
+        ("lihgt.strenght=1", "did you mean light.strength?"),
+    ] {
+        let error = set(&mut Look::default(), word).unwrap_err().to_string();
+        assert!(error.contains(message), "{word}: {error}");
+    }
+}
+
+#[test]
+fn what_was_called_otherwise_is_still_read_and_written_anew() {
+    let mut look = Look::default();
+    read(&mut look, "[picture]\nvisible = false\ndrawn = \"thin\"\n").unwrap();
+    assert_eq!((look.picture.enabled, look.picture.drawn), (false, Drawn::Sparse));
+    let text = to_toml(&look);
+    assert!(text.contains("enabled = false\n") && text.contains("drawn = \"sparse\"\n"), "{text}");
+    assert_eq!(after(&["picture.visible=off", "picture.drawn=thin"]), look);
+    // Serde reads the same words, as recorded in packages.
+    assert_eq!(toml::from_str::<Look>("[picture]\nvisible = false\ndrawn = \"thin\"\n").unwrap(), look);
+    let error = set(&mut look, "picture.visible=2").unwrap_err().to_string();
+    assert_eq!(error, "picture.visible: found 2, expected true or false");
+}
+
+#[test]
+fn nested_tables_are_read_with_their_lines() {
+    let mut look = Look::default();
+    read_nested(&mut look, "[look.light]\nstrength = 2.0\n[other]\nstrength = 9", "look").unwrap();
+    assert_eq!(look, after(&["light.strength=2"]));
+    read_nested(&mut look, "a = 1", "look").unwrap();
+    for (text, message) in [
+        ("\n[look.light]\nstrength = 20", "line 3, look.light.strength: found 20, expected a number 0.001..=10"),
+        ("\n[look.lihgt]", "line 2, look.lihgt: unknown table; did you mean [light]?"),
+        ("look = 3", "line 1, look: found 3, expected a table"),
+        ("[look]\nlight = 3", "line 2, look.light: found 3, expected a table"),
+        ("[look.light]\nstrenght = 3", "line 2, look.light.strenght: unknown key; did you mean light.strength?"),
+    ] {
+        assert_eq!(
+            read_nested(&mut look, text, "look").unwrap_err().to_string().split(" Tables").next(),
+            Some(message)
+        );
+    }
+}
+
+#[test]
+fn controls_follow_from_type_and_range() {
+    let control = |name: &str| (knobs::<Look>().find(|k| k.name == name).unwrap().control)();
+    assert_eq!(control("picture.enabled"), Control::Toggle);
+    assert_eq!(control("picture.width"), Control::PowerOfTwo { least: 16, most: 2048 });
+    let layers = Control::Number { least: 2.0, most: 256.0, whole: true, logarithmic: false };
+    assert_eq!(control("picture.layers"), layers);
+    assert!(matches!(control("light.strength"), Control::Number { logarithmic: true, whole: false, .. }));
+    assert_eq!(control("light.color"), Control::Color);
+    assert_eq!(control("light.seen_by"), Control::Text);
+    assert_eq!(control("light.position_m"), Control::Vector { len: 3, least: -1e6, most: 1e6 });
+    let Control::Choice([full, sparse]) = control("picture.drawn") else { panic!("two words") };
+    assert_eq!((full.word, sparse.word, sparse.doc.trim()), ("full", "sparse", "With\n little."));
+}
+
+#[test]
+fn the_page_says_all_and_no_line_is_too_long() {
+    let page = reference_page::<Look>("Looks", "What a look says.");
+    assert!(page.starts_with("# Looks\n\nWhat a look says.\n\n## `[picture]`\n\nThe picture.\n"), "{page}");
+    for part in [
+        "- **`layers`**: \"all\" or an integer 2..=256; default `\"all\"`.\n  Layers to draw: many are smooth.\n",
+        "  - `sparse`: With little.\n",
+        "- **`position_m`**: three numbers -1000000..=1000000 in brackets; default left out.\n",
+        "## `[light]`\n\nThe light. There is one.\n",
+    ] {
+        assert!(page.contains(part), "{part}\n{page}");
+    }
+    for knob in knobs::<Look>() {
+        assert!(page.contains(&format!("- **`{}`**: ", knob.key())), "{}", knob.name);
+    }
+    assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_reads_back(layers in prop::option::of(2u32..=256), strength in 0.001f32..=10.0, enabled: bool, names: Vec<String>) {
+        let mut look = Look::default();
+        look.picture.layers = layers;
+        look.picture.enabled = enabled;
+        look.light.strength = strength;
+        look.light.seen_by = names;
+        for text in [to_toml(&look), to_documented_toml(&look), format!("\u{feff}{}", to_toml(&look))] {
+            let mut again = Look::default();
+            read(&mut again, &text).unwrap();
+            prop_assert_eq!(&again, &look, "{}", text);
+        }
+    }
+
+    #[test]
+    fn any_text_gives_an_answer(text in "\\PC{0,40}", key in "[a-z_.]{0,12}", value in "\\PC{0,12}") {
+        let _ = read(&mut Look::default(), &text);
+        let _ = read_nested(&mut Look::default(), &format!("[look.light]\n{key} = {value}"), "look");
+        let _ = set(&mut Look::default(), &text);
+        let _ = set(&mut Look::default(), &format!("light.{key}={value}"));
+    }
+}

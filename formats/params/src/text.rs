@@ -1,0 +1,169 @@
+//! Reading, setting and writing sets of tables.
+
+use crate::error::ParamError;
+use crate::knob::{Knob, Table, Tables, knob_named, knobs};
+use crate::nearest::nearest;
+use crate::raw::Raw;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A TOML text without the byte order mark that some editors begin a file with, and where in it bytes are.
+struct Source<'a> {
+    text: &'a str,
+    body: &'a str,
+}
+
+impl<'a> Source<'a> {
+    fn new(text: &'a str) -> Self {
+        Self { text, body: text.strip_prefix('\u{feff}').unwrap_or(text) }
+    }
+
+    fn parse(&self) -> Result<Spanned<DeTable<'a>>, ParamError> {
+        let broken = |e: toml::de::Error| self.fail(e.span().map_or(0, |s| s.start), "", e.message().trim().to_owned());
+        DeTable::parse(self.body).map_err(broken)
+    }
+
+    /// A fault at that byte of the body.
+    fn fail(&self, byte: usize, key: &str, reason: String) -> ParamError {
+        let before = self.text.len() - self.body.len() + byte;
+        let line = self.text.bytes().take(before).filter(|b| *b == b'\n').count() + 1;
+        ParamError { line: Some(line), key: key.to_owned(), reason }
+    }
+}
+
+/// Reads a TOML text: what it names is set, everything else stays as it is.
+///
+/// # Errors
+/// Line and key of broken TOML, an unknown table or key, a wrong type or a value outside its range. What stood before that is set.
+pub fn read<S: Tables>(set: &mut S, text: &str) -> Result<(), ParamError> {
+    let source = Source::new(text);
+    fill(set, &source, "", source.parse()?.get_ref())
+}
+
+/// Reads the tables that stand in table `outer` of a TOML text: `[look.light]` for `outer` `look`. Nothing is set where it is not there.
+///
+/// # Errors
+/// As [`read`], with `outer` before the key, and where `outer` is no table.
+pub fn read_nested<S: Tables>(set: &mut S, text: &str, outer: &str) -> Result<(), ParamError> {
+    let source = Source::new(text);
+    let document = source.parse()?;
+    match document.get_ref().iter().find(|(name, _)| name.get_ref() == outer) {
+        None => Ok(()),
+        Some((name, value)) => match value.get_ref() {
+            DeValue::Table(table) => fill(set, &source, &format!("{outer}."), table),
+            other => Err(source.fail(name.span().start, outer, Raw::from_de(other).instead_of("a table"))),
+        },
+    }
+}
+
+fn fill<S: Tables>(set: &mut S, source: &Source<'_>, outer: &str, document: &DeTable<'_>) -> Result<(), ParamError> {
+    for (name, value) in document {
+        let (table, at) = (name.get_ref().as_ref(), name.span().start);
+        let place = format!("{outer}{table}");
+        let Some(values) = table_mut(set, table) else {
+            return Err(source.fail(at, &place, unknown_table::<S>(table)));
+        };
+        let DeValue::Table(entries) = value.get_ref() else {
+            return Err(source.fail(at, &place, Raw::from_de(value.get_ref()).instead_of("a table")));
+        };
+        for (key, value) in entries {
+            let name = format!("{table}.{}", key.get_ref());
+            let fail = |reason: String| source.fail(key.span().start, &format!("{outer}{name}"), reason);
+            let knob = knob_named::<S>(&name).ok_or_else(|| fail(unknown_key::<S>(&name)))?;
+            values.read(knob.key(), &Raw::from_de(value.get_ref())).map_err(fail)?;
+        }
+    }
+    Ok(())
+}
+
+fn table_mut<'a, S: Tables>(set: &'a mut S, name: &str) -> Option<&'a mut dyn Table> {
+    let at = S::TABLES.iter().position(|table| table.name == name)?;
+    set.tables_mut().into_iter().nth(at)
+}
+
+/// Sets one value, as in `hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`.
+///
+/// # Errors
+/// As [`read`], without a line; nothing is changed then.
+pub fn set<S: Tables>(set: &mut S, assignment: &str) -> Result<(), ParamError> {
+    let Some((name, word)) = assignment.split_once('=') else {
+        let reason = format!("found no '=', expected key=value, such as {}", S::EXAMPLE);
+        return Err(ParamError { line: None, key: assignment.to_owned(), reason });
+    };
+    set_word(set, name.trim(), word.trim())
+}
+
+/// Sets the value of one key to what a word of a command line stands for.
+///
+/// # Errors
+/// As [`set`].
+pub fn set_word<S: Tables>(set: &mut S, name: &str, word: &str) -> Result<(), ParamError> {
+    let fail = |reason: String| ParamError { line: None, key: name.to_owned(), reason };
+    let knob = knob_named::<S>(name).ok_or_else(|| fail(unknown_key::<S>(name)))?;
+    let Some(table) = table_mut(set, knob.table()) else { return Err(fail(unknown_key::<S>(name))) };
+    table.read(knob.key(), &(knob.raw_of_word)(word)).map_err(fail)
+}
+
+/// The set as TOML with every key that has a value, in the order of declaration. Reading it gives an equal set.
+pub fn to_toml<S: Tables>(set: &S) -> String {
+    write(set, |_, _| String::new())
+}
+
+/// As [`to_toml`], with each key's meaning, type and range as comments, and keys without a value commented out.
+pub fn to_documented_toml<S: Tables>(set: &S) -> String {
+    write(set, |knob, value| {
+        let mut lines = String::new();
+        for line in knob.doc.lines().map(str::trim) {
+            lines += &format!("# {line}\n");
+        }
+        lines += &format!("# Expects {}.\n", (knob.expected)());
+        if value.is_none() {
+            lines += &format!("# {} =\n", knob.key());
+        }
+        lines
+    })
+}
+
+fn write<S: Tables>(set: &S, comment: impl Fn(&Knob, Option<&str>) -> String) -> String {
+    let mut text = String::new();
+    for (info, table) in S::TABLES.iter().zip(set.tables()) {
+        let gap = if text.is_empty() { "" } else { "\n" };
+        text += &format!("{gap}[{}]\n", info.name);
+        for knob in info.knobs {
+            let value = table.write(knob.key());
+            text += &comment(knob, value.as_deref());
+            if let Some(value) = value {
+                text += &format!("{} = {value}\n", knob.key());
+            }
+        }
+    }
+    text
+}
+
+fn unknown_table<S: Tables>(name: &str) -> String {
+    let all: Vec<_> = S::TABLES.iter().map(|table| table.name).collect();
+    match nearest(name, all.iter().copied()) {
+        Some(near) => format!("unknown table; did you mean [{near}]? Tables: {}", all.join(", ")),
+        None => format!("unknown table, expected one of {}", all.join(", ")),
+    }
+}
+
+fn unknown_key<S: Tables>(name: &str) -> String {
+    let (table, key) = name.split_once('.').unwrap_or(("", name));
+    // A key without its unit is looked for first, then one under the wrong table.
+    let whole = knobs::<S>().find(|k| k.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('_')));
+    let moved = knobs::<S>().find(|k| k.key() == key);
+    let near = whole.or(moved).map(|k| k.name).or_else(|| {
+        let known = S::TABLES.iter().find(|info| info.name == table);
+        match known {
+            Some(info) => nearest(key, info.knobs.iter().map(Knob::key))
+                .and_then(|near| info.knobs.iter().find(|k| k.key() == near))
+                .map(|k| k.name),
+            None => nearest(name, knobs::<S>().map(|k| k.name)),
+        }
+    });
+    match near {
+        Some(near) => format!("unknown key; did you mean {near}?"),
+        None => "unknown key".into(),
+    }
+}
