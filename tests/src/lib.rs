@@ -1,6 +1,5 @@
 //! What the tests and the developers' chores share.
 
-pub mod assets;
 pub mod binary;
 pub mod chores;
 pub mod compute;

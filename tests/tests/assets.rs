@@ -10,13 +10,13 @@ use std::{
 };
 
 use glam::DVec3;
-use pelage_bake::recipe::Recipe;
-use pelage_tests::assets::{
+use pelage_assets::{
     charts::{self, ChartReport},
     crane, crane_rig,
     glb::{Model, Primitive},
     hare, hare_rig, hills, ox, ox_rig, patterns, pose, shapes,
 };
+use pelage_bake::recipe::Recipe;
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets").join(name)
@@ -124,7 +124,7 @@ fn committed_models_are_what_the_code_makes() {
         let made = model.to_glb().unwrap();
         assert!(
             committed == made,
-            "{} differs from what the code makes ({} and {} bytes); run `cargo run -p pelage-tests --bin make_assets`",
+            "{} differs from what the code makes ({} and {} bytes); run `cargo run -p pelage-assets`",
             path.display(),
             committed.len(),
             made.len()

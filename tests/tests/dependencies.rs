@@ -58,6 +58,12 @@ fn bake_without_preview_knows_no_gpu() {
 }
 
 #[test]
+fn the_models_know_no_other_floor() {
+    let never = ["wgpu", "rayon", "clap", "gltf", "pelage-formats", "pelage-runtime", "pelage-bake", "pelage-tests"];
+    assert_floor("pelage-assets", &[], &["glam", "image", "libm"], &never);
+}
+
+#[test]
 fn bake_with_preview_draws_through_the_runtime() {
     // The negative control: the same look at the same tree does find wgpu where it is.
     assert_floor("pelage-bake", &[], &["pelage-runtime", "wgpu"], &["winit"]);

@@ -1,4 +1,4 @@
-//! Writes the project's own models: `cargo run -p pelage-tests --bin make_assets -- [--out DIR] [--preview DIR] [--only NAME]`.
+//! Writes the project's own models: `cargo run -p pelage-assets -- [--out DIR] [--preview DIR] [--only NAME]`.
 //!
 //! `--out` (default `assets` of this checkout) receives hare.glb and the other models in `models`, zebra.png and spots.png in
 //! `patterns`; `--preview` also receives a picture of each model and of each of its clips; `--only` makes one model and no pattern.
@@ -7,12 +7,12 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
-use pelage_tests::assets::{charts, crane, glb::Model, hare, hills, ox, patterns, preview, shapes};
+use pelage_assets::{charts, crane, glb::Model, hare, hills, ox, patterns, preview, shapes};
 
 type Maker = fn() -> anyhow::Result<Model>;
 
 fn main() -> anyhow::Result<()> {
-    let mut out = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../assets"));
+    let mut out = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     let (mut pictures, mut only) = (None, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
