@@ -27,7 +27,7 @@ pub fn pelage() -> &'static Path {
         let output = Command::new(cargo)
             // The whole workspace, and with it a test, so that the features are those of `cargo test --workspace`: then there
             // is nothing left to compile but pelage.
-            .args(["build", "--workspace", "--bin", "pelage", "--test", "dependencies", "--profile", profile])
+            .args(["build", "--workspace", "--bin", "pelage", "--test", "house", "--profile", profile])
             .current_dir(workspace())
             .output()
             .unwrap_or_else(|e| panic!("cargo cannot be run: {e}"));

@@ -7,7 +7,7 @@
 //!
 //! A particle has unit speed and only its heading is integrated, so that a trail has the length it was given whatever the
 //! forces are. The heading relaxes towards its target by the exact solution of the linear relaxation, which is stable at any
-//! step; the explicit form stretches and then blows up (`tests/tests/stability.rs`, "hair simulation").
+//! step; the explicit form stretches and then blows up (`tests/tests/stability/rows.rs`, "hair simulation").
 //!
 //! Everything random is a hash of seed, strand and purpose, and all functions beyond IEEE arithmetic and square roots come from
 //! the `libm` crate, whose results do not depend on the platform as those of `std` may.

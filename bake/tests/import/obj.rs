@@ -1,10 +1,8 @@
 //! Wavefront OBJ: what the importer makes of it, and how it complains.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
+use crate::support::*;
 use glam::{Vec2, Vec3};
-use import_support::*;
 use pelage_bake::BakeError;
 use pelage_bake::io::read_model;
 use pelage_bake::mesh::Model;

@@ -1,10 +1,8 @@
 //! Compressed glTF: what meshopt's own encoder packs must come out of our decoder bit for bit, and no damage may do harm.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
+use crate::support::*;
 use glam::Vec3;
-use import_support::*;
 use pelage_bake::BakeError;
 use pelage_bake::mesh::Model;
 use pelage_bake::stages::import::{ImportOptions, import};

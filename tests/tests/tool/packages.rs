@@ -1,10 +1,7 @@
 //! `inspect`, `validate`, `unpack` and `pack` through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-#[path = "../../formats/tests/common/mod.rs"]
-mod common;
-
-use common::{Random, ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};
+use crate::common::{Random, ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};
 use pelage_formats::*;
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;

@@ -1,6 +1,6 @@
 //! Where parameterizations fail, and that ours does not: the rows "surface" and "solver" of the stability table.
 //!
-//! What drives both forms over the cliff stands in `pelage_bake::judge::stability`, where `stability.rs` holds it to bound and failure; here is what
+//! What drives both forms over the cliff stands in `pelage_bake::judge::stability`, where `rows.rs` holds it to bound and failure; here is what
 //! must hold besides.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]

@@ -1,9 +1,7 @@
 //! Files in and out: paths that models name, and output that is whole or absent.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
-use import_support::*;
+use crate::support::*;
 use pelage_bake::BakeError;
 use pelage_bake::io::{read_file, read_model, write_atomic};
 use pelage_bake::stages::import::ImportOptions;

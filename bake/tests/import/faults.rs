@@ -1,9 +1,7 @@
 //! Broken models: each fault is an error that says where it is, what was found and what was expected.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
-use import_support::*;
+use crate::support::*;
 use pelage_bake::BakeError;
 use serde_json::{Value, json};
 

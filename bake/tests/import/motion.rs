@@ -1,10 +1,8 @@
 //! Skins and clips: models built in code against numbers worked out by hand.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
+use crate::support::*;
 use glam::{Mat4, Vec3};
-use import_support::*;
 use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_formats::{Interpolation, Pose, Property, SkinVertex};

@@ -1,11 +1,9 @@
 //! A second opinion: what the `gltf` crate's own reader finds in sound files, number by number.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
+use crate::support::*;
 use glam::{Mat4, Vec2, Vec3};
 use gltf::animation::util::ReadOutputs;
-use import_support::*;
 use pelage_bake::io::read_model;
 use pelage_bake::stages::import::ImportOptions;
 use pelage_formats::Property;

@@ -3,14 +3,12 @@
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod silhouettes;
-
+use crate::silhouettes::texels as drawn;
 use glam::Vec3;
 use pelage_bake::judge::stability::{self, Drawing, Finding, Row, grow, hair_simulation, opacity, slice, texels};
 use pelage_bake::recipe::HairParams;
 use pelage_formats::TextureFormat;
 use pelage_tests::gpu::gpu;
-use silhouettes::texels as drawn;
 
 /// Runs a row: within the bound, *and* over the cliff. Data that never reached it would prove nothing.
 #[track_caller]

@@ -1,10 +1,8 @@
 //! Every glTF file of the shared test data: what it must give, or how it must fail.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
+use crate::support::*;
 use glam::Vec3;
-use import_support::*;
 use pelage_bake::BakeError;
 use pelage_bake::io::read_model;
 use pelage_bake::mesh::{Model, RestPose};

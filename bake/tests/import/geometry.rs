@@ -1,10 +1,8 @@
 //! Shapes, transforms and materials: models built in code against numbers worked out by hand.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
+use crate::support::*;
 use glam::{Vec2, Vec3};
-use import_support::*;
 use pelage_bake::stages::import::{ImportOptions, import};
 use serde_json::json;
 

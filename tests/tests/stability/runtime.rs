@@ -4,8 +4,8 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod silhouettes;
 
+use crate::silhouettes::texels;
 use pelage_bake::io;
 use pelage_bake::judge::stability::Drawing;
 use pelage_bake::judge::stability::animation::joints;
@@ -23,7 +23,6 @@ use pelage_tests::pictures::draw_passes;
 use pelage_tests::plane::plane;
 use pelage_tests::silhouette::{Case, cases, half_to_f32};
 use pelage_tests::support::sphere::{self, Random, SphereParams};
-use silhouettes::texels;
 
 /// Unit vectors on a grid over the sphere, axes included, and 100 000 at random.
 fn unit_vectors() -> Vec<Vec3> {

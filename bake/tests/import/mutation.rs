@@ -2,9 +2,7 @@
 //! error that has a place, and never panic. The seed is fixed, so a failure repeats.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-mod import_support;
-
-use import_support::*;
+use crate::support::*;
 use pelage_bake::BakeError;
 use pelage_bake::stages::import::{ImportOptions, import};
 use serde_json::{Value, json};

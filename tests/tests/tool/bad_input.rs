@@ -1,10 +1,7 @@
 //! Bad input through the real binary: exit code, message, and nothing left behind.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-#[path = "../../formats/tests/common/mod.rs"]
-mod common;
-
-use common::{Random, sample_package};
+use crate::common::{Random, sample_package};
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Run, Sandbox};
 use pelage_tests::schema;

@@ -1,0 +1,12 @@
+//! What the importer makes of files: right ones, wrong ones, hostile ones; other crates as judges.
+
+mod compressed;
+mod crosscheck;
+mod data;
+mod faults;
+mod geometry;
+mod io;
+mod motion;
+mod mutation;
+mod obj;
+mod support;

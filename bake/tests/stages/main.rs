@@ -1,0 +1,5 @@
+//! The stages of a bake, alone and one after the other.
+
+mod pipeline;
+mod reference;
+mod surface;

@@ -1,0 +1,5 @@
+//! What can be said without a GPU, a bake or test data: which crate knows which, which file knows which, what the documents promise. Seconds.
+
+mod dependencies;
+mod documentation;
+mod runtime_house;

@@ -1,0 +1,17 @@
+//! The runtime on a real device, through its public door: formulas three ways, single passes, whole pictures, many frames.
+//! All tests share one device (`pelage_tests::gpu`).
+
+mod detail;
+mod fins;
+mod frames;
+mod groom;
+mod ink;
+mod ink_lines;
+mod inside_your_pass;
+mod pictures;
+mod shadows;
+mod shadows_on_your_ground;
+mod shared;
+mod shared_detail;
+mod shared_ink;
+mod shells;

@@ -1,0 +1,16 @@
+//! The `pelage` command, run as its users run it: fresh folders, real arguments, exit codes, what lies there afterwards.
+
+/// Random numbers and packages of the formats' own tests.
+#[path = "../../../formats/tests/common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod chart;
+mod compare;
+mod doctor;
+mod groom;
+mod limits;
+mod models;
+mod packages;
+mod reference;
+mod sequences;
