@@ -31,4 +31,4 @@ if command -v apt-get >/dev/null 2>&1 && [ "$(id -u)" = 0 ]; then
     fi
 fi
 
-echo "NOT CHECKED: pelage-runtime for $target (rustup cannot add the target: run \`rustup target add $target\`)" >&2
+exec tests/not_checked.sh wasm "rustup cannot add the target (rustup target add $target), and Debian's source packages are not there"

@@ -4,7 +4,7 @@
 mod common;
 
 use pelage_formats::*;
-use std::path::PathBuf;
+use pelage_needs::data;
 
 /// Files whose fault is in something that pelage does not read, with what that is. Everything else in `invalid/` must be
 /// refused, apart from `warning_` files, which are legal.
@@ -45,15 +45,10 @@ const OPENED: [&str; 9] = [
     "magnum_bgra.ktx2",
 ];
 
-/// Name and contents of every file below `ktx2/<folder>` of the test data; `None`, said loudly, where there is none.
-fn files(folder: &str) -> Option<Vec<(String, Vec<u8>)>> {
-    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
-    let data = std::env::var_os("PELAGE_DATA").map_or(beside, PathBuf::from);
-    let root = data.join("ktx2").join(folder);
-    if !root.is_dir() {
-        eprintln!("SKIPPED (no test data at {})", root.display());
-        return None;
-    }
+/// Name and contents of every file below `ktx2/<folder>` of the test data, for the test of that name; `None`, said loudly, where
+/// there are no data.
+fn files(folder: &str, test: &str) -> Option<Vec<(String, Vec<u8>)>> {
+    let root = data(test)?.join("ktx2").join(folder);
     let (mut files, mut folders) = (Vec::new(), vec![root]);
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).unwrap() {
@@ -83,7 +78,7 @@ fn open_in_package(ktx2: &[u8]) -> Result<(), FormatError> {
 
 #[test]
 fn malformed_files_are_refused() {
-    let Some(files) = files("invalid") else { return };
+    let Some(files) = files("invalid", "malformed_files_are_refused") else { return };
     let mut used = [false; ACCEPTED.len()];
     for (name, bytes) in &files {
         let known = ACCEPTED.iter().position(|(prefix, _)| name.starts_with(prefix));
@@ -103,7 +98,7 @@ fn malformed_files_are_refused() {
 
 #[test]
 fn well_formed_files_open_or_say_why_not() {
-    let Some(files) = files("valid") else { return };
+    let Some(files) = files("valid", "well_formed_files_open_or_say_why_not") else { return };
     let opened: Vec<_> = files.iter().filter(|(_, b)| open_in_package(b).is_ok()).map(|(name, _)| name).collect();
     assert_eq!(opened, OPENED);
 }

@@ -4,12 +4,13 @@
 mod common;
 
 use pelage_formats::*;
+use pelage_needs::{Need, had, lacked};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Compiles the C reader; `None`, said loudly, on a machine without a C compiler.
-fn compile(folder: &Path) -> Option<PathBuf> {
+/// Compiles the C reader for the test of that name; `None`, said loudly, on a machine without a C compiler.
+fn compile(folder: &Path, test: &str) -> Option<PathBuf> {
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/c/read_pelage.c");
     let program = folder.join(if cfg!(windows) { "read_pelage.exe" } else { "read_pelage" });
@@ -17,10 +18,11 @@ fn compile(folder: &Path) -> Option<PathBuf> {
     match Command::new(&compiler).args(warnings).arg("-o").arg(&program).arg(&source).output() {
         Ok(output) => {
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            had(Need::Compiler, test, &compiler);
             Some(program)
         }
         Err(error) => {
-            eprintln!("SKIPPED (no C compiler {compiler:?}: {error}): FORMAT.md was not proven");
+            lacked(Need::Compiler, test, &format!("no C compiler {compiler:?}: {error}; FORMAT.md was not proven"));
             None
         }
     }
@@ -103,7 +105,7 @@ fn describe(bytes: &[u8]) -> String {
 fn a_reader_written_from_the_specification_agrees() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("spec-reader-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let Some(program) = compile(&folder) else { return };
+    let Some(program) = compile(&folder, "a_reader_written_from_the_specification_agrees") else { return };
     let file = folder.join("package.pelage");
     let run = |bytes: &[u8]| {
         std::fs::write(&file, bytes).unwrap();

@@ -8,21 +8,20 @@ use crate::passes::PassId;
 use crate::passes::probe::COLOR;
 use crate::renderer::Renderer;
 use glam::{Mat4, Vec3};
-use std::io::Write;
+use pelage_needs::{Need, gpu_is_wanted, had};
 use std::path::{Path, PathBuf};
 
 #[path = "../examples/support/headless.rs"]
 #[allow(dead_code, unreachable_pub, reason = "not every helper is needed here")]
 mod headless;
 
-/// A device, unless GPU tests are switched off by name; in the words by which the gate knows that a GPU test ran.
+/// A device, unless GPU tests are switched off by name.
 fn gpu(name: &str) -> Option<headless::Gpu> {
-    if std::env::var("PELAGE_NO_GPU").is_ok_and(|off| off == "1") {
+    if !gpu_is_wanted(name) {
         return None;
     }
     let gpu = headless::Gpu::open(wgpu::Features::empty()).unwrap();
-    // Written to the handle: the harness captures only the print macros.
-    writeln!(std::io::stderr(), "GPU test 0 ran: {name} on {}", gpu.info.name).unwrap();
+    had(Need::Gpu, name, &gpu.info.name);
     Some(gpu)
 }
 

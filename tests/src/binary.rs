@@ -28,6 +28,8 @@ pub fn pelage() -> &'static Path {
             // The whole workspace, and with it a test, so that the features are those of `cargo test --workspace`: then there
             // is nothing left to compile but pelage.
             .args(["build", "--workspace", "--bin", "pelage", "--test", "house", "--profile", profile])
+            // `tests/timed.sh` sets it for the test harness; build scripts would run again for it.
+            .env_remove("RUSTC_BOOTSTRAP")
             .current_dir(workspace())
             .output()
             .unwrap_or_else(|e| panic!("cargo cannot be run: {e}"));
@@ -41,16 +43,6 @@ pub fn pelage() -> &'static Path {
 /// The folder with the workspace's `Cargo.toml`.
 pub fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
-}
-
-/// The shared test data, or `None` with a loud word.
-pub fn data() -> Option<PathBuf> {
-    let path = std::env::var_os("PELAGE_DATA").map_or_else(|| workspace().join("../shared/data"), PathBuf::from);
-    if path.join("meshes").is_dir() {
-        return Some(path);
-    }
-    eprintln!("SKIPPED (no test data at {})", path.display());
-    None
 }
 
 /// Adds all files under a folder to `out`, in the order of their names.

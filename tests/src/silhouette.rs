@@ -1,10 +1,11 @@
 //! Models whose silhouettes are measured.
 
-use crate::binary::{data, workspace};
+use crate::binary::workspace;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::ImportOptions;
 use pelage_bake::{io, pipeline};
+use pelage_needs::data;
 use std::path::{Path, PathBuf};
 
 /// IEEE 754 binary16, little-endian; normal numbers and zero.
@@ -29,8 +30,8 @@ pub struct Case {
     pub size: (u32, u32),
 }
 
-/// The project's own models, and the bunny where the test data are there.
-pub fn cases() -> Vec<Case> {
+/// The project's own models, and the bunny where the test data are there, for the test of that name.
+pub fn cases(test: &str) -> Vec<Case> {
     let own = |name: &'static str, recipe, size| {
         let model = workspace().join(format!("assets/models/{name}.glb"));
         Case { name, model, recipe: Some(recipe), size }
@@ -40,7 +41,7 @@ pub fn cases() -> Vec<Case> {
         own("torus", "assets/recipes/torus.toml", (200, 200)),
         own("knot", "assets/recipes/knot.toml", (200, 200)),
     ];
-    if let Some(data) = data() {
+    if let Some(data) = data(test) {
         let model = data.join("meshes/static/bunny.obj");
         cases.push(Case { name: "bunny", model, recipe: None, size: (400, 400) });
     }

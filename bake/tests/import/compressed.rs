@@ -331,7 +331,7 @@ fn damaged_meshopt() {
 
 #[test]
 fn damaged_draco() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("damaged_draco") else { return };
     let folder = data.join("meshes/compressed");
     let glb = std::fs::read(folder.join("quaternius_RedPandaAstronaut_draco.glb")).unwrap();
     let [refused, read] = flip(&glb, 12, 2003, &folder);
@@ -353,7 +353,7 @@ fn damaged_draco() {
 
 #[test]
 fn draco_and_plain_agree() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("draco_and_plain_agree") else { return };
     let folder = data.join("meshes/compressed/BoxDraco");
     let model = pelage_bake::io::read_model(&folder.join("BoxDraco.gltf"), &ImportOptions::default()).unwrap();
     check(&model);

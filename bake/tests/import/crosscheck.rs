@@ -59,7 +59,7 @@ const FILES: [&str; 11] = [
 
 #[test]
 fn both_readers_see_the_same_vertices() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("both_readers_see_the_same_vertices") else { return };
     for name in FILES {
         let path = data.join("meshes").join(name);
         let model = read_model(&path, &ImportOptions::default()).unwrap();
@@ -92,7 +92,7 @@ fn both_readers_see_the_same_vertices() {
 
 #[test]
 fn both_readers_see_the_same_keys() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("both_readers_see_the_same_keys") else { return };
     let mut compared = 0;
     for name in FILES.iter().filter(|n| n.starts_with("skinned")) {
         let path = data.join("meshes").join(name);

@@ -149,7 +149,7 @@ const REFUSED: &[(&str, &str, &str)] = &[
 
 #[test]
 fn readable_files_have_the_known_figures() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("readable_files_have_the_known_figures") else { return };
     for (name, triangles, size, images, joints, clips) in READABLE {
         let model = read(&data, name).unwrap_or_else(|e| panic!("{e}"));
         check(&model);
@@ -165,7 +165,7 @@ fn readable_files_have_the_known_figures() {
 
 #[test]
 fn broken_files_fail_where_they_are_broken() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("broken_files_fail_where_they_are_broken") else { return };
     for (name, place, reason) in REFUSED {
         let (found, text) = fault(read(&data, name));
         assert_eq!(found, *place, "{name}: {text}");
@@ -175,7 +175,7 @@ fn broken_files_fail_where_they_are_broken() {
 
 #[test]
 fn every_file_is_read_or_refused_with_a_place() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("every_file_is_read_or_refused_with_a_place") else { return };
     let mut files = Vec::new();
     for folder in [
         "static",
@@ -212,7 +212,7 @@ fn every_file_is_read_or_refused_with_a_place() {
 /// What the Khronos validator finds no error in must be readable, with as many triangles as it counts.
 #[test]
 fn files_that_the_validator_accepts_are_read() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("files_that_the_validator_accepts_are_read") else { return };
     let mut files = Vec::new();
     walk(&data.join("meshes/gltf-validator"), &mut files);
     let mut compared = 0;
@@ -231,7 +231,7 @@ fn files_that_the_validator_accepts_are_read() {
 
 #[test]
 fn clips_have_the_known_names_and_lengths() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("clips_have_the_known_names_and_lengths") else { return };
     let fox = read(&data, "skinned/Fox.glb").unwrap().animation.unwrap();
     let clips: Vec<_> = fox.clips.iter().map(|c| (c.name.as_str(), (c.duration_s * 1000.0).round())).collect();
     assert_eq!(clips, [("Survey", 3417.0), ("Walk", 708.0), ("Run", 1158.0)]);
@@ -242,7 +242,7 @@ fn clips_have_the_known_names_and_lengths() {
 /// The animals are stored a hundred times smaller than they are posed, with other axes: triangles must face outward once posed.
 #[test]
 fn closed_animals_enclose_a_positive_volume_once_posed() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("closed_animals_enclose_a_positive_volume_once_posed") else { return };
     for name in
         ["Fox", "CesiumMan", "quaternius_Horse", "quaternius_Alpaca", "quaternius_Velociraptor", "quaternius_Wolf"]
     {

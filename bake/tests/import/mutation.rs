@@ -212,7 +212,7 @@ fn flipped_bits_and_cuts_of_built_models() {
 
 #[test]
 fn flipped_bits_and_cuts_of_files() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("flipped_bits_and_cuts_of_files") else { return };
     for name in [
         "skinned/SimpleSkin.gltf",
         "hard-gltf/assimp_BoxBadNormals-glTF-Binary/BoxBadNormals.glb",

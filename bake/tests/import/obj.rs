@@ -346,7 +346,7 @@ const REFUSED: &[(&str, &str, &str)] = &[
 
 #[test]
 fn every_obj_of_the_test_data() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("every_obj_of_the_test_data") else { return };
     let read = |name: &str| read_model(&data.join("meshes").join(name), &ImportOptions::default());
     let mut seen = 0;
     for (name, triangles, parts, materials) in READABLE {
@@ -373,7 +373,7 @@ fn every_obj_of_the_test_data() {
 /// A second opinion on sound files: positions, texture coordinates and triangles as `tobj` finds them.
 #[test]
 fn tobj_agrees_on_sound_files() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("tobj_agrees_on_sound_files") else { return };
     for name in [
         "static/bunny.obj",
         "static/spot.obj",

@@ -1,13 +1,13 @@
 //! Small glTF models built in code, and what every imported model must satisfy.
-#![allow(dead_code, reason = "not every helper is needed by every file")]
+#![allow(clippy::unwrap_used, reason = "tests")]
 
 use base64::Engine as _;
 use glam::Vec3;
 use pelage_bake::BakeError;
 use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::stages::import::{ImportOptions, import};
+pub use pelage_needs::data;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
 
 pub const I8: u32 = 5120;
 pub const U8: u32 = 5121;
@@ -202,15 +202,4 @@ pub fn assert_near(found: Vec3, expected: [f32; 3]) {
 #[track_caller]
 pub fn assert_warns(model: &Model, text: &str) {
     assert!(model.warnings.iter().any(|w| w.contains(text)), "no warning with `{text}` in {:?}", model.warnings);
-}
-
-/// The shared test data, or `None` with a loud word.
-pub fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let path = std::env::var_os("PELAGE_DATA").map_or(beside, PathBuf::from);
-    if path.join("meshes").is_dir() {
-        return Some(path);
-    }
-    eprintln!("SKIPPED (no test data at {})", path.display());
-    None
 }

@@ -2,4 +2,5 @@
 
 mod dependencies;
 mod documentation;
+mod register;
 mod runtime_house;

@@ -7,11 +7,12 @@ use pelage_bake::judge::compare_motion::{Flicker, MeanOf, Moment, flicker};
 use pelage_bake::judge::truth::{Lens, Sight, TrueCamera};
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::Skin;
+use pelage_needs::data;
 use pelage_runtime::formats::{Limits, Package};
 use pelage_runtime::{
     Anchoring, Camera, FrameParams, InkParams, InkShow, Instance, Motion, PassId, Renderer, RendererOptions, Study,
 };
-use pelage_tests::binary::{Sandbox, data, workspace};
+use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::schema;
@@ -28,9 +29,9 @@ fn own(name: &str) -> PathBuf {
     workspace().join(format!("assets/models/{name}.glb"))
 }
 
-/// A model of the test data.
-fn shared(path: &str) -> Option<PathBuf> {
-    data().map(|data| data.join("meshes").join(path))
+/// A model of the test data, for the test of that name.
+fn shared(test: &str, path: &str) -> Option<PathBuf> {
+    data(test).map(|data| data.join("meshes").join(path))
 }
 
 /// Rows of `pelage chart ink` for a model.
@@ -74,7 +75,7 @@ fn lines_of_well_known_meshes() {
         return;
     }
     for path in ["static/bunny.obj", "skinned/quaternius_Cow.glb", "skinned/quaternius_Horse.glb"] {
-        let Some(model) = shared(path) else { return };
+        let Some(model) = shared("lines_of_well_known_meshes", path) else { return };
         lines_are_those_of_the_mesh(&model);
     }
 }
@@ -169,7 +170,7 @@ fn strokes_are_no_wider_than_the_template() {
     let ears = center + vec3(0.0, 0.62 * radius, 0.0);
     let found = widest(&mut brush, &hare, |turn| (ears, 0.3 * radius, vec3(turn.sin(), 0.1, turn.cos())));
     strokes_stay_strokes("hare's ears", found, template);
-    if let Some(model) = shared("static/bunny.obj") {
+    if let Some(model) = shared("strokes_are_no_wider_than_the_template", "static/bunny.obj") {
         let bunny = bake_plain("bunny", &model, None, &QUICK);
         let (center, radius) = bounds(&bunny);
         let found = widest(&mut brush, &bunny, |turn| (center, radius, vec3(turn.sin(), 0.2, turn.cos())));
@@ -222,7 +223,10 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
 fn wash_and_lines_move_with_the_model() {
     let Some(gpu) = gpu("wash_and_lines_move_with_the_model") else { return };
     let mut walkers = vec![("ox", own("ox"), Some("assets/recipes/ox.toml"))];
-    walkers.extend(shared("skinned/quaternius_Horse.glb").map(|model| ("horse", model, None)));
+    walkers.extend(
+        shared("wash_and_lines_move_with_the_model", "skinned/quaternius_Horse.glb")
+            .map(|model| ("horse", model, None)),
+    );
     let mut brush = Brush::new(gpu, (834, 424));
     for (name, model, recipe) in walkers {
         let package = bake_plain(name, &model, recipe, &QUICK);

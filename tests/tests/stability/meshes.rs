@@ -7,7 +7,8 @@ use pelage_bake::recipe;
 use pelage_bake::stages::groom::{Lengths, bounds};
 use pelage_bake::stages::import::ImportOptions;
 use pelage_bake::stages::surface::{Surface, SurfaceParams, parameterize};
-use pelage_tests::binary::{data, walk, workspace};
+use pelage_needs::data;
+use pelage_tests::binary::{walk, workspace};
 use std::path::{Path, PathBuf};
 
 /// Whether the importer knows files of that name.
@@ -26,7 +27,7 @@ fn surface(model: &Model) -> Surface {
 
 #[test]
 fn no_triangle_of_any_mesh_is_flipped() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("no_triangle_of_any_mesh_is_flipped") else { return };
     let mut models = Vec::new();
     walk(&data.join("meshes"), &mut models);
     models.retain(|m| is_model(m));
@@ -52,7 +53,7 @@ const PROMISED: [f64; 3] = [0.03, 0.04, 10.0];
 
 #[test]
 fn figures_on_well_known_meshes() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("figures_on_well_known_meshes") else { return };
     let mut models: Vec<PathBuf> = ["bunny", "spot", "armadillo", "cat-low-resolution", "penguin", "goathead"]
         .iter()
         .map(|name| data.join("meshes/static").join(format!("{name}.obj")))

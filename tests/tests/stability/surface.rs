@@ -51,7 +51,7 @@ fn assert_valid(surface: &Surface, triangles: usize, what: &str) {
     assert_eq!(m.collapsed_area, 0.0, "{what}");
 }
 
-mod surface {
+mod soundness {
     //! Meshes that are closed, broken, or both.
 
     use super::*;

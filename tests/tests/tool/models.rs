@@ -1,7 +1,8 @@
 //! `bake`, `render` and `bench` through the real binary: bad models and recipes, the whole corpus of hard glTF files, no adapter.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_tests::binary::{Run, Sandbox, data, finish, walk, workspace};
+use pelage_needs::data;
+use pelage_tests::binary::{Run, Sandbox, finish, walk, workspace};
 use pelage_tests::schema;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -274,7 +275,7 @@ fn bake_all(models: &[PathBuf], more: &[&str]) -> BTreeMap<PathBuf, Run> {
 
 #[test]
 fn the_corpus_of_hard_files() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("the_corpus_of_hard_files") else { return };
     let mut models = Vec::new();
     for folder in ["hard-gltf", "gltf-validator", "gltf-asset-generator"] {
         walk(&data.join("meshes").join(folder), &mut models);
@@ -313,7 +314,7 @@ const REFUSED_OBJ: &[(&str, &str)] = &[
 
 #[test]
 fn every_obj_file() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("every_obj_file") else { return };
     let mut models = Vec::new();
     for folder in ["static", "hard-obj"] {
         walk(&data.join("meshes").join(folder), &mut models);

@@ -1,0 +1,39 @@
+//! Holds the log of a run of all tests against the register: `needs LOG`.
+//!
+//! Exits with 0 where every registered test had what it needs, with 77 where some went without (they are named), and with 1 where
+//! one is missing or unknown, or the log cannot be read.
+
+use pelage_needs::register::{REGISTER, check};
+use std::process::ExitCode;
+
+/// What a skipped test exits with in other projects' harnesses; `run` reads it.
+const WENT_WITHOUT: u8 = 77;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [path] = arguments.as_slice() else {
+        eprintln!("expected one argument, the log of a run");
+        return ExitCode::FAILURE;
+    };
+    let log = match std::fs::read_to_string(path) {
+        Ok(log) => log,
+        Err(error) => {
+            eprintln!("{path}: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match check(REGISTER, &log) {
+        Ok(roll) => {
+            let counts: Vec<_> = roll.had.iter().map(|(need, n)| format!("{n} {}", need.word())).collect();
+            println!("registered tests that had what they need: {}", counts.join(", "));
+            for ((need, test), why) in &roll.lacked {
+                println!("went without: {} test {test} ({why})", need.word());
+            }
+            if roll.lacked.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(WENT_WITHOUT) }
+        }
+        Err(faults) => {
+            faults.iter().for_each(|fault| eprintln!("{fault}"));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The register of all tests that need something, and what a log says about it.
+
+use crate::Need;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The committed list: a line for each test, the need's word, a space, the test's name.
+pub const REGISTER: &str = include_str!("../register.txt");
+
+/// A need and the name of a test.
+pub type Entry = (Need, String);
+
+/// Reads a register.
+///
+/// # Errors
+///
+/// The first line that names no need, no test, or one that is there already.
+pub fn entries(register: &str) -> Result<BTreeSet<Entry>, String> {
+    let mut all = BTreeSet::new();
+    for (number, line) in register.lines().enumerate() {
+        let entry = line.split_once(' ').and_then(|(word, test)| Some((need(word)?, test.trim().to_owned())));
+        let entry = entry.filter(|(_, test)| !test.is_empty());
+        let entry = entry.ok_or_else(|| format!("line {}: {line:?}, expected a need and a test", number + 1))?;
+        if !all.insert(entry) {
+            return Err(format!("line {}: {line:?} is there twice", number + 1));
+        }
+    }
+    Ok(all)
+}
+
+fn need(word: &str) -> Option<Need> {
+    Need::ALL.into_iter().find(|n| n.word() == word)
+}
+
+/// What a run of all tests amounts to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Roll {
+    /// Tests that had what they need, of each need.
+    pub had: BTreeMap<Need, usize>,
+    /// Registered tests that went without, each with the reason that it gave.
+    pub lacked: BTreeMap<Entry, String>,
+}
+
+/// Holds the log of a run of all tests against a register.
+///
+/// # Errors
+///
+/// All that is wrong: lines that are no log, registered tests that never asked for what they need, and tests that asked and
+/// are not registered.
+pub fn check(register: &str, log: &str) -> Result<Roll, Vec<String>> {
+    let registered = entries(register).map_err(|e| vec![format!("register: {e}")])?;
+    let (mut faults, mut had, mut lacked) = (Vec::new(), BTreeSet::new(), BTreeMap::new());
+    for (number, line) in log.lines().enumerate() {
+        let fields: Vec<&str> = line.split('\t').collect();
+        match fields[..] {
+            ["had", word, test, _] if need(word).is_some() => drop(had.insert((word, test))),
+            ["lacked", word, test, why] if need(word).is_some() => drop(lacked.insert((word, test), why)),
+            _ => faults.push(format!("log, line {}: {line:?} is no line of a test", number + 1)),
+        }
+    }
+    for (word, test) in had.iter().chain(lacked.keys()).collect::<BTreeSet<_>>() {
+        let known = need(word).is_some_and(|n| registered.contains(&(n, (*test).to_owned())));
+        if !known {
+            faults.push(format!(
+                "{word} test {test:?} is not registered: tests/needs/register.txt lacks `{word} {test}`"
+            ));
+        }
+    }
+    let mut roll = Roll::default();
+    for (need, test) in registered {
+        let key = (need.word(), test.as_str());
+        // A test that asks several times has what it needs only if it always had it.
+        if let Some(why) = lacked.get(&key) {
+            roll.lacked.insert((need, test.clone()), (*why).to_owned());
+        } else if had.contains(&key) {
+            *roll.had.entry(need).or_default() += 1;
+        } else {
+            faults.push(format!("{} test {test:?} did not run, or ran without asking for what it needs", need.word()));
+        }
+    }
+    if faults.is_empty() { Ok(roll) } else { Err(faults) }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+    use super::*;
+
+    const LIST: &str = "data reads models\ngpu draws\ngpu shines";
+    const LOG: &str = "had\tgpu\tshines\tadapter\nhad\tdata\treads models\t/data\nhad\tgpu\tdraws\tadapter\n";
+
+    #[test]
+    fn a_whole_log_passes() {
+        let roll = check(LIST, LOG).unwrap();
+        assert_eq!(roll.had, BTreeMap::from([(Need::Gpu, 2), (Need::Data, 1)]));
+        assert!(roll.lacked.is_empty());
+        // Once or often is the same.
+        assert_eq!(check(LIST, &format!("{LOG}{LOG}")), Ok(roll));
+    }
+
+    #[test]
+    fn a_log_with_a_name_missing_fails() {
+        for gone in ["shines", "reads models", "draws"] {
+            let log: String = LOG.lines().filter(|l| !l.contains(gone)).map(|l| format!("{l}\n")).collect();
+            let faults = check(LIST, &log).unwrap_err();
+            assert!(faults.len() == 1 && faults[0].contains(gone) && faults[0].contains("did not run"), "{faults:?}");
+        }
+        assert_eq!(check(LIST, "").unwrap_err().len(), 3, "an empty log is no run");
+    }
+
+    #[test]
+    fn a_name_with_the_wrong_need_is_not_the_test() {
+        let faults = check("gpu draws", "had\tdata\tdraws\t/data\n").unwrap_err();
+        assert_eq!(faults.len(), 2, "{faults:?}");
+    }
+
+    #[test]
+    fn tests_that_nobody_registered_fail() {
+        for log in ["had\tgpu\tnew\tadapter\n", "lacked\tgpu\tnew\toff\n"] {
+            let faults = check(LIST, &format!("{LOG}{log}")).unwrap_err();
+            assert!(faults.len() == 1 && faults[0].contains("`gpu new`"), "{faults:?}");
+        }
+    }
+
+    #[test]
+    fn tests_that_went_without_are_told_with_their_reason() {
+        let roll = check(LIST, &format!("{LOG}lacked\tgpu\tdraws\tswitched off\n")).unwrap();
+        assert_eq!(roll.lacked, BTreeMap::from([((Need::Gpu, "draws".to_owned()), "switched off".to_owned())]));
+        assert_eq!(roll.had[&Need::Gpu], 1);
+    }
+
+    #[test]
+    fn lines_that_are_no_log_fail() {
+        for line in ["ran\tgpu\tdraws\tadapter", "had\tluck\tdraws\tadapter", "had gpu draws", "had\tgpu\tdraws"] {
+            assert!(check(LIST, &format!("{LOG}{line}\n")).is_err(), "{line:?}");
+        }
+    }
+
+    #[test]
+    fn the_register_is_sorted_and_sound() {
+        let lines: Vec<&str> = REGISTER.lines().collect();
+        assert!(lines.is_sorted(), "tests/needs/register.txt is not sorted");
+        assert_eq!(entries(REGISTER).unwrap().len(), lines.len());
+        for wrong in ["draws", "luck draws", "gpu ", "gpu draws\ngpu draws"] {
+            assert!(entries(wrong).is_err(), "{wrong:?}");
+        }
+    }
+}
