@@ -1,7 +1,8 @@
 //! Header and section table: the outermost shell of the file. Byte positions are those of `FORMAT.md`.
 
-use crate::{FormatError, Limits};
-use std::fmt;
+use crate::error::FormatError;
+use crate::limits::Limits;
+use crate::tag::Tag;
 
 /// The first eight bytes of every package. The high bit, and the line feed at the end, make damage by text-mode transfer visible.
 pub const MAGIC: [u8; 8] = *b"\x89PELAGE\n";
@@ -17,39 +18,6 @@ pub(crate) const ENTRY_BYTES: usize = 32;
 /// Every section begins at a multiple of this, so that vertex data can be mapped and uploaded in place.
 pub(crate) const ALIGNMENT: u64 = 16;
 
-/// The four bytes that say what a section is.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Tag(pub [u8; 4]);
-
-impl Tag {
-    /// Manifest: bincode of [`crate::Manifest`]. Exactly one, and the first section.
-    pub const MANIFEST: Self = Self(*b"MANI");
-    /// Vertex and index data, ready to upload. At most one.
-    pub const MESH: Self = Self(*b"MESH");
-    /// Skeleton and clips: bincode of [`crate::Animation`]. At most one.
-    pub const ANIMATION: Self = Self(*b"ANIM");
-    /// Fins, from version 2 on. At most one.
-    pub const FINS: Self = Self(*b"FINS");
-    /// The ink style, since version 3. At most one.
-    pub const INK: Self = Self(*b"INKW");
-    /// A complete .ktx2 file; the k-th one belongs to the k-th texture of the manifest.
-    pub const TEXTURE: Self = Self(*b"KTX2");
-    /// Stands for header, table and padding in errors; never in a file's table.
-    pub const HEAD: Self = Self(*b"head");
-}
-
-impl fmt::Display for Tag {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.escape_ascii().fmt(f)
-    }
-}
-
-impl fmt::Debug for Tag {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Tag({self})")
-    }
-}
-
 /// One entry of the section table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Section {
@@ -61,6 +29,17 @@ pub struct Section {
     pub length: u64,
     /// CRC-32 (ISO-HDLC, as in zlib and PNG) of the section's bytes.
     pub checksum: u32,
+}
+
+impl Section {
+    /// Fails where it has more than `limit` bytes; `what` is the name of its length.
+    pub(crate) fn check_length(&self, what: &'static str, limit: u64) -> Result<(), FormatError> {
+        if self.length > limit {
+            let (tag, offset, found) = (self.tag, self.offset, self.length);
+            return Err(FormatError::Limit { tag, what, offset, found, limit });
+        }
+        Ok(())
+    }
 }
 
 fn u32_at(bytes: &[u8], offset: usize) -> u32 {

@@ -1,6 +1,6 @@
 //! How a hair's direction becomes a texel. `FORMAT.md`, "Directions".
 
-use crate::TextureFormat;
+use crate::sections::textures::TextureFormat;
 use glam::Vec3;
 
 /// Numbers 0..=1 of a texel to components −1..=1: `c = (255 v − 128) / 127`, so that the byte 128 is exactly 0 and upright

@@ -1,7 +1,7 @@
 //! bincode as the package uses it: little-endian, fixed-width integers, so that the layout can be stated in one table.
 
-use crate::FormatError;
-use crate::container::Tag;
+use crate::error::FormatError;
+use crate::tag::Tag;
 use bincode::config::{Configuration, Fixint, LittleEndian};
 use bincode::de::read::Reader;
 use bincode::error::DecodeError;

@@ -1,4 +1,4 @@
-use crate::container::Tag;
+use crate::tag::Tag;
 
 /// What is wrong with a package, where in the file, what was found and what was expected.
 ///

@@ -2,7 +2,8 @@
 //!
 //! A package is a checksummed table of sections (see `formats/FORMAT.md`, from which a reader can be written in any language).
 //! [`Package::open`] borrows from the caller's bytes: header, table and manifest are read and checked, vertex, index and
-//! texture data are handed out as slices of the input. A section's checksum is verified when it is first used.
+//! texture data are handed out as slices of the input. A section is checked when it is first used, once for each opened
+//! package: its checksum and its contents.
 //!
 //! ```
 //! use pelage_formats::{Limits, Manifest, Package, PackageWriter};
@@ -30,39 +31,35 @@
 #[cfg(target_endian = "big")]
 compile_error!("pelage-formats needs a little-endian target: packages hold vertex data that is uploaded in place");
 
-mod animation;
-mod choice;
 mod container;
-mod detail;
 mod direction;
 mod encoding;
 mod error;
-mod fins;
-mod ink;
 mod limits;
-mod manifest;
-mod manifest_v1;
-mod manifest_v2;
 pub mod meaning;
-mod mesh;
 mod package;
 mod sampling;
-mod texture;
+mod sections;
+mod tag;
+mod whole;
+mod writer;
 
-pub use animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
-pub use choice::{Choice, ChoiceLimits, Trial};
-pub use container::{FORMAT_VERSION, MAGIC, Section, Tag};
-pub use detail::{CoatInfo, DetailLevel};
+pub use container::{FORMAT_VERSION, MAGIC, Section};
 pub use direction::{decode_direction, encode_direction};
 pub use error::FormatError;
-pub use fins::{Fin, FinData, FinsView};
-pub use ink::{InkData, InkInfo, InkShading, InkVertex, InkView};
 pub use limits::Limits;
-pub use manifest::{
+pub use package::Package;
+pub use sampling::Pose;
+pub use sections::animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
+pub use sections::fins::{Fin, FinData, FinsView};
+pub use sections::ink::{InkData, InkInfo, InkShading, InkTextures, InkVertex, InkView};
+pub use sections::manifest::choice::{Choice, ChoiceLimits, Trial};
+pub use sections::manifest::data::{
     Bounds, FinInfo, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, ShellTextures,
     TextureEntry,
 };
-pub use mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
-pub use package::{FurTextures, InkTextures, Package, PackageWriter};
-pub use sampling::Pose;
-pub use texture::{TextureFormat, TextureView};
+pub use sections::manifest::detail::{CoatInfo, DetailLevel};
+pub use sections::mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
+pub use sections::textures::{FurTextures, TextureFormat, TextureView};
+pub use tag::Tag;
+pub use writer::PackageWriter;

@@ -37,3 +37,17 @@ impl Default for Limits {
         }
     }
 }
+
+impl Limits {
+    /// No bounds: for what was just written, whose size is its writer's business.
+    pub(crate) const NONE: Self = Self {
+        sections: u32::MAX,
+        manifest_bytes: u64::MAX,
+        animation_bytes: u64::MAX,
+        vertices: u32::MAX,
+        indices: u32::MAX,
+        fins: u32::MAX,
+        texture_size: u32::MAX,
+        texture_layers: u32::MAX,
+    };
+}

@@ -1,6 +1,6 @@
 //! What the `ANIM` section means: clip and time to joint matrices. Bake (rest state) and runtime (every frame) share it.
 
-use crate::animation::{Animation, Channel, Interpolation, Property};
+use crate::sections::animation::{Animation, Channel, Interpolation, Property};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 /// Joint matrices of one moment. Keep it between frames: its buffers are reused.

@@ -45,7 +45,7 @@ fn golden_packages_say_what_they_always_said() {
         assert_eq!(Package::validate(&bytes, &Limits::default()), []);
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         assert_eq!(package.version(), version);
-        assert_eq!(package.animation().unwrap().unwrap(), common::sample_animation());
+        assert_eq!(*package.animation().unwrap().unwrap(), common::sample_animation());
         let tags: Vec<_> = package.sections().iter().map(|s| s.tag.to_string()).collect();
         assert_eq!(tags[..7], ["MANI", "MESH", "ANIM", "KTX2", "KTX2", "XTRA", "KTX2"]);
         assert_eq!(package.section_bytes(5).unwrap(), b"a section of a later version");

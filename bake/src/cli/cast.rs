@@ -116,7 +116,7 @@ impl<'a> Cast<'a> {
         let places = places(package.manifest(), view.crowd);
         let actor = |place| Actor { package: 0, place: Place::fixed(place), clip };
         let skeleton = package.animation().map_err(|error| file.fault(error))?;
-        let points = rest_points(file, &package, skeleton.as_ref())?;
+        let points = rest_points(file, &package, skeleton.as_deref())?;
         let camera = camera_of(view, &points, package.manifest().fur.height_m);
         Ok(Self { packages: vec![file], actors: places.into_iter().map(actor).collect(), camera: Shot::fixed(camera) })
     }

@@ -44,7 +44,7 @@ pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
     let camera = args.camera.map(|c| (c.eye, c.target, c.fov_deg));
     let shown = View { size, camera, ..View::default() };
     let animation = package.animation().map_err(|e| file.fault(e))?;
-    let points = rest_points(&file, &package, animation.as_ref())?;
+    let points = rest_points(&file, &package, animation.as_deref())?;
     let (eye, target, fov_deg) = camera_of(&shown, &points, package.manifest().fur.height_m);
     let (instances, shadow_map) = (args.instances, args.shadow_map);
     let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances, shadow_map };

@@ -44,7 +44,7 @@ impl Truth {
         Ok(Self {
             scene: TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?,
             report,
-            rest_points: rest_points(file, package, skeleton.as_ref())?,
+            rest_points: rest_points(file, package, skeleton.as_deref())?,
             height_m: manifest.fur.height_m,
         })
     }

@@ -67,10 +67,10 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
             }),
             Tag::ANIMATION => match package.animation().map_err(damaged)? {
                 Some(animation) => {
-                    let mut value = serde_json::to_value(&animation).map_err(internal)?;
+                    let mut value = serde_json::to_value(&*animation).map_err(internal)?;
                     shorten_floats(&mut value);
                     let text = to_text(&value);
-                    let same = parse::<Animation>(ANIMATION, text.as_bytes()).is_ok_and(|back| back == animation);
+                    let same = parse::<Animation>(ANIMATION, text.as_bytes()).is_ok_and(|back| back == *animation);
                     same.then(|| (ANIMATION.to_owned(), text.into_bytes()))
                 }
                 None => None,

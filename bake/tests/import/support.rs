@@ -182,7 +182,7 @@ pub fn check(model: &Model) {
         let bytes = pelage_formats::PackageWriter::new(manifest).animation(animation).finish().unwrap();
         let limits = pelage_formats::Limits::default();
         let package = pelage_formats::Package::open(&bytes, &limits).unwrap();
-        assert_eq!(package.animation().unwrap().as_ref(), Some(animation));
+        assert_eq!(package.animation().unwrap().as_deref(), Some(animation));
     }
     let rest = RestPose::of(mesh, model.animation.as_ref());
     assert!(mesh.triangles.iter().flatten().all(|i| rest.positions[*i as usize].is_finite()));

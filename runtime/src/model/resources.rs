@@ -14,7 +14,8 @@ pub struct Model(pub(super) Arc<Resources>);
 #[derive(Debug)]
 pub(super) struct Resources {
     pub(super) manifest: Manifest,
-    pub(super) animation: Option<Animation>,
+    /// As the package kept it.
+    pub(super) animation: Option<Arc<Animation>>,
     pub(super) geometry: wgpu::Buffer,
     pub(super) attributes: wgpu::Buffer,
     pub(super) skin: Option<wgpu::Buffer>,
@@ -97,7 +98,7 @@ impl Model {
 
     /// The skeleton, where the vertices follow one.
     pub fn skeleton(&self) -> Option<&Animation> {
-        self.0.animation.as_ref().filter(|_| self.0.skin.is_some())
+        self.0.animation.as_deref().filter(|_| self.0.skin.is_some())
     }
 
     pub(crate) fn geometry(&self) -> &wgpu::Buffer {

@@ -181,8 +181,8 @@ fn strokes_are_no_wider_than_the_template() {
 /// Flicker of a model that walks past, frame by frame, with wash and lines tied to one or the other.
 fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> Flicker {
     let opened = Package::open(package, &Limits::default()).unwrap();
-    let clips = opened.animation().unwrap().unwrap().clips;
-    let names: Vec<_> = clips.iter().map(|c| &c.name).collect();
+    let animation = opened.animation().unwrap().unwrap();
+    let names: Vec<_> = animation.clips.iter().map(|c| &c.name).collect();
     let clip = names.iter().position(|name| name.ends_with(clip)).unwrap_or_else(|| panic!("no {clip} in {names:?}"));
     let mut instance = Instance::new(0, &brush.renderer.load_bytes(package).unwrap());
     let (center, radius) = bounds(package);

@@ -94,7 +94,7 @@ impl Shared {
         };
         let opened = file.open()?;
         let skeleton = opened.animation().map_err(|error| file.fault(error))?;
-        let rest_points = rest_points(&file, &opened, skeleton.as_ref())?;
+        let rest_points = rest_points(&file, &opened, skeleton.as_deref())?;
         let lines = TrueLines::new(Skin::posed(&file.name, &opened, None)?)?;
         drop(opened);
         Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })

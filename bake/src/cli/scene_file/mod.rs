@@ -137,7 +137,7 @@ impl SceneFile {
         for (index, file) in self.packages.iter().enumerate() {
             let package = file.open()?;
             let skeleton = package.animation().map_err(|error| file.fault(error))?;
-            let rest = rest_points(file, &package, skeleton.as_ref())?;
+            let rest = rest_points(file, &package, skeleton.as_deref())?;
             for actor in self.actors.iter().filter(|actor| actor.package == index) {
                 let transform = actor.place.transform(0.0);
                 points.extend(rest.iter().map(|point| transform.transform_point3(*point)));

@@ -1,13 +1,12 @@
 //! The manifest of version 1: the same as version 2's without wet hair, fins and groom textures. Kept for ever, so that packages of
 //! version 1 stay readable; the order of the fields here may not change.
 
-use crate::Manifest;
-use crate::manifest::{Bounds, FurInfo, InputRecord, Material, Part, QualityFigure, Shading, TextureEntry};
-use crate::manifest_v2;
+use super::data::{Bounds, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, TextureEntry};
+use super::v2;
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]
-pub(crate) struct ManifestV1 {
+pub(super) struct ManifestV1 {
     generator: String,
     model: String,
     recipe: String,
@@ -94,7 +93,7 @@ impl TryFrom<&Manifest> for ManifestV1 {
     fn try_from(new: &Manifest) -> Result<Self, String> {
         let fur = &new.fur;
         let refuse = |what: &str| Err(format!("{what} is given, expected none in version 1 of the format"));
-        if let Some(what) = manifest_v2::beyond(new) {
+        if let Some(what) = v2::beyond(new) {
             return refuse(what);
         }
         if fur.wet.is_some() {

@@ -1,11 +1,96 @@
 //! The `INKW` section: what a package needs to be drawn as an ink-wash painting (Fang 2006). Layout in `FORMAT.md`, "INKW".
 
-use crate::container::Tag;
+use super::kind::{Count, Kind, Row, faults};
+use super::textures::TextureView;
 use crate::encoding::{decode_section, encode_section};
-use crate::{FormatError, Limits};
+use crate::error::FormatError;
+use crate::limits::Limits;
+use crate::package::Package;
+use crate::tag::Tag;
+use crate::writer::PackageWriter;
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+
+impl Tag {
+    /// The ink style, since version 3. At most one.
+    pub const INK: Self = Self(*b"INKW");
+}
+
+pub(crate) const KIND: Kind = Kind {
+    tag: Tag::INK,
+    since: 3,
+    count: Count::AtMostOne,
+    check: |package, _| package.ink().map(drop),
+    check_use: |package| faults([package.ink_textures().err()]),
+    row: Row { what: "[the ink style](#inkw-the-ink-style)", how_many: "at most one", place: "any" },
+};
+
+impl<'a> Package<'a> {
+    /// The ink style; `None` for a package without. Every vertex is checked once; what came of it is kept.
+    ///
+    /// Fails where the section is damaged, or has not a vertex for each of the mesh.
+    pub fn ink(&self) -> Result<Option<InkView<'a>>, FormatError> {
+        let Some((index, section)) = self.find(Tag::INK, 0) else { return Ok(None) };
+        let (info, first) = self.keep(index, || {
+            let bytes = self.section_bytes(index)?;
+            let view = InkView::parse(bytes, section.offset, self.limits())?;
+            let (found, expected) = (view.vertices().len(), self.mesh()?.map_or(0, |mesh| mesh.vertex_count));
+            if found != expected as usize {
+                let reason = format!("{found} vertices, expected the {expected} of the mesh");
+                return Err(FormatError::Content { tag: Tag::INK, offset: section.offset, reason });
+            }
+            let first = bytes.len() - view.vertices.len();
+            Ok((view.info, first))
+        })?;
+        Ok(Some(InkView { info, vertices: &self.section_bytes(index)?[first..] }))
+    }
+
+    /// The textures of the ink style; `None` for a package without.
+    ///
+    /// Fails where one of them is damaged or not as [`crate::InkInfo`] says: in layers, components or colour space.
+    pub fn ink_textures(&self) -> Result<Option<InkTextures<'a>>, FormatError> {
+        let Some(ink) = self.ink()? else { return Ok(None) };
+        let read = |what: &str, index: u32, layers: u32| {
+            let view = self.texture(index)?;
+            if view.layers != layers || view.format.components() != 4 || view.format.is_srgb() {
+                let reason = format!(
+                    "is {} in {} layers, expected four components that are not sRGB in {layers} as {what} of the ink style",
+                    view.format.name(),
+                    view.layers
+                );
+                return Err(self.texture_fault(index, &reason));
+            }
+            Ok(view)
+        };
+        Ok(Some(InkTextures {
+            stroke: read("stroke", ink.info.stroke_texture, 1)?,
+            wash: read("wash", ink.info.wash_texture, 1)?,
+            paper: read("paper", ink.info.paper_texture, 1)?,
+            fur: ink.info.fur_texture.map(|index| read("fur", index, 2)).transpose()?,
+        }))
+    }
+}
+
+/// The textures of the ink style, see [`Package::ink_textures`] and [`InkInfo`].
+#[derive(Clone, Copy, Debug)]
+pub struct InkTextures<'a> {
+    /// The stroke of the sphere map.
+    pub stroke: TextureView<'a>,
+    /// The tile of wash on the surface.
+    pub wash: TextureView<'a>,
+    /// The tile of paper.
+    pub paper: TextureView<'a>,
+    /// Strokes of fur in the hair's tile, where the package has fur.
+    pub fur: Option<TextureView<'a>>,
+}
+
+impl PackageWriter<'_> {
+    /// Adds the ink style.
+    pub fn ink(self, ink: &InkData) -> Self {
+        self.encoded(Tag::INK, ink.encode())
+    }
+}
 
 /// Textures and constants of the ink style.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -130,7 +215,7 @@ fn first_vertex(info_bytes: u64) -> u64 {
 
 impl InkData {
     /// Bytes of the section.
-    pub(crate) fn encode(&self) -> Result<Vec<u8>, FormatError> {
+    fn encode(&self) -> Result<Vec<u8>, FormatError> {
         let fail = |reason: &str| FormatError::Content { tag: Tag::INK, offset: 0, reason: reason.into() };
         let info = encode_section(Tag::INK, &self.info)?;
         let count = u32::try_from(self.vertices.len()).map_err(|_| fail("more than 2^32 vertices"))?;
@@ -149,7 +234,7 @@ impl InkData {
 
 impl<'a> InkView<'a> {
     /// Reads the section that begins at `offset` of the package and checks every number in it by itself.
-    pub(crate) fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
+    fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
         let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::INK, offset: offset + at, reason };
         if (bytes.len() as u64) < HEADER_BYTES {
             let reason = format!("the section has {} bytes, expected a header of {HEADER_BYTES}", bytes.len());

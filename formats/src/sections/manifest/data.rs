@@ -1,7 +1,7 @@
 //! What a package says about itself. The order of the fields is the order of the bytes: see `FORMAT.md`, "MANI".
 
-use crate::choice::Choice;
-use crate::detail::{self, CoatInfo, DetailLevel};
+use super::choice::Choice;
+use super::detail::{self, CoatInfo, DetailLevel};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -301,7 +301,7 @@ impl Manifest {
         if let Some(coat) = &self.coat {
             coat.check()?;
         }
-        detail::check(self)?;
+        detail::check(&self.detail, self.fur.layers, self.coat.is_some())?;
         if let Some(choice) = &self.choice {
             choice.check()?;
         }

@@ -1,9 +1,92 @@
 //! The `FINS` section: quads of hair that stand on the edges of the mesh. Layout in `FORMAT.md`, "FINS".
 
-use crate::container::Tag;
-use crate::{FormatError, Limits};
+use super::kind::{Count, Kind, Row, faults};
+use super::textures::FurTextures;
+use crate::error::FormatError;
+use crate::limits::Limits;
+use crate::package::Package;
+use crate::tag::Tag;
+use crate::writer::PackageWriter;
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
+
+impl Tag {
+    /// Fins, from version 2 on. At most one.
+    pub const FINS: Self = Self(*b"FINS");
+}
+
+pub(crate) const KIND: Kind = Kind {
+    tag: Tag::FINS,
+    since: 2,
+    count: Count::AtMostOne,
+    check: |package, _| package.fins().map(drop),
+    check_use: |package| faults([package.fin_textures().err()]),
+    row: Row {
+        what: "[fins](#fins-hair-on-the-edges)",
+        how_many: "one if the manifest's fur has fins, else none",
+        place: "any",
+    },
+};
+
+impl<'a> Package<'a> {
+    /// The fins; `None` for a package without. Every fin is checked once; what came of it is kept.
+    ///
+    /// Fails where the manifest has no fin textures for them (or textures and no fins), the parts are not the manifest's, or a fin
+    /// stands on a vertex or shows a slab that is not there.
+    pub fn fins(&self) -> Result<Option<FinsView<'a>>, FormatError> {
+        let (info, (index, section)) = match (&self.manifest().fur.fins, self.find(Tag::FINS, 0)) {
+            (None, None) => return Ok(None),
+            (Some(info), Some(found)) => (info, found),
+            (Some(_), None) => {
+                let reason = "the manifest's fur.fins has textures for them".into();
+                return Err(FormatError::MissingSection { tag: Tag::FINS, index: 0, reason });
+            }
+            (None, Some((_, section))) => {
+                let reason = "fins, expected none where the manifest's fur.fins is none".into();
+                return Err(FormatError::Content { tag: Tag::FINS, offset: section.offset, reason });
+            }
+        };
+        let counts = self.keep(index, || {
+            let view = FinsView::parse(self.section_bytes(index)?, section.offset, self.limits())?;
+            self.check_fins(&view, info.slabs, section.offset)?;
+            Ok(view.counts())
+        })?;
+        Ok(Some(FinsView::of(self.section_bytes(index)?, counts)))
+    }
+
+    /// Whether fins that are sound by themselves fit manifest and mesh.
+    fn check_fins(&self, view: &FinsView<'_>, slabs: u32, offset: u64) -> Result<(), FormatError> {
+        let fail = |at: u64, reason| FormatError::Content { tag: Tag::FINS, offset: offset + at, reason };
+        let (found, parts) = (view.part_counts().len(), self.manifest().parts.len());
+        if found != parts {
+            return Err(fail(4, format!("fins of {found} parts, expected the {parts} of the manifest")));
+        }
+        let vertices = self.mesh()?.map_or(0, |mesh| mesh.vertex_count);
+        let stands = |f: &Fin| f.a < vertices && f.b < vertices && f.slab < slabs;
+        if let Some((i, fin)) = view.fins().enumerate().find(|(_, f)| !stands(f)) {
+            let reason = format!("fin {i} is {fin:?}, expected less than the {vertices} vertices and {slabs} slabs");
+            return Err(fail(view.offset_of(i), reason));
+        }
+        Ok(())
+    }
+
+    /// The two fin textures; `None` for a package without fins.
+    ///
+    /// Fails where one of them is damaged or not as [`crate::FinInfo`] says: `slabs` array layers of `width` by `height` texels,
+    /// colour with four components, directions in a format that is not sRGB.
+    pub fn fin_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
+        let Some(fins) = &self.manifest().fur.fins else { return Ok(None) };
+        let size = (fins.width, fins.height, fins.slabs);
+        self.hair_textures("fur.fins", size, fins.color_texture, fins.direction_texture).map(Some)
+    }
+}
+
+impl PackageWriter<'_> {
+    /// Adds the fins.
+    pub fn fins(self, fins: &FinData) -> Self {
+        self.encoded(Tag::FINS, fins.encode())
+    }
+}
 
 /// A quad that stands on an edge of the mesh, from the skin to the outermost layer (Lengyel 2001). 24 bytes.
 #[repr(C)]
@@ -52,6 +135,13 @@ impl fmt::Debug for FinsView<'_> {
 
 const HEADER_BYTES: u64 = 16;
 
+/// What the layout of the section follows from.
+#[derive(Clone, Copy)]
+struct Counts {
+    parts: u32,
+    fins: u32,
+}
+
 /// Offset of the first fin and the end, relative to the section.
 fn layout(parts: u64, fins: u64) -> [u64; 2] {
     let first = (HEADER_BYTES + 4 * parts).next_multiple_of(16);
@@ -60,7 +150,7 @@ fn layout(parts: u64, fins: u64) -> [u64; 2] {
 
 impl FinData {
     /// Bytes of the section. Fails where the counts of the parts do not add up, or a fin has a number out of its range.
-    pub(crate) fn encode(&self) -> Result<Vec<u8>, FormatError> {
+    fn encode(&self) -> Result<Vec<u8>, FormatError> {
         let fail = |reason: &str| FormatError::Content { tag: Tag::FINS, offset: 0, reason: reason.into() };
         if self.fins.len() > u32::MAX as usize || self.part_counts.len() > u32::MAX as usize {
             return Err(fail("more than 2^32 fins or parts"));
@@ -81,7 +171,7 @@ impl FinData {
 
 impl<'a> FinsView<'a> {
     /// Reads the section that begins at `offset` of the package and checks every number in it by itself.
-    pub(crate) fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
+    fn parse(bytes: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
         let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::FINS, offset: offset + at, reason };
         if (bytes.len() as u64) < HEADER_BYTES {
             let reason = format!("the section has {} bytes, expected a header of {HEADER_BYTES}", bytes.len());
@@ -102,11 +192,10 @@ impl<'a> FinsView<'a> {
             let reason = format!("the section has {} bytes, expected {end} for these counts", bytes.len());
             return Err(fail(0, reason));
         }
-        let part_counts = &bytes[HEADER_BYTES as usize..HEADER_BYTES as usize + 4 * parts as usize];
-        if let Some(at) = (HEADER_BYTES + part_counts.len() as u64..first).find(|at| bytes[*at as usize] != 0) {
+        let view = Self::of(bytes, Counts { parts, fins: count });
+        if let Some(at) = (HEADER_BYTES + view.part_counts.len() as u64..first).find(|at| bytes[*at as usize] != 0) {
             return Err(fail(at, format!("padding byte is {}, expected 0", bytes[at as usize])));
         }
-        let view = Self { count, fins: &bytes[first as usize..], part_counts };
         let sum: u64 = view.part_counts().map(u64::from).sum();
         if sum != u64::from(count) {
             return Err(fail(HEADER_BYTES, format!("the parts have {sum} fins, expected the {count} of the section")));
@@ -123,6 +212,20 @@ impl<'a> FinsView<'a> {
         Ok(view)
     }
 
+    /// The fins of a section of these counts, which is as long as they ask for.
+    fn of(bytes: &'a [u8], counts: Counts) -> Self {
+        let [first, end] = layout(counts.parts.into(), counts.fins.into());
+        Self {
+            count: counts.fins,
+            fins: &bytes[first as usize..end as usize],
+            part_counts: &bytes[HEADER_BYTES as usize..HEADER_BYTES as usize + 4 * counts.parts as usize],
+        }
+    }
+
+    fn counts(&self) -> Counts {
+        Counts { parts: self.part_counts().len() as u32, fins: self.count }
+    }
+
     /// How many fins stand on each part of the manifest.
     pub fn part_counts(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
         self.part_counts.chunks_exact(4).map(bytemuck::pod_read_unaligned)
@@ -134,7 +237,7 @@ impl<'a> FinsView<'a> {
     }
 
     /// Where fin number `index` begins in the section.
-    pub(crate) fn offset_of(&self, index: usize) -> u64 {
+    fn offset_of(&self, index: usize) -> u64 {
         layout(self.part_counts.len() as u64 / 4, 0)[0] + index as u64 * size_of::<Fin>() as u64
     }
 

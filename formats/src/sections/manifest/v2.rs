@@ -1,15 +1,16 @@
 //! The manifest of version 2: the same as today's without its end, levels of detail and the evidence of a choice. Kept for ever, so that
 //! packages of version 2 stay readable.
 
-use crate::container::Tag;
+use super::data::Manifest;
 use crate::encoding::{decode_section, encode_section};
-use crate::{FormatError, Manifest};
+use crate::error::FormatError;
+use crate::tag::Tag;
 
 /// What version 3 added to the end, all of it none: option, list and option.
 const SINCE_VERSION_3: [u8; 10] = [0; 10];
 
 /// The path of the first field that came with version 3 and is given.
-pub(crate) fn beyond(manifest: &Manifest) -> Option<&'static str> {
+pub(super) fn beyond(manifest: &Manifest) -> Option<&'static str> {
     let fields = [
         ("coat", manifest.coat.is_some()),
         ("detail", !manifest.detail.is_empty()),
@@ -19,7 +20,7 @@ pub(crate) fn beyond(manifest: &Manifest) -> Option<&'static str> {
 }
 
 /// Reads the section that begins at `offset` of a package.
-pub(crate) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError> {
+pub(super) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError> {
     let manifest: Manifest = decode_section(Tag::MANIFEST, offset, &[bytes, &SINCE_VERSION_3].concat())?;
     match beyond(&manifest) {
         // Bytes of the section that went on as version 3 would.
@@ -32,7 +33,7 @@ pub(crate) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError>
 }
 
 /// Writes the section; fails for a manifest with fields that version 2 has no place for.
-pub(crate) fn encode(manifest: &Manifest) -> Result<Vec<u8>, FormatError> {
+pub(super) fn encode(manifest: &Manifest) -> Result<Vec<u8>, FormatError> {
     if let Some(what) = beyond(manifest) {
         let reason = format!("{what} is given, expected none in version 2 of the format");
         return Err(FormatError::Content { tag: Tag::MANIFEST, offset: 0, reason });

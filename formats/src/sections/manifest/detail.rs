@@ -1,6 +1,5 @@
 //! Levels of detail: what is drawn of fur that is small on screen.
 
-use crate::Manifest;
 use serde::{Deserialize, Serialize};
 
 /// The far coat: where it lies and how it is lit, all as means over the hair that is seen from above.
@@ -38,7 +37,7 @@ pub struct DetailLevel {
 
 impl CoatInfo {
     /// Checks that every share is one.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    pub(super) fn check(&self) -> Result<(), String> {
         for (what, value, max) in [
             ("height", self.height, 1.0),
             ("ambient_height", self.ambient_height, 1.0),
@@ -54,10 +53,9 @@ impl CoatInfo {
     }
 }
 
-/// Checks that the levels are a chain from all layers down to what the package has.
-pub(crate) fn check(manifest: &Manifest) -> Result<(), String> {
-    let levels = &manifest.detail;
-    if !levels.is_empty() && manifest.fur.layers == 0 {
+/// Checks that the levels are a chain from all layers down to what the package has: so many layers of fur, and a coat or none.
+pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Result<(), String> {
+    if !levels.is_empty() && layers == 0 {
         return Err(format!("detail has {} levels, expected none without fur", levels.len()));
     }
     let mut step = 1;
@@ -68,7 +66,7 @@ pub(crate) fn check(manifest: &Manifest) -> Result<(), String> {
             Err(format!("detail[{i}].{field} is {found}, expected {expected}"))
         };
         let coat = last && i > 0 && level.step == 0;
-        if coat && manifest.coat.is_none() {
+        if coat && !has_coat {
             return Err(format!("detail[{i}].step is 0, expected a coat beside it"));
         }
         if !coat && level.step != step {

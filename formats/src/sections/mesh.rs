@@ -1,9 +1,86 @@
 //! The `MESH` section: vertex streams and indices as the GPU wants them. Layout in `FORMAT.md`, "MESH".
 
-use crate::container::{FORMAT_VERSION, Tag};
-use crate::{FormatError, Limits};
+use super::kind::{Count, Kind, Row, USES_NOTHING};
+use crate::container::FORMAT_VERSION;
+use crate::error::FormatError;
+use crate::limits::Limits;
+use crate::package::Package;
+use crate::tag::Tag;
+use crate::writer::PackageWriter;
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
+
+impl Tag {
+    /// Vertex and index data, ready to upload. At most one.
+    pub const MESH: Self = Self(*b"MESH");
+}
+
+pub(crate) const KIND: Kind = Kind {
+    tag: Tag::MESH,
+    since: 1,
+    count: Count::AtMostOne,
+    check: |package, _| package.mesh().map(drop),
+    check_use: USES_NOTHING,
+    row: Row {
+        what: "[vertices and indices](#mesh-vertices-and-indices)",
+        how_many: "at most one; one if the manifest has parts",
+        place: "any",
+    },
+};
+
+impl<'a> Package<'a> {
+    /// The mesh; `None` for a package without one. Every vertex and index is checked once; what came of it is kept.
+    ///
+    /// Fails where the manifest's parts do not cover the index buffer, a skinned mesh has no skeleton, or a mesh without skin
+    /// has one.
+    pub fn mesh(&self) -> Result<Option<MeshView<'a>>, FormatError> {
+        let Some((index, section)) = self.find(Tag::MESH, 0) else {
+            let parts = self.manifest().parts.len();
+            if parts == 0 {
+                return Ok(None);
+            }
+            let reason = format!("the manifest has {parts} parts of its indices");
+            return Err(FormatError::MissingSection { tag: Tag::MESH, index: 0, reason });
+        };
+        let counts = self.keep(index, || {
+            let view = MeshView::parse(self.section_bytes(index)?, section.offset, self.version(), self.limits())?;
+            self.check_mesh(&view, section.offset)?;
+            Ok(view.counts())
+        })?;
+        Ok(Some(MeshView::of(self.section_bytes(index)?, counts)))
+    }
+
+    /// Whether a mesh that is sound by itself fits manifest and skeleton.
+    fn check_mesh(&self, view: &MeshView<'_>, offset: u64) -> Result<(), FormatError> {
+        let fail = |reason| FormatError::Content { tag: Tag::MESH, offset, reason };
+        let covered: u64 = self.manifest().parts.iter().map(|p| u64::from(p.index_count)).sum();
+        if covered != u64::from(view.index_count) {
+            let n = view.index_count;
+            return Err(fail(format!("{n} indices, expected the {covered} that the manifest's parts cover")));
+        }
+        let joints = self.animation()?.map_or(0, |a| a.joints.len());
+        if view.skin.is_empty() {
+            if joints > 0 && view.vertex_count > 0 {
+                return Err(fail(format!(
+                    "vertices without joints, expected joints and weights beside {joints} joints"
+                )));
+            }
+        } else {
+            let top = view.skin().flat_map(|v| v.joints).map(usize::from).max().unwrap_or(0);
+            if top >= joints {
+                return Err(fail(format!("a vertex follows joint {top}, expected less than the {joints} joints")));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PackageWriter<'_> {
+    /// Adds the mesh.
+    pub fn mesh(self, mesh: &MeshData) -> Self {
+        self.encoded(Tag::MESH, mesh.encode())
+    }
+}
 
 /// First vertex stream: what posing changes. 48 bytes.
 ///
@@ -93,6 +170,14 @@ impl fmt::Debug for MeshView<'_> {
 const HEADER_BYTES: u64 = 64;
 const FLAG_SKIN: u32 = 1;
 
+/// What a mesh's layout follows from.
+#[derive(Clone, Copy)]
+struct Counts {
+    vertices: u32,
+    indices: u32,
+    skinned: bool,
+}
+
 /// Offsets of the four streams and the end, relative to the section. They follow from the counts, so the file cannot disagree.
 fn layout(vertices: u64, indices: u64, skinned: bool) -> [u64; 5] {
     let align = |offset: u64| offset.next_multiple_of(16);
@@ -104,9 +189,15 @@ fn layout(vertices: u64, indices: u64, skinned: bool) -> [u64; 5] {
     [geometry, attributes, skin, index, index + indices * 4]
 }
 
+// How many meshes this thread has read and checked.
+#[cfg(test)]
+thread_local! {
+    pub(crate) static CHECKED: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
+}
+
 impl MeshData {
     /// Bytes of the section. Fails where the streams differ in length or an index points past the vertices.
-    pub(crate) fn encode(&self) -> Result<Vec<u8>, FormatError> {
+    fn encode(&self) -> Result<Vec<u8>, FormatError> {
         let fail = |reason: String| FormatError::Content { tag: Tag::MESH, offset: 0, reason };
         let vertices = self.geometry.len();
         let skinned = !self.skin.is_empty();
@@ -144,7 +235,9 @@ impl MeshData {
 
 impl<'a> MeshView<'a> {
     /// Reads the section that begins at `offset` of a package of that version and checks every index and number in it.
-    pub(crate) fn parse(bytes: &'a [u8], offset: u64, version: u32, limits: &Limits) -> Result<Self, FormatError> {
+    fn parse(bytes: &'a [u8], offset: u64, version: u32, limits: &Limits) -> Result<Self, FormatError> {
+        #[cfg(test)]
+        CHECKED.with(|checked| checked.set(checked.get() + 1));
         let fail = |at: u64, reason: String| FormatError::Content { tag: Tag::MESH, offset: offset + at, reason };
         if (bytes.len() as u64) < HEADER_BYTES {
             let reason = format!("the section has {} bytes, expected a header of {HEADER_BYTES}", bytes.len());
@@ -186,16 +279,7 @@ impl<'a> MeshView<'a> {
             let reason = format!("the section has {} bytes, expected {end} for these counts", bytes.len());
             return Err(fail(0, reason));
         }
-        let stream =
-            |from: u64, count: u32, stride: usize| &bytes[from as usize..from as usize + count as usize * stride];
-        let view = Self {
-            vertex_count,
-            index_count,
-            geometry: stream(geometry, vertex_count, size_of::<GeometryVertex>()),
-            attributes: stream(attributes, vertex_count, size_of::<AttributeVertex>()),
-            skin: stream(skin, if skinned { vertex_count } else { 0 }, size_of::<SkinVertex>()),
-            indices: stream(index, index_count, 4),
-        };
+        let view = Self::of(bytes, Counts { vertices: vertex_count, indices: index_count, skinned });
         let used = |from: u64, part: &[u8]| from + part.len() as u64;
         for (from, to) in [
             (used(geometry, view.geometry), attributes),
@@ -208,6 +292,26 @@ impl<'a> MeshView<'a> {
         }
         view.check(version, |reason, at| fail(at, reason), [geometry, attributes, skin, index])?;
         Ok(view)
+    }
+
+    /// The streams of a section of these counts, which is long enough for them.
+    fn of(bytes: &'a [u8], counts: Counts) -> Self {
+        let Counts { vertices, indices, skinned } = counts;
+        let [geometry, attributes, skin, index, _] = layout(vertices.into(), indices.into(), skinned);
+        let stream =
+            |from: u64, count: u32, stride: usize| &bytes[from as usize..from as usize + count as usize * stride];
+        Self {
+            vertex_count: vertices,
+            index_count: indices,
+            geometry: stream(geometry, vertices, size_of::<GeometryVertex>()),
+            attributes: stream(attributes, vertices, size_of::<AttributeVertex>()),
+            skin: stream(skin, if skinned { vertices } else { 0 }, size_of::<SkinVertex>()),
+            indices: stream(index, indices, 4),
+        }
+    }
+
+    fn counts(&self) -> Counts {
+        Counts { vertices: self.vertex_count, indices: self.index_count, skinned: !self.skin.is_empty() }
     }
 
     fn check(

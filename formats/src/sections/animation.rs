@@ -1,6 +1,49 @@
 //! The `ANIM` section: the node tree, the joints and the clips. The order of the fields is the order of the bytes.
 
+use super::kind::{Count, Kind, Row, USES_NOTHING};
+use crate::encoding::{decode_section, encode_section};
+use crate::error::FormatError;
+use crate::package::Package;
+use crate::tag::Tag;
+use crate::writer::PackageWriter;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+impl Tag {
+    /// Skeleton and clips: bincode of [`Animation`]. At most one.
+    pub const ANIMATION: Self = Self(*b"ANIM");
+}
+
+pub(crate) const KIND: Kind = Kind {
+    tag: Tag::ANIMATION,
+    since: 1,
+    count: Count::AtMostOne,
+    check: |package, _| package.animation().map(drop),
+    check_use: USES_NOTHING,
+    row: Row { what: "[skeleton and clips](#anim-skeleton-and-clips)", how_many: "at most one", place: "any" },
+};
+
+impl Package<'_> {
+    /// Skeleton and clips; `None` for a package without. Decoded and checked once, then kept.
+    pub fn animation(&self) -> Result<Option<Arc<Animation>>, FormatError> {
+        let Some((index, section)) = self.find(Tag::ANIMATION, 0) else { return Ok(None) };
+        let kept = self.keep(index, || {
+            section.check_length("animation length", self.limits().animation_bytes)?;
+            let animation: Animation = decode_section(Tag::ANIMATION, section.offset, self.section_bytes(index)?)?;
+            let fail = |reason| FormatError::Content { tag: Tag::ANIMATION, offset: section.offset, reason };
+            animation.check().map_err(fail)?;
+            Ok(Arc::new(animation))
+        });
+        kept.map(Some)
+    }
+}
+
+impl PackageWriter<'_> {
+    /// Adds skeleton and clips.
+    pub fn animation(self, animation: &Animation) -> Self {
+        self.encoded(Tag::ANIMATION, encode_section(Tag::ANIMATION, animation))
+    }
+}
 
 /// Skeleton and clips of a model.
 ///
@@ -100,7 +143,7 @@ pub struct Channel {
 impl Animation {
     /// Checks every index, count and number; what [`crate::Pose`] relies on. Returns the path of the fault, what was found and
     /// what was expected.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Result<(), String> {
         let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
         for (i, node) in self.nodes.iter().enumerate() {
             if node.parent.is_some_and(|p| p as usize >= i) {

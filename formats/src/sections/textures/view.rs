@@ -1,95 +1,10 @@
-//! `KTX2` sections: complete .ktx2 files, decoded with the `ktx2` crate and narrowed to what the runtime can upload as it is.
+//! One .ktx2 file, decoded with the `ktx2` crate and narrowed to what the runtime can upload as it is.
 
-use crate::container::Tag;
-use crate::{FormatError, Limits};
+use super::format::TextureFormat;
+use crate::error::FormatError;
+use crate::limits::Limits;
+use crate::tag::Tag;
 use std::fmt;
-
-/// Texel formats that packages hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum TextureFormat {
-    /// Four bytes a texel, colour sRGB-encoded.
-    Rgba8Srgb,
-    /// Four bytes a texel.
-    Rgba8Unorm,
-    /// Two bytes a texel.
-    Rg8Unorm,
-    /// 16 bytes per 4×4 block, RGBA, colour sRGB-encoded.
-    Bc7Srgb,
-    /// 16 bytes per 4×4 block, RGBA.
-    Bc7Unorm,
-    /// 16 bytes per 4×4 block, two components.
-    Bc5Unorm,
-}
-
-impl TextureFormat {
-    /// All of them, for tables.
-    pub const ALL: [Self; 6] =
-        [Self::Rgba8Srgb, Self::Rgba8Unorm, Self::Rg8Unorm, Self::Bc7Srgb, Self::Bc7Unorm, Self::Bc5Unorm];
-
-    fn from_ktx2(format: ktx2::Format) -> Option<Self> {
-        Self::ALL.into_iter().find(|f| f.ktx2() == format)
-    }
-
-    /// The same format in the `ktx2` crate's words.
-    pub fn ktx2(self) -> ktx2::Format {
-        match self {
-            Self::Rgba8Srgb => ktx2::Format::R8G8B8A8_SRGB,
-            Self::Rgba8Unorm => ktx2::Format::R8G8B8A8_UNORM,
-            Self::Rg8Unorm => ktx2::Format::R8G8_UNORM,
-            Self::Bc7Srgb => ktx2::Format::BC7_SRGB_BLOCK,
-            Self::Bc7Unorm => ktx2::Format::BC7_UNORM_BLOCK,
-            Self::Bc5Unorm => ktx2::Format::BC5_UNORM_BLOCK,
-        }
-    }
-
-    /// Texels along a block's edge: 1 or 4.
-    pub fn block_size(self) -> u32 {
-        match self {
-            Self::Rgba8Srgb | Self::Rgba8Unorm | Self::Rg8Unorm => 1,
-            Self::Bc7Srgb | Self::Bc7Unorm | Self::Bc5Unorm => 4,
-        }
-    }
-
-    /// Bytes of one block.
-    pub fn block_bytes(self) -> u32 {
-        match self {
-            Self::Rgba8Srgb | Self::Rgba8Unorm => 4,
-            Self::Rg8Unorm => 2,
-            Self::Bc7Srgb | Self::Bc7Unorm | Self::Bc5Unorm => 16,
-        }
-    }
-
-    /// Channels a sampler returns that carry data.
-    pub fn components(self) -> u32 {
-        match self {
-            Self::Rg8Unorm | Self::Bc5Unorm => 2,
-            Self::Rgba8Srgb | Self::Rgba8Unorm | Self::Bc7Srgb | Self::Bc7Unorm => 4,
-        }
-    }
-
-    /// Name in WebGPU.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rgba8Srgb => "rgba8unorm-srgb",
-            Self::Rgba8Unorm => "rgba8unorm",
-            Self::Rg8Unorm => "rg8unorm",
-            Self::Bc7Srgb => "bc7-rgba-unorm-srgb",
-            Self::Bc7Unorm => "bc7-rgba-unorm",
-            Self::Bc5Unorm => "bc5-rg-unorm",
-        }
-    }
-
-    /// Whether a sampler decodes sRGB.
-    pub fn is_srgb(self) -> bool {
-        matches!(self, Self::Rgba8Srgb | Self::Bc7Srgb)
-    }
-
-    /// Bytes of one layer of `width × height` texels; `u64::MAX` where that is more.
-    pub fn layer_bytes(self, width: u32, height: u32) -> u64 {
-        let blocks = |texels: u32| u64::from(texels.div_ceil(self.block_size()));
-        (blocks(width) * blocks(height)).saturating_mul(self.block_bytes().into())
-    }
-}
 
 /// A texture of an opened package. Its levels are slices of the package's bytes.
 #[derive(Clone, Copy)]
@@ -130,7 +45,28 @@ impl Place {
     }
 }
 
+/// What a texture's header says, once it is checked.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    format: TextureFormat,
+    width: u32,
+    height: u32,
+    layers: u32,
+    levels: u32,
+}
+
 impl<'a> TextureView<'a> {
+    /// The texture that a file of this shape holds.
+    pub(super) fn of(ktx2: &'a [u8], shape: Shape) -> Self {
+        let Shape { format, width, height, layers, levels } = shape;
+        Self { format, width, height, layers, levels, ktx2 }
+    }
+
+    pub(super) fn shape(&self) -> Shape {
+        let Self { format, width, height, layers, levels, .. } = *self;
+        Shape { format, width, height, layers, levels }
+    }
+
     /// Reads a .ktx2 file. `offset` is where it begins in the package and only serves errors: 0 for a file on its own.
     ///
     /// Accepted are 2D textures and 2D arrays in a [`TextureFormat`], not supercompressed, whose levels lie as KTX 2.0 asks

@@ -60,7 +60,7 @@ pub struct Trial {
 
 impl Choice {
     /// Checks that every number is in its range and every index points into the trials.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    pub(super) fn check(&self) -> Result<(), String> {
         let number = |what: String, value: Option<f64>| match value.filter(|v| !(v.is_finite() && *v >= 0.0)) {
             Some(v) => Err(format!("choice.{what} is {v}, expected a finite number, at least 0")),
             None => Ok(()),

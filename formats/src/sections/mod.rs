@@ -1,0 +1,42 @@
+//! The sections of a package, one file each, and their list.
+//!
+//! To add a section, add its file and its line in [`SECTIONS`]: what opens, validates and writes packages goes by the list, and
+//! the table of tags in `FORMAT.md` is held against it. `probe.rs` is a section that only tests have.
+
+pub(crate) mod animation;
+pub(crate) mod fins;
+pub(crate) mod ink;
+pub(crate) mod kind;
+pub(crate) mod manifest;
+pub(crate) mod mesh;
+#[cfg(test)]
+mod probe;
+pub(crate) mod textures;
+
+use crate::tag::Tag;
+use kind::Kind;
+
+/// All sections, in the order of the table in `FORMAT.md`. Faults of several are told in this order.
+pub(crate) const SECTIONS: &[&Kind] = &[
+    &manifest::KIND,
+    &mesh::KIND,
+    &animation::KIND,
+    &fins::KIND,
+    &ink::KIND,
+    &textures::KIND,
+    #[cfg(test)]
+    &probe::KIND,
+];
+
+/// The sections that packages of that version may have.
+pub(crate) fn of_version(version: u32) -> impl Iterator<Item = &'static Kind> {
+    SECTIONS.iter().copied().filter(move |kind| kind.since <= version)
+}
+
+/// What a tag means to packages of that version; `None` for tags that are any tag to it.
+pub(crate) fn kind(tag: Tag, version: u32) -> Option<&'static Kind> {
+    of_version(version).find(|kind| kind.tag == tag)
+}
+
+#[cfg(test)]
+mod tests;
