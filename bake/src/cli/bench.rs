@@ -1,14 +1,14 @@
 //! `pelage bench`: how long every pass of a package takes on this machine's adapter.
 
 use super::exit::{Exit, Failure};
-use super::gpu::Gpu;
-use super::measure::{self, Clock, FrameTimes, Meter, Spread};
 use super::output::{Output, human_bytes};
-use super::package_file::PackageFile;
-use super::scene::{Scene, detail};
+use super::package_file;
+use super::staged::detail;
+use super::staged::stage_of;
 use super::view::View;
 use super::view_args::ViewArgs;
 use pelage_runtime::{Frame, PassId};
+use pelage_stage::{Clock, FrameTimes, Gpu, Meter, Spread, Stage};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -32,11 +32,11 @@ const FRAMES: u32 = 30;
 pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
     let view = View::try_from(&args.view)?;
     let frames = args.view.frames.unwrap_or(FRAMES);
-    let file = PackageFile::read(&args.package)?;
+    let file = package_file::read(&args.package)?;
     output.progress("loading");
-    let mut scene = Scene::new(&file, &view, Gpu::open)?;
+    let mut scene = stage_of(&file, &view, Gpu::open)?;
     let meter = Meter::new(&scene.gpu);
-    let fragments = measure::count_fragments(&mut scene)?;
+    let fragments = pelage_stage::count_fragments(&mut scene)?;
     let mut times = Vec::new();
     for index in 0..WARM_UP + frames {
         output.progress(&format!("frame {index} of {}", WARM_UP + frames));
@@ -54,7 +54,7 @@ pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
 
 fn report(
     output: &mut Output,
-    scene: &Scene,
+    scene: &Stage,
     drawn: &Frame,
     clock: Clock,
     fragments: Option<Vec<(PassId, u64)>>,
@@ -69,10 +69,10 @@ fn report(
     let style = scene.params.style.kind();
     let median = |id| Spread::of(times.iter().map(|t| t.of(id))).median;
     let count = |id| fragments.iter().flatten().find(|(counted, _)| *counted == id).map(|(_, count)| *count);
-    let measured = || PassId::all().filter(|id| measure::belongs(*id, style));
+    let measured = || PassId::all().filter(|id| pelage_stage::belongs(*id, style));
     let unshadowed = Spread::of(times.iter().map(|t| t.unshadowed));
     let maps_ms = median(PassId::LAYER_SHADOW) + median(PassId::SHADOW_WIDTH);
-    let shadowed = measure::is_shadowed(scene);
+    let shadowed = pelage_stage::is_shadowed(scene);
     // Ratios of one frame each, so that noise that lasts longer than a frame falls out.
     let over_unshadowed = Spread::of(times.iter().filter(|_| shadowed).map(|t| t.frame / t.unshadowed));
     let maps_of = |t: &FrameTimes| t.of(PassId::LAYER_SHADOW) + t.of(PassId::SHADOW_WIDTH);

@@ -2,19 +2,17 @@
 
 use super::bake::StageWatch;
 use super::built_in::{BuiltIn, HARE, TORUS};
-use super::cast::find_clip;
 use super::exit::{Exit, Failure};
-use super::gpu::Gpu;
 use super::output::Output;
-use super::package_file::PackageFile;
 use super::render;
-use super::scene::Scene;
+use super::staged::stage_of;
 use super::view::View;
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::{BakeError, io};
 use pelage_runtime::{StyleKind, wgpu};
+use pelage_stage::{Gpu, NamedPackage, find_clip};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -51,11 +49,11 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
         let path = args.output.join(format!("{}.pelage", model.name));
         io::write_atomic(&path, &baked.package)?;
         packages.push(path.display().to_string());
-        let file = PackageFile { name: path.display().to_string(), bytes: baked.package };
+        let file = NamedPackage { name: path.display().to_string(), bytes: baked.package.into() };
         for (suffix, view) in views(*moment) {
             let path = args.output.join(format!("{}{suffix}.png", model.name));
             output.progress("drawing");
-            render::draw(&mut Scene::new(&file, &view, || Ok(gpu.clone()))?, &path)?;
+            render::draw(&mut stage_of(&file, &view, || Ok(gpu.clone()))?, &path)?;
             pictures.push(path.display().to_string());
         }
         if moment.is_some() {
@@ -85,7 +83,7 @@ fn bake(model: &BuiltIn, software: bool, output: &mut Output) -> Result<Baked, F
 }
 
 /// A clip in ink as numbered pictures in `folder`, which is made; their names.
-fn gait(file: &PackageFile, gpu: &Gpu, folder: &Path, output: &mut Output) -> Result<Vec<String>, Failure> {
+fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) -> Result<Vec<String>, Failure> {
     let (clip, count) = GAIT;
     let package = file.open()?;
     let Some((_, seconds)) = find_clip(file, &package, Some(clip))? else { return Ok(Vec::new()) };
@@ -95,7 +93,7 @@ fn gait(file: &PackageFile, gpu: &Gpu, folder: &Path, output: &mut Output) -> Re
         source,
     })?;
     let view = View { clip: Some(clip.into()), style: StyleKind::Ink, size: (640, 480), ..View::default() };
-    let mut scene = Scene::new(file, &view, || Ok(gpu.clone()))?;
+    let mut scene = stage_of(file, &view, || Ok(gpu.clone()))?;
     let mut pictures = Vec::new();
     for number in 0..count {
         output.progress(&format!("walking, {} of {count}", number + 1));

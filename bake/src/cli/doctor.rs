@@ -1,14 +1,14 @@
 //! `pelage doctor`: what a package will cost on a screen, and what to change.
 
-use super::cast::{camera_of, rest_points};
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
-use super::package_file::PackageFile;
-use super::view::View;
+use super::package_file;
+use super::view::{View, viewpoint};
 use super::view_args::Size;
 use pelage_bake::BakeError;
 use pelage_bake::judge::doctor::{self, PassWork, Prognosis};
 use pelage_bake::recipe::CameraView;
+use pelage_stage::{Viewpoint, rest_points};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -37,15 +37,15 @@ pub struct DoctorArgs {
 
 /// Runs the subcommand.
 pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let file = PackageFile::read(&args.package)?;
+    let file = package_file::read(&args.package)?;
     let package = file.open()?;
     output.progress("counting pixels");
     let size = (args.size.width, args.size.height);
-    let camera = args.camera.map(|c| (c.eye, c.target, c.fov_deg));
+    let camera = args.camera.map(viewpoint);
     let shown = View { size, camera, ..View::default() };
     let animation = package.animation().map_err(|e| file.fault(e))?;
     let points = rest_points(&file, &package, animation.as_deref())?;
-    let (eye, target, fov_deg) = camera_of(&shown, &points, package.manifest().fur.height_m);
+    let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&points, package.manifest().fur.height_m);
     let (instances, shadow_map) = (args.instances, args.shadow_map);
     let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances, shadow_map };
     let fault = |source| BakeError::Package { file: file.name.clone(), source };

@@ -1,6 +1,7 @@
 //! How a run ends: the only place where errors become exit codes.
 
 use pelage_bake::BakeError;
+use pelage_stage::StageError;
 use std::process::ExitCode;
 
 /// Exit codes of `pelage`.
@@ -58,6 +59,21 @@ pelage draws with Vulkan, Metal or Direct3D 12. Install your graphics card's dri
   Arch: pacman -S vulkan-swrast
   Alpine: apk add mesa-vulkan-swrast
 If VK_DRIVER_FILES or VK_ICD_FILENAMES is set, check that it names a driver that exists.";
+
+impl From<StageError> for Failure {
+    fn from(error: StageError) -> Self {
+        match error {
+            StageError::Input { file, place, reason } => BakeError::Input { file, place, reason }.into(),
+            StageError::Package { file, source } => BakeError::Package { file, source }.into(),
+            // What can be asked of a stage is an option of the command line.
+            StageError::Asked { what, reason } => Self::Usage(format!("--{what}: {reason}")),
+            StageError::Params(text) => Self::Usage(text),
+            StageError::NoAdapter(text) => Self::NoAdapter(text),
+            StageError::Internal(text) => BakeError::Internal(text).into(),
+            other => BakeError::Internal(other.to_string()).into(),
+        }
+    }
+}
 
 impl Failure {
     /// The exit code that cli.md of the design, and the README, promise.

@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
-use super::package_file::PackageFile;
+use super::package_file;
 use super::reference::{camera_json, groom_json};
 use super::truth::Truth;
 use super::view::View;
@@ -42,7 +42,7 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     for path in [args.strands.as_deref(), args.mesh.as_deref()].into_iter().flatten() {
         require_parent(path)?;
     }
-    let file = PackageFile::read(&args.package)?;
+    let file = package_file::read(&args.package)?;
     let view = View {
         size: (args.size.width, args.size.height),
         clip: args.clip.clone(),

@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
-use super::package_file::PackageFile;
+use super::package_file;
 use pelage_formats::Package;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -18,7 +18,7 @@ pub struct InspectArgs {
 
 /// Runs the subcommand.
 pub fn run(args: &InspectArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let file = PackageFile::read(&args.package)?;
+    let file = package_file::read(&args.package)?;
     let package = file.open()?;
     let object = describe(&package).map_err(|e| file.fault(e))?;
     output.result(&table(&file.name, &object), &object)?;

@@ -2,13 +2,13 @@
 
 use super::chart::measured_on;
 use super::exit::Failure;
-use super::gpu::Gpu;
 use super::output::{Output, human_bytes};
 use super::shell_judge::{ShellJudge, Source};
 use pelage_bake::BakeError;
 use pelage_bake::judge::decide::{self, Decision, Judge, Limits, Measured, Setting, Space, Trial};
 use pelage_bake::recipe::Recipe;
 use pelage_formats::Choice;
+use pelage_stage::Gpu;
 use std::fmt::Write as _;
 
 /// What the evidence may add to a package, bytes: part of every measured size, so that a package with it keeps its limit.

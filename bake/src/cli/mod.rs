@@ -4,8 +4,6 @@ mod bake;
 #[cfg(feature = "preview")]
 mod bench;
 mod built_in;
-#[cfg(feature = "preview")]
-mod cast;
 mod chart;
 mod compare;
 #[cfg(feature = "preview")]
@@ -16,17 +14,11 @@ mod exit;
 #[cfg(feature = "preview")]
 mod export;
 #[cfg(feature = "preview")]
-mod framing;
-#[cfg(feature = "preview")]
-mod gpu;
-#[cfg(feature = "preview")]
 mod ink_args;
 mod inspect;
 mod journal;
 #[cfg(feature = "preview")]
 mod limits;
-#[cfg(feature = "preview")]
-mod measure;
 mod mesh_glb;
 mod output;
 mod pack;
@@ -36,16 +28,14 @@ mod reference;
 #[cfg(feature = "preview")]
 mod render;
 #[cfg(feature = "preview")]
-mod scene;
-#[cfg(feature = "preview")]
-mod scene_file;
+mod scene_options;
 #[cfg(feature = "preview")]
 mod sequence;
 #[cfg(feature = "preview")]
 mod shell_judge;
-mod threads;
 #[cfg(feature = "preview")]
-mod track;
+mod staged;
+mod threads;
 #[cfg(feature = "preview")]
 mod truth;
 mod unpack;

@@ -1,32 +1,26 @@
 //! Reading packages from disk.
 
 use super::exit::Failure;
-use pelage_bake::BakeError;
 use pelage_bake::io::read_file;
-use pelage_formats::{FormatError, Limits, Package};
-use std::path::Path;
+use pelage_stage::{NamedPackage, PackageSource};
+use std::path::{Path, PathBuf};
 
-/// A package's bytes and the name that messages use.
-pub struct PackageFile {
-    /// As the user named it.
-    pub name: String,
-    /// All of it.
-    pub bytes: Vec<u8>,
+/// Reads a file that should be a package; opens nothing yet.
+pub fn read(path: &Path) -> Result<NamedPackage<'static>, Failure> {
+    Ok(NamedPackage::new(path.display().to_string(), read_file(path)?))
 }
 
-impl PackageFile {
-    /// Reads the file; opens nothing yet.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
-        Ok(Self { name: path.display().to_string(), bytes: read_file(path)? })
+/// The packages in and below a folder.
+pub struct Folder<'a>(pub &'a Path);
+
+impl PackageSource for Folder<'_> {
+    fn read(&self, path: &str) -> Result<NamedPackage<'static>, String> {
+        read(&self.0.join(path)).map_err(|error| error.to_string())
     }
 
-    /// Opens the package: header, table and manifest.
-    pub fn open(&self) -> Result<Package<'_>, Failure> {
-        Package::open(&self.bytes, &Limits::default()).map_err(|e| self.fault(e))
-    }
-
-    /// `error` with the file's name.
-    pub fn fault(&self, source: FormatError) -> Failure {
-        BakeError::Package { file: self.name.clone(), source }.into()
+    fn identity(&self, path: &str) -> PathBuf {
+        let path = self.0.join(path);
+        // What cannot be found is said where it is read.
+        std::fs::canonicalize(&path).unwrap_or(path)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
-use super::package_file::PackageFile;
+use super::package_file;
 use super::threads;
 use super::truth::{Truth, encode};
 use super::view::View;
@@ -46,7 +46,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
         ));
     }
     require_parent(&args.output)?;
-    let file = PackageFile::read(&args.package)?;
+    let file = package_file::read(&args.package)?;
     let pool = threads::pool(args.threads)?;
 
     output.progress("growing strands");

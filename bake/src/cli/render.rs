@@ -1,14 +1,12 @@
 //! `pelage render`: a package or a scene into a picture, or over time into many.
 
-use super::cast::Cast;
 use super::exit::{Exit, Failure};
-use super::gpu::Gpu;
 use super::journal::Key;
 use super::output::Output;
-use super::package_file::PackageFile;
-use super::scene::{Scene, detail};
-use super::scene_file::SceneFile;
+use super::package_file;
+use super::scene_options::{complete, options};
 use super::sequence::{Drawn, Sink};
+use super::staged::{self, crowd, detail};
 use super::view::View;
 use super::view_args::ViewArgs;
 use glam::Quat;
@@ -17,7 +15,8 @@ use pelage_bake::io;
 use pelage_bake::picture::encode_png;
 use pelage_formats::MAGIC;
 use pelage_formats::meaning::srgb_to_linear;
-use pelage_runtime::{Frame, Light};
+use pelage_runtime::{Frame, Light, StyleKind};
+use pelage_stage::{Cast, Gpu, LoadedScene, NamedPackage, SceneFile, Stage, StageError};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -77,40 +76,57 @@ pub struct Picture {
 
 /// What is drawn: one package, or a scene of several.
 enum Subject {
-    Package(PackageFile),
-    Scene(Box<SceneFile>),
+    Package(NamedPackage<'static>),
+    Scene(Box<Scene>),
+}
+
+/// A scene file with its packages.
+struct Scene {
+    file: SceneFile,
+    loaded: LoadedScene,
+    /// What the file says in words of the command line.
+    options: Vec<String>,
+}
+
+impl Scene {
+    fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
+        let file = SceneFile::parse(&path.display().to_string(), bytes)?;
+        let options = options(&file)?;
+        let loaded = file.load(&package_file::Folder(path.parent().unwrap_or(Path::new(""))))?;
+        Ok(Self { file, loaded, options })
+    }
 }
 
 impl Subject {
     fn read(path: &Path) -> Result<Self, Failure> {
-        let file = PackageFile::read(path)?;
+        let file = package_file::read(path)?;
         let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
         // Whatever its name is: every scene has a model.
         let is_scene = || std::str::from_utf8(&file.bytes).is_ok_and(|text| text.contains("[[model]]"));
         if !file.bytes.starts_with(&MAGIC) && (named || is_scene()) {
-            return Ok(Self::Scene(Box::new(SceneFile::new(path, file.bytes)?)));
+            return Ok(Self::Scene(Box::new(Scene::read(path, file.bytes.into_owned())?)));
         }
         Ok(Self::Package(file))
     }
 
-    fn scene(&self) -> Option<&SceneFile> {
+    fn scene(&self) -> Option<&Scene> {
         match self {
             Self::Package(_) => None,
             Self::Scene(scene) => Some(scene),
         }
     }
 
-    fn packages(&self) -> &[PackageFile] {
+    fn packages(&self) -> &[NamedPackage<'static>] {
         match self {
             Self::Package(file) => std::slice::from_ref(file),
-            Self::Scene(scene) => &scene.packages,
+            Self::Scene(scene) => &scene.loaded.packages,
         }
     }
 
-    fn cast(&self, view: &View) -> Result<Cast<'_>, Failure> {
+    fn cast(&self, view: &View) -> Result<Cast<'_>, StageError> {
         match self {
-            Self::Package(file) => Cast::crowd(file, view),
-            Self::Scene(scene) => scene.cast(view),
+            Self::Package(file) => crowd(file, view),
+            Self::Scene(scene) => scene.loaded.cast(view.camera, view.aspect(), view.style == StyleKind::Fur),
         }
     }
 }
@@ -133,18 +149,18 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
         _ => args,
     };
     let samples = if args.samples == "4" { 4 } else { 1 };
-    let view =
-        View { samples, ..View::try_from(&scene.map_or_else(|| Ok(args.view.clone()), |s| s.complete(&args.view))?)? };
-    let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.frames))?;
-    let frames = args.view.frames.or(scene.and_then(|s| s.frames)).filter(|_| sink.is_sequence());
+    let completed = scene.map(|scene| complete(&scene.file.name, scene.loaded.light, &args.view)).transpose()?;
+    let view = View { samples, ..View::try_from(completed.as_ref().unwrap_or(&args.view))? };
+    let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
+    let frames = args.view.frames.or(scene.and_then(|s| s.file.frames())).filter(|_| sink.is_sequence());
     if args.turn_light && frames.is_none() {
         return Err(Failure::Usage(
             "--turn-light: expected --frames beside it, or a sequence in the scene file".into(),
         ));
     }
     let count = frames.unwrap_or(1) as usize;
-    let fps = args.fps.or(scene.and_then(|s| s.fps)).unwrap_or(FPS);
-    let stage = Scene::of(&subject.cast(&view)?, &view, Gpu::open)?;
+    let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
+    let stage = staged::stage(&subject.cast(&view)?, &view, Gpu::open)?;
     let mut shoot = Shoot { scene: stage, view, count, fps, turn_light: args.turn_light };
     let key = shoot.key(&subject);
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
@@ -158,7 +174,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
 
 /// A scene, and the moments at which pictures are taken of it.
 pub struct Shoot {
-    scene: Scene,
+    scene: Stage,
     view: View,
     turn_light: bool,
     /// Pictures.
@@ -206,13 +222,13 @@ impl Shoot {
         if self.turn_light {
             key = key.and(self.count.to_le_bytes());
         }
-        key = key.and(subject.scene().map_or("", |scene| &scene.text));
+        key = key.and(subject.scene().map_or("", |scene| &scene.file.text));
         subject.packages().iter().fold(key, |key, file| key.and(&file.bytes))
     }
 }
 
 /// Draws the scene as it stands into a PNG file.
-pub fn draw(scene: &mut Scene, path: &Path) -> Result<Picture, Failure> {
+pub fn draw(scene: &mut Stage, path: &Path) -> Result<Picture, Failure> {
     let (picture, pixels) = picture(scene)?;
     write_png(path, &pixels)?;
     Ok(picture)
@@ -226,9 +242,9 @@ pub fn write_png(path: &Path, pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
 }
 
 /// Draws the scene as it stands: what it turned out to be, and its pixels, sRGB-encoded with straight alpha.
-fn picture(scene: &mut Scene) -> Result<(Picture, RgbaImage), Failure> {
+fn picture(scene: &mut Stage) -> Result<(Picture, RgbaImage), Failure> {
     let frame = scene.draw()?;
-    let pixels = scene.canvas.read(&scene.gpu)?;
+    let pixels = staged::pixels(scene)?;
     let picture = Picture {
         covered_pixels: pixels.pixels().filter(|p| p.0[3] > 0).count() as u64,
         mean_luminance: mean_luminance(&pixels),
@@ -275,8 +291,8 @@ fn report(
     let covered = |p: &Picture| json!(p.covered_pixels);
     let info = &shoot.scene.gpu.info;
     let scene = subject.scene().map(|scene| {
-        let packages: Vec<&str> = scene.packages.iter().map(|file| file.name.as_str()).collect();
-        json!({ "models": scene.names, "packages": packages })
+        let packages: Vec<&str> = scene.loaded.packages.iter().map(|file| file.name.as_str()).collect();
+        json!({ "models": scene.loaded.names, "packages": packages })
     });
     let value = json!({
         "output": files[0],

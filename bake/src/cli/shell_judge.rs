@@ -1,13 +1,9 @@
 //! A model at several settings beside its true pictures: what `pelage chart shells` and a bake with limits measure.
 
 use super::exit::Failure;
-use super::framing;
-use super::gpu::Gpu;
-use super::measure::{Meter, count_fragments, fastest};
-use super::package_file::PackageFile;
-use super::scene::Scene;
+use super::staged::{pixels, stage_of};
 use super::truth::{self, Truth};
-use super::view::View;
+use super::view::{View, viewpoint};
 use image::RgbaImage;
 use pelage_bake::judge::chart::shells::Measured;
 use pelage_bake::judge::compare::{CompareParams, compare};
@@ -16,6 +12,7 @@ use pelage_bake::pipeline;
 use pelage_bake::recipe::{CameraView, Recipe};
 use pelage_bake::reslice::reslice;
 use pelage_bake::stages::groom::MapImages;
+use pelage_stage::{Gpu, Meter, NamedPackage, Stage, Viewpoint, count_fragments, fastest, framing};
 use std::time::Instant;
 
 /// What packages are made from.
@@ -33,7 +30,7 @@ pub enum Source<'a> {
         images: &'a MapImages,
     },
     /// A package, to be sliced anew.
-    Package(&'a PackageFile),
+    Package(&'a NamedPackage<'static>),
 }
 
 /// Bakes settings of one model, draws them and compares them with the truth.
@@ -55,7 +52,7 @@ impl<'a> ShellJudge<'a> {
         let cameras = cameras(recipe, &truth);
         let mut views = Vec::new();
         for (i, camera) in cameras.iter().enumerate() {
-            let view = View { camera: Some((camera.eye, camera.target, camera.fov_deg)), ..base_view(recipe) };
+            let view = View { camera: Some(viewpoint(*camera)), ..base_view(recipe) };
             let picture = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
                 doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
@@ -73,7 +70,7 @@ impl<'a> ShellJudge<'a> {
     /// The views, as arguments of `pelage render`.
     pub fn view_words(&self) -> Vec<String> {
         let camera = |(view, _): &(View, RgbaImage)| {
-            let (eye, target, fov_deg) = view.camera?;
+            let Viewpoint { eye, target, fov_deg } = view.camera?;
             Some(format!("--camera {}", CameraView { eye, target, fov_deg }))
         };
         self.views.iter().filter_map(camera).collect()
@@ -84,18 +81,18 @@ impl<'a> ShellJudge<'a> {
         let begun = Instant::now();
         let file = self.source.bake(recipe)?;
         let bake_s = begun.elapsed().as_secs_f64();
-        let mut scene: Option<Scene> = None;
+        let mut scene: Option<Stage> = None;
         let mut sum = Measured::default();
         for (view, truth) in &self.views {
             let scene = match &mut scene {
                 Some(scene) => {
-                    scene.look_from(view);
+                    view.camera.into_iter().for_each(|camera| scene.look_from(camera));
                     scene
                 }
-                None => scene.insert(Scene::new(&file, view, || Ok(self.gpu.clone()))?),
+                None => scene.insert(stage_of(&file, view, || Ok(self.gpu.clone()))?),
             };
             scene.draw()?;
-            let drawn = scene.canvas.read(&scene.gpu)?;
+            let drawn = pixels(scene)?;
             let (difference, _) = compare(&drawn, truth, CompareParams::default().over)?;
             sum.flip += difference.flip.mean;
             sum.flip_covered += difference.flip.covered;
@@ -124,15 +121,15 @@ impl<'a> ShellJudge<'a> {
 
 impl Source<'_> {
     /// A package by `recipe`.
-    pub fn bake(&self, recipe: &Recipe) -> Result<PackageFile, Failure> {
+    pub fn bake(&self, recipe: &Recipe) -> Result<NamedPackage<'static>, Failure> {
         match *self {
             Self::Model { file, name, model, images } => {
                 let baked = pipeline::bake(file, name, model, recipe, images, &mut |_| ())?;
-                Ok(PackageFile { name: name.into(), bytes: baked.package })
+                Ok(NamedPackage { name: name.into(), bytes: baked.package.into() })
             }
             Self::Package(package) => {
                 let bytes = reslice(&package.name, &package.open()?, recipe)?;
-                Ok(PackageFile { name: package.name.clone(), bytes })
+                Ok(NamedPackage { name: package.name.clone(), bytes: bytes.into() })
             }
         }
     }
@@ -149,7 +146,7 @@ fn cameras(recipe: &Recipe, truth: &Truth) -> Vec<CameraView> {
         return recipe.judge.views.clone();
     }
     let camera = |towards| {
-        let (eye, target, fov_deg) = truth.framed(&base_view(recipe), towards);
+        let Viewpoint { eye, target, fov_deg } = truth.framed(&base_view(recipe), towards);
         CameraView { eye, target, fov_deg }
     };
     [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera).into()

@@ -1,15 +1,14 @@
 //! The picture that `render` comes near to: the same view of the same package, with its strands traced one by one. No adapter is needed.
 
-use super::cast::{camera_of, find_clip, rest_points, within};
 use super::exit::Failure;
-use super::framing;
-use super::package_file::PackageFile;
 use super::view::View;
 use glam::Vec3;
 use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScene};
 use pelage_bake::strands::{GroomReport, Skin, grow_on, tile_hair};
+use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_runtime::{Light, StyleKind};
+use pelage_stage::{NamedPackage, Viewpoint, find_clip, framing, rest_points, within};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -23,7 +22,7 @@ pub struct Truth {
 
 impl Truth {
     /// Lets the strands of the package in `file` grow on its skin, at the moment of the clip and in the style that `view` names.
-    pub fn new(file: &PackageFile, view: &View) -> Result<Self, Failure> {
+    pub fn new(file: &NamedPackage<'_>, view: &View) -> Result<Self, Failure> {
         let package = &file.open()?;
         let manifest = package.manifest();
         let clip = find_clip(file, package, view.clip.as_deref())?;
@@ -50,15 +49,13 @@ impl Truth {
     }
 
     /// Eye, target and height of the view in degrees that frame the model from the direction `towards`, in a picture of the view's size.
-    pub fn framed(&self, view: &View, towards: Vec3) -> (Vec3, Vec3, f32) {
-        let aspect = view.size.0 as f32 / view.size.1 as f32;
-        let (eye, target) = framing::frame(&self.rest_points, self.height_m, aspect, towards);
-        (eye, target, framing::FOV_DEG)
+    pub fn framed(&self, view: &View, towards: Vec3) -> Viewpoint {
+        framing::frame(&self.rest_points, self.height_m, view.aspect(), towards)
     }
 
     /// The camera that `render` has for that view.
     pub fn camera(&self, view: &View) -> TrueCamera {
-        true_camera(camera_of(view, &self.rest_points, self.height_m))
+        true_camera(view.viewpoint(&self.rest_points, self.height_m))
     }
 
     /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
@@ -77,14 +74,12 @@ impl Truth {
     }
 }
 
-/// A camera of `render` for the truths: eye, target and height of the view in degrees.
-pub fn true_camera((eye, target, fov_deg): (Vec3, Vec3, f32)) -> TrueCamera {
-    let backward = (eye - target).try_normalize().unwrap_or(Vec3::Z);
+/// A camera of `render` for the truths.
+pub fn true_camera(Viewpoint { eye, target, fov_deg }: Viewpoint) -> TrueCamera {
     TrueCamera {
         eye_ws: eye,
         target_ws: target,
-        // As `Camera::look_at`.
-        up_ws: if backward.y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y },
+        up_ws: up_of_view(eye, target),
         lens: Lens::Perspective { fov_y_rad: fov_deg.to_radians() },
     }
 }

@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
-use super::package_file::PackageFile;
+use super::package_file;
 use super::unpacked::{self, File};
 use pelage_bake::BakeError;
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ pub struct UnpackArgs {
 
 /// Runs the subcommand.
 pub fn run(args: &UnpackArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let input = PackageFile::read(&args.package)?;
+    let input = package_file::read(&args.package)?;
     let package = input.open()?;
     let files = unpacked::unpack(&input.name, &package)?;
     write_folder(&args.folder, &files, args.force)?;

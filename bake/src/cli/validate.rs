@@ -2,9 +2,10 @@
 
 use super::exit::{Exit, Failure};
 use super::output::Output;
-use super::package_file::PackageFile;
+use super::package_file;
 use pelage_bake::recipe::Recipe;
 use pelage_formats::{FormatError, Limits, MAGIC, Package, Tag};
+use pelage_stage::NamedPackage;
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -28,7 +29,7 @@ struct Fault {
 
 /// Runs the subcommand.
 pub fn run(args: &ValidateArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let file = PackageFile::read(&args.package)?;
+    let file = package_file::read(&args.package)?;
     output.progress("checking");
     let faults = find(&file)?;
     let mut text = String::new();
@@ -53,13 +54,13 @@ pub fn run(args: &ValidateArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(if faults.is_empty() { Exit::Done } else { Exit::Differences })
 }
 
-fn find(file: &PackageFile) -> Result<Vec<Fault>, Failure> {
+fn find(file: &NamedPackage<'_>) -> Result<Vec<Fault>, Failure> {
     let limits = Limits::default();
     let package = match Package::open(&file.bytes, &limits) {
         Ok(package) => package,
         // Not a package, or nothing that this version could judge.
-        Err(e @ (FormatError::Magic { .. } | FormatError::Version { .. })) => return Err(file.fault(e)),
-        Err(e) if file.bytes.len() < MAGIC.len() => return Err(file.fault(e)),
+        Err(e @ (FormatError::Magic { .. } | FormatError::Version { .. })) => return Err(file.fault(e).into()),
+        Err(e) if file.bytes.len() < MAGIC.len() => return Err(file.fault(e).into()),
         Err(e) => return Ok(vec![fault(&e, None)]),
     };
     let mut faults: Vec<_> = Package::validate(&file.bytes, &limits).iter().map(|e| fault(e, Some(&package))).collect();

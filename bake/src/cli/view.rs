@@ -1,11 +1,12 @@
 //! How a package or a scene is looked at: what the arguments of `render` and `bench` come to.
 
 use super::exit::Failure;
-use super::framing;
 use super::ink_args::InkView;
 use super::view_args::{Background, DetailArg, LightingArg, Penumbra, Slant, StyleArg, Switch, ViewArgs};
 use glam::Vec3;
+use pelage_bake::recipe::CameraView;
 use pelage_runtime::{Light, Lighting, PenumbraForm, ShadowParams, SlantForm, Study, StyleKind};
+use pelage_stage::{Viewpoint, framing};
 
 /// How a package is looked at; what the arguments that `render` and `bench` share come to.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,8 +17,8 @@ pub struct View {
     pub samples: u32,
     /// With fur or without.
     pub style: StyleKind,
-    /// Eye, target and vertical field of view in degrees; `None` frames the model from its front left.
-    pub camera: Option<(Vec3, Vec3, f32)>,
+    /// From where; `None` frames the model from its front left.
+    pub camera: Option<Viewpoint>,
     /// The key light.
     pub light: Light,
     /// Name of the clip; `None` shows the rest pose.
@@ -96,7 +97,7 @@ impl TryFrom<&ViewArgs> for View {
         Ok(Self {
             size: args.size.map_or(defaults.size, |size| (size.width, size.height)),
             style: args.style.map_or(defaults.style, StyleArg::style),
-            camera: args.camera.map(|c| (c.eye, c.target, c.fov_deg)),
+            camera: args.camera.map(viewpoint),
             light,
             clip: args.clip.clone(),
             time_s: args.time,
@@ -124,6 +125,25 @@ impl TryFrom<&ViewArgs> for View {
             ..defaults
         })
     }
+}
+
+impl View {
+    /// The view's own camera, or one that frames `rest_points` with hair of `height_m`.
+    pub fn viewpoint(&self, rest_points: &[Vec3], height_m: f32) -> Viewpoint {
+        let margin_m = if self.style == StyleKind::Fur { height_m } else { 0.0 };
+        let framed = || framing::frame(rest_points, margin_m, self.aspect(), framing::TOWARDS_CAMERA);
+        self.camera.unwrap_or_else(framed)
+    }
+
+    /// Width of the picture over its height.
+    pub fn aspect(&self) -> f32 {
+        self.size.0 as f32 / self.size.1 as f32
+    }
+}
+
+/// A camera that a recipe or an argument names.
+pub fn viewpoint(view: CameraView) -> Viewpoint {
+    Viewpoint { eye: view.eye, target: view.target, fov_deg: view.fov_deg }
 }
 
 fn study(args: &ViewArgs) -> Study {

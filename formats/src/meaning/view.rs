@@ -5,12 +5,20 @@ use glam::{Mat4, Vec3};
 /// World to view space: rotation and translation, no scale. View space looks along −Z; up in the picture is +Y of the world, or −Z where
 /// the view is straight up or down. An eye that is its own target looks along −Z.
 pub fn view_from_world(eye: Vec3, target: Vec3) -> Mat4 {
-    let backward = (eye - target).try_normalize().unwrap_or(Vec3::Z);
-    let up = if backward.y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y };
-    let right = up.cross(backward).normalize();
+    let backward = backward(eye, target);
+    let right = up_of_view(eye, target).cross(backward).normalize();
     let world_from_view =
         Mat4::from_cols(right.extend(0.0), backward.cross(right).extend(0.0), backward.extend(0.0), eye.extend(1.0));
     world_from_view.inverse()
+}
+
+/// What is up in the picture, in the world: +Y, or −Z where the view is straight up or down.
+pub fn up_of_view(eye: Vec3, target: Vec3) -> Vec3 {
+    if backward(eye, target).y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y }
+}
+
+fn backward(eye: Vec3, target: Vec3) -> Vec3 {
+    (eye - target).try_normalize().unwrap_or(Vec3::Z)
 }
 
 #[cfg(test)]

@@ -52,6 +52,14 @@ fn runtime_knows_only_formats_and_the_gpu() {
 }
 
 #[test]
+fn the_stage_is_plain_data_and_with_its_feature_draws() {
+    let never = ["clap", "rayon", "image", "tempfile", "indicatif", "pelage-bake", "winit"];
+    let knows = ["pelage-formats", "glam", "serde", "toml"];
+    assert_floor("pelage-stage", &[], &knows, &[&never[..], &["wgpu", "wgpu-core", "naga", "pelage-runtime"]].concat());
+    assert_floor("pelage-stage", &["--features", "draw"], &["pelage-runtime", "wgpu"], &never);
+}
+
+#[test]
 fn bake_without_preview_knows_no_gpu() {
     let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit"];
     assert_floor("pelage-bake", &["--no-default-features"], &["pelage-formats", "rayon", "clap"], &never);

@@ -3,14 +3,9 @@
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::measured_on;
 use super::subject::Subject;
-use crate::cli::cast::rest_points;
 use crate::cli::exit::Failure;
-use crate::cli::framing;
-use crate::cli::gpu::Gpu;
-use crate::cli::measure::{Meter, fastest};
-use crate::cli::package_file::PackageFile;
-use crate::cli::scene::Scene;
 use crate::cli::shell_judge::Source;
+use crate::cli::staged::{pixels, stage_of};
 use crate::cli::truth::true_camera;
 use crate::cli::view::View;
 use glam::{Quat, Vec3};
@@ -22,6 +17,7 @@ use pelage_bake::judge::truth::{LineParams, TrueLines};
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::Skin;
 use pelage_runtime::{InkParams, InkShow, Style, StyleKind};
+use pelage_stage::{Gpu, Meter, NamedPackage, Stage, Viewpoint, fastest, framing, rest_points};
 
 /// Frames of the slow turn whose flicker is taken, and the degrees between them.
 const TURN: (u32, f32) = (4, 1.0);
@@ -40,12 +36,12 @@ pub struct InkTopic<'a> {
 
 /// What all rows need.
 struct Shared {
-    file: PackageFile,
+    file: NamedPackage<'static>,
     rest_points: Vec<Vec3>,
     lines: TrueLines,
     meter: Meter,
     /// Of the row before: rows of one size share it.
-    scene: Option<(View, Scene)>,
+    scene: Option<(View, Stage)>,
 }
 
 impl<'a> InkTopic<'a> {
@@ -89,7 +85,7 @@ impl Shared {
     fn new(subject: &Subject, gpu: &Gpu) -> Result<Self, Failure> {
         let Subject { file, name, model, images, recipe, package, .. } = subject;
         let file = match package {
-            Some(package) => PackageFile { name: package.name.clone(), bytes: package.bytes.clone() },
+            Some(package) => NamedPackage { name: package.name.clone(), bytes: package.bytes.clone() },
             None => Source::Model { file, name, model, images }.bake(recipe)?,
         };
         let opened = file.open()?;
@@ -104,26 +100,23 @@ impl Shared {
     fn measure(&mut self, wanted: &ink::Look, gpu: &Gpu) -> Result<ink::Measured, Failure> {
         let ink::Look { size, ink, study } = wanted;
         let (size, (width, height)) = (*size, *size);
-        let camera = |towards| {
-            let (eye, target) = framing::frame(&self.rest_points, 0.0, width as f32 / height as f32, towards);
-            (eye, target, framing::FOV_DEG)
-        };
+        let camera = |towards| framing::frame(&self.rest_points, 0.0, width as f32 / height as f32, towards);
         let cameras = [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera);
         if self.scene.as_ref().is_none_or(|(view, _)| view.size != size) {
             let view = View { size, style: StyleKind::Ink, camera: Some(cameras[0]), ..View::default() };
-            self.scene = Some((view.clone(), Scene::new(&self.file, &view, || Ok(gpu.clone()))?));
+            self.scene = Some((view.clone(), stage_of(&self.file, &view, || Ok(gpu.clone()))?));
         }
-        let Some((view, scene)) = &mut self.scene else {
+        let Some((_, scene)) = &mut self.scene else {
             return Err(pelage_bake::BakeError::Internal("no scene to draw".into()).into());
         };
-        let look = |scene: &mut Scene, camera, show, ink: InkParams| -> Result<RgbaImage, Failure> {
-            scene.look_from(&View { camera: Some(camera), ..view.clone() });
+        let look = |scene: &mut Stage, camera, show, ink: InkParams| -> Result<RgbaImage, Failure> {
+            scene.look_from(camera);
             scene.params.style = Style::Ink(ink);
             scene.params.study = study.with(|study| study.show = show);
             scene.draw()?;
-            scene.canvas.read(gpu)
+            pixels(scene)
         };
-        let show = |scene: &mut Scene, camera, show| look(scene, camera, show, ink::on_blank_paper(ink));
+        let show = |scene: &mut Stage, camera, show| look(scene, camera, show, ink::on_blank_paper(ink));
         let mut measured = ink::Measured::default();
         for camera in cameras {
             let truth = self.lines.seen(&true_camera(camera), size, &LineParams::default())?;
@@ -136,9 +129,9 @@ impl Shared {
         let mut sum = Flicker::default();
         let mut before: Option<(_, Vec<f32>, Mask)> = None;
         for frame in 0..TURN.0 {
-            let (eye, target, fov_deg) = cameras[0];
+            let Viewpoint { eye, target, fov_deg } = cameras[0];
             let turned = Quat::from_rotation_y((TURN.1 * frame as f32).to_radians()) * (eye - target);
-            let camera = (target + turned, target, fov_deg);
+            let camera = Viewpoint { eye: target + turned, target, fov_deg };
             let lines = Mask::darker(&show(scene, camera, InkShow::Lines)?, FAINT);
             let grey = greys(&show(scene, camera, InkShow::Painting)?);
             let camera = true_camera(camera);

@@ -1,29 +1,27 @@
 //! Shadow maps as the runtime draws them, read back, with the time that they take.
 
 use crate::cli::exit::Failure;
-use crate::cli::gpu::{Gpu, lost, read_texture};
-use crate::cli::measure::Meter;
-use crate::cli::package_file::PackageFile;
-use crate::cli::scene::Scene;
+use crate::cli::staged::stage_of;
 use crate::cli::view::View;
 use glam::Vec3;
 use pelage_bake::judge::chart::light_maps::LightMaps;
 use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams, Study};
+use pelage_stage::{Gpu, Meter, NamedPackage, Stage, StageError};
 
 /// Drawings of the maps under each light, of which the fastest counts; of all lights the median.
 const DRAWINGS: usize = 3;
 
 /// A package in the runtime's hands, for the sake of its shadow maps.
 pub struct LightBench {
-    scene: Scene,
+    scene: Stage,
     meter: Meter,
 }
 
 impl LightBench {
     /// Loads the package of that name.
     pub fn new(name: &str, package: &[u8], gpu: &Gpu) -> Result<Self, Failure> {
-        let file = PackageFile { name: name.into(), bytes: package.to_vec() };
-        let scene = Scene::new(&file, &View { size: (16, 16), ..View::default() }, || Ok(gpu.clone()))?;
+        let file = NamedPackage { name: name.into(), bytes: package.into() };
+        let scene = stage_of(&file, &View { size: (16, 16), ..View::default() }, || Ok(gpu.clone()))?;
         let meter = Meter::new(&scene.gpu);
         Ok(Self { scene, meter })
     }
@@ -50,7 +48,7 @@ impl LightBench {
             fur.self_shadow = pass == PassId::LAYER_SHADOW;
         }
         let (frame, _) = self.meter.prepared(&mut self.scene, pass)?;
-        let maps = frame.shadows().ok_or_else(|| lost("no shadow map was drawn"))?;
+        let maps = frame.shadows().ok_or_else(|| StageError::Device("no shadow map was drawn".into()))?;
         let maps = read_maps(&self.scene.gpu, maps)?;
         // What a frame holds is not drawn over, but made anew.
         drop(frame);
@@ -72,20 +70,20 @@ fn read_maps(gpu: &Gpu, maps: &ShadowMaps) -> Result<LightMaps, Failure> {
         size = texture.width();
         let count = texture.depth_or_array_layers();
         for layer in 0..count {
-            let texels = read_texture(gpu, texture, layer)?;
+            let texels = gpu.read_texture(texture, layer)?;
             layers.push(texels.chunks_exact(2).map(half).collect());
         }
     }
     let mut width = Vec::new();
     if let Some(texture) = maps.width() {
         size = texture.width();
-        let texels = read_texture(gpu, texture, 0)?;
+        let texels = gpu.read_texture(texture, 0)?;
         let texel = |t: &[u8]| [half(&t[..2]), half(&t[2..4]), half(&t[4..6]), half(&t[6..])];
         width = texels.chunks_exact(8).map(texel).collect();
     }
     let mut depths = [Vec::new(), Vec::new()];
     for (depths, texture) in depths.iter_mut().zip(maps.depths().into_iter().flatten()) {
-        let texels = read_texture(gpu, texture, 0)?;
+        let texels = gpu.read_texture(texture, 0)?;
         *depths = texels.chunks_exact(4).map(single).collect();
     }
     Ok(LightMaps { view: *maps.view(), soft: maps.soft_shadow(), size, layers, width, depths })

@@ -4,16 +4,14 @@ use super::driver::{Plan, PlannedRow, Topic};
 use super::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
-use crate::cli::gpu::Gpu;
-use crate::cli::measure::{Meter, Spread};
-use crate::cli::package_file::PackageFile;
-use crate::cli::scene::Scene;
+use crate::cli::staged::stage_of;
 use crate::cli::view::{Terms, View};
 use pelage_bake::judge::chart::{Cell, lighting};
 use pelage_bake::mesh::RestPose;
 use pelage_bake::pipeline;
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_runtime::{Lighting, PassId, Study};
+use pelage_stage::{Gpu, Meter, NamedPackage, Spread};
 
 /// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and those before them in which pipelines and caches settle.
 const FRAMES: usize = 9;
@@ -61,12 +59,12 @@ impl Topic for LightingTopic<'_> {
         let Subject { file, name, model, images, .. } = self.subject;
         doing("baking");
         let baked = pipeline::bake(file, name, model, &configuration.recipe, images, &mut |_| ())?;
-        let file = PackageFile { name: name.clone(), bytes: baked.package };
+        let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
         // Shadows cost the same whatever direction the light is computed with.
         let terms = Terms { self_shadow: false, soft_shadow: false, ..View::default().terms };
         let study = Study::default().with(|study| study.lighting = configuration.lighting);
         let view = View { study, terms, ..View::default() };
-        let mut scene = Scene::new(&file, &view, || Ok(self.gpu.clone()))?;
+        let mut scene = stage_of(&file, &view, || Ok(self.gpu.clone()))?;
         doing("directions");
         let measured = lighting::measure(configuration, self.lengths)?;
         doing("frames");

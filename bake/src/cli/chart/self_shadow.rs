@@ -5,8 +5,6 @@ use super::light_bench::LightBench;
 use super::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
-use crate::cli::gpu::Gpu;
-use crate::cli::measure::Spread;
 use pelage_bake::judge::chart::Cell;
 use pelage_bake::judge::chart::self_shadow::{
     COLUMNS, Configuration, Cost, Measured, PANELS, Sheet, Slant, Truth, cells, configurations, slants,
@@ -15,6 +13,7 @@ use pelage_bake::mesh::RestPose;
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_formats::Bounds;
 use pelage_runtime::{PassId, Study};
+use pelage_stage::{Gpu, Spread};
 
 /// The topic.
 pub struct SelfShadowTopic<'a> {

@@ -4,9 +4,9 @@ use super::driver::{Plan, PlannedRow, Topic, once};
 use super::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
-use crate::cli::gpu::Gpu;
 use crate::cli::shell_judge::{ShellJudge, Source};
 use pelage_bake::judge::chart::{Cell, shells};
+use pelage_stage::Gpu;
 
 /// The topic.
 pub struct ShellsTopic<'a> {

@@ -5,8 +5,6 @@ use super::light_bench::LightBench;
 use super::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
-use crate::cli::gpu::Gpu;
-use crate::cli::measure::Spread;
 use pelage_bake::judge::chart::Cell;
 use pelage_bake::judge::chart::soft_shadow::{
     COLUMNS, Configuration, Measured, Method, PANELS, Skin, cells, configurations, lights, runtime_settings,
@@ -14,6 +12,7 @@ use pelage_bake::judge::chart::soft_shadow::{
 use pelage_bake::pipeline;
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_runtime::PassId;
+use pelage_stage::{Gpu, Spread};
 use std::time::Instant;
 
 /// The topic.

@@ -113,11 +113,11 @@ mod drawn {
     use super::super::measured_on;
     use super::Table;
     use crate::cli::exit::Failure;
-    use crate::cli::gpu::{Canvas, DEPTH_FORMAT, Gpu};
     use crate::cli::output::Output;
     use pelage_bake::BakeError;
     use pelage_bake::judge::stability::{DRAWN_ROWS, Drawing};
     use pelage_runtime::{Instance, Renderer, RendererOptions, wgpu};
+    use pelage_stage::{Canvas, DEPTH_FORMAT, Gpu};
 
     pub fn add(table: &mut Table, output: &mut Output) -> Result<(), Failure> {
         let gpu = Gpu::open()?;

@@ -4,12 +4,13 @@ use super::ChartArgs;
 use crate::cli::built_in::HARE;
 use crate::cli::exit::Failure;
 use crate::cli::mesh_glb;
-use crate::cli::package_file::PackageFile;
+use crate::cli::package_file;
 use pelage_bake::mesh::Model;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_bake::{BakeError, io};
+use pelage_stage::NamedPackage;
 use std::path::Path;
 
 /// A model with its recipe.
@@ -21,7 +22,7 @@ pub struct Subject {
     /// The model.
     pub model: Model,
     /// The package, where that was named instead of a model.
-    pub package: Option<PackageFile>,
+    pub package: Option<NamedPackage<'static>>,
     /// The recipe that all rows start from.
     pub recipe: Recipe,
     /// The images that the recipe names.
@@ -70,7 +71,7 @@ impl Subject {
         if args.recipe.recipe.is_some() {
             return Err(Failure::Usage("--recipe needs a MODEL: a package has its own".into()));
         }
-        let package = PackageFile::read(path)?;
+        let package = package_file::read(path)?;
         let (file, opened) = (path.display().to_string(), package.open()?);
         let manifest = opened.manifest();
         let mut recipe = Recipe::parse(&format!("{file}, recipe"), &manifest.recipe)?;

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | `[view]` | | options of `pelage render` about the picture, with `_` for `-`: `size = "834x424"`, `style = "ink"`, `ink_mist = "5,60"`, `self_shadow = "off"` |
 //! | `camera.eye`, `.target`, `.fov_deg` | frames all models as they stand at time 0; 30 | from where, to where, and the height of the view |
-//! | `camera.path` | | instead of them: a list of `{ time_s, eye, target, fov_deg }`, see [`super::track`] |
+//! | `camera.path` | | instead of them: a list of `{ time_s, eye, target, fov_deg }`, see [`crate::Track`] |
 //! | `light.direction` or `.position` | the default light | towards a distant light, or the place of a near one |
 //! | `sequence.frames`, `.fps` | , 24 | how many pictures where they are numbered or a video, and how many a second |
 //! | `[[model]]` | | once for every model: |
@@ -19,119 +19,160 @@
 //! | `speed`, `start_s` | 1, 0 | seconds of the clip in a second, and its moment at time 0 |
 //! | `loop` | true | whether the clip begins anew at its end, or holds there |
 //!
-//! Arguments of the command line go before what the file says.
+//! [`SceneFile::parse`] reads one, [`SceneFile::load`] its packages; between them its words can be changed.
 
 mod text;
 
-use super::cast::{Actor, Cast, Place, Playing, Shot, camera_of, clip_named, rest_points};
-use super::exit::Failure;
-use super::framing::FOV_DEG;
-use super::package_file::PackageFile;
-use super::render_option;
-use super::track::Track;
-use super::view::View;
-use super::view_args::{Direction, Position, ViewArgs};
+use crate::cast::{Actor, Cast, Place, Playing, clip_named, rest_points};
+use crate::framing::{self, FOV_DEG};
+use crate::track::Track;
+use crate::{NamedPackage, Shot, StageError, Viewpoint};
 use glam::Vec3;
-use pelage_bake::BakeError;
 use pelage_formats::Animation;
 use std::path::{Path, PathBuf};
-use text::{CameraText, LightText, ModelText, PlaceKey, SceneText, Source};
+use text::Source;
+pub use text::{
+    CameraKey, FieldOfView, Number, PlaceKey, Point, Scale, Scene, SceneCamera, SceneLight, SceneModel, SceneSequence,
+    Whole,
+};
 
-/// A scene with its packages.
+/// A scene file: what it says, and where in it each thing stands, for messages.
+#[derive(Clone, Debug)]
 pub struct SceneFile {
     /// As the user named it.
     pub name: String,
     /// All of it.
     pub text: String,
-    /// The packages, each once, in the order in which models name them.
-    pub packages: Vec<PackageFile>,
-    /// Of [`Self::actors`].
-    pub names: Vec<String>,
-    /// Pictures, where the file says how many.
-    pub frames: Option<u32>,
-    /// Pictures a second, where the file says it.
-    pub fps: Option<u32>,
-    /// What the file says in words of the command line: `--size=834x424`.
-    pub options: Vec<String>,
-    light: Option<LightText>,
-    actors: Vec<Actor>,
-    camera: Option<Shot>,
+    /// What it says. It may be changed before it is loaded; messages about what is new name the key alone.
+    pub scene: Scene,
 }
 
-impl SceneFile {
-    /// Takes the bytes of the scene file at `path`, and reads the packages that it names.
+/// Where the packages of a scene come from: a folder, an archive, a server. A function from the path in the file to the package is one.
+pub trait PackageSource {
+    /// The package of that path, or why it cannot be had, in words.
     ///
     /// # Errors
     ///
-    /// Line and key of what is wrong, also for a package that cannot be read and a clip that is not in it.
-    pub fn new(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
-        let name = path.display().to_string();
-        let fail = |place: String, reason: &str| BakeError::Input { file: name.clone(), place, reason: reason.into() };
-        let text = String::from_utf8(bytes).map_err(|error| {
-            fail(format!("byte {}", error.utf8_error().valid_up_to()), "is no UTF-8, expected a scene file in TOML")
+    /// What the source says.
+    fn read(&self, path: &str) -> Result<NamedPackage<'static>, String>;
+
+    /// What two paths to one package have in common: it is read once.
+    fn identity(&self, path: &str) -> PathBuf {
+        path.into()
+    }
+}
+
+impl<F: Fn(&str) -> Result<NamedPackage<'static>, String>> PackageSource for F {
+    fn read(&self, path: &str) -> Result<NamedPackage<'static>, String> {
+        self(path)
+    }
+}
+
+/// A scene with its packages.
+#[derive(Debug)]
+pub struct LoadedScene {
+    /// The packages, each once, in the order in which models name them.
+    pub packages: Vec<NamedPackage<'static>>,
+    /// The copies of their models.
+    pub actors: Vec<Actor>,
+    /// Of [`Self::actors`], in order.
+    pub names: Vec<String>,
+    /// From where it is seen; `None` frames all models.
+    pub camera: Option<Shot>,
+    /// The key light; `None` is the default one.
+    pub light: Option<SceneLight>,
+}
+
+impl SceneFile {
+    /// Reads the bytes of a scene file of that name.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Input`] with line and key of what is wrong.
+    pub fn parse(name: &str, bytes: Vec<u8>) -> Result<Self, StageError> {
+        let text = String::from_utf8(bytes).map_err(|error| StageError::Input {
+            file: name.to_owned(),
+            place: format!("byte {}", error.utf8_error().valid_up_to()),
+            reason: "is no UTF-8, expected a scene file in TOML".into(),
         })?;
         // Some editors begin a text file with a byte order mark.
         let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned);
-        let source = Source { name: &name, text: &text };
-        let words = source.parse()?;
-        if words.models.is_empty() {
-            return Err(source.fault("model", "found none, expected at least one [[model]] with a package").into());
+        let source = Source { name, text: &text };
+        let scene = source.parse()?;
+        if scene.models.is_empty() {
+            return Err(source.fault("model", "found none, expected at least one [[model]] with a package"));
         }
-        let options = options(&source, &words)?;
-        check_light(&source, words.light.as_ref())?;
-        let camera = words.camera.as_ref().map(|camera| shot(&source, camera)).transpose()?;
-        let names = names(&source, &words.models)?;
-        words.models.iter().enumerate().try_for_each(|(i, model)| check_clip(&source, i, model))?;
-        let places = words.models.iter().enumerate().map(|(i, model)| place(&source, i, model));
-        let places = places.collect::<Result<Vec<_>, BakeError>>()?;
-        let (packages, whose) = packages(&source, path.parent().unwrap_or(Path::new("")), &words.models)?;
+        Ok(Self { name: name.to_owned(), text, scene })
+    }
+
+    /// An error at a key such as `view.size`.
+    pub fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
+        self.source().fault(key, reason)
+    }
+
+    fn source(&self) -> Source<'_> {
+        Source { name: &self.name, text: &self.text }
+    }
+
+    /// Pictures, where the scene says how many.
+    pub fn frames(&self) -> Option<u32> {
+        Some(self.scene.sequence?.frames?.0)
+    }
+
+    /// Pictures a second, where the scene says it.
+    pub fn fps(&self) -> Option<u32> {
+        Some(self.scene.sequence?.fps?.0)
+    }
+
+    /// Checks the scene and reads the packages that it names.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Input`] with line and key of what is wrong, also for a package that cannot be had and a clip that is not in it;
+    /// [`StageError::Package`] for a damaged one.
+    pub fn load(&self, packages: &dyn PackageSource) -> Result<LoadedScene, StageError> {
+        let (source, scene) = (self.source(), &self.scene);
+        if scene.models.is_empty() {
+            return Err(source.fault("model", "found none, expected at least one [[model]] with a package"));
+        }
+        check_light(&source, scene.light.as_ref())?;
+        let camera = scene.camera.as_ref().map(|camera| shot(&source, camera)).transpose()?;
+        let names = names(&source, &scene.models)?;
+        scene.models.iter().enumerate().try_for_each(|(i, model)| check_clip(&source, i, model))?;
+        let places = scene.models.iter().enumerate().map(|(i, model)| place(&source, i, model));
+        let places = places.collect::<Result<Vec<_>, StageError>>()?;
+        let (packages, whose) = read_packages(&source, packages, &scene.models)?;
         let mut animations = Vec::new();
         for file in &packages {
             animations.push(file.open()?.animation().map_err(|error| file.fault(error))?.unwrap_or_default());
         }
         let mut actors = Vec::new();
-        for (i, ((model, place), package)) in words.models.iter().zip(places).zip(whose).enumerate() {
+        for (i, ((model, place), package)) in scene.models.iter().zip(places).zip(whose).enumerate() {
             let clip = playing(&source, i, model, &packages[package].name, &animations[package])?;
             actors.push(Actor { package, place, clip });
         }
-        let sequence = words.sequence;
-        let frames = sequence.and_then(|s| s.frames).map(|frames| frames.0);
-        let fps = sequence.and_then(|s| s.fps).map(|fps| fps.0);
-        Ok(Self { name, text, packages, names, frames, fps, options, light: words.light, actors, camera })
+        Ok(LoadedScene { packages, actors, names, camera, light: scene.light })
     }
+}
 
-    /// The arguments, which [`Self::options`] are among, and where they are silent the file's light.
+impl LoadedScene {
+    /// Who plays, seen from `camera`, else the scene's, else one that frames all of them in a picture of that width over height, with their fur
+    /// if it is drawn.
     ///
     /// # Errors
     ///
-    /// [`Failure::Usage`] for arguments that make no sense with a scene.
-    pub fn complete(&self, args: &ViewArgs) -> Result<ViewArgs, Failure> {
-        for (name, given) in [("--clip", args.clip.is_some()), ("--crowd", args.crowd != 1)] {
-            if given {
-                let text = format!("{name}: {} says what stands in the picture, expected it to be left out", self.name);
-                return Err(Failure::Usage(text));
-            }
-        }
-        let mut args = args.clone();
-        if let (Some(light), None, None) = (&self.light, args.light, args.point_light) {
-            args.light = light.direction.map(|towards| Direction(towards.0.normalize()));
-            args.point_light = light.position.map(|position| Position(position.0));
-        }
-        Ok(args)
-    }
-
-    /// Who plays, seen from the camera of `view`, else the file's, else one that frames all of them.
-    pub fn cast(&self, view: &View) -> Result<Cast<'_>, Failure> {
-        let camera = match (view.camera, &self.camera) {
+    /// [`StageError::Package`] for a damaged package.
+    pub fn cast(&self, camera: Option<Viewpoint>, aspect: f32, with_fur: bool) -> Result<Cast<'_>, StageError> {
+        let camera = match (camera, &self.camera) {
             (Some(camera), _) => Shot::fixed(camera),
             (None, Some(shot)) => shot.clone(),
-            (None, None) => self.framing(view)?,
+            (None, None) => self.framing(aspect, with_fur)?,
         };
         Ok(Cast { packages: self.packages.iter().collect(), actors: self.actors.clone(), camera })
     }
 
     /// A camera that sees all models at rest where they stand at time 0.
-    fn framing(&self, view: &View) -> Result<Shot, Failure> {
+    fn framing(&self, aspect: f32, with_fur: bool) -> Result<Shot, StageError> {
         let mut points = Vec::new();
         let mut margin_m = 0.0_f32;
         for (index, file) in self.packages.iter().enumerate() {
@@ -144,68 +185,32 @@ impl SceneFile {
                 margin_m = margin_m.max(package.manifest().fur.height_m * actor.place.scale);
             }
         }
-        Ok(Shot::fixed(camera_of(view, &points, margin_m)))
+        let margin_m = if with_fur { margin_m } else { 0.0 };
+        Ok(Shot::fixed(framing::frame(&points, margin_m, aspect, framing::TOWARDS_CAMERA)))
     }
 }
 
-/// Options that have another place in a scene, or none.
-const ELSEWHERE: [(&str, &str); 9] = [
-    ("camera", "in [camera]"),
-    ("light", "in [light]"),
-    ("point_light", "as position in [light]"),
-    ("frames", "in [sequence]"),
-    ("fps", "in [sequence]"),
-    ("clip", "in a [[model]]"),
-    ("crowd", "as several [[model]]"),
-    ("time", "on the command line"),
-    ("output", "on the command line"),
-];
-
-/// `[view]` as words of the command line.
-fn options(source: &Source<'_>, words: &SceneText) -> Result<Vec<String>, BakeError> {
-    let mut options = Vec::new();
-    for (name, value) in &words.view {
-        let fail = |reason: String| source.fault(&format!("view.{name}"), reason);
-        if let Some((_, place)) = ELSEWHERE.iter().find(|(key, _)| key == name) {
-            return Err(fail(format!("expected it {place}")));
-        }
-        let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
-        for value in values {
-            let value = match value {
-                toml::Value::String(text) => text.clone(),
-                toml::Value::Boolean(on) => if *on { "on" } else { "off" }.to_owned(),
-                toml::Value::Integer(_) | toml::Value::Float(_) => value.to_string(),
-                other => return Err(fail(format!("found {}, expected a word or a number", other.type_str()))),
-            };
-            let option = format!("--{}={value}", name.replace('_', "-"));
-            render_option(&option).map_err(fail)?;
-            options.push(option);
-        }
-    }
-    Ok(options)
-}
-
-fn check_light(source: &Source<'_>, light: Option<&LightText>) -> Result<(), BakeError> {
+fn check_light(source: &Source<'_>, light: Option<&SceneLight>) -> Result<(), StageError> {
     match light {
-        Some(LightText { direction: Some(towards), position: None }) if towards.0.try_normalize().is_none() => {
+        Some(SceneLight { direction: Some(towards), position: None }) if towards.0.try_normalize().is_none() => {
             Err(source.fault("light.direction", "found a direction of no length, expected one such as [1, 2, 1]"))
         }
-        Some(LightText { direction: Some(_), position: Some(_) }) => {
+        Some(SceneLight { direction: Some(_), position: Some(_) }) => {
             Err(source.fault("light", "found direction and position, expected one of them"))
         }
-        Some(LightText { direction: None, position: None }) => {
+        Some(SceneLight { direction: None, position: None }) => {
             Err(source.fault("light", "found neither, expected direction or position"))
         }
         _ => Ok(()),
     }
 }
 
-fn shot(source: &Source<'_>, camera: &CameraText) -> Result<Shot, BakeError> {
-    let fov = |fov: Option<text::FieldOfView>| fov.map_or(FOV_DEG, |fov| fov.0);
+fn shot(source: &Source<'_>, camera: &SceneCamera) -> Result<Shot, StageError> {
+    let fov = |fov: Option<FieldOfView>| fov.map_or(FOV_DEG, |fov| fov.0);
     let keys: Vec<(String, f32, Vec3, Vec3, f32)> = match (camera.eye, camera.target, &camera.path) {
         (Some(eye), Some(target), None) => vec![("camera.target".into(), 0.0, eye.0, target.0, fov(camera.fov_deg))],
         (None, None, Some(path)) if camera.fov_deg.is_none() => {
-            let key = |(i, k): (usize, &text::CameraKey)| {
+            let key = |(i, k): (usize, &CameraKey)| {
                 (format!("camera.path[{i}].target"), k.time_s.0, k.eye.0, k.target.0, fov(k.fov_deg))
             };
             path.iter().enumerate().map(key).collect()
@@ -227,21 +232,21 @@ fn shot(source: &Source<'_>, camera: &CameraText) -> Result<Shot, BakeError> {
 }
 
 /// What the models are called in results.
-fn names(source: &Source<'_>, models: &[ModelText]) -> Result<Vec<String>, BakeError> {
+fn names(source: &Source<'_>, models: &[SceneModel]) -> Result<Vec<String>, StageError> {
     for (i, model) in models.iter().enumerate() {
-        let same = |other: &ModelText| other.name.is_some() && other.name == model.name;
+        let same = |other: &SceneModel| other.name.is_some() && other.name == model.name;
         if let Some(first) = models[..i].iter().position(same) {
             let reason = format!("found the name of model[{first}] again, expected another or none");
             return Err(source.fault(&format!("model[{i}].name"), reason));
         }
     }
     let stem = |package: &str| Path::new(package).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let name = |model: &ModelText| model.name.clone().or_else(|| stem(&model.package)).unwrap_or_default();
+    let name = |model: &SceneModel| model.name.clone().or_else(|| stem(&model.package)).unwrap_or_default();
     Ok(models.iter().map(name).collect())
 }
 
 /// How a clip plays means nothing where none does.
-fn check_clip(source: &Source<'_>, i: usize, model: &ModelText) -> Result<(), BakeError> {
+fn check_clip(source: &Source<'_>, i: usize, model: &SceneModel) -> Result<(), StageError> {
     let given =
         [("speed", model.speed.is_some()), ("start_s", model.start_s.is_some()), ("loop", model.looped.is_some())];
     match given.iter().find(|(_, given)| model.clip.is_none() && *given) {
@@ -253,7 +258,7 @@ fn check_clip(source: &Source<'_>, i: usize, model: &ModelText) -> Result<(), Ba
     }
 }
 
-fn place(source: &Source<'_>, i: usize, model: &ModelText) -> Result<Place, BakeError> {
+fn place(source: &Source<'_>, i: usize, model: &SceneModel) -> Result<Place, StageError> {
     let scale = model.scale.map_or(1.0, |scale| scale.0);
     let key = |name: &str| format!("model[{i}].{name}");
     let Some(path) = &model.path else {
@@ -281,22 +286,20 @@ fn place(source: &Source<'_>, i: usize, model: &ModelText) -> Result<Place, Bake
 }
 
 /// Reads every package that the models name, once; with it which one each model has.
-fn packages(
+fn read_packages(
     source: &Source<'_>,
-    folder: &Path,
-    models: &[ModelText],
-) -> Result<(Vec<PackageFile>, Vec<usize>), Failure> {
+    packages: &dyn PackageSource,
+    models: &[SceneModel],
+) -> Result<(Vec<NamedPackage<'static>>, Vec<usize>), StageError> {
     let (mut files, mut paths, mut whose) = (Vec::new(), Vec::<PathBuf>::new(), Vec::new());
     for (i, model) in models.iter().enumerate() {
-        let path = folder.join(&model.package);
-        // Two ways to one file are one; what cannot be found is said below.
-        let real = std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
-        let known = paths.iter().position(|known| *known == real);
+        let identity = packages.identity(&model.package);
+        let known = paths.iter().position(|known| *known == identity);
         whose.push(known.unwrap_or(files.len()));
         if known.is_none() {
-            let read = PackageFile::read(&path);
-            files.push(read.map_err(|error| source.fault(&format!("model[{i}].package"), error.to_string()))?);
-            paths.push(real);
+            let read = packages.read(&model.package);
+            files.push(read.map_err(|reason| source.fault(&format!("model[{i}].package"), reason))?);
+            paths.push(identity);
         }
     }
     Ok((files, whose))
@@ -305,10 +308,10 @@ fn packages(
 fn playing(
     source: &Source<'_>,
     i: usize,
-    model: &ModelText,
+    model: &SceneModel,
     package: &str,
     animation: &Animation,
-) -> Result<Option<Playing>, BakeError> {
+) -> Result<Option<Playing>, StageError> {
     let Some(name) = &model.clip else { return Ok(None) };
     let (clip, duration_s) = clip_named(animation, name).map_err(|has| {
         let reason = format!("found {name:?}, expected a clip of {package}, which {has}");

@@ -1,7 +1,8 @@
 //! The camera and light a picture gets when the command line names none.
 
-use glam::{Mat4, Vec3};
-use pelage_runtime::{Camera, Projection};
+use crate::Viewpoint;
+use glam::Vec3;
+use pelage_formats::meaning::view_from_world;
 
 /// Vertical field of view of the default camera, degrees: a portrait lens.
 pub const FOV_DEG: f32 = 30.0;
@@ -14,13 +15,18 @@ pub const TOWARDS_LIGHT: Vec3 = Vec3::new(-0.25, 0.75, 0.6);
 /// Share of the picture that the model fills at most.
 const FILL: f32 = 0.9;
 
-/// Eye and target that show all `points`, with `margin_m` of fur about them, in a picture of the given width over height, from the direction
+/// The view that shows all `points`, with `margin_m` of fur about them, in a picture of the given width over height, from the direction
 /// `towards` of any length.
 ///
 /// The model stands as large in the picture as it can; where there is no point, the origin is looked at from a metre away.
-pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) -> (Vec3, Vec3) {
+pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) -> Viewpoint {
+    let (eye, target) = eye_and_target(points, margin_m, aspect, towards);
+    Viewpoint { eye, target, fov_deg: FOV_DEG }
+}
+
+fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) -> (Vec3, Vec3) {
     let towards = towards.normalize();
-    let view = Camera::look_at(Vec3::ZERO, -towards, Projection::Custom(Mat4::IDENTITY)).view_from_world;
+    let view = view_from_world(Vec3::ZERO, -towards);
     let tan_y = (FOV_DEG.to_radians() / 2.0).tan() * FILL;
     let tan_x = tan_y * aspect;
     // A point is inside the right edge of a camera at (x0, y0, z0) where x − x0 <= tan_x (z0 − z). So each edge of the picture
@@ -62,14 +68,17 @@ mod tests {
             .collect();
         for (aspect, towards) in [(0.5, TOWARDS_CAMERA), (1.0, BEHIND), (2.0, TOWARDS_CAMERA), (1.0, Vec3::X)] {
             for margin in [0.0, 0.2] {
-                let (eye, target) = frame(&points, margin, aspect, towards);
-                let projection =
-                    Projection::Perspective { fov_y_rad: FOV_DEG.to_radians(), aspect, near_m: 0.01, far_m: 100.0 };
-                let clip = projection.clip_from_view(false) * Camera::look_at(eye, target, projection).view_from_world;
+                let Viewpoint { eye, target, fov_deg } = frame(&points, margin, aspect, towards);
+                let view = view_from_world(eye, target);
+                let tan_y = (fov_deg.to_radians() / 2.0).tan();
+                let on_picture = |p: Vec3| {
+                    let p = view.transform_point3(p);
+                    (p.x / (tan_y * aspect)).abs().max((p.y / tan_y).abs()) / -p.z
+                };
                 // The surface of the fur's ball about each point, sampled.
                 let directions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
                 let ball = points.iter().flat_map(|p| directions.map(|d| *p + d * margin));
-                let widest = ball.map(|p| clip.project_point3(p).truncate().abs().max_element()).fold(0.0, f32::max);
+                let widest = ball.map(on_picture).fold(0.0, f32::max);
                 assert!(widest <= FILL + 1e-3, "aspect {aspect}, margin {margin}: a point lies at {widest}");
                 assert!(widest > FILL - 0.05, "aspect {aspect}, margin {margin}: the widest lies at {widest} only");
             }
@@ -79,7 +88,7 @@ mod tests {
     #[test]
     fn nothing_and_a_point_are_framed_too() {
         for points in [&[][..], &[Vec3::ONE]] {
-            let (eye, target) = frame(points, 0.0, 1.0, TOWARDS_CAMERA);
+            let Viewpoint { eye, target, .. } = frame(points, 0.0, 1.0, TOWARDS_CAMERA);
             assert!(eye.is_finite() && target.is_finite() && eye != target);
         }
     }

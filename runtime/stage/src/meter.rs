@@ -1,8 +1,7 @@
-//! Times and fragment counts of the passes: the measuring half of `bench`.
+//! Times and fragment counts of the passes.
 
-use super::exit::Failure;
-use super::gpu::{Gpu, lost, read_buffer};
-use super::scene::Scene;
+use crate::gpu::lost;
+use crate::{Gpu, Stage, StageError};
 use pelage_runtime::{Frame, PassId, PassPlace, Style, StyleKind, wgpu};
 use std::time::Instant;
 
@@ -62,7 +61,7 @@ pub fn belongs(pass: PassId, style: StyleKind) -> bool {
     if style == StyleKind::Ink { pass.styles().contains(&style) } else { furry }
 }
 
-/// Measures a scene frame by frame.
+/// Measures a stage frame by frame.
 #[derive(Debug)]
 pub struct Meter {
     clock: Clock,
@@ -80,10 +79,10 @@ const FRAMES: usize = 9;
 const WARM_UP: usize = 2;
 
 /// Milliseconds of the fastest of some frames, each as a whole.
-pub fn fastest(meter: &Meter, scene: &mut Scene) -> Result<f64, Failure> {
+pub fn fastest(meter: &Meter, stage: &mut Stage) -> Result<f64, StageError> {
     let mut fastest = f64::INFINITY;
     for frame in 0..WARM_UP + FRAMES {
-        let ms = meter.frame(scene)?;
+        let ms = meter.frame(stage)?;
         if frame >= WARM_UP {
             fastest = fastest.min(ms);
         }
@@ -106,35 +105,35 @@ impl Meter {
         self.clock
     }
 
-    /// Draws the scene four times (as a whole, without shadows, pass by pass, and as the yardstick) and times each.
+    /// Draws the stage four times (as a whole, without shadows, pass by pass, and as the yardstick) and times each.
     ///
     /// All in one go, so that what else the machine does falls on all of them alike.
-    pub fn measure(&self, scene: &mut Scene) -> Result<FrameTimes, Failure> {
-        let mut times = FrameTimes { frame: self.frame(scene)?, ..FrameTimes::default() };
+    pub fn measure(&self, stage: &mut Stage) -> Result<FrameTimes, StageError> {
+        let mut times = FrameTimes { frame: self.frame(stage)?, ..FrameTimes::default() };
         times.unshadowed = times.frame;
-        if is_shadowed(scene) {
-            let unshadowed = scene.params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
-            let asked = std::mem::replace(&mut scene.params, unshadowed);
-            let unshadowed = self.frame(scene);
-            scene.params = asked;
+        if is_shadowed(stage) {
+            let unshadowed = stage.params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+            let asked = std::mem::replace(&mut stage.params, unshadowed);
+            let unshadowed = self.frame(stage);
+            stage.params = asked;
             times.unshadowed = unshadowed?;
         }
-        times.passes = self.passes(scene)?;
-        if scene.params.style.kind() == StyleKind::Ink {
+        times.passes = self.passes(stage)?;
+        if stage.params.style.kind() == StyleKind::Ink {
             return Ok(times);
         }
-        scene.params.study.yardstick = true;
-        let yardstick = self.passes(scene);
-        scene.params.study.yardstick = false;
+        stage.params.study.yardstick = true;
+        let yardstick = self.passes(stage);
+        stage.params.study.yardstick = false;
         times.yardstick = of_pass(&yardstick?, PassId::SHELLS);
         Ok(times)
     }
 
     /// Milliseconds of one frame as a whole; the light stands still, as in [`FrameTimes::frame`].
-    pub fn frame(&self, scene: &mut Scene) -> Result<f64, Failure> {
-        let times = self.sections(scene, |scene, encoder, mark| {
-            let frame = scene.prepare(encoder)?;
-            frame.draw(&mut scene.pass(encoder, "frame", true));
+    pub fn frame(&self, stage: &mut Stage) -> Result<f64, StageError> {
+        let times = self.sections(stage, |stage, encoder, mark| {
+            let frame = stage.prepare(encoder)?;
+            frame.draw(&mut stage.pass(encoder, "frame", true));
             mark(encoder);
             Ok(())
         })?;
@@ -142,15 +141,15 @@ impl Meter {
     }
 
     /// Milliseconds of each pass, in their order.
-    fn passes(&self, scene: &mut Scene) -> Result<Vec<(PassId, f64)>, Failure> {
+    fn passes(&self, stage: &mut Stage) -> Result<Vec<(PassId, f64)>, StageError> {
         let mut marked = Vec::new();
-        let times = self.sections(scene, |scene, encoder, mark| {
-            let frame = scene.prepare_marked(encoder, &mut |encoder, id| {
+        let times = self.sections(stage, |stage, encoder, mark| {
+            let frame = stage.prepare_marked(encoder, &mut |encoder, id| {
                 mark(encoder);
                 marked.push(id);
             })?;
             for (index, id) in in_picture().enumerate() {
-                frame.draw_pass(id, &mut scene.pass(encoder, id.name(), index == 0));
+                frame.draw_pass(id, &mut stage.pass(encoder, id.name(), index == 0));
                 mark(encoder);
                 marked.push(id);
             }
@@ -161,10 +160,10 @@ impl Meter {
 
     /// Prepares a frame whose shadow maps are drawn anew, and has the device do that; with it the milliseconds of `pass`, which is one of those
     /// before the picture.
-    pub fn prepared(&self, scene: &mut Scene, pass: PassId) -> Result<(Frame, f64), Failure> {
+    pub fn prepared(&self, stage: &mut Stage, pass: PassId) -> Result<(Frame, f64), StageError> {
         let (mut prepared, mut marked) = (None, Vec::new());
-        let times = self.sections(scene, |scene, encoder, mark| {
-            prepared = Some(scene.prepare_marked(encoder, &mut |encoder, id| {
+        let times = self.sections(stage, |stage, encoder, mark| {
+            prepared = Some(stage.prepare_marked(encoder, &mut |encoder, id| {
                 mark(encoder);
                 marked.push(id);
             })?);
@@ -177,19 +176,19 @@ impl Meter {
     /// Records sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds that each took.
     fn sections(
         &self,
-        scene: &mut Scene,
+        stage: &mut Stage,
         record: impl FnOnce(
-            &mut Scene,
+            &mut Stage,
             &mut wgpu::CommandEncoder,
             &mut dyn FnMut(&mut wgpu::CommandEncoder),
-        ) -> Result<(), Failure>,
-    ) -> Result<Vec<f64>, Failure> {
+        ) -> Result<(), StageError>,
+    ) -> Result<Vec<f64>, StageError> {
         let mut times = Vec::new();
-        let gpu = scene.gpu.clone();
-        let mut encoder = scene.encoder();
+        let gpu = stage.gpu.clone();
+        let mut encoder = stage.encoder();
         let Some(queries) = &self.queries else {
             let mut failed = None;
-            record(scene, &mut encoder, &mut |encoder| {
+            record(stage, &mut encoder, &mut |encoder| {
                 let next = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 let full = std::mem::replace(encoder, next);
                 let start = Instant::now();
@@ -201,15 +200,15 @@ impl Meter {
         };
         encoder.write_timestamp(queries, 0);
         let mut section = 0;
-        record(scene, &mut encoder, &mut |encoder| {
+        record(stage, &mut encoder, &mut |encoder| {
             section += 1;
             encoder.write_timestamp(queries, section);
         })?;
         encoder.resolve_query_set(queries, 0..section + 1, &self.resolve, 0);
         encoder.copy_buffer_to_buffer(&self.resolve, 0, &self.readback, 0, self.readback.size());
-        scene.gpu.queue.submit([encoder.finish()]);
-        let ticks = read_u64(&scene.gpu, &self.readback)?;
-        let ms_per_tick = f64::from(scene.gpu.queue.get_timestamp_period()) * 1e-6;
+        stage.gpu.queue.submit([encoder.finish()]);
+        let ticks = read_u64(&stage.gpu, &self.readback)?;
+        let ms_per_tick = f64::from(stage.gpu.queue.get_timestamp_period()) * 1e-6;
         let pairs = ticks.windows(2).take(section as usize);
         // Timestamps of one queue rise, but a driver may reset its clock: then no time is better than a huge one.
         Ok(pairs.map(|pair| pair[1].saturating_sub(pair[0]) as f64 * ms_per_tick).collect())
@@ -217,8 +216,8 @@ impl Meter {
 }
 
 /// Whether a frame has shadow maps.
-pub fn is_shadowed(scene: &Scene) -> bool {
-    let params = &scene.params;
+pub fn is_shadowed(stage: &Stage) -> bool {
+    let params = &stage.params;
     match &params.style {
         Style::Fur(fur) => fur.self_shadow || params.soft_shadow,
         style => style.kind() != StyleKind::Ink && params.soft_shadow,
@@ -226,26 +225,26 @@ pub fn is_shadowed(scene: &Scene) -> bool {
 }
 
 /// Passes that draw the picture with their fragment shader runs; `None` where the device does not count them.
-pub fn count_fragments(scene: &mut Scene) -> Result<Option<Vec<(PassId, u64)>>, Failure> {
-    if !scene.gpu.device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY) {
+pub fn count_fragments(stage: &mut Stage) -> Result<Option<Vec<(PassId, u64)>>, StageError> {
+    if !stage.gpu.device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY) {
         return Ok(None);
     }
     let kind = wgpu::QueryType::PipelineStatistics(wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS);
     let count = in_picture().count() as u32;
-    let queries = query_set(&scene.gpu, kind, count);
-    let (resolve, readback) = query_buffers(&scene.gpu, count);
-    let mut encoder = scene.encoder();
-    let frame = scene.prepare(&mut encoder)?;
+    let queries = query_set(&stage.gpu, kind, count);
+    let (resolve, readback) = query_buffers(&stage.gpu, count);
+    let mut encoder = stage.encoder();
+    let frame = stage.prepare(&mut encoder)?;
     for (index, id) in in_picture().enumerate() {
-        let mut pass = scene.pass(&mut encoder, id.name(), index == 0);
+        let mut pass = stage.pass(&mut encoder, id.name(), index == 0);
         pass.begin_pipeline_statistics_query(&queries, index as u32);
         frame.draw_pass(id, &mut pass);
         pass.end_pipeline_statistics_query();
     }
     encoder.resolve_query_set(&queries, 0..count, &resolve, 0);
     encoder.copy_buffer_to_buffer(&resolve, 0, &readback, 0, readback.size());
-    scene.gpu.queue.submit([encoder.finish()]);
-    Ok(Some(in_picture().zip(read_u64(&scene.gpu, &readback)?).collect()))
+    stage.gpu.queue.submit([encoder.finish()]);
+    Ok(Some(in_picture().zip(read_u64(&stage.gpu, &readback)?).collect()))
 }
 
 fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {
@@ -266,8 +265,8 @@ fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffer) {
     (resolve, buffer(wgpu::BufferUsages::MAP_READ))
 }
 
-fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, Failure> {
-    Ok(read_buffer(gpu, buffer)?.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect())
+fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, StageError> {
+    Ok(gpu.read_buffer(buffer)?.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect())
 }
 
 /// Least, middle and greatest of some times; zeros for none.

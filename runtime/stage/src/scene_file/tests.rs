@@ -2,8 +2,9 @@
 use super::*;
 
 /// Reads a scene file of that text; it names packages that are not there.
-fn read(text: &str) -> Result<SceneFile, Failure> {
-    SceneFile::new(Path::new("nowhere/a.toml"), text.into())
+fn read(text: &str) -> Result<LoadedScene, StageError> {
+    let nothing = |path: &str| Err(format!("{path}: cannot read: it is not there"));
+    SceneFile::parse("nowhere/a.toml", text.into())?.load(&nothing)
 }
 
 /// A scene with this before its one model, and this in it.
@@ -66,15 +67,6 @@ fn what_is_wrong_is_said_with_line_and_key() {
         ),
         (&scene("[sequence]\nframes = 0", ""), &["line 2", "sequence.frames", "found 0", "1 to 100000"]),
         (&scene("[sequence]\nfps = 24.5", ""), &["line 2", "sequence.fps", "24.5"]),
-        (&scene("[view]\nsize = \"9x\"", ""), &["line 2", "view.size", "'9x'", "WIDTHxHEIGHT"]),
-        (&scene("[view]\nstyle = \"fluffy\"", ""), &["line 2", "view.style", "'fluffy'", "fur, ink, bare"]),
-        (&scene("[view]\nink_widht = 3", ""), &["line 2", "view.ink_widht", "'--ink-widht'", "--ink-width"]),
-        (
-            &scene("[view]\nself_shadow = [[1]]", ""),
-            &["line 2", "view.self_shadow", "found array", "a word or a number"],
-        ),
-        (&scene("[view]\nrestart = true", ""), &["line 2", "view.restart", "'--restart'"]),
-        (&scene("[view]\nframes = 3", ""), &["line 2", "view.frames", "expected it in [sequence]"]),
         (
             &scene("", "name = \"a\"\n[[model]]\npackage = \"b\"\nname = \"a\""),
             &["line 7", "model[1].name", "model[0]"],
@@ -82,24 +74,12 @@ fn what_is_wrong_is_said_with_line_and_key() {
         (&scene("", ""), &["line 3", "model[0].package", "no.pelage", "cannot read"]),
     ] {
         let error = read(text).err().unwrap();
-        assert_eq!(error.exit() as u8, 3, "{text}: {error}");
+        assert!(matches!(error, StageError::Input { .. }), "{text}: {error}");
         let message = error.to_string();
         for word in ["a.toml"].iter().chain(words) {
             assert!(message.contains(word), "no {word:?} in {message:?} of\n{text}");
         }
     }
-}
-
-#[test]
-fn options_are_words_of_the_command_line() {
-    let text = scene(
-        "[view]\nsize = \"64x32\"\nself_shadow = false\npenumbra = 0.5\nfill_light = [\"0,1,0\", \"1,0,0/0.5\"]",
-        "",
-    );
-    let source = Source { name: "a.toml", text: &text };
-    let expected =
-        ["--size=64x32", "--self-shadow=off", "--penumbra=0.5", "--fill-light=0,1,0", "--fill-light=1,0,0/0.5"];
-    assert_eq!(options(&source, &source.parse().unwrap()).unwrap(), expected);
 }
 
 #[test]
@@ -111,12 +91,37 @@ fn places_and_cameras_are_those_of_the_file() {
     let source = Source { name: "a.toml", text: &text };
     let words = source.parse().unwrap();
     let shot = shot(&source, words.camera.as_ref().unwrap()).unwrap();
-    assert_eq!(shot.at(0.0), (Vec3::new(0.0, 1.0, 5.0), Vec3::ZERO, FOV_DEG));
-    assert_eq!(shot.at(1.0), (Vec3::new(2.0, 1.0, 5.0), Vec3::new(2.0, 0.0, 0.0), (FOV_DEG + 40.0) / 2.0));
+    let at = |time_s| (shot.at(time_s).eye, shot.at(time_s).target, shot.at(time_s).fov_deg);
+    assert_eq!(at(0.0), (Vec3::new(0.0, 1.0, 5.0), Vec3::ZERO, FOV_DEG));
+    assert_eq!(at(1.0), (Vec3::new(2.0, 1.0, 5.0), Vec3::new(2.0, 0.0, 0.0), (FOV_DEG + 40.0) / 2.0));
     let place = place(&source, 0, &words.models[0]).unwrap();
     let moved = place.transform(2.0);
     assert!(moved.transform_point3(Vec3::ZERO).distance(Vec3::X) < 1e-6);
     // Its nose, baked along +z, goes first.
     assert!(moved.transform_vector3(Vec3::Z).distance(2.0 * Vec3::X) < 1e-6);
     assert_eq!(names(&source, &words.models).unwrap(), ["no"]);
+}
+
+#[test]
+fn a_scene_is_changed_between_reading_and_loading() {
+    let mut file = SceneFile::parse("a.toml", scene("[sequence]\nframes = 3", "").into()).unwrap();
+    assert_eq!((file.frames(), file.fps()), (Some(3), None));
+    file.scene.models[0].position = Some(Point(Vec3::new(0.0, 0.0, 7.0)));
+    let mut second = file.scene.models[0].clone();
+    (second.name, second.heading_deg) = (Some("back".into()), Some(Number(180.0)));
+    file.scene.models.push(second);
+    let asked = std::cell::RefCell::new(Vec::new());
+    let empty = pelage_formats::PackageWriter::new(pelage_formats::Manifest::default()).finish().unwrap();
+    let source = |path: &str| {
+        asked.borrow_mut().push(path.to_owned());
+        Ok(NamedPackage::new(path, empty.clone()))
+    };
+    let loaded = file.load(&source).unwrap();
+    assert_eq!(*asked.borrow(), ["no.pelage"], "one package of two models is read once");
+    assert_eq!(loaded.names, ["no", "back"]);
+    assert_eq!(loaded.actors[0].place.transform(0.0).w_axis.z, 7.0);
+    let cast = loaded.cast(None, 2.0, true).unwrap();
+    assert_eq!((cast.packages.len(), cast.actors.len()), (1, 2));
+    file.scene.models.clear();
+    assert!(file.load(&source).unwrap_err().to_string().contains("found none"));
 }

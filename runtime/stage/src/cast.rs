@@ -1,19 +1,16 @@
-//! Who is in the picture, and where each of them and the camera are at what time: what [`super::scene::Scene`] draws, without a device.
+//! Who is in the picture, and where each of them and the camera are at what time, without a device.
 
-use super::exit::Failure;
-use super::framing;
-use super::package_file::PackageFile;
-use super::track::Track;
-use super::view::View;
+use crate::track::Track;
+use crate::{NamedPackage, Shot, StageError};
 use glam::{Mat4, Quat, Vec3};
 use pelage_formats::meaning::skin_matrix;
 use pelage_formats::{Animation, GeometryVertex, Manifest, Package, Pose};
-use pelage_runtime::{Motion, StyleKind};
 
 /// Everything that a picture shows, over time.
+#[derive(Clone, Debug)]
 pub struct Cast<'a> {
     /// The packages, each once.
-    pub packages: Vec<&'a PackageFile>,
+    pub packages: Vec<&'a NamedPackage<'a>>,
     /// The copies of their models; at least one.
     pub actors: Vec<Actor>,
     /// From where they are seen.
@@ -57,17 +54,6 @@ pub struct Playing {
     pub looped: bool,
 }
 
-/// A camera over time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shot {
-    /// Metres.
-    pub eye: Track<Vec3>,
-    /// Metres.
-    pub target: Track<Vec3>,
-    /// Height of the view, degrees.
-    pub fov_deg: Track<f32>,
-}
-
 impl Place {
     /// At one place at all times, looking along +z.
     pub fn fixed(position: Vec3) -> Self {
@@ -86,39 +72,32 @@ impl Place {
 }
 
 impl Playing {
-    /// How it moves a model at `time_s` of the scene.
-    pub fn motion(&self, time_s: f32) -> Motion {
+    /// The moment of the clip, seconds, at `time_s` of the scene.
+    pub fn moment(&self, time_s: f32) -> f32 {
         let time_s = self.start_s + self.speed * time_s;
-        let time_s = if self.looped { within(time_s, self.duration_s) } else { time_s.min(self.duration_s).max(0.0) };
-        Motion::Clip { clip: self.clip, time_s }
-    }
-}
-
-impl Shot {
-    /// The same at all times: eye, target and height of the view in degrees.
-    pub fn fixed((eye, target, fov_deg): (Vec3, Vec3, f32)) -> Self {
-        Self { eye: Track::fixed(eye), target: Track::fixed(target), fov_deg: Track::fixed(fov_deg) }
-    }
-
-    /// Eye, target and height of the view in degrees at `time_s`.
-    pub fn at(&self, time_s: f32) -> (Vec3, Vec3, f32) {
-        // A cubic may swing past its keys.
-        (self.eye.at(time_s), self.target.at(time_s), self.fov_deg.at(time_s).clamp(1.0, 170.0))
+        if self.looped { within(time_s, self.duration_s) } else { time_s.min(self.duration_s).max(0.0) }
     }
 }
 
 impl<'a> Cast<'a> {
-    /// The model of one package, or a crowd of it, at the clip and from the camera of `view`. Without one, the camera frames the first.
-    pub fn crowd(file: &'a PackageFile, view: &View) -> Result<Self, Failure> {
+    /// Copies of one package's model, side by side on a grid, all at the same moment of the clip of that name (`None`: at rest), seen from
+    /// `camera`.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Asked`] for a clip that is not there, [`StageError::Package`] for a damaged package.
+    pub fn crowd(
+        file: &'a NamedPackage<'a>,
+        clip: Option<&str>,
+        copies: u32,
+        camera: Shot,
+    ) -> Result<Self, StageError> {
         let package = file.open()?;
-        let clip = find_clip(file, &package, view.clip.as_deref())?;
+        let clip = find_clip(file, &package, clip)?;
         let clip = clip.map(|(clip, duration_s)| Playing { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true });
-        let places = places(package.manifest(), view.crowd);
         let actor = |place| Actor { package: 0, place: Place::fixed(place), clip };
-        let skeleton = package.animation().map_err(|error| file.fault(error))?;
-        let points = rest_points(file, &package, skeleton.as_deref())?;
-        let camera = camera_of(view, &points, package.manifest().fur.height_m);
-        Ok(Self { packages: vec![file], actors: places.into_iter().map(actor).collect(), camera: Shot::fixed(camera) })
+        let actors = places(package.manifest(), copies).into_iter().map(actor).collect();
+        Ok(Self { packages: vec![file], actors, camera })
     }
 }
 
@@ -130,19 +109,20 @@ pub fn within(time_s: f32, duration_s: f32) -> f32 {
 
 /// Index and length of the named clip.
 pub fn find_clip(
-    file: &PackageFile,
+    file: &NamedPackage<'_>,
     package: &Package<'_>,
     name: Option<&str>,
-) -> Result<Option<(usize, f32)>, Failure> {
+) -> Result<Option<(usize, f32)>, StageError> {
     let Some(name) = name else { return Ok(None) };
     let animation = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default();
-    clip_named(&animation, name)
-        .map(Some)
-        .map_err(|has| Failure::Usage(format!("--clip {name}: no such clip; {} {has}", file.name)))
+    clip_named(&animation, name).map(Some).map_err(|has| StageError::Asked {
+        what: format!("clip {name}"),
+        reason: format!("no such clip; {} {has}", file.name),
+    })
 }
 
 /// Index and length of the named clip, or what clips there are, in words.
-pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), String> {
+pub(crate) fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), String> {
     let clips = &animation.clips;
     if let Some(index) = clips.iter().position(|clip| clip.name == name) {
         return Ok((index, clips[index].duration_s));
@@ -163,10 +143,10 @@ fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
 
 /// The places of a package's vertices at rest, by which the default camera frames it.
 pub fn rest_points(
-    file: &PackageFile,
+    file: &NamedPackage<'_>,
     package: &Package<'_>,
     skeleton: Option<&Animation>,
-) -> Result<Vec<Vec3>, Failure> {
+) -> Result<Vec<Vec3>, StageError> {
     let mesh = package.mesh().map_err(|error| file.fault(error))?;
     let mut pose = Pose::default();
     if let Some(skeleton) = skeleton {
@@ -182,16 +162,6 @@ pub fn rest_points(
     }))
 }
 
-/// Eye, target and height of the view in degrees: the view's own, or those that frame `rest_points` with hair of `height_m`.
-pub fn camera_of(view: &View, rest_points: &[Vec3], height_m: f32) -> (Vec3, Vec3, f32) {
-    view.camera.unwrap_or_else(|| {
-        let aspect = view.size.0 as f32 / view.size.1 as f32;
-        let margin_m = if view.style == StyleKind::Fur { height_m } else { 0.0 };
-        let (eye, target) = framing::frame(rest_points, margin_m, aspect, framing::TOWARDS_CAMERA);
-        (eye, target, framing::FOV_DEG)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,10 +169,7 @@ mod tests {
     #[test]
     fn clips_loop_or_hold() {
         let playing = Playing { clip: 2, duration_s: 2.0, start_s: 0.5, speed: 2.0, looped: true };
-        let at = |playing: Playing, time_s| match playing.motion(time_s) {
-            Motion::Clip { clip: 2, time_s } => time_s,
-            other => panic!("{other:?}"),
-        };
+        let at = |playing: Playing, time_s| playing.moment(time_s);
         assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(playing, t)), [0.5, 1.5, 0.5, 1.5]);
         let once = Playing { looped: false, ..playing };
         assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(once, t)), [0.5, 1.5, 2.0, 0.0]);

@@ -1,86 +1,116 @@
 //! What a scene file may say, and where in it something is wrong.
 
-use super::super::track::{LEAST_STEP_S, Track};
+use crate::StageError;
+use crate::track::{LEAST_STEP_S, Track, Value};
 use glam::Vec3;
-use pelage_bake::BakeError;
 use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
 
 /// Largest coordinate, metres, and largest time, seconds.
 const FARTHEST: f64 = 1e6;
 
-/// A scene file, word for word.
-#[derive(Debug, Deserialize)]
+/// A scene as its file says it, word for word: plain data to look at and to change before it is loaded.
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SceneText {
+pub struct Scene {
+    /// How the picture looks.
     #[serde(default)]
     pub view: toml::Table,
-    pub camera: Option<CameraText>,
-    pub light: Option<LightText>,
-    pub sequence: Option<SequenceText>,
+    /// From where it is seen; left out, all models are framed.
+    pub camera: Option<SceneCamera>,
+    /// The key light; left out, the default one.
+    pub light: Option<SceneLight>,
+    /// Pictures over time.
+    pub sequence: Option<SceneSequence>,
+    /// What stands in it; at least one.
     #[serde(default, rename = "model")]
-    pub models: Vec<ModelText>,
+    pub models: Vec<SceneModel>,
 }
 
 /// `[camera]`: eye and target, or a path of them.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CameraText {
+pub struct SceneCamera {
+    /// Metres; with `target`, or neither.
     pub eye: Option<Point>,
+    /// Metres; apart from `eye`.
     pub target: Option<Point>,
+    /// Height of the view, degrees.
     pub fov_deg: Option<FieldOfView>,
+    /// Instead of all of them: keys over time.
     pub path: Option<Vec<CameraKey>>,
 }
 
 /// A moment of a camera's path.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraKey {
+    /// Seconds.
     pub time_s: Number,
+    /// Metres.
     pub eye: Point,
+    /// Metres; apart from `eye`.
     pub target: Point,
+    /// Height of the view, degrees.
     pub fov_deg: Option<FieldOfView>,
 }
 
 /// `[light]`: one of the two.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct LightText {
+pub struct SceneLight {
+    /// Towards a distant light, any length but 0.
     pub direction: Option<Point>,
+    /// Place of a near light, metres.
     pub position: Option<Point>,
 }
 
 /// `[sequence]`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SequenceText {
+pub struct SceneSequence {
+    /// Pictures.
     pub frames: Option<Whole<100_000>>,
+    /// Pictures a second.
     pub fps: Option<Whole<1000>>,
 }
 
 /// `[[model]]`.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ModelText {
+pub struct SceneModel {
+    /// Its name in results; left out, the package's.
     pub name: Option<String>,
+    /// Its package's path from the scene file's folder.
     pub package: String,
+    /// Where it stands, metres.
     pub position: Option<Point>,
+    /// Where to it looks: 0 along +z, 90 along +x.
     pub heading_deg: Option<Number>,
+    /// Its size beside the baked one.
     pub scale: Option<Scale>,
+    /// Instead of `position` and `heading_deg`: keys over time.
     pub path: Option<Vec<PlaceKey>>,
+    /// What it plays, by name; left out, it stands at rest.
     pub clip: Option<String>,
+    /// Seconds of the clip in a second.
     pub speed: Option<Number>,
+    /// The clip's moment at time 0, seconds.
     pub start_s: Option<Number>,
+    /// Whether the clip begins anew at its end, or holds there.
     #[serde(rename = "loop")]
     pub looped: Option<bool>,
 }
 
 /// A moment of a model's path.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceKey {
+    /// Seconds.
     pub time_s: Number,
+    /// Metres.
     pub position: Point,
+    /// Degrees; in all keys of a path or in none.
     pub heading_deg: Option<Number>,
 }
 
@@ -171,8 +201,8 @@ impl Source<'_> {
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with line and key for broken TOML, a key that there is none of, and a value that is not what it should be.
-    pub fn parse(&self) -> Result<SceneText, BakeError> {
+    /// [`StageError::Input`] with line and key for broken TOML, a key that there is none of, and a value that is not what it should be.
+    pub fn parse(&self) -> Result<Scene, StageError> {
         let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
         let document = toml::Deserializer::parse(self.text).map_err(broken)?;
         serde_path_to_error::deserialize(document).map_err(|e| {
@@ -185,11 +215,11 @@ impl Source<'_> {
     }
 
     /// An error at a key such as `model[1].path[0].time_s`.
-    pub fn fault(&self, key: &str, reason: impl Into<String>) -> BakeError {
+    pub fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
         self.fault_at(self.find(key), key, reason.into())
     }
 
-    fn fault_at(&self, byte: Option<usize>, key: &str, reason: String) -> BakeError {
+    fn fault_at(&self, byte: Option<usize>, key: &str, reason: String) -> StageError {
         let line = byte.map(|byte| self.text.bytes().take(byte).filter(|b| *b == b'\n').count() + 1);
         let place = match (line, key) {
             (Some(line), "") => format!("line {line}"),
@@ -197,7 +227,7 @@ impl Source<'_> {
             (None, "") => "whole file".to_owned(),
             (None, key) => key.to_owned(),
         };
-        BakeError::Input { file: self.name.to_owned(), place, reason }
+        StageError::Input { file: self.name.to_owned(), place, reason }
     }
 
     /// The byte where a key's value stands, or that of the nearest thing around it that is there.
@@ -218,9 +248,9 @@ impl Source<'_> {
     }
 
     /// A path of keys at `key`, times and values, which must rise.
-    pub fn track<T>(&self, key: &str, keys: Vec<(f32, T)>) -> Result<Track<T>, BakeError>
+    pub fn track<T>(&self, key: &str, keys: Vec<(f32, T)>) -> Result<Track<T>, StageError>
     where
-        T: super::super::track::Value,
+        T: Value,
     {
         let times: Vec<f32> = keys.iter().map(|key| key.0).collect();
         Track::new(keys).map_err(|i| match (i.checked_sub(1).and_then(|before| times.get(before)), times.get(i)) {

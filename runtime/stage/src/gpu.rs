@@ -1,0 +1,84 @@
+//! A device without a window.
+
+use crate::StageError;
+use pelage_runtime::wgpu;
+
+/// Device, queue, and what the adapter can measure. A clone is another handle of the same device.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name, driver and kind of the adapter.
+    pub info: wgpu::AdapterInfo,
+}
+
+impl Gpu {
+    /// Opens the adapter that wgpu prefers; `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` choose another one.
+    pub fn open() -> Result<Self, StageError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, None))
+            .map_err(|error| StageError::NoAdapter(error.to_string()))?;
+        let wanted = wgpu::Features::TEXTURE_COMPRESSION_BC
+            | wgpu::Features::TIMESTAMP_QUERY
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+            | wgpu::Features::PIPELINE_STATISTICS_QUERY;
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("pelage"),
+            required_features: wanted & adapter.features(),
+            required_limits: adapter.limits(),
+            ..Default::default()
+        }))
+        .map_err(|error| StageError::NoAdapter(error.to_string()))?;
+        Ok(Self { device, queue, info: adapter.get_info() })
+    }
+
+    /// Blocks until everything submitted so far is done.
+    pub fn wait(&self) -> Result<(), StageError> {
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map(drop).map_err(lost)
+    }
+
+    /// Maps a buffer with `MAP_READ` that the device has finished writing, and copies it out.
+    pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, StageError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));
+        self.wait()?;
+        receiver.recv().map_err(lost)?.map_err(lost)?;
+        let bytes = buffer.slice(..).get_mapped_range().map_err(lost)?.to_vec();
+        buffer.unmap();
+        Ok(bytes)
+    }
+
+    /// The texels of one array layer of an uncompressed texture with `COPY_SRC`, row-major, without padding.
+    pub fn read_texture(&self, texture: &wgpu::Texture, layer: u32) -> Result<Vec<u8>, StageError> {
+        let (width, height) = (texture.width(), texture.height());
+        let texel_bytes =
+            texture.format().block_copy_size(None).ok_or_else(|| lost("a texture without a texel size"))?;
+        let row_bytes = width * texel_bytes;
+        let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("texture readback"),
+            size: u64::from(padded) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: 0, z: layer }, ..texture.as_image_copy() },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+        self.queue.submit([encoder.finish()]);
+        let bytes = self.read_buffer(&buffer)?;
+        Ok(bytes.chunks_exact(padded as usize).flat_map(|row| &row[..row_bytes as usize]).copied().collect())
+    }
+}
+
+/// What went wrong with a device that stopped answering.
+pub(crate) fn lost(error: impl std::fmt::Display) -> StageError {
+    StageError::Device(error.to_string())
+}

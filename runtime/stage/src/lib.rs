@@ -1,0 +1,42 @@
+//! The stage: what an application, a tool or a test needs to put animals into a picture, beside the animals.
+//!
+//! Without features it is plain data: packages with their names ([`NamedPackage`]), models that stand, walk and play clips ([`Cast`], [`Place`],
+//! [`Playing`]), values over time ([`Track`]), cameras ([`Viewpoint`], [`Shot`], [`framing`]), and scene files that say all of it ([`SceneFile`]).
+//! Nothing of it knows a GPU, a window or the file system.
+//!
+//! With the feature `draw` there is a device without a window ([`Gpu`]), targets to draw on and read back ([`Canvas`]), a cast on a canvas
+//! ([`Stage`]) and what measures it ([`Meter`]).
+
+#[cfg(feature = "draw")]
+mod canvas;
+mod cast;
+mod error;
+pub mod framing;
+#[cfg(feature = "draw")]
+mod gpu;
+#[cfg(feature = "draw")]
+mod meter;
+mod package;
+mod scene_file;
+#[cfg(feature = "draw")]
+mod stage;
+mod track;
+mod viewpoint;
+
+#[cfg(feature = "draw")]
+pub use canvas::{COLOR_FORMAT, Canvas, DEPTH_FORMAT};
+pub use cast::{Actor, Cast, Place, Playing, find_clip, rest_points, within};
+pub use error::StageError;
+#[cfg(feature = "draw")]
+pub use gpu::Gpu;
+#[cfg(feature = "draw")]
+pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};
+pub use package::NamedPackage;
+pub use scene_file::{
+    CameraKey, FieldOfView, LoadedScene, Number, PackageSource, PlaceKey, Point, Scale, Scene, SceneCamera, SceneFile,
+    SceneLight, SceneModel, SceneSequence, Whole,
+};
+#[cfg(feature = "draw")]
+pub use stage::{Picture, Stage, camera};
+pub use track::{LEAST_STEP_S, Track, Value};
+pub use viewpoint::{Shot, Viewpoint};
