@@ -93,3 +93,10 @@ pub use report::{Created, FrameReport, InstanceDetail, PassReport};
 pub use glam;
 pub use pelage_formats as formats;
 pub use wgpu;
+
+/// The Rust of the documents, which is compiled with that of these comments.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../docs/application.md")]
+    struct Application;
+}

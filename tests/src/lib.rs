@@ -3,6 +3,7 @@
 pub mod binary;
 pub mod chores;
 pub mod compute;
+pub mod documents;
 pub mod gpu;
 pub mod packages;
 pub mod pictures;

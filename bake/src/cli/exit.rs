@@ -76,7 +76,7 @@ impl From<StageError> for Failure {
 }
 
 impl Failure {
-    /// The exit code that cli.md of the design, and the README, promise.
+    /// The exit code that the README promises.
     pub fn exit(&self) -> Exit {
         match self {
             Self::Usage(_) => Exit::Usage,

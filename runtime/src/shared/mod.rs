@@ -1,29 +1,30 @@
 //! Shader functions that several passes use, each as `<topic>.wgsl` with a Rust twin `<topic>.rs` beside it: same function
-//! names, same argument order. The twins serve tests, tools and applications that want the same numbers on the CPU.
+//! names, same argument order. The twins serve tests, tools and applications that want the same numbers on the CPU. The numbers of
+//! formulas are those of `formats/docs/formulas.md`.
 //!
 //! Each topic's `WGSL` is plain source without entry points or bindings; join it before your own shader.
 
-/// Levels of detail: which layers of hair a level draws, and how many layers each stands for.
+/// Levels of detail: which layers of hair a level draws, and how many layers each stands for (formulas 4.7, 4.8).
 pub mod detail;
-/// How much of a fin shows, and of the shells beside it.
+/// How much of a fin shows, and of the shells beside it (formulas 4.6).
 pub mod fins;
 /// Where camera, light and the drawn copy stand: the uniform blocks of every pass.
 pub mod frame;
-/// The ink-wash style: sphere map, features, lines, wash (Fang 2006).
+/// The ink-wash style: sphere map, features, lines, wash (Fang 2006; formulas 5.1, 5.2, 5.3).
 pub mod ink;
-/// Yang 2006, eq. (1), and the attenuations of eqs. (2) and (3) that need no map.
+/// Yang 2006, eq. (1), and the attenuations of eqs. (2) and (3) that need no map (formulas 4.1).
 pub mod kajiya_kay;
-/// Layer-wise shadow maps: what a layer of hair leaves of the light.
+/// Layer-wise shadow maps: what a layer of hair leaves of the light (formulas 4.2).
 pub mod layer_shadow;
-/// Opacity of a layer when more or fewer layers are drawn than were baked.
+/// Opacity of a layer when more or fewer layers are drawn than were baked, and of a slanted look (formulas 3.2, 4.5).
 pub mod opacity;
 /// The key light's shadows on the application's own geometry.
 pub mod receiver;
-/// Linear blend skinning: blended matrix, normals, tangents.
+/// Linear blend skinning: blended matrix, normals, tangents (formulas 2.2, 2.3).
 pub mod skinning;
-/// Soft shadows from a shadow-width map.
+/// Soft shadows from a shadow-width map (formulas 4.4).
 pub mod soft_shadow;
-/// Colours as displays encode them.
+/// Colours as displays encode them (formulas 1.2).
 pub mod srgb;
-/// The hair tile's frame on the skin, and directions in it.
+/// The hair tile's frame on the skin, and directions in it (formulas 2.4, 2.5).
 pub mod tile_frame;

@@ -4,6 +4,7 @@
 use pelage_bake::recipe::{Recipe, keys};
 use pelage_runtime::PassId;
 use pelage_tests::binary::{Sandbox, workspace};
+use pelage_tests::documents::{cited_formulas, documents, links, named_documents, numbered_headings};
 
 /// The README's table of recipe keys.
 fn recipe_table() -> String {
@@ -52,4 +53,63 @@ fn the_architecture_lists_every_pass() {
         table.lines().count() > 10 && document.contains(&table),
         "ARCHITECTURE.md should hold this table:\n{table}"
     );
+}
+
+/// Every section of the formula sheet that code or a document cites.
+#[test]
+fn every_cited_formula_stands_in_the_sheet() {
+    const SHEET: &str = "formats/docs/formulas.md";
+    let sheet = std::fs::read_to_string(workspace().join(SHEET)).unwrap();
+    let sections = numbered_headings(&sheet);
+    let mut cited = 0;
+    // This crate's own reader of citations has made-up ones in its tests.
+    let all = documents(&["rs", "wgsl", "md", "toml"]).into_iter().filter(|d| d.path != "tests/src/documents.rs");
+    for document in all {
+        for section in cited_formulas(&document.text) {
+            assert!(sections.contains(&section), "{} cites formulas {section}, which {SHEET} has not", document.path);
+            cited += 1;
+        }
+    }
+    assert!(sections.len() > 30 && cited > 10, "{} sections, {cited} citations", sections.len());
+}
+
+/// Sources and documents name no document that a reader of the repository does not have.
+#[test]
+fn every_named_document_is_in_the_repository() {
+    let there: Vec<String> = documents(&["md"]).into_iter().map(|d| d.path).collect();
+    let is_there = |name: &str| {
+        let name = name.trim_start_matches(['.', '/']);
+        there.iter().any(|path| path == name || path.ends_with(&format!("/{name}")))
+    };
+    let mut named = 0;
+    for document in documents(&["rs", "wgsl", "md", "toml"]) {
+        // Tests write documents that never were.
+        if document.path == "tests/src/documents.rs" {
+            continue;
+        }
+        for name in named_documents(&document.text) {
+            assert!(is_there(&name), "{} names {name}, which is not in the repository", document.path);
+            named += 1;
+        }
+    }
+    assert!(named > 20, "only {named} found");
+}
+
+/// The pages of decisions: each is in the index, and each decision says what it must.
+#[test]
+fn every_decision_says_why_and_what_would_change_it() {
+    let index = std::fs::read_to_string(workspace().join("formats/docs/decisions.md")).unwrap();
+    let listed: Vec<String> = links(&index).into_iter().map(|(path, _)| path).collect();
+    let mut decisions = 0;
+    for document in documents(&["md"]).into_iter().filter(|d| d.path.contains("/docs/decisions/")) {
+        let name = document.path.rsplit('/').next().unwrap();
+        assert!(listed.iter().any(|path| path.ends_with(name)), "the index does not list {}", document.path);
+        for decision in document.text.split("\n## ").skip(1) {
+            for part in ["Context", "Choice", "Figure", "What would change it"] {
+                assert!(decision.contains(&format!("- **{part}.** ")), "{}: {decision}\nhas no {part}", document.path);
+            }
+            decisions += 1;
+        }
+    }
+    assert!(decisions >= 43, "only {decisions} decisions");
 }

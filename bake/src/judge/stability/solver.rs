@@ -36,7 +36,7 @@ pub fn slivers(least: f32) -> Model {
     model(positions.collect(), triangles)
 }
 
-/// The Poisson system of formulas §6.3 by 56 rounds of Jacobi-preconditioned conjugate gradients; returns flipped triangles.
+/// The Poisson system of formulas 6.3 by 56 rounds of Jacobi-preconditioned conjugate gradients; returns flipped triangles.
 pub fn naive_flips(model: &Model, tile_m: f32) -> usize {
     let mesh = &model.mesh;
     let n = mesh.positions.len();

@@ -1,4 +1,4 @@
-//! Transmittance through the volume that the layers are samples of: formulas.md 4.3 of the design notes, after Kajiya and Kay 1989.
+//! Transmittance through the volume that the layers are samples of: formulas 4.3, after Kajiya and Kay 1989.
 //!
 //! A layer's opacity α is what its slab of height Δ takes from light that comes straight down, so the slab's extinction is −ln(1 − α)/Δ. It is
 //! given at the texel centres of the layer and interpolated linearly in all three axes. The ends are constant: from half a spacing under the

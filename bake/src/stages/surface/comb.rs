@@ -18,7 +18,7 @@ pub enum Comb {
     Tangents,
     /// One vector per vertex of the input mesh; its length, up to 1, is how much it counts.
     PerVertex(Vec<Vec3>),
-    /// Directions at a few places, spread over the surface by the way between (formulas §6.1, after Praun et al. 2000).
+    /// Directions at a few places, spread over the surface by the way between (formulas 6.1, after Praun et al. 2000).
     Guides(Vec<Guide>),
     /// No direction: patches lie as they distort least, which suits hair that stands up (the isotropic mode of Lengyel et al. 2001).
     None,
