@@ -1,6 +1,6 @@
 //! The model as `import` hands it on: one triangle mesh, its materials, images and motions.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use pelage_formats::meaning::{skin_matrix, transform_normal};
 use pelage_formats::{Animation, InputRecord, Pose, SkinVertex};
 
@@ -120,7 +120,7 @@ impl RestPose {
         for ((position, normal), skin) in mesh.positions.iter().zip(&mesh.normals).zip(&mesh.skin) {
             let matrix = skin_matrix(pose, skin);
             rest.positions.push(matrix.transform_point3(*position));
-            rest.normals.push(transform_normal(matrix, *normal));
+            rest.normals.push(transform_normal(Mat3::from_mat4(matrix), *normal));
         }
         rest
     }

@@ -32,7 +32,6 @@
 compile_error!("pelage-formats needs a little-endian target: packages hold vertex data that is uploaded in place");
 
 mod container;
-mod direction;
 mod encoding;
 mod error;
 mod limits;
@@ -45,9 +44,9 @@ mod whole;
 mod writer;
 
 pub use container::{FORMAT_VERSION, MAGIC, Section};
-pub use direction::{decode_direction, encode_direction};
 pub use error::FormatError;
 pub use limits::Limits;
+pub use meaning::{decode_direction, encode_direction};
 pub use package::Package;
 pub use sampling::Pose;
 pub use sections::animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};

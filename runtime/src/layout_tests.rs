@@ -2,7 +2,6 @@
 
 use crate::frame::PASSES;
 use crate::gpu::Shader;
-use crate::hair::{FIN_CORNERS, LEANING_ROWS};
 use crate::ink::{InkFrame, InkModel};
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin};
@@ -10,6 +9,7 @@ use crate::shared::{frame, receiver, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
+use pelage_formats::meaning::{FIN_CORNERS, LEANING_ROWS};
 use pelage_formats::{AttributeVertex, Fin, GeometryVertex, SkinVertex};
 use std::collections::BTreeMap;
 use std::mem::offset_of;

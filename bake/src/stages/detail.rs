@@ -3,6 +3,7 @@
 use crate::recipe::{DetailParams, Recipe};
 use crate::stages::textures::Coat;
 use pelage_formats::DetailLevel;
+use pelage_formats::meaning::layers_stood_for;
 
 /// Fewest layers above the skin that a level may have. Four of the hare's fifteen are 5 % too bright and of the torus's 11 % too dark, eight of
 /// either within 1 %.
@@ -59,11 +60,10 @@ fn share_of_fins(params: &DetailParams, full_px: f32) -> f32 {
 fn density(opacities: &[f32], step: u32) -> f32 {
     let layers = opacities.len() as u32 + 1;
     let depth = |opacity: f32| -f64::from((-opacity.min(0.999)).ln_1p());
-    let stood_for = |k: u32| if (layers - 1 - k).is_multiple_of(step) { step.min(k) } else { 0 };
     let (mut all, mut drawn) = (0.0, 0.0);
     for (k, opacity) in (1..layers).zip(opacities) {
         all += depth(*opacity);
-        drawn += f64::from(stood_for(k)) * depth(*opacity);
+        drawn += f64::from(layers_stood_for(k, layers, step)) * depth(*opacity);
     }
     // Hair of which a level meets next to nothing cannot be made up for.
     if step == 1 || drawn <= 0.0 { 1.0 } else { (all / drawn).clamp(0.25, 4.0) as f32 }

@@ -7,6 +7,7 @@ use crate::stages::groom::{Coat, Colors};
 use crate::stages::ink::Ink;
 use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures};
+use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
     AttributeVertex, Bounds, Choice, DetailLevel, FinData, FinInfo, FurInfo, GeometryVertex, InkData, InkInfo,
     InputRecord, Limits, Manifest, Material, MeshData, Package, PackageWriter, Part, QualityFigure, Shading, Tag,
@@ -216,7 +217,6 @@ fn fin_data(fins: &EdgeFins, parts: &[Part]) -> FinData {
 fn mesh_data(pieces: &Pieces<'_>) -> MeshData {
     let Pieces { surface, coat, colors, .. } = *pieces;
     let mesh = &surface.mesh;
-    let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     let geometry = (0..mesh.positions.len()).map(|i| GeometryVertex {
         position: mesh.positions[i].into(),
         fur_height: coat.length[i] * pieces.fur.height_m,
@@ -228,7 +228,7 @@ fn mesh_data(pieces: &Pieces<'_>) -> MeshData {
         tile_uv: surface.tile_uvs[i].into(),
         base_uv: mesh.uvs[i].into(),
         color: colors.vertices[i],
-        groom: [byte(coat.bareness[i]), byte(coat.wetness[i]), 0, 0],
+        groom: groom_bytes(coat.bareness[i], coat.wetness[i]),
     });
     MeshData {
         geometry: geometry.collect(),

@@ -19,6 +19,7 @@ use crate::stages::groom::{Lengths, Water};
 use crate::stages::hair::{Strands, TileHair};
 use glam::{DVec2, DVec3};
 use pelage_formats::Manifest;
+use pelage_formats::meaning::hair_offset;
 use rayon::prelude::*;
 
 /// Points of a strand that lie this near to the line without them are left out, radii of the strand. A tenth moves no edge by more than a
@@ -218,8 +219,7 @@ impl Gardener<'_> {
         let share = f64::from(strands.points[i].z / strands.height);
         let corners = self.skin.corners(at.triangle);
         let sum = |each: [DVec3; 3]| each[0] * at.weights.x + each[1] * at.weights.y + each[2] * at.weights.z;
-        let offset =
-            sum(corners.map(|c| (c.normal_ws * share + c.bitangent_ws * (c.lean * share * share)) * c.fur_height_m));
+        let offset = sum(corners.map(|c| hair_offset(c.normal_ws, c.bitangent_ws, c.lean, share, c.fur_height_m)));
         CurvePoint {
             position_ws: (self.walk.place_ws(at) + offset).as_vec3(),
             radius_m: (f64::from(strands.radii[i]) * self.tile_size_m) as f32,

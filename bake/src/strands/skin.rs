@@ -4,8 +4,8 @@ use crate::BakeError;
 use crate::mesh::Image;
 use crate::stages::groom::sample::{Encoding, Wrap, bilinear};
 use crate::stages::textures::decode_texture;
-use glam::{DVec2, DVec3, Mat3, Vec2, Vec3, Vec4};
-use pelage_formats::meaning::{skin_matrix, transform_normal};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
+use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed, skin_matrix, tile_axes_f64};
 use pelage_formats::{FormatError, GeometryVertex, Package, Pose, SkinVertex};
 use std::collections::HashMap;
 
@@ -96,7 +96,7 @@ impl Skin {
                 tile_uv: Vec2::from(attributes.tile_uv).as_dvec2(),
                 base_uv: attributes.base_uv.into(),
                 color: Vec4::from(attributes.color.map(share)),
-                groom: Vec2::new(1.0 - share(attributes.groom[0]), share(attributes.groom[1])),
+                groom: groom_of_vertex(attributes.groom),
                 ..posed_point(&geometry, moved_by.as_ref(), &pose)
             });
         }
@@ -161,7 +161,7 @@ impl Skin {
             Some(image) => {
                 let uv = mix(weights, corners.map(|c| c.base_uv));
                 let texel = bilinear(image, uv, Wrap::Repeat, Encoding::Linear);
-                Vec2::new(groom.x * texel.x, (groom.y + texel.y).min(1.0))
+                groom_with_texel(groom, texel.truncate().truncate())
             }
             None => groom,
         }
@@ -178,27 +178,15 @@ where
 }
 
 fn posed_point(v: &GeometryVertex, moved_by: Option<&SkinVertex>, pose: &Pose) -> SkinPoint {
-    let (position, own_normal) = (Vec3::from(v.position), Vec3::from(v.normal));
-    let [x, y, z, w] = v.tangent;
-    let (mut place, mut normal, mut tangent) = (position, own_normal, Vec3::new(x, y, z));
-    let mut handedness = if w < 0.0 { -1.0 } else { 1.0 };
-    if let Some(skin) = moved_by {
-        let matrix = skin_matrix(pose, skin);
-        place = matrix.transform_point3(position);
-        normal = transform_normal(matrix, own_normal);
-        tangent = matrix.transform_vector3(tangent);
-        if Mat3::from_mat4(matrix).determinant() < 0.0 {
-            handedness = -handedness;
-        }
-    }
-    let normal = normal.as_dvec3().normalize_or(DVec3::Y);
-    let along = tangent.as_dvec3().reject_from_normalized(normal).try_normalize();
-    let tangent_ws = along.unwrap_or_else(|| normal.any_orthonormal_vector());
+    let v = moved_by.map_or(*v, |skin| posed(v, skin_matrix(pose, skin)));
+    let [x, y, z, handedness] = v.tangent;
+    let normal = Vec3::from(v.normal).as_dvec3().normalize_or(DVec3::Y);
+    let [tangent_ws, bitangent_ws] = tile_axes_f64(normal, Vec3::new(x, y, z).as_dvec3(), f64::from(handedness));
     SkinPoint {
-        position_ws: place.as_dvec3(),
+        position_ws: Vec3::from(v.position).as_dvec3(),
         normal_ws: normal,
         tangent_ws,
-        bitangent_ws: normal.cross(tangent_ws) * handedness,
+        bitangent_ws,
         fur_height_m: f64::from(v.fur_height),
         lean: f64::from(v.lean),
         ..SkinPoint::default()

@@ -1,9 +1,27 @@
-//! What stored numbers mean: written once, for the tool, the runtime, the truths and the tests.
+//! What the numbers of a package mean, once for all who read it: where a posed vertex stands, where a point of its hair does, which layers a
+//! level of detail draws, how much of a fin shows, how colours are encoded, and how a camera is turned.
+//!
+//! The runtime's shaders say the same in WGSL; its tests hold shader, function and a truth in f64 against each other. The functions of a point of
+//! hair take f32 and f64 alike, because what traces single hairs from afar needs the digits.
 
+mod coat;
+mod direction;
+mod fins;
+mod groom;
+mod hair_point;
+mod layers;
 mod skinning;
 mod srgb;
+mod tile_frame;
 mod view;
 
-pub use skinning::{skin_matrix, transform_normal};
+pub use coat::{coat_light, coat_light_numbers};
+pub use direction::{decode_direction, encode_direction};
+pub use fins::{FIN_CORNERS, LEANING_ROWS, fin_face, fin_opacity, fin_rows, row_heights};
+pub use groom::{groom_bytes, groom_of_vertex, groom_with_texel};
+pub use hair_point::{hair_offset, lean_offset, lean_slope, leaned_direction};
+pub use layers::{detail_count, detail_layer, layer_height, layers_stood_for};
+pub use skinning::{blend, handedness_of, normalize_or, posed, skin_matrix, transform_normal, weighted};
 pub use srgb::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
-pub use view::{up_of_view, view_from_world};
+pub use tile_frame::{TileFrame, any_perpendicular, orthonormal_tangent, tile_axes_f64, tile_frame, to_tile};
+pub use view::{up_of_view, view_axes, view_from_world};

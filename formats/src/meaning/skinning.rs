@@ -1,27 +1,119 @@
-//! What joints and weights do to a vertex.
+//! Linear blend skinning: where joints move a vertex, its normal and its tangent.
 
-use crate::{Pose, SkinVertex};
-use glam::{Mat3, Mat4, Vec3};
+use crate::sampling::Pose;
+use crate::sections::mesh::{GeometryVertex, SkinVertex};
+use glam::{Mat3, Mat4, Vec3, Vec4};
 
-/// The weighted sum of a vertex's joint matrices (linear blend skinning): model space at rest to model space in the pose. A joint that
-/// the pose does not have stands still.
-pub fn skin_matrix(pose: &Pose, skin: &SkinVertex) -> Mat4 {
-    let mut sum = Mat4::ZERO;
-    for (joint, weight) in skin.joints.iter().zip(skin.weights) {
-        if weight > 0.0 {
-            sum += pose.joints.get(usize::from(*joint)).copied().unwrap_or(Mat4::IDENTITY) * weight;
-        }
-    }
-    sum
+/// One joint's share of a vertex's matrix. A joint of weight 0 counts for nothing, even where its matrix is not finite.
+pub fn weighted(m: Mat4, weight: f32) -> Mat4 {
+    if weight > 0.0 { m * weight } else { Mat4::ZERO }
 }
 
-/// A normal under a matrix that may scale unevenly, mirror or collapse: unit length always, and outward stays outward.
+/// The weighted sum of a vertex's four joint matrices; the identity where no weight is positive.
+pub fn blend(m0: Mat4, m1: Mat4, m2: Mat4, m3: Mat4, weights: Vec4) -> Mat4 {
+    if !weights.cmpgt(Vec4::ZERO).any() {
+        return Mat4::IDENTITY;
+    }
+    // Zero comes first, so that no sum is -0.
+    Mat4::ZERO + weighted(m0, weights.x) + weighted(m1, weights.y) + weighted(m2, weights.z) + weighted(m3, weights.w)
+}
+
+/// The matrix that moves a vertex in a pose, mesh space to world space. A joint that the pose has not got stands still.
+pub fn skin_matrix(pose: &Pose, skin: &SkinVertex) -> Mat4 {
+    let [m0, m1, m2, m3] = skin.joints.map(|j| pose.joints.get(usize::from(j)).copied().unwrap_or(Mat4::IDENTITY));
+    blend(m0, m1, m2, m3, Vec4::from_array(skin.weights))
+}
+
+/// `v` at unit length, or `fallback` where `v` has no usable length (below 1e-30, above 1e30, or NaN).
+pub fn normalize_or(v: Vec3, fallback: Vec3) -> Vec3 {
+    // Where the square of the length has all its digits, nothing needs to be scaled.
+    if (1e-36..=1e36).contains(&v.length_squared()) {
+        return v.normalize();
+    }
+    let largest = v.x.abs().max(v.y.abs().max(v.z.abs()));
+    if largest > 1e-30 && largest < 1e30 && v.is_finite() { (v / largest).normalize() } else { fallback }
+}
+
+/// A unit normal under a matrix that may scale unevenly, mirror or collapse: unit length always, and outward stays outward.
 ///
 /// The cofactor matrix is the inverse transpose times the determinant: it needs no division, so it survives a zero scale; its
 /// sign is the determinant's, which is taken out again. A normal that collapses altogether keeps its old direction.
-pub fn transform_normal(matrix: Mat4, normal: Vec3) -> Vec3 {
-    let m = Mat3::from_mat4(matrix);
+pub fn transform_normal(m: Mat3, normal: Vec3) -> Vec3 {
     let cofactor = Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
-    let sign = if m.x_axis.dot(cofactor.x_axis) < 0.0 { -1.0 } else { 1.0 };
-    (cofactor * normal * sign).try_normalize().unwrap_or(normal)
+    normalize_or(cofactor * normal * handedness_of(m), normal)
+}
+
+/// −1 where `m` mirrors, else 1.
+pub fn handedness_of(m: Mat3) -> f32 {
+    if m.x_axis.dot(m.y_axis.cross(m.z_axis)) < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// A stored vertex as `matrix` moves it ([`skin_matrix`]). The tangent is moved along and neither unit nor perpendicular to the normal
+/// any more: [`super::tile_frame`] makes it so. Height and lean of the hair stay.
+pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
+    let linear = Mat3::from_mat4(matrix);
+    let [x, y, z, handedness] = vertex.tangent;
+    GeometryVertex {
+        position: matrix.transform_point3(Vec3::from(vertex.position)).into(),
+        normal: transform_normal(linear, Vec3::from(vertex.normal)).into(),
+        tangent: (linear * Vec3::new(x, y, z)).extend(handedness * handedness_of(linear)).into(),
+        ..*vertex
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    #[test]
+    fn weights_share_out_and_zero_weights_count_for_nothing() {
+        let (moved, broken) = (Mat4::from_translation(Vec3::X), Mat4::from_cols_array(&[f32::NAN; 16]));
+        assert_eq!(blend(moved, broken, broken, broken, Vec4::X), moved);
+        assert_eq!(blend(moved, moved, moved, moved, Vec4::ZERO), Mat4::IDENTITY);
+        let half = blend(moved, Mat4::IDENTITY, broken, broken, Vec4::new(0.5, 0.5, 0.0, 0.0));
+        assert_eq!(half.transform_point3(Vec3::ZERO), 0.5 * Vec3::X);
+        let pose = Pose { joints: vec![moved], nodes: Vec::new() };
+        let of = |joint, weights| skin_matrix(&pose, &SkinVertex { joints: [joint, 9, 9, 9], weights });
+        assert_eq!(of(0, [1.0, 0.0, 0.0, 0.0]), moved);
+        assert_eq!(of(7, [1.0, 0.0, 0.0, 0.0]), Mat4::IDENTITY, "a joint that is not there");
+    }
+
+    #[test]
+    fn normals_stay_outward_and_unit_at_every_scale() {
+        let normal = Vec3::new(0.36, 0.48, 0.8);
+        for scale in [1e-14f32, 1e-9, 1e-3, 1.0, 1e3, 1e14] {
+            for mirror in [1.0, -1.0] {
+                let m = Mat3::from_diagonal(Vec3::new(scale * mirror, scale, scale));
+                let (found, expected) = (transform_normal(m, normal), normal * Vec3::new(mirror, 1.0, 1.0));
+                assert!(found.distance(expected) < 1e-6, "{scale} {mirror}: {found} is not {expected}");
+            }
+        }
+        assert_eq!(transform_normal(Mat3::ZERO, normal), normal);
+        assert_eq!(normalize_or(Vec3::NAN, Vec3::Y), Vec3::Y);
+        // Stretched along x, a slope turns away from x.
+        let stretched = transform_normal(Mat3::from_diagonal(Vec3::new(2.0, 1.0, 1.0)), Vec3::new(0.6, 0.8, 0.0));
+        assert!(stretched.distance(Vec3::new(0.3, 0.8, 0.0).normalize()) < 1e-6, "{stretched}");
+    }
+
+    #[test]
+    fn a_vertex_moves_with_all_that_it_carries() {
+        let vertex = GeometryVertex {
+            position: [1.0, 2.0, 3.0],
+            normal: [0.0, 1.0, 0.0],
+            tangent: [1.0, 0.0, 0.0, 1.0],
+            fur_height: 0.25,
+            lean: 0.5,
+        };
+        let turn = Mat4::from_rotation_translation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2), Vec3::Z);
+        let moved = posed(&vertex, turn);
+        let near = |a: [f32; 3], b: [f32; 3]| assert!(Vec3::from(a).distance(b.into()) < 1e-6, "{a:?} is not {b:?}");
+        near(moved.position, [-2.0, 1.0, 4.0]);
+        near(moved.normal, [-1.0, 0.0, 0.0]);
+        let [x, y, z, handedness] = moved.tangent;
+        near([x, y, z], [0.0, 1.0, 0.0]);
+        assert_eq!((handedness, moved.fur_height, moved.lean), (1.0, 0.25, 0.5));
+        assert_eq!(posed(&vertex, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))).tangent[3], -1.0, "a mirrored tile");
+        assert_eq!(posed(&vertex, Mat4::IDENTITY), vertex);
+    }
 }

@@ -1,20 +1,26 @@
-//! What an eye and a target mean for a picture.
+//! How a camera that is given by its place and its target is turned. World space has +Y up; a camera looks along −Z of view space.
 
 use glam::{Mat4, Vec3};
 
-/// World to view space: rotation and translation, no scale. View space looks along −Z; up in the picture is +Y of the world, or −Z where
-/// the view is straight up or down. An eye that is its own target looks along −Z.
-pub fn view_from_world(eye: Vec3, target: Vec3) -> Mat4 {
-    let backward = backward(eye, target);
-    let right = up_of_view(eye, target).cross(backward).normalize();
-    let world_from_view =
-        Mat4::from_cols(right.extend(0.0), backward.cross(right).extend(0.0), backward.extend(0.0), eye.extend(1.0));
-    world_from_view.inverse()
-}
+/// A look along the vertical axis to within this cosine, 0.8°, has no upright side of its own.
+const STRAIGHT: f32 = 0.9999;
 
 /// What is up in the picture, in the world: +Y, or −Z where the view is straight up or down.
 pub fn up_of_view(eye: Vec3, target: Vec3) -> Vec3 {
-    if backward(eye, target).y.abs() > 0.9999 { Vec3::NEG_Z } else { Vec3::Y }
+    if backward(eye, target).y.abs() > STRAIGHT { Vec3::NEG_Z } else { Vec3::Y }
+}
+
+/// Right, up and backward in the picture of a camera at `eye` that looks at `target`: perpendicular unit vectors in the world.
+pub fn view_axes(eye: Vec3, target: Vec3) -> [Vec3; 3] {
+    let backward = backward(eye, target);
+    let right = up_of_view(eye, target).cross(backward).normalize();
+    [right, backward.cross(right), backward]
+}
+
+/// World to view space of that camera: rotation and translation, no scale. An eye that is its own target looks along −Z.
+pub fn view_from_world(eye: Vec3, target: Vec3) -> Mat4 {
+    let [right, up, backward] = view_axes(eye, target);
+    Mat4::from_cols(right.extend(0.0), up.extend(0.0), backward.extend(0.0), eye.extend(1.0)).inverse()
 }
 
 fn backward(eye: Vec3, target: Vec3) -> Vec3 {
@@ -26,15 +32,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn up_is_up_and_straight_down_shows_minus_z_at_the_top() {
-        let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-5, "{a} is not {b}");
-        let level = view_from_world(Vec3::new(0.0, 1.0, 5.0), Vec3::new(0.0, 1.0, 0.0));
-        near(level.transform_point3(Vec3::new(1.0, 3.0, 4.0)), Vec3::new(1.0, 2.0, -1.0));
-        for (eye, right) in [(Vec3::Y, Vec3::X), (Vec3::NEG_Y, Vec3::NEG_X)] {
+    fn cameras_stand_upright_and_straight_looks_have_minus_z_up() {
+        for (eye, up) in [
+            (Vec3::new(3.0, 1.0, 2.0), Vec3::Y),
+            (Vec3::new(0.04, 1.0, 0.0), Vec3::Y),
+            (Vec3::new(0.01, 1.0, 0.0), Vec3::NEG_Z),
+            (Vec3::NEG_Y, Vec3::NEG_Z),
+        ] {
             let view = view_from_world(eye, Vec3::ZERO);
-            near(view.transform_vector3(Vec3::NEG_Z), Vec3::Y);
-            near(view.transform_vector3(right), Vec3::X);
+            let seen = view.transform_vector3(up);
+            assert!(seen.x.abs() < 1e-5 && seen.y > 0.0, "{eye}: {up} is seen at {seen}");
+            assert!(view.transform_point3(eye).length() < 1e-5);
+            let ahead = view.transform_point3(Vec3::ZERO);
+            assert!((ahead + Vec3::Z * eye.length()).length() < 1e-5, "{eye}: the target is seen at {ahead}");
         }
-        assert!(view_from_world(Vec3::ONE, Vec3::ONE).is_finite());
+        assert_eq!(view_from_world(Vec3::ONE, Vec3::ONE).transform_vector3(Vec3::Z), Vec3::Z);
     }
 }

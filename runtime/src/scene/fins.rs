@@ -3,8 +3,8 @@
 use super::recording::Recording;
 use super::seen::Seen;
 use crate::gpu::{Bound, Draw, Group, RenderSpec};
-use crate::hair::{FIN_CORNERS, LEANING_ROWS};
 use crate::model::Part;
+use pelage_formats::meaning::{FIN_CORNERS, fin_rows};
 
 /// Draws of the parts of a model that have fins; none for a model without. `textures`: group 2; `spec`: the pipeline of a part, whose groups
 /// and streams are set here.
@@ -19,7 +19,7 @@ pub(crate) fn fin_draws(
     let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
     let entries = vec![buffer(0, &seen.moved.geometry), buffer(1, model.attributes()), buffer(2, &fins.buffer)];
     let group = frame.cache.bind_groups.get(frame.gpu, "pelage fins", layout, entries);
-    let vertices = if model.varies().lean { FIN_CORNERS * LEANING_ROWS } else { FIN_CORNERS };
+    let vertices = FIN_CORNERS * fin_rows(model.varies().lean);
     let mut draws = Vec::new();
     for part in model.parts().iter().filter(|part| !part.fins.is_empty()) {
         let mut spec = spec(frame, part);

@@ -30,6 +30,8 @@ fn predictions_are_what_an_adapter_counts() {
         ("hare", &["--size", "500x300"][..]),
         ("knot", &["--size", "300x300"]),
         ("torus", &["--size", "400x300", "--camera", "1,1,2.5/0,0.1,0/35"]),
+        // Nearly straight down, along the body and close by: turned by a quarter, the picture would hold another part of the hare.
+        ("hare", &["--size", "600x200", "--camera", "0.02,0.9,0/0,0.2,0/14"]),
     ] {
         bake(&sandbox, name, &plain);
         let found = doctor(&sandbox, view);

@@ -16,6 +16,7 @@ use crate::stages::groom::{Lengths, MapImages};
 use crate::stages::hair::{Strands, VolumeParams, simulate};
 use crate::stages::textures::{ShellSet, collect_layers};
 use glam::{DVec3, Vec2, Vec3, vec2, vec3};
+use pelage_formats::meaning::layer_height;
 use pelage_formats::{Limits, Package, TextureFormat};
 use pelage_runtime::shared::layer_shadow::{layer_transmittance, slanted_path};
 use pelage_runtime::{ShadowParams, SlantForm};
@@ -254,7 +255,7 @@ impl Sheet {
         let path = slanted_path(slant.light_ts.z as f32);
         let t = |i: &usize| {
             let (x, y, k) = self.texel(*i);
-            let share = k as f32 / (self.layers - 1) as f32;
+            let share = layer_height(k as u32, self.layers);
             let [u, v] = [x, y].map(|x| (x as f32 + 0.5) / n as f32);
             let position = self.corner + self.along[0] * u + self.along[1] * v + self.up * share;
             let between = maps.layers.len() != self.layers as usize;

@@ -9,8 +9,10 @@ pub mod raster;
 pub use advice::Advice;
 
 use crate::BakeError;
-use glam::{Mat3, Mat4, Vec3, Vec4};
-use pelage_formats::meaning::skin_matrix;
+use glam::{Mat4, Vec3, Vec4};
+use pelage_formats::meaning::{
+    fin_face, fin_opacity, fin_rows, hair_offset, layer_height, posed, row_heights, skin_matrix, tile_frame, view_axes,
+};
 use pelage_formats::{FormatError, Package, Pose};
 use raster::{Covered, Draw, Raster};
 
@@ -118,9 +120,9 @@ struct Vertex {
 }
 
 impl Vertex {
-    /// Place of the hair that grows from it, at a share of its height: as `hair_position` of the runtime's shaders.
+    /// Place of the hair that grows from it, at a share of its height.
     fn at(&self, share: f32) -> Vec3 {
-        self.position + (self.normal * share + self.bitangent * (self.lean * share * share)) * self.height_m
+        self.position + hair_offset(self.normal, self.bitangent, self.lean, share, self.height_m)
     }
 }
 
@@ -165,7 +167,7 @@ pub fn diagnose(
         let both = manifest.materials[part.material as usize].double_sided;
         triangles(&indices, part).flatten().for_each(|i| furred[i as usize] = true);
         for layer in 1..layers {
-            let share = layer as f32 / (layers - 1) as f32;
+            let share = layer_height(layer, layers);
             let place: Vec<Vec4> = vertices.iter().map(|v| clip(v.at(share))).collect();
             for t in triangles(&indices, part) {
                 shells = sum(shells, raster.draw(t.map(|i| place[i as usize]), both, Draw::Layer));
@@ -228,10 +230,8 @@ fn camera(view: &View) -> Result<Mat4, BakeError> {
         what: "camera",
         reason: format!("eye and target are both at {}, expected them apart", view.eye),
     })?;
-    let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
     let aspect = view.size.0 as f32 / view.size.1 as f32;
-    let right = forward.cross(up).normalize();
-    let up = right.cross(forward);
+    let [right, up, _] = view_axes(view.eye, view.target);
     let scale = 1.0 / (0.5 * view.fov_y_rad).tan();
     let row = |axis: Vec3, scale: f32| (axis * scale).extend(-axis.dot(view.eye) * scale);
     // Depth itself is never asked for.
@@ -246,13 +246,13 @@ fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> 
     }
     let skin: Vec<_> = mesh.skin().collect();
     let vertex = |(i, v): (usize, pelage_formats::GeometryVertex)| {
-        let matrix = skin.get(i).map_or(Mat4::IDENTITY, |s| skin_matrix(&pose, s));
-        let normal = pelage_formats::meaning::transform_normal(matrix, Vec3::from(v.normal));
-        let tangent = Mat3::from_mat4(matrix) * Vec3::new(v.tangent[0], v.tangent[1], v.tangent[2]);
+        let v = skin.get(i).map_or(v, |s| posed(&v, skin_matrix(&pose, s)));
+        let [x, y, z, handedness] = v.tangent;
+        let frame = tile_frame(v.normal.into(), Vec3::new(x, y, z), handedness);
         Vertex {
-            position: matrix.transform_point3(Vec3::from(v.position)),
-            normal,
-            bitangent: normal.cross(tangent).normalize_or_zero() * v.tangent[3],
+            position: v.position.into(),
+            normal: frame.normal_ws,
+            bitangent: frame.bitangent_ws,
             height_m: v.fur_height,
             lean: v.lean,
         }
@@ -271,24 +271,24 @@ fn fins(
 ) -> Result<(Covered, u64), BakeError> {
     let Some(found) = package.fins().map_err(fault)? else { return Ok((Covered::default(), 0)) };
     // Bent hair takes three quads above each other.
-    let rows = if vertices.iter().any(|v| v.lean > 0.0) { 3 } else { 1 };
+    let rows = fin_rows(vertices.iter().any(|v| v.lean > 0.0));
     let mut covered = Covered::default();
     for fin in found.fins() {
         let (a, b) = (&vertices[fin.a as usize], &vertices[fin.b as usize]);
-        let face = (b.position - a.position).cross(a.normal + b.normal).normalize_or_zero();
+        let face = fin_face(a.position, b.position, a.normal, b.normal);
         let towards_eye = (view.eye - 0.5 * (a.position + b.position)).normalize_or_zero();
-        let opacity = fin.opacity * (2.0 * face.dot(towards_eye).abs() - 1.0).max(0.0);
+        let opacity = fin.opacity * fin_opacity(face.dot(towards_eye));
         if opacity < 0.5 / 255.0 {
             continue;
         }
         for row in 0..rows {
-            let [low, high] = [row, row + 1].map(|r| r as f32 / rows as f32);
+            let [low, high] = row_heights(row, rows);
             let [a0, b0, b1, a1] = [a.at(low), b.at(low), b.at(high), a.at(high)].map(clip);
             covered = sum(covered, raster.draw([a0, b0, b1], true, Draw::Quad));
             covered = sum(covered, raster.draw([a0, b1, a1], true, Draw::Quad));
         }
     }
-    Ok((covered, u64::from(found.count) * rows))
+    Ok((covered, u64::from(found.count) * u64::from(rows)))
 }
 
 fn on_screen(corners: [Vec4; 3]) -> bool {

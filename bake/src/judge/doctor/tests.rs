@@ -74,6 +74,32 @@ fn each_advice_is_earned() {
     assert!(!changes(&prognosis(&model(0), &[&change], pixels, 12.0, 1)).contains(&"slice.layers"), "{change}");
 }
 
+/// A look nearly straight down is where two rules of what is up would part: what is predicted then is another picture than what is drawn.
+#[cfg(feature = "preview")]
+#[test]
+fn cameras_are_the_runtimes_own() {
+    use pelage_runtime::{Camera, Projection};
+    let target = Vec3::new(0.1, 0.2, -0.3);
+    for towards in [
+        Vec3::Y,
+        Vec3::NEG_Y,
+        Vec3::new(0.03, 1.0, 0.0),
+        Vec3::new(0.03, -1.0, 0.01),
+        Vec3::new(0.01, 1.0, 0.0),
+        Vec3::new(0.3, 0.8, 1.0),
+    ] {
+        let eye = target + 2.0 * towards.normalize();
+        let view = View { eye, target, fov_y_rad: 0.6, size: (500, 300), instances: 1, shadow_map: 0 };
+        let ours = camera(&view).unwrap();
+        let projection = Projection::Perspective { fov_y_rad: 0.6, aspect: 5.0 / 3.0, near_m: 0.1, far_m: 10.0 };
+        let theirs = projection.clip_from_view(true) * Camera::look_at(eye, target, projection).view_from_world;
+        for point in [Vec3::ZERO, 0.2 * Vec3::X, 0.2 * Vec3::Y, 0.2 * Vec3::Z] {
+            let [a, b] = [ours, theirs].map(|clip| clip * (target + point).extend(1.0)).map(|c| (c.x / c.w, c.y / c.w));
+            assert!((a.0 - b.0).abs() < 1e-4 && (a.1 - b.1).abs() < 1e-4, "{towards}: {point} at {a:?}, not {b:?}");
+        }
+    }
+}
+
 #[test]
 fn work_grows_as_it_must() {
     let of = |p: &Prognosis, name: &str| {

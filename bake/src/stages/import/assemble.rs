@@ -9,7 +9,7 @@ use super::source::Source;
 use super::{ImportOptions, orient};
 use crate::BakeError;
 use crate::mesh::{Mesh, MeshPart, Model, RestPose};
-use glam::{Mat4, Vec3};
+use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::meaning::transform_normal;
 use pelage_formats::{Animation, Joint, Node, SkinVertex};
 use std::collections::BTreeMap;
@@ -216,7 +216,8 @@ impl<'a> Builder<'a> {
             Placed::At(world) => {
                 flip = mirrors(&world);
                 mesh.positions.extend(primitive.positions.iter().map(|p| world.transform_point3(*p)));
-                mesh.normals.extend(primitive.normals.iter().map(|n| transform_normal(world, *n)));
+                let linear = Mat3::from_mat4(world);
+                mesh.normals.extend(primitive.normals.iter().map(|n| transform_normal(linear, *n)));
             }
             Placed::Bound { first, count } => {
                 mesh.positions.extend(&primitive.positions);

@@ -1,0 +1,54 @@
+//! Fins: where the corners of a quad stand, and how much of it shows (Lengyel 2001).
+
+use super::skinning::normalize_or;
+use glam::Vec3;
+
+/// Vertices of a fin's quad: two triangles.
+pub const FIN_CORNERS: u32 = 6;
+/// Quads above each other where hair leans, which bends it.
+pub const LEANING_ROWS: u32 = 3;
+
+/// Quads of a fin above each other, all of them as high as the hair: one where none leans.
+pub fn fin_rows(leans: bool) -> u32 {
+    if leans { LEANING_ROWS } else { 1 }
+}
+
+/// Share of the hair's height at which the corners of a row of quads stand, lower and upper.
+pub fn row_heights(row: u32, rows: u32) -> [f32; 2] {
+    [row, row + 1].map(|r| r as f32 / rows as f32)
+}
+
+/// Unit normal of a fin's own plane, by its edge from `a` to `b` and the normals of the skin there; zero where they give none.
+pub fn fin_face(a: Vec3, b: Vec3, normal_a: Vec3, normal_b: Vec3) -> Vec3 {
+    normalize_or((b - a).cross(normal_a + normal_b), Vec3::ZERO)
+}
+
+/// Opacity of a fin: `p` is the cosine between its normal and the direction to the eye. 1 where it is seen face
+/// on, 0 from 60° on.
+pub fn fin_opacity(p: f32) -> f32 {
+    (2.0 * p.abs() - 1.0).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fins_show_where_they_are_seen_face_on() {
+        for (degrees, expected) in [(0.0f32, 1.0), (60.0, 0.0), (75.0, 0.0), (120.0, 0.0), (180.0, 1.0)] {
+            assert!((fin_opacity(degrees.to_radians().cos()) - expected).abs() < 1e-6, "{degrees}°");
+        }
+        assert_eq!(fin_face(Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Y), Vec3::Z);
+        assert_eq!(fin_face(Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::Y), Vec3::ZERO, "an edge without length");
+    }
+
+    #[test]
+    fn rows_stand_on_each_other() {
+        for leans in [false, true] {
+            let rows = fin_rows(leans);
+            let heights: Vec<[f32; 2]> = (0..rows).map(|row| row_heights(row, rows)).collect();
+            assert!(heights.windows(2).all(|pair| pair[0][1] == pair[1][0]));
+            assert_eq!((heights[0][0], heights[heights.len() - 1][1]), (0.0, 1.0));
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Where a point of hair stands: at the share s of the fur's height H it lies s · H along the skin's normal and s² · l · H along the comb
+//! direction, the tile's bitangent, where l is the vertex's lean.
+
+use glam::Vec3;
+use std::ops::{Add, Mul};
+
+/// How far a point of the hair volume lies aside in the comb direction, heights of the volume, for a lean of 0..=1 beyond that of the
+/// tile's strands at a share of the volume's height.
+pub fn lean_offset<S: Copy + Mul<Output = S>>(lean: S, share: S) -> S {
+    lean * share * share
+}
+
+/// Derivative of [`lean_offset`] by the share.
+pub fn lean_slope(lean: f32, share: f32) -> f32 {
+    2.0 * lean * share
+}
+
+/// The way from the skin to the hair that grows there, metres, in f32 or f64.
+///
+/// * `normal`, `bitangent` - of the tile's frame, unit length
+/// * `lean` - of the vertex, 0..=1
+/// * `share` - of the fur's height, 0 on the skin, 1 at the outermost layer
+/// * `height_m` - of the outermost layer, metres
+pub fn hair_offset<V, S>(normal: V, bitangent: V, lean: S, share: S, height_m: S) -> V
+where
+    V: Mul<S, Output = V> + Add<Output = V>,
+    S: Copy + Mul<Output = S>,
+{
+    (normal * share + bitangent * lean_offset(lean, share)) * height_m
+}
+
+/// A hair direction in the tile frame, of any length up to 1, under the shear by that slope along +v; its length is kept.
+pub fn leaned_direction(direction: Vec3, slope: f32) -> Vec3 {
+    let leaned = direction + Vec3::Y * (slope * direction.z);
+    leaned * (direction.dot(direction) / leaned.dot(leaned).max(1e-30)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn hair_rises_along_the_normal_and_bends_with_the_square_of_the_height() {
+        for share in [0.0f32, 0.25, 0.5, 1.0] {
+            let found = hair_offset(Vec3::Y, Vec3::Z, 0.5, share, 0.02);
+            assert!(found.distance(Vec3::new(0.0, 0.02 * share, 0.01 * share * share)) < 1e-8, "{share}: {found}");
+            let fine = hair_offset(DVec3::Y, DVec3::Z, 0.5, f64::from(share), 0.02);
+            assert!(fine.as_vec3().distance(found) < 1e-8);
+        }
+    }
+
+    #[test]
+    fn directions_follow_the_bend_and_keep_their_length() {
+        let (lean, share, step) = (0.8f32, 0.5f32, 1e-3f32);
+        let at = |share| hair_offset(Vec3::Z, Vec3::Y, lean, share, 1.0);
+        let along = (at(share + step) - at(share - step)).normalize();
+        let found = leaned_direction(Vec3::Z * 0.5, lean_slope(lean, share));
+        assert!((found.length() - 0.5).abs() < 1e-6 && (found / 0.5).distance(along) < 1e-3, "{found} along {along}");
+        assert_eq!(leaned_direction(Vec3::ZERO, 1.0), Vec3::ZERO);
+    }
+}
