@@ -18,8 +18,8 @@ mod support;
 
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{Camera, FrameParams, Instance, PassId, Renderer, RendererOptions, wgpu};
+use pelage_stage::{Canvas, Gpu};
 use std::time::Instant;
-use support::headless::{Gpu, Targets};
 
 const SIZE: (u32, u32) = (834, 424);
 
@@ -28,14 +28,14 @@ fn main() {
     let bytes = support::package_or_sphere(arguments.next().filter(|path| path != "-"));
     let frames = arguments.next().map_or(15, |n| n.parse().expect("FRAMES is a whole number"));
 
-    let gpu = Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC).unwrap();
+    let gpu = Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default())).unwrap();
     let options = RendererOptions::default();
-    let targets = Targets::new(&gpu, SIZE, &options);
+    let targets = Canvas::new(&gpu, SIZE, &(&options).into());
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let started = Instant::now();
     let model = renderer.load_bytes(&bytes).unwrap();
     gpu.queue.submit([]);
-    gpu.wait();
+    gpu.wait().unwrap();
     println!("{}: load {:.1} ms, {} bytes", gpu.info.name, started.elapsed().as_secs_f64() * 1e3, model.gpu_bytes());
 
     let manifest = model.manifest();
@@ -53,7 +53,7 @@ fn main() {
             params.study.yardstick = *yardstick;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
-            let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+            let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT));
             frame.draw_pass(PassId::SKIN, &mut pass);
             if *with_shells {
                 frame.draw_pass(PassId::SHELLS, &mut pass);
@@ -62,14 +62,14 @@ fn main() {
             let commands = encoder.finish();
             let started = Instant::now();
             gpu.queue.submit([commands]);
-            gpu.wait();
+            gpu.wait().unwrap();
             // The first round compiles and warms up.
             if frame_number > 0 {
                 times.push(started.elapsed().as_secs_f64() * 1e3);
             }
         }
     }
-    let covered = targets.read(&gpu).chunks_exact(4).filter(|p| p[3] > 0).count();
+    let covered = targets.texels(&gpu).unwrap().chunks_exact(4).filter(|p| p[3] > 0).count();
     let share = 100.0 * covered as f64 / f64::from(SIZE.0 * SIZE.1);
     let medians = times.map(|mut t| {
         t.sort_by(f64::total_cmp);
@@ -103,7 +103,7 @@ struct Counts {
 
 fn count(
     gpu: &Gpu,
-    targets: &Targets,
+    targets: &Canvas,
     renderer: &mut Renderer,
     instance: &Instance,
     params: &mut FrameParams,
@@ -127,7 +127,7 @@ fn count(
         params.study.only_layer = Some(layer);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, params, [instance]).unwrap();
-        frame.draw_pass(PassId::SKIN, &mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+        frame.draw_pass(PassId::SKIN, &mut targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
         let mut pass = targets.count_behind(&mut encoder, &set);
         pass.begin_occlusion_query(0);
         frame.draw_pass(PassId::SHELLS, &mut pass);
@@ -137,9 +137,9 @@ fn count(
         encoder.resolve_query_set(&set, 0..1, &resolved, 0);
         encoder.copy_buffer_to_buffer(&resolved, 0, &staging, 0, 8);
         gpu.queue.submit([encoder.finish()]);
-        let fragments = u64::from_le_bytes(gpu.map(&staging).try_into().unwrap());
+        let fragments = u64::from_le_bytes(gpu.read_buffer(&staging).unwrap().try_into().unwrap());
         let mut seen = 0;
-        for (through, texel) in through.iter_mut().zip(targets.read(gpu).chunks_exact(4)) {
+        for (through, texel) in through.iter_mut().zip(targets.texels(gpu).unwrap().chunks_exact(4)) {
             // Less than half a step of 8 bits is 0 here: that is what the shells take for nothing, too.
             if texel[3] > 0 {
                 seen += 1;

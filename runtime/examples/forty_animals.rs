@@ -17,8 +17,8 @@ use pelage_runtime::{
     Camera, CasterPass, Casters, Detail, FrameParams, Hooks, Instance, Light, LightView, Model, Motion, Renderer,
     RendererOptions, Sphere, wgpu,
 };
+use pelage_stage::{Canvas, Gpu};
 use support::ground::{Cuboid, Scene};
-use support::headless::{Gpu, Targets};
 
 const SIZE: (u32, u32) = (1200, 640);
 const COLUMNS: u64 = 8;
@@ -30,9 +30,9 @@ fn main() {
     let picture = arguments.next().unwrap_or_else(|| "target/forty_animals.png".into());
 
     // The application's device, and its targets: colour and depth of four samples a pixel, which the options tell pelage.
-    let gpu = Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC).unwrap();
+    let gpu = Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default())).unwrap();
     let options = RendererOptions { sample_count: 4, ..RendererOptions::default() };
-    let targets = Targets::new(&gpu, SIZE, &options);
+    let targets = Canvas::new(&gpu, SIZE, &(&options).into());
 
     // Once: a renderer for that kind of pass, and the model that all are copies of.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
@@ -72,14 +72,14 @@ fn main() {
     let frame = renderer.prepare_with(&mut encoder, &params, &herd, hooks).unwrap();
 
     // The application's own pass.
-    let mut pass = targets.begin(&mut encoder, wgpu::Color { r: 0.45, g: 0.58, b: 0.72, a: 1.0 });
+    let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color { r: 0.45, g: 0.58, b: 0.72, a: 1.0 }));
     let clip_from_world = camera.projection.clip_from_view(options.reversed_depth) * camera.view_from_world;
     scene.draw(&gpu.device, &mut pass, clip_from_world, towards_sun.extend(0.0), &frame);
     frame.draw(&mut pass);
     drop(pass);
     gpu.queue.submit([encoder.finish()]);
 
-    image::save_buffer(&picture, &targets.read(&gpu), SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
+    image::save_buffer(&picture, &targets.texels(&gpu).unwrap(), SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
     println!("{picture}: drawn by {}", gpu.info.name);
     for pass in &frame.report().passes {
         println!("{}: {} ({})", pass.name, if pass.ran { "ran" } else { "did not run" }, pass.reason);

@@ -14,7 +14,7 @@ mod support;
 
 use pelage_runtime::glam::{Mat4, Quat, Vec3, Vec4};
 use pelage_runtime::{Camera, FrameParams, Instance, Renderer, RendererOptions, wgpu};
-use support::headless::{Gpu, Targets};
+use pelage_stage::{Canvas, Gpu};
 use wgpu::util::DeviceExt;
 
 const SIZE: (u32, u32) = (834, 424);
@@ -25,9 +25,9 @@ fn main() {
     let picture = arguments.next().unwrap_or_else(|| "target/inside_your_pass.png".into());
 
     // What every application has: a device, targets with a depth buffer, a scene of its own.
-    let gpu = Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC).unwrap();
+    let gpu = Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default())).unwrap();
     let options = RendererOptions::default();
-    let targets = Targets::new(&gpu, SIZE, &options);
+    let targets = Canvas::new(&gpu, SIZE, &(&options).into());
 
     // pelage: a renderer for that kind of pass, a model, and two copies of it.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
@@ -49,13 +49,13 @@ fn main() {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let params = FrameParams::new(camera, SIZE.into());
     let frame = renderer.prepare(&mut encoder, &params, [&left, &right]).unwrap();
-    let mut pass = targets.begin(&mut encoder, wgpu::Color { r: 0.35, g: 0.45, b: 0.6, a: 1.0 });
+    let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color { r: 0.35, g: 0.45, b: 0.6, a: 1.0 }));
     scene.draw(&mut pass);
     frame.draw(&mut pass);
     drop(pass);
     gpu.queue.submit([encoder.finish()]);
 
-    image::save_buffer(&picture, &targets.read(&gpu), SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
+    image::save_buffer(&picture, &targets.texels(&gpu).unwrap(), SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
     println!("{picture}: drawn by {}", gpu.info.name);
     for pass in &frame.report().passes {
         println!("{}: {} ({})", pass.name, if pass.ran { "ran" } else { "did not run" }, pass.reason);

@@ -17,8 +17,8 @@ use pelage_runtime::{
     Camera, CasterPass, Casters, FrameParams, Hooks, Instance, Light, LightView, Renderer, RendererOptions, Sphere,
     wgpu,
 };
+use pelage_stage::{Canvas, Gpu};
 use support::ground::{Cuboid, Scene};
-use support::headless::{Gpu, Targets};
 
 const SIZE: (u32, u32) = (834, 424);
 
@@ -27,9 +27,9 @@ fn main() {
     let package = support::package_or_sphere(arguments.next());
     let picture = arguments.next().unwrap_or_else(|| "target/shadows_on_your_ground.png".into());
 
-    let gpu = Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC).unwrap();
+    let gpu = Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default())).unwrap();
     let options = RendererOptions::default();
-    let targets = Targets::new(&gpu, SIZE, &options);
+    let targets = Canvas::new(&gpu, SIZE, &(&options).into());
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let model = renderer.load_bytes(&package).unwrap();
     let (bounds, height) = (model.manifest().bounds, model.manifest().fur.height_m);
@@ -63,7 +63,7 @@ fn main() {
     let casters = Casters { bounds, revision: 0, draw: &mut draw };
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let frame = renderer.prepare_with(&mut encoder, &params, [&animal], Hooks::default().casters(casters)).unwrap();
-    let mut pass = targets.begin(&mut encoder, wgpu::Color { r: 0.35, g: 0.45, b: 0.6, a: 1.0 });
+    let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color { r: 0.35, g: 0.45, b: 0.6, a: 1.0 }));
     scene.draw(
         &gpu.device,
         &mut pass,
@@ -75,6 +75,6 @@ fn main() {
     drop(pass);
     gpu.queue.submit([encoder.finish()]);
 
-    image::save_buffer(&picture, &targets.read(&gpu), SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
+    image::save_buffer(&picture, &targets.texels(&gpu).unwrap(), SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
     println!("{picture}: drawn by {}", gpu.info.name);
 }

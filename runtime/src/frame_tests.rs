@@ -9,18 +9,15 @@ use crate::passes::probe::COLOR;
 use crate::renderer::Renderer;
 use glam::{Mat4, Vec3};
 use pelage_needs::{Need, gpu_is_wanted, had};
+use pelage_stage::{Canvas, CanvasOptions, Gpu};
 use std::path::{Path, PathBuf};
 
-#[path = "../examples/support/headless.rs"]
-#[allow(dead_code, unreachable_pub, reason = "not every helper is needed here")]
-mod headless;
-
 /// A device, unless GPU tests are switched off by name.
-fn gpu(name: &str) -> Option<headless::Gpu> {
+fn gpu(name: &str) -> Option<Gpu> {
     if !gpu_is_wanted(name) {
         return None;
     }
-    let gpu = headless::Gpu::open(wgpu::Features::empty()).unwrap();
+    let gpu = Gpu::with(wgpu::Features::empty(), Some(wgpu::Limits::default())).unwrap();
     had(Need::Gpu, name, &gpu.info.name);
     Some(gpu)
 }
@@ -31,15 +28,18 @@ fn a_pass_that_is_added_is_drawn_reported_and_listed() {
     let options = RendererOptions::default();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Projection::Custom(Mat4::IDENTITY));
-    let targets = headless::Targets::new(&gpu, (8, 8), &options);
+    // The stage knows this crate as others link it, not as it is tested here.
+    let RendererOptions { color_format, depth_format, sample_count, reversed_depth, .. } = options;
+    let canvas = CanvasOptions { color_format, depth_format, sample_count, reversed_depth };
+    let targets = Canvas::new(&gpu, (8, 8), &canvas);
     let mut draw = |style| {
         let params = FrameParams::new(camera, [8, 8]).with(|params| params.style = style);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, &params, std::iter::empty::<Instance>()).unwrap();
-        frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::BLACK));
+        frame.draw(&mut targets.pass(&mut encoder, "application", Some(wgpu::Color::BLACK)));
         gpu.queue.submit([encoder.finish()]);
         let report = frame.report().passes.last().unwrap().clone();
-        (targets.read(&gpu), report)
+        (targets.texels(&gpu).unwrap(), report)
     };
     let (texels, report) = draw(Style::Bare);
     let green = COLOR.map(|c| (c * 255.0) as u8);

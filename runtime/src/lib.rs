@@ -68,10 +68,6 @@ mod layout_tests;
 #[allow(clippy::unwrap_used, reason = "tests")]
 mod light_tests;
 
-// Examples and tests share code that names the crate as an application does.
-#[cfg(test)]
-extern crate self as pelage_runtime;
-
 pub use bounds::Sphere;
 pub use camera::{Camera, Light, Projection};
 pub use error::RuntimeError;

@@ -1,7 +1,7 @@
 //! Runs shader functions on the GPU: one invocation for each case of a table.
 
-use crate::support::headless::Gpu;
 use pelage_runtime::wgpu;
+use pelage_stage::Gpu;
 use wgpu::util::DeviceExt;
 
 /// What the output holds before the shader runs. A case that still holds it was not computed.
@@ -71,7 +71,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     drop(pass);
     encoder.copy_buffer_to_buffer(&outputs, 0, &staging, 0, outputs.size());
     gpu.queue.submit([encoder.finish()]);
-    let bytes = gpu.map(&staging);
+    let bytes = gpu.read_buffer(&staging).expect("the device answers");
     let results: Vec<[f32; 4]> = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect();
     for (case, result) in results.iter().enumerate() {
         assert!(result.iter().all(|v| *v != SENTINEL), "case {case} of {expression} was not computed");

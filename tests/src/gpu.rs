@@ -1,8 +1,8 @@
 //! The device that GPU tests share.
 
-use crate::support::headless::Gpu;
 use pelage_needs::{Need, gpu_is_wanted, had};
 use pelage_runtime::wgpu;
+use pelage_stage::Gpu;
 use std::sync::OnceLock;
 
 static SHARED: OnceLock<Gpu> = OnceLock::new();
@@ -16,7 +16,7 @@ pub fn gpu(test: &str) -> Option<&'static Gpu> {
         return None;
     }
     let gpu = SHARED.get_or_init(|| {
-        Gpu::open(wgpu::Features::TEXTURE_COMPRESSION_BC)
+        Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default()))
             .unwrap_or_else(|e| panic!("{e}; or set PELAGE_NO_GPU=1 to leave the GPU tests out"))
     });
     had(Need::Gpu, test, &gpu.info.name);

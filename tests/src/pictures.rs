@@ -1,8 +1,8 @@
 //! Drawing test pictures, and comparing them with stored ones.
 
 use crate::silhouette::half_to_f32;
-use crate::support::headless::{Gpu, Targets};
 use pelage_runtime::{FrameParams, Instance, PassId, Renderer, wgpu};
+use pelage_stage::{Canvas, Gpu};
 use std::path::{Path, PathBuf};
 
 /// A picture: RGBA8 texels, row-major from the top.
@@ -49,15 +49,15 @@ pub fn draw_passes(
     instances: &[&Instance],
     passes: &[PassId],
 ) -> Vec<u8> {
-    let targets = Targets::new(gpu, params.viewport.into(), renderer.options());
+    let targets = Canvas::new(gpu, params.viewport.into(), &renderer.options().into());
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let frame =
         renderer.prepare(&mut encoder, params, instances.iter().copied()).unwrap_or_else(|e| panic!("prepare: {e}"));
-    let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+    let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT));
     passes.iter().for_each(|id| frame.draw_pass(*id, &mut pass));
     drop(pass);
     gpu.queue.submit([encoder.finish()]);
-    targets.read(gpu)
+    targets.texels(gpu).expect("the device answers")
 }
 
 /// What the device did for draws.
@@ -73,7 +73,7 @@ pub struct Counted {
 /// `PIPELINE_STATISTICS_QUERY`.
 pub fn counted(
     gpu: &Gpu,
-    targets: &Targets,
+    targets: &Canvas,
     mut encoder: wgpu::CommandEncoder,
     draw: impl FnOnce(&mut wgpu::RenderPass<'_>),
 ) -> Counted {
@@ -90,7 +90,7 @@ pub fn counted(
     };
     let resolved = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
     let read = buffer(wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
-    let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+    let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT));
     pass.begin_pipeline_statistics_query(&queries, 0);
     draw(&mut pass);
     pass.end_pipeline_statistics_query();
@@ -98,7 +98,8 @@ pub fn counted(
     encoder.resolve_query_set(&queries, 0..1, &resolved, 0);
     encoder.copy_buffer_to_buffer(&resolved, 0, &read, 0, 16);
     gpu.queue.submit([encoder.finish()]);
-    let counts: Vec<u64> = gpu.map(&read).chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();
+    let counts: Vec<u64> =
+        gpu.read_buffer(&read).expect("the device answers").chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();
     Counted { vertices: counts[0], fragments: counts[1] }
 }
 
@@ -171,7 +172,7 @@ pub fn compare_golden(name: &str, actual: &Picture) -> Result<(), String> {
 /// Panics on formats that no shadow map has.
 pub fn read_map(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Vec<[f32; 4]> {
     let half = |bytes: &[u8]| half_to_f32([bytes[0], bytes[1]]);
-    let texels = gpu.texels(texture, layer);
+    let texels = gpu.read_texture(texture, layer).expect("the device answers");
     match texture.format() {
         wgpu::TextureFormat::R16Float => texels.chunks_exact(2).map(|t| [half(t), 0.0, 0.0, 0.0]).collect(),
         wgpu::TextureFormat::Rgba16Float => {

@@ -1,11 +1,10 @@
-//! What the examples and the tests need around the runtime: a device without a window, pictures read back, a scene of an application's
+//! What the examples and the tests need around the runtime: a scene of an application's
 //! own, and a small furry package made in code.
 
 #![allow(clippy::unwrap_used, reason = "examples and tests stop at the first surprise")]
 
 #[allow(dead_code, reason = "not every example has a ground")]
 pub mod ground;
-pub mod headless;
 pub mod ktx2;
 pub mod sphere;
 

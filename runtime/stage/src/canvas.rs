@@ -2,32 +2,73 @@
 
 use crate::{Gpu, StageError};
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_runtime::wgpu;
+use pelage_runtime::{RendererOptions, wgpu};
 
 /// Colour of the canvas: linear values in, sRGB bytes out.
 pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Depth of the canvas.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// What a canvas is made of; it matches the [`RendererOptions`] of what is drawn on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CanvasOptions {
+    /// Of the picture: uncompressed.
+    pub color_format: wgpu::TextureFormat,
+    /// Of the depth.
+    pub depth_format: wgpu::TextureFormat,
+    /// Samples per pixel, 1 or 4.
+    pub sample_count: u32,
+    /// Whether near is 1 and far is 0.
+    pub reversed_depth: bool,
+}
+
+impl Default for CanvasOptions {
+    /// [`COLOR_FORMAT`] and [`DEPTH_FORMAT`] with one sample and reversed depth: precision is spread evenly over distance, so near shells of a
+    /// far camera do not fight.
+    fn default() -> Self {
+        Self { color_format: COLOR_FORMAT, depth_format: DEPTH_FORMAT, sample_count: 1, reversed_depth: true }
+    }
+}
+
+impl From<&RendererOptions> for CanvasOptions {
+    fn from(options: &RendererOptions) -> Self {
+        Self {
+            color_format: options.color_format,
+            depth_format: options.depth_format,
+            sample_count: options.sample_count,
+            reversed_depth: options.reversed_depth,
+        }
+    }
+}
+
+impl CanvasOptions {
+    /// A renderer that draws on such a canvas.
+    pub fn renderer(&self) -> RendererOptions {
+        RendererOptions {
+            color_format: self.color_format,
+            depth_format: self.depth_format,
+            sample_count: self.sample_count,
+            reversed_depth: self.reversed_depth,
+            ..RendererOptions::default()
+        }
+    }
+}
+
 /// Colour and depth targets of one size.
 #[derive(Debug)]
 pub struct Canvas {
-    width: u32,
-    height: u32,
+    size: (u32, u32),
     color: wgpu::Texture,
     color_view: wgpu::TextureView,
     multisampled: Option<wgpu::TextureView>,
     depth_view: wgpu::TextureView,
+    reversed_depth: bool,
 }
 
 impl Canvas {
-    /// Targets of `width × height` pixels with `sample_count` samples each, in [`COLOR_FORMAT`].
-    pub fn new(gpu: &Gpu, width: u32, height: u32, sample_count: u32) -> Self {
-        Self::in_format(gpu, COLOR_FORMAT, width, height, sample_count)
-    }
-
-    /// As [`Self::new`], in another format of colour.
-    pub fn in_format(gpu: &Gpu, format: wgpu::TextureFormat, width: u32, height: u32, sample_count: u32) -> Self {
+    /// Targets of `size` pixels, width and height.
+    pub fn new(gpu: &Gpu, size: (u32, u32), options: &CanvasOptions) -> Self {
+        let ((width, height), samples) = (size, options.sample_count);
         let texture = |label, format, samples, usage| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -42,28 +83,27 @@ impl Canvas {
         };
         let none = wgpu::TextureUsages::empty();
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let color = texture("canvas colour", format, 1, wgpu::TextureUsages::COPY_SRC);
-        let multisampled = (sample_count > 1).then(|| view(&texture("canvas samples", format, sample_count, none)));
-        let depth_view = view(&texture("canvas depth", DEPTH_FORMAT, sample_count, none));
-        Self { width, height, color_view: view(&color), color, multisampled, depth_view }
+        let color = texture("canvas colour", options.color_format, 1, wgpu::TextureUsages::COPY_SRC);
+        let format = options.color_format;
+        let multisampled = (samples > 1).then(|| view(&texture("canvas samples", format, samples, none)));
+        let depth_view = view(&texture("canvas depth", options.depth_format, samples, none));
+        Self { size, color_view: view(&color), color, multisampled, depth_view, reversed_depth: options.reversed_depth }
     }
 
-    /// Begins a pass on the canvas. With `clear`, colour starts at that premultiplied linear RGBA and depth at the far end of
-    /// `reversed_depth`'s range; without, both go on from the pass before.
+    /// Begins a pass on the canvas. With `clear`, colour starts at that premultiplied linear colour and depth at its far end; without, both go on
+    /// from the pass before.
     pub fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
         label: &str,
-        clear: Option<[f64; 4]>,
-        reversed_depth: bool,
+        clear: Option<wgpu::Color>,
     ) -> wgpu::RenderPass<'e> {
         let (view, resolve_target) = match &self.multisampled {
             Some(samples) => (samples, Some(&self.color_view)),
             None => (&self.color_view, None),
         };
-        let color_load =
-            clear.map_or(wgpu::LoadOp::Load, |[r, g, b, a]| wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }));
-        let far = if reversed_depth { 0.0 } else { 1.0 };
+        let color_load = clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear);
+        let far = if self.reversed_depth { 0.0 } else { 1.0 };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(label),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -86,12 +126,40 @@ impl Canvas {
         })
     }
 
+    /// Begins another pass behind the depth of the pass before, which it goes on with: colour cleared to transparent, and the samples that pass the
+    /// depth test counted by `queries` between `begin_occlusion_query` and its end. One sample per pixel only.
+    pub fn count_behind<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        queries: &'e wgpu::QuerySet,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("count"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.color_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth_view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            occlusion_query_set: Some(queries),
+            ..Default::default()
+        })
+    }
+
     /// Reads the canvas back as it is: `width * height` texels of its format, rows from the top.
     pub fn texels(&self, gpu: &Gpu) -> Result<Vec<u8>, StageError> {
         gpu.read_texture(&self.color, 0)
     }
 
-    /// Reads the canvas back: `width * height` RGBA8, sRGB-encoded, straight alpha, rows from the top; as PNG wants it.
+    /// Reads back a canvas in [`COLOR_FORMAT`]: `width * height` RGBA8, sRGB-encoded, straight alpha, rows from the top; as PNG wants it.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, StageError> {
         let mut pixels = self.texels(gpu)?;
         pixels.chunks_exact_mut(4).for_each(unpremultiply);
@@ -100,7 +168,7 @@ impl Canvas {
 
     /// Width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
-        (self.width, self.height)
+        self.size
     }
 }
 

@@ -15,19 +15,32 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens the adapter that wgpu prefers; `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` choose another one.
+    /// Opens the adapter that wgpu prefers, with all that it can do and measure; `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` choose another one.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::NoAdapter`] with what was tried.
     pub fn open() -> Result<Self, StageError> {
+        let measured = wgpu::Features::TIMESTAMP_QUERY
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+            | wgpu::Features::PIPELINE_STATISTICS_QUERY;
+        Self::with(wgpu::Features::TEXTURE_COMPRESSION_BC | measured, None)
+    }
+
+    /// Opens the same adapter with those features of `wanted` that it has, and those limits, `None` for its own: an application that runs
+    /// everywhere asks for [`wgpu::Limits::default`].
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::NoAdapter`] with what was tried.
+    pub fn with(wanted: wgpu::Features, limits: Option<wgpu::Limits>) -> Result<Self, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, None))
             .map_err(|error| StageError::NoAdapter(error.to_string()))?;
-        let wanted = wgpu::Features::TEXTURE_COMPRESSION_BC
-            | wgpu::Features::TIMESTAMP_QUERY
-            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
-            | wgpu::Features::PIPELINE_STATISTICS_QUERY;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pelage"),
             required_features: wanted & adapter.features(),
-            required_limits: adapter.limits(),
+            required_limits: limits.unwrap_or_else(|| adapter.limits()),
             ..Default::default()
         }))
         .map_err(|error| StageError::NoAdapter(error.to_string()))?;

@@ -24,7 +24,7 @@ mod track;
 mod viewpoint;
 
 #[cfg(feature = "draw")]
-pub use canvas::{COLOR_FORMAT, Canvas, DEPTH_FORMAT};
+pub use canvas::{COLOR_FORMAT, Canvas, CanvasOptions, DEPTH_FORMAT};
 pub use cast::{Actor, Cast, Place, Playing, find_clip, rest_points, within};
 pub use error::StageError;
 #[cfg(feature = "draw")]

@@ -1,12 +1,12 @@
 //! A cast on a canvas.
 
 use crate::cast::Actor;
-use crate::{COLOR_FORMAT, Canvas, Cast, DEPTH_FORMAT, Gpu, NamedPackage, Shot, StageError, Viewpoint};
+use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, Shot, StageError, Viewpoint};
 use pelage_formats::Package;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    Camera, Frame, FrameParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer, RendererOptions,
-    RuntimeError, ShadowMaps, StyleKind, wgpu,
+    Camera, Frame, FrameParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer, RuntimeError, ShadowMaps,
+    StyleKind, wgpu,
 };
 use std::time::{Duration, Instant};
 
@@ -45,7 +45,7 @@ pub struct Stage {
     pub compile: Duration,
     renderer: Renderer,
     shadow_bytes: u64,
-    clear: [f64; 4],
+    clear: wgpu::Color,
     /// Of `instances`, in order.
     actors: Vec<Actor>,
     shot: Shot,
@@ -82,15 +82,8 @@ impl Stage {
             let reason = format!("{name} draws at most {limit} pixels a side");
             return Err(StageError::Asked { what: format!("size {width}x{height}"), reason });
         }
-        let options = RendererOptions {
-            color_format: COLOR_FORMAT,
-            depth_format: DEPTH_FORMAT,
-            sample_count: picture.samples,
-            // Precision is spread evenly over distance, so near shells of a far camera do not fight.
-            reversed_depth: true,
-            ..RendererOptions::default()
-        };
-        let renderer = Renderer::new(&gpu.device, &gpu.queue, &options);
+        let options = CanvasOptions { sample_count: picture.samples, ..CanvasOptions::default() };
+        let renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer());
         let mut renderer = renderer.map_err(|error| StageError::Internal(error.to_string()))?;
         let start = Instant::now();
         let mut models = Vec::new();
@@ -114,9 +107,9 @@ impl Stage {
         let clear = match picture.background {
             Some(rgb) => {
                 let [r, g, b] = rgb.map(|byte| f64::from(srgb_to_linear(byte)));
-                [r, g, b, 1.0]
+                wgpu::Color { r, g, b, a: 1.0 }
             }
-            None => [0.0; 4],
+            None => wgpu::Color::TRANSPARENT,
         };
         let models = cast.actors.iter().filter_map(|actor| models.get(actor.package));
         let instances: Vec<_> = (0..).zip(models).map(|(owner, model)| Instance::new(owner, model)).collect();
@@ -125,7 +118,7 @@ impl Stage {
         }
         let mut stage = Self {
             instances,
-            canvas: Canvas::new(&gpu, width, height, picture.samples),
+            canvas: Canvas::new(&gpu, picture.size, &options),
             gpu,
             params,
             upload,
@@ -205,7 +198,7 @@ impl Stage {
 
     /// Begins a pass on the canvas, cleared to the background or going on from the pass before.
     pub fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, label: &str, clear: bool) -> wgpu::RenderPass<'e> {
-        self.canvas.pass(encoder, label, clear.then_some(self.clear), true)
+        self.canvas.pass(encoder, label, clear.then_some(self.clear))
     }
 
     /// Draws one frame and waits for it; returns what was drawn.

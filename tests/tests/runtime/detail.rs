@@ -7,12 +7,12 @@ use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
     Camera, Detail, FrameParams, FrameReport, Instance, Projection, Renderer, RendererOptions, Style,
 };
+use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::with_manifest;
 use pelage_tests::pictures::{Picture, draw};
 use pelage_tests::silhouette::bake_plain;
-use pelage_tests::support::headless::Gpu;
 
 const SIZE: (u32, u32) = (200, 200);
 const FOV_RAD: f32 = 0.5;

@@ -7,12 +7,12 @@ use pelage_runtime::shared::fins::fin_opacity;
 use pelage_runtime::{
     Camera, FrameParams, FrameReport, Instance, Motion, PassId, Projection, Renderer, RendererOptions, Style, wgpu,
 };
+use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::{ALPHA, with_fins};
 use pelage_tests::pictures::{counted, draw, draw_passes};
 use pelage_tests::plane::plane;
 use pelage_tests::silhouette::half_to_f32;
-use pelage_tests::support::headless::{Gpu, Targets};
 use pelage_tests::support::sphere::{self, SphereParams};
 
 const SIZE: (u32, u32) = (64, 64);
@@ -79,12 +79,12 @@ fn faded_fins_cost_no_fragments() {
     if gpu("faded_fins_cost_no_fragments").is_none() {
         return;
     }
-    let gpu = Gpu::open(wgpu::Features::PIPELINE_STATISTICS_QUERY).unwrap();
+    let gpu = Gpu::with(wgpu::Features::PIPELINE_STATISTICS_QUERY, Some(wgpu::Limits::default())).unwrap();
     let mut renderer = renderer(&gpu);
     let model = renderer.load_bytes(&plane_with_a_fin()).unwrap();
     let instance = Instance::new(0, &model);
     let mut count = |degrees: f32| {
-        let targets = Targets::new(&gpu, SIZE, renderer.options());
+        let targets = Canvas::new(&gpu, SIZE, &renderer.options().into());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, &params(degrees), [&instance]).unwrap();
         counted(&gpu, &targets, encoder, |pass| frame.draw_pass(PassId::FINS, pass)).fragments

@@ -10,10 +10,10 @@ use pelage_runtime::{
     Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassPlace, Projection, Renderer, RendererOptions,
     Sphere, Style, wgpu,
 };
+use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::{with_fins, with_manifest};
 use pelage_tests::pictures::{Counted, Picture, counted};
-use pelage_tests::support::headless::{Gpu, Targets};
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: (u32, u32) = (96, 96);
@@ -74,14 +74,14 @@ fn aside(x: f32) -> Mat4 {
 struct Stage<'a> {
     gpu: &'a Gpu,
     renderer: Renderer,
-    targets: Targets,
+    targets: Canvas,
 }
 
 impl<'a> Stage<'a> {
     fn new(gpu: &'a Gpu) -> Self {
         let options = RendererOptions::default();
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
-        Self { gpu, renderer, targets: Targets::new(gpu, SIZE, &options) }
+        Self { gpu, renderer, targets: Canvas::new(gpu, SIZE, &(&options).into()) }
     }
 
     fn load(&self, package: &[u8]) -> Model {
@@ -100,9 +100,9 @@ impl<'a> Stage<'a> {
 
     /// Draws what is prepared, submits it, and waits for it as an application's present does.
     fn finish(&self, mut encoder: wgpu::CommandEncoder, frame: &Frame) {
-        frame.draw(&mut self.targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+        frame.draw(&mut self.targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
         self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.wait();
+        self.gpu.wait().unwrap();
     }
 
     fn present<I>(&mut self, params: &FrameParams, instances: I) -> FrameReport
@@ -121,8 +121,8 @@ impl<'a> Stage<'a> {
     }
 }
 
-fn read(gpu: &Gpu, targets: &Targets) -> Picture {
-    let rgba = targets.read(gpu).chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
+fn read(gpu: &Gpu, targets: &Canvas) -> Picture {
+    let rgba = targets.texels(gpu).unwrap().chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
     Picture { size: SIZE, rgba }
 }
 
@@ -144,7 +144,7 @@ fn reason(report: &FrameReport, id: PassId) -> &str {
 
 /// A device of the test's own: nobody else's poll may take the word that a submission is done and keep it for a moment.
 fn own(features: wgpu::Features) -> Gpu {
-    Gpu::open(features).unwrap()
+    Gpu::with(features, Some(wgpu::Limits::default())).unwrap()
 }
 
 #[test]
@@ -202,11 +202,11 @@ fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
 
         let mut stage = Stage::new(gpu);
         let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.4));
-        let targets = [0, 1].map(|_| Targets::new(gpu, SIZE, stage.renderer.options()));
+        let targets = [0, 1].map(|_| Canvas::new(gpu, SIZE, &stage.renderer.options().into()));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frames = views.each_ref().map(|view| stage.renderer.prepare(&mut encoder, view, [&creature]).unwrap());
         for (frame, targets) in frames.iter().zip(&targets) {
-            frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+            frame.draw(&mut targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
         }
         gpu.queue.submit([encoder.finish()]);
         for (targets, expected) in targets.iter().zip(&expected) {
@@ -330,7 +330,7 @@ fn what_is_left_out_could_not_be_seen() {
     ] {
         let options = RendererOptions { reversed_depth, ..RendererOptions::default() };
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
-        let targets = Targets::new(gpu, SIZE, &options);
+        let targets = Canvas::new(gpu, SIZE, &(&options).into());
         let camera = Camera::look_at(target + from, target, projection);
         let plain =
             FrameParams::new(camera, SIZE.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
@@ -344,7 +344,7 @@ fn what_is_left_out_could_not_be_seen() {
                     let instance = Instance::new(0, &model).at(place).moving(motion.clone());
                     let mut encoder = gpu.device.create_command_encoder(&Default::default());
                     let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
-                    frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+                    frame.draw(&mut targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
                     gpu.queue.submit([encoder.finish()]);
                     frame.report().instances[0].in_picture
                 };
@@ -457,12 +457,12 @@ fn a_crowd_is_drawn_as_in_smaller_frames() {
                 stage.renderer.prepare(&mut encoder, &params, instances).unwrap()
             };
             let frames: Vec<_> = (0..400).step_by(at_once as usize).map(&mut some).collect();
-            let targets = Targets::new(gpu, size, stage.renderer.options());
-            let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+            let targets = Canvas::new(gpu, size, &stage.renderer.options().into());
+            let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT));
             frames.iter().for_each(|frame| frame.draw(&mut pass));
             drop(pass);
             gpu.queue.submit([encoder.finish()]);
-            targets.read(gpu)
+            targets.texels(gpu).unwrap()
         });
         let covered = pictures[0].chunks_exact(4).filter(|p| p[3] > 0).count();
         assert!((20_000..120_000).contains(&covered), "{name}: {covered} pixels of them");
@@ -579,7 +579,7 @@ fn two_views_of_one_submission_make_nothing_either() {
                 let mut frames = Vec::new();
                 for (number, view) in views.iter().enumerate() {
                     let frame = stage.renderer.prepare(&mut encoder, view, [&creature]).unwrap();
-                    frame.draw(&mut stage.targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+                    frame.draw(&mut stage.targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
                     let created = frame.report().created;
                     assert!(round < 6 || created == Created::default(), "{name} {kept} {round} {number}: {created:?}");
                     // Of two lights each draws over the other's maps, unless their frames live at once.
@@ -588,7 +588,7 @@ fn two_views_of_one_submission_make_nothing_either() {
                     frames.extend(kept.then_some(frame));
                 }
                 gpu.queue.submit([encoder.finish()]);
-                gpu.wait();
+                gpu.wait().unwrap();
             }
         }
     }

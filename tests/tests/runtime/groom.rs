@@ -5,10 +5,10 @@
 use pelage_runtime::formats::Shading;
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{Camera, FrameParams, Instance, Projection, Renderer, RendererOptions, Style};
+use pelage_stage::Gpu;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, difference, draw};
 use pelage_tests::plane::{PlaneGroom, groomed_plane};
-use pelage_tests::support::headless::Gpu;
 
 const SIZE: (u32, u32) = (64, 64);
 const LAYERS: u32 = 8;

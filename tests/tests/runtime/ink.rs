@@ -7,9 +7,9 @@ use pelage_runtime::{
     Anchoring, Camera, FrameParams, InkBackground, InkParams, InkShow, Instance, LineWidth, Motion, PassId, Projection,
     Renderer, RendererOptions, SphereMapForm, Study, Style, wgpu,
 };
+use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, difference, draw};
-use pelage_tests::support::headless::{Gpu, Targets};
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: (u32, u32) = (160, 160);
@@ -176,16 +176,16 @@ fn what_the_application_drew_stays_around_and_before_the_painting() {
     let Some(gpu) = gpu("what_the_application_drew_stays_around_and_before_the_painting") else { return };
     for (reversed_depth, sample_count) in [(false, 1), (true, 4)] {
         let options = RendererOptions { reversed_depth, sample_count, ..RendererOptions::default() };
-        let targets = Targets::new(gpu, SIZE, &options);
+        let targets = Canvas::new(gpu, SIZE, &(&options).into());
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
         let instance = Instance::new(0, &renderer.load_bytes(&package(&sphere())).unwrap());
         let mut over = |background| {
             let params = with(|ink, _| ink.background = background);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
-            frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::BLUE));
+            frame.draw(&mut targets.pass(&mut encoder, "application", Some(wgpu::Color::BLUE)));
             gpu.queue.submit([encoder.finish()]);
-            let texels = targets.read(gpu);
+            let texels = targets.texels(gpu).unwrap();
             move |x: u32, y: u32| -> [u8; 4] { texels[((y * SIZE.0 + x) * 4) as usize..][..4].try_into().unwrap() }
         };
         let blue = [0, 0, 255, 255];
@@ -268,18 +268,18 @@ fn two_ink_frames_in_one_submission_do_not_disturb_each_other() {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(&package(&sphere())).unwrap());
     let views = [from(Vec3::Z), from(Vec3::Y)];
-    let targets = [0, 1].map(|_| Targets::new(gpu, SIZE, &options));
+    let targets = [0, 1].map(|_| Canvas::new(gpu, SIZE, &(&options).into()));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     // Both are prepared before either is drawn.
     let frames = views.each_ref().map(|v| renderer.prepare(&mut encoder, v, [&instance]).unwrap());
     for (frame, target) in frames.iter().zip(&targets) {
-        frame.draw(&mut target.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+        frame.draw(&mut target.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
     }
     gpu.queue.submit([encoder.finish()]);
     drop(frames);
     for (view, target) in views.iter().zip(&targets) {
         let alone = draw(gpu, &mut renderer, view, &[&instance]);
-        assert!(target.read(gpu) == alone.rgba.as_flattened(), "the other frame shows through");
+        assert!(target.texels(gpu).unwrap() == alone.rgba.as_flattened(), "the other frame shows through");
     }
 }
 

@@ -12,12 +12,12 @@ use pelage_runtime::formats::{Limits, Package};
 use pelage_runtime::{
     Anchoring, Camera, FrameParams, InkParams, InkShow, Instance, Motion, PassId, Renderer, RendererOptions, Study,
 };
+use pelage_stage::Gpu;
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::schema;
 use pelage_tests::silhouette::bake_plain;
-use pelage_tests::support::headless::Gpu;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -4,8 +4,8 @@
 
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{Camera, FrameParams, Instance, Renderer, RendererOptions, wgpu};
+use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
-use pelage_tests::support::headless::{Gpu, Targets};
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: u32 = 96;
@@ -56,7 +56,7 @@ fn wall(gpu: &Gpu, options: &RendererOptions) -> wgpu::RenderPipeline {
 fn the_applications_objects_hide_fur_and_fur_hides_them() {
     let Some(gpu) = gpu("the_applications_objects_hide_fur_and_fur_hides_them") else { return };
     let options = RendererOptions::default();
-    let targets = Targets::new(gpu, (SIZE, SIZE), &options);
+    let targets = Canvas::new(gpu, (SIZE, SIZE), &(&options).into());
     let wall = wall(gpu, &options);
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let sphere = package(&SphereParams { quads: 8, texels: 16, strands: 40, ..SphereParams::default() });
@@ -68,7 +68,7 @@ fn the_applications_objects_hide_fur_and_fur_hides_them() {
     for (depth, first, wall_in_front) in [(1, true, true), (1, false, true), (99, true, false), (99, false, false)] {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
-        let mut pass = targets.begin(&mut encoder, wgpu::Color::TRANSPARENT);
+        let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT));
         let draw_wall = |pass: &mut wgpu::RenderPass<'_>| {
             pass.set_pipeline(&wall);
             pass.draw(0..4, depth..depth + 1);
@@ -82,7 +82,7 @@ fn the_applications_objects_hide_fur_and_fur_hides_them() {
         }
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
-        let texels = targets.read(gpu);
+        let texels = targets.texels(gpu).unwrap();
         let (left, right, corner) = (at(&texels, 30, 48), at(&texels, 66, 48), at(&texels, 1, 1));
         let red = [255, 0, 0, 255];
         assert_eq!(left == red, wall_in_front, "wall at {depth} %, first {first}: {left:?}");
@@ -102,20 +102,20 @@ fn two_frames_in_one_submission_do_not_disturb_each_other() {
     let views =
         [Vec3::Z, Vec3::X].map(|from| FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, from, 0.6, 1.0), [SIZE; 2]));
     let motions = [0.1, 0.5].map(|time_s| pelage_runtime::Motion::Clip { clip: 0, time_s });
-    let targets = [0, 1].map(|_| Targets::new(gpu, (SIZE, SIZE), &options));
+    let targets = [0, 1].map(|_| Canvas::new(gpu, (SIZE, SIZE), &(&options).into()));
     let mut draw = |together: bool| {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for k in 0..2 {
             instance.motion = motions[k].clone();
             let frame = renderer.prepare(&mut encoder, &views[k], [&instance]).unwrap();
-            frame.draw(&mut targets[k].begin(&mut encoder, wgpu::Color::TRANSPARENT));
+            frame.draw(&mut targets[k].pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
             if !together {
                 let full = std::mem::replace(&mut encoder, gpu.device.create_command_encoder(&Default::default()));
                 gpu.queue.submit([full.finish()]);
             }
         }
         gpu.queue.submit([encoder.finish()]);
-        targets.each_ref().map(|t| t.read(gpu))
+        targets.each_ref().map(|t| t.texels(gpu).unwrap())
     };
     let apart = draw(false);
     assert_ne!(apart[0], apart[1], "the two views show the same");

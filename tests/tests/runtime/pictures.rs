@@ -8,9 +8,9 @@ use pelage_runtime::{
     Camera, FrameParams, Instance, Light, Motion, PassId, Projection, Renderer, RendererOptions, RuntimeError, Style,
     wgpu,
 };
+use pelage_stage::Gpu;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, compare_golden, difference, draw};
-use pelage_tests::support::headless::Gpu;
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: (u32, u32) = (128, 128);

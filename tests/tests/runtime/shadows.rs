@@ -11,10 +11,10 @@ use pelage_runtime::{
     PenumbraForm, Projection, Renderer, RendererOptions, RuntimeError, ShadowMaps, ShadowParams, SlantForm, Sphere,
     Style, wgpu,
 };
+use pelage_stage::Gpu;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, difference, draw, read_map};
 use pelage_tests::plane::{PlaneGroom, groomed_plane};
-use pelage_tests::support::headless::Gpu;
 use pelage_tests::support::sphere::{self, SphereParams};
 
 const SIZE: (u32, u32) = (64, 64);
@@ -425,10 +425,10 @@ fn the_applications_geometry_shades_the_fur_and_is_shaded() {
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             (renderer.prepare(&mut encoder, &params, [&plane]).unwrap(), encoder)
         };
-        let targets = pelage_tests::support::headless::Targets::new(gpu, SIZE, &options);
-        frame.draw(&mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT));
+        let targets = pelage_stage::Canvas::new(gpu, SIZE, &(&options).into());
+        frame.draw(&mut targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
         gpu.queue.submit([encoder.finish()]);
-        Picture { size: SIZE, rgba: bytemuck::cast_slice(&targets.read(gpu)).to_vec() }
+        Picture { size: SIZE, rgba: bytemuck::cast_slice(&targets.texels(gpu).unwrap()).to_vec() }
     };
     let (alone, shaded) = (picture(false), picture(true));
     let (middle, corner) = (32 * 64 + 32, 3 * 64 + 3);

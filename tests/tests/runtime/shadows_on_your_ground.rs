@@ -9,10 +9,10 @@ use pelage_runtime::{
     Camera, CasterPass, Casters, Frame, FrameParams, Hooks, Instance, Light, LightView, Projection, Renderer,
     RendererOptions, Sphere, Style, wgpu,
 };
+use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::read_map;
 use pelage_tests::support::ground::{Cuboid, Scene};
-use pelage_tests::support::headless::{Gpu, Targets};
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: u32 = 256;
@@ -60,10 +60,10 @@ impl<'a> Stage<'a> {
         let mut encoder = device.create_command_encoder(&Default::default());
         let hooks = Hooks::default().casters(Casters { bounds, revision, draw: &mut draw });
         let frame = self.renderer.prepare_with(&mut encoder, params, [&self.ball], hooks).unwrap();
-        let targets = Targets::new(self.gpu, (SIZE, SIZE), &self.options);
-        record(self, &mut targets.begin(&mut encoder, wgpu::Color::TRANSPARENT), &frame);
+        let targets = Canvas::new(self.gpu, (SIZE, SIZE), &(&self.options).into());
+        record(self, &mut targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)), &frame);
         self.gpu.queue.submit([encoder.finish()]);
-        (frame, targets.read(self.gpu))
+        (frame, targets.texels(self.gpu).unwrap())
     }
 
     /// The share of the light that arrives on the ground, seen from above without the fur that would hide it.

@@ -4,9 +4,9 @@
 
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{Camera, FrameParams, Instance, Light, Lighting, Renderer, RendererOptions};
+use pelage_stage::Gpu;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, draw};
-use pelage_tests::support::headless::Gpu;
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: (u32, u32) = (192, 192);

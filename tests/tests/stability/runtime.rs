@@ -159,7 +159,7 @@ fn weights_that_do_not_sum_to_one_are_refused() {
 }
 
 /// Mean opacity of the shells alone, skin left out, drawn into a float target.
-fn mean_opacity(gpu: &pelage_tests::support::headless::Gpu, layers: u32, baked: u32, opacity: u8) -> f64 {
+fn mean_opacity(gpu: &pelage_stage::Gpu, layers: u32, baked: u32, opacity: u8) -> f64 {
     // An 8-bit target stalls (formula sheet, 3.2); 16-bit floats keep the product within 0.6 %.
     let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..RendererOptions::default() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
@@ -193,7 +193,7 @@ fn density_does_not_depend_on_the_number_of_layers() {
 }
 
 /// Measures a model from its front left.
-fn silhouette(gpu: &pelage_tests::support::headless::Gpu, case: &Case) -> Measured {
+fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> Measured {
     let mut recipe = Recipe::default();
     if let Some(path) = case.recipe {
         let text = std::fs::read_to_string(workspace().join(path)).unwrap();

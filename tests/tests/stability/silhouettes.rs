@@ -3,9 +3,9 @@
 
 use pelage_bake::judge::stability::Drawing;
 use pelage_runtime::{Instance, Model, Renderer, RendererOptions, wgpu};
+use pelage_stage::Gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::silhouette::half_to_f32;
-use pelage_tests::support::headless::Gpu;
 
 /// Every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
 pub fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Vec<[f32; 4]> {

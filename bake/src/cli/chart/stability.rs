@@ -116,8 +116,8 @@ mod drawn {
     use crate::cli::output::Output;
     use pelage_bake::BakeError;
     use pelage_bake::judge::stability::{DRAWN_ROWS, Drawing};
-    use pelage_runtime::{Instance, Renderer, RendererOptions, wgpu};
-    use pelage_stage::{Canvas, DEPTH_FORMAT, Gpu};
+    use pelage_runtime::{Instance, Renderer, wgpu};
+    use pelage_stage::{Canvas, CanvasOptions, Gpu};
 
     pub fn add(table: &mut Table, output: &mut Output) -> Result<(), Failure> {
         let gpu = Gpu::open()?;
@@ -134,20 +134,14 @@ mod drawn {
     /// Every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
     fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Result<Vec<[f32; 4]>, Failure> {
         let fault = |error| BakeError::Internal(format!("drawing a package of its own: {error}"));
-        let format = wgpu::TextureFormat::Rgba16Float;
-        let options = RendererOptions {
-            color_format: format,
-            depth_format: DEPTH_FORMAT,
-            reversed_depth: true,
-            ..RendererOptions::default()
-        };
-        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).map_err(fault)?;
+        let options = CanvasOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..CanvasOptions::default() };
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer()).map_err(fault)?;
         let model = renderer.load_bytes(drawing.package).map_err(fault)?;
         let instance = Instance::new(0, &model);
-        let canvas = Canvas::in_format(gpu, format, drawing.size.0, drawing.size.1, 1);
+        let canvas = Canvas::new(gpu, drawing.size, &options);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let frame = renderer.prepare(&mut encoder, drawing.params, [&instance]).map_err(fault)?;
-        let mut pass = canvas.pass(&mut encoder, "silhouette", Some([0.0; 4]), true);
+        let mut pass = canvas.pass(&mut encoder, "silhouette", Some(wgpu::Color::TRANSPARENT));
         drawing.passes.iter().for_each(|id| frame.draw_pass(*id, &mut pass));
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
