@@ -75,20 +75,18 @@ pub fn keys() -> impl Iterator<Item = &'static Knob> {
 
 /// Every key of a recipe as a page of Markdown: meaning, default, type and range.
 pub fn reference_page() -> String {
-    pelage_params::reference_page::<Recipe>("Recipe reference", INTRODUCTION)
+    pelage_params::reference_page::<Recipe>("Recipe reference", &INTRODUCTION)
 }
 
-const INTRODUCTION: &str = "\
-A recipe is a TOML file that says how a model becomes fur: `pelage bake fox.glb --recipe fox.toml -o fox.pelage`. It has a table for
-each stage of the bake and a key for each parameter. What it leaves out keeps its default, so that an empty recipe is a natural short
-fur. `--set hair.length_m=0.02` sets one key on the command line, after the recipe. A table or key that does not exist is an error, which
-names the line and the nearest key that does.
-
-Lengths end in `_m` and are metres, angles in `_deg`, widths on screen in `_px`. Where a default is \"left out\", the bake chooses the value
-from the model. `pelage bake --write-recipe fox.toml` writes down what was used, with every key and its meaning.
-
-This page is made from the declarations in `bake/src/recipe/` by `cargo run -p pelage-tests --bin write_docs`.
-";
+const INTRODUCTION: [&str; 3] = [
+    "A recipe is a TOML file that says how a model becomes fur: `pelage bake fox.glb --recipe fox.toml -o fox.pelage`. It has a table for each \
+     stage of the bake and a key for each parameter. What it leaves out keeps its default, so that an empty recipe is a natural short fur. \
+     `--set hair.length_m=0.02` sets one key on the command line, after the recipe. A table or key that does not exist is an error, which names \
+     the line and the nearest key that does.",
+    "Lengths end in `_m` and are metres, angles end in `_deg`, widths on screen in `_px`. Where a default is \"left out\", the bake chooses the \
+     value from the model. `pelage unpack` writes down the recipe that a package was baked with.",
+    "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin write_docs`.",
+];
 
 impl From<pelage_params::OutOfRange> for BakeError {
     fn from(pelage_params::OutOfRange { name, reason }: pelage_params::OutOfRange) -> Self {

@@ -23,6 +23,34 @@ pub enum Exit {
     Differences = 7,
 }
 
+impl Exit {
+    /// All codes, each with a word for the end of a help text and what it means.
+    pub const ALL: [(Self, &str, &str); 7] = [
+        (Self::Done, "done", "Everything was done, or a reader of standard output went away."),
+        (Self::Usage, "usage", "The command line is not understood."),
+        (Self::FileSystem, "file system", "A file or folder cannot be read, written or made."),
+        (
+            Self::BadInput,
+            "bad input",
+            "A model, recipe, look, scene, package or folder is not what it should be. The message names the file, where in it, what was \
+             found and what was expected.",
+        ),
+        (
+            Self::NoAdapter,
+            "no usable graphics adapter",
+            "No usable graphics adapter. The message says what to install.",
+        ),
+        (Self::Internal, "internal error", "A fault of pelage. Please report it."),
+        (Self::Differences, "differences or faults found", "`validate` found faults, or a comparison differences."),
+    ];
+
+    /// All of them in a line, for the end of a help text.
+    pub fn summary() -> String {
+        let codes = Self::ALL.map(|(exit, word, _)| format!("{} {word}", exit as u8));
+        format!("Exit codes: {}.", codes.join("; "))
+    }
+}
+
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
         Self::from(exit as u8)

@@ -5,6 +5,7 @@ mod bake;
 mod bench;
 mod built_in;
 mod chart;
+mod commands_page;
 mod compare;
 #[cfg(feature = "preview")]
 mod demo;
@@ -46,9 +47,10 @@ mod view;
 #[cfg(feature = "preview")]
 mod view_args;
 
-use clap::{Args, Parser, Subcommand};
+use clap::CommandFactory as _;
 #[cfg(feature = "preview")]
-use clap::{CommandFactory as _, FromArgMatches as _};
+use clap::FromArgMatches as _;
+use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
 #[cfg(feature = "preview")]
@@ -57,17 +59,13 @@ use std::panic::{self, AssertUnwindSafe};
 
 /// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
 #[derive(Debug, Parser)]
-#[command(name = "pelage", version, after_help = AFTER_HELP)]
+#[command(name = "pelage", version, after_help = Exit::summary())]
 struct Cli {
     #[command(flatten)]
     global: Global,
     #[command(subcommand)]
     command: Command,
 }
-
-const AFTER_HELP: &str = "\
-Exit codes: 0 done; 1 usage; 2 file system; 3 bad input; 4 no usable graphics adapter; 5 internal error; \
-7 differences or faults found.";
 
 /// Options of every subcommand.
 #[derive(Clone, Copy, Debug, Default, Args)]
@@ -98,6 +96,7 @@ enum Command {
     #[cfg(feature = "preview")]
     Export(export::ExportArgs),
     Chart(chart::ChartArgs),
+    CommandsPage(commands_page::CommandsPageArgs),
     Compare(compare::CompareArgs),
     #[cfg(feature = "preview")]
     Doctor(doctor::DoctorArgs),
@@ -122,6 +121,7 @@ impl Command {
             #[cfg(feature = "preview")]
             Self::Export(args) => export::run(&args, output),
             Self::Chart(args) => chart::run(&args, output),
+            Self::CommandsPage(_) => commands_page::run(Cli::command(), output),
             Self::Compare(args) => compare::run(&args, output),
             #[cfg(feature = "preview")]
             Self::Doctor(args) => doctor::run(&args, output),

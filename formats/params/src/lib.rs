@@ -63,7 +63,7 @@ pub use field::{Field, PowerOfTwo, Range, SrgbColor};
 pub use knob::{Knob, Table, TableInfo, Tables, knobs, same, validate, validate_table};
 pub use list::Item;
 pub use nearest::nearest;
-pub use page::reference_page;
+pub use page::{reference_page, wrap};
 pub use raw::Raw;
 pub use text::{read, read_nested, set, set_word, to_documented_toml, to_toml};
 

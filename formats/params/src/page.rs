@@ -7,10 +7,13 @@ use crate::knob::{Knob, Tables};
 const COLUMNS: usize = 120;
 
 /// All keys of a set as Markdown: a heading for each table, with what it is about, and an entry for each key with default, type and range, meaning,
-/// and what its words mean. `title` and `introduction` come first; lines have at most 120 columns where words allow it.
-pub fn reference_page<S: Tables>(title: &str, introduction: &str) -> String {
+/// and what its words mean. `title` and the paragraphs of `introduction` come first; lines have at most 120 columns where words allow it.
+pub fn reference_page<S: Tables>(title: &str, introduction: &[&str]) -> String {
     let defaults = S::default();
-    let mut page = format!("# {title}\n\n{}\n", introduction.trim());
+    let mut page = format!("# {title}\n");
+    for paragraph in introduction {
+        page += &format!("\n{}\n", wrap("", paragraph));
+    }
     for (info, values) in S::TABLES.iter().zip(defaults.tables()) {
         let doc = one_line(info.doc);
         // The documentation of the struct begins with the table's name, which the heading says already.
@@ -48,14 +51,14 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Breaks a text at spaces; all lines but the first begin with `indent`, and the first is taken to begin as far in.
-fn wrap(indent: &str, text: &str) -> String {
+/// Breaks a text at spaces into lines of at most 120 columns; all but the first begin with `indent`, and the first is taken to begin as far in.
+/// No line begins with a character that would make it a list or a heading in Markdown.
+pub fn wrap(indent: &str, text: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
         let line = lines.last().map_or(0, |line| line.chars().count());
         let long = indent.len() + 2 + line + 1 + word.chars().count() > COLUMNS;
         match lines.last_mut() {
-            // A line that began with one of these would be a list or a heading.
             Some(line) if line.is_empty() || !long || word.starts_with(['-', '+', '*', '#']) => {
                 if !line.is_empty() {
                     line.push(' ');

@@ -192,7 +192,7 @@ fn controls_follow_from_type_and_range() {
 
 #[test]
 fn the_page_says_all_and_no_line_is_too_long() {
-    let page = reference_page::<Look>("Looks", "What a look says.");
+    let page = reference_page::<Look>("Looks", &["What a look says."]);
     assert!(page.starts_with("# Looks\n\nWhat a look says.\n\n## `[picture]`\n\nThe picture.\n"), "{page}");
     for part in [
         "- **`layers`**: \"all\" or an integer 2..=256; default `\"all\"`.\n  Layers to draw: many are smooth.\n",

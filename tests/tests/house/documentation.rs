@@ -5,6 +5,7 @@ use pelage_bake::recipe::{Recipe, keys};
 use pelage_runtime::PassId;
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::documents::{cited_formulas, documents, links, named_documents, numbered_headings};
+use pelage_tests::pages::pages;
 
 /// The README's table of recipe keys.
 fn recipe_table() -> String {
@@ -24,6 +25,20 @@ fn the_readme_lists_every_recipe_key() {
     let table = recipe_table();
     assert!(table.lines().count() > 20, "{table}");
     assert!(readme.contains(&table), "README.md, \"Recipes\", should hold this table:\n{table}");
+}
+
+#[test]
+fn the_reference_pages_are_what_the_code_says() {
+    let pages = pages();
+    assert!(pages.iter().all(|(_, page)| page.lines().count() > 100), "a page is nearly empty");
+    for (path, page) in pages {
+        let there = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(
+            there == page,
+            "{} is not what the code says: cargo run -p pelage-tests --bin write_docs",
+            path.display()
+        );
+    }
 }
 
 #[test]
