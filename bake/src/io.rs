@@ -1,11 +1,12 @@
 //! The only module of the library that touches files.
 
 use crate::BakeError;
+use crate::image_file::{MAX_TEXELS, decode_image};
 use crate::mesh::Model;
 use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
-use crate::stages::import::{ImportOptions, MAX_TEXELS, decode_image, import, input_record};
+use crate::stages::import::{ImportOptions, import, input_record};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 

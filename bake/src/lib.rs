@@ -5,6 +5,7 @@
 //! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.
 
 pub mod error;
+pub(crate) mod image_file;
 pub mod io;
 pub mod judge;
 pub mod mask;
@@ -14,6 +15,7 @@ pub mod picture;
 pub mod pipeline;
 pub mod recipe;
 pub mod reslice;
+pub(crate) mod sample;
 pub mod stages;
 pub mod strands;
 pub mod y4m;

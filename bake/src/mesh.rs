@@ -40,6 +40,18 @@ pub struct Mesh {
     pub parts: Vec<MeshPart>,
 }
 
+impl Mesh {
+    /// Copies vertex `v` to the end of all streams and returns the copy's number.
+    pub(crate) fn copy_vertex(&mut self, v: usize) -> u32 {
+        self.positions.push(self.positions[v]);
+        self.normals.push(self.normals[v]);
+        self.uvs.push(self.uvs[v]);
+        self.colors.push(self.colors[v]);
+        self.skin.extend(self.skin.get(v).copied());
+        self.positions.len() as u32 - 1
+    }
+}
+
 /// A run of triangles that came from one primitive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshPart {

@@ -1,7 +1,7 @@
 //! Pictures in memory, of linear light: what renderers draw and what is compared.
 
 use crate::BakeError;
-use crate::stages::import::bounded_reader;
+use crate::image_file::bounded_reader;
 use image::{EncodableLayout, ImageBuffer, ImageFormat, PixelWithColorType, RgbaImage};
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
 

@@ -4,7 +4,8 @@ use anyhow::{Context as _, ensure};
 use glam::{DVec3, DVec4};
 use serde_json::{Value, json};
 
-use super::rig::Weights;
+/// Up to four joints with their weights, which sum to one.
+pub type Weights = [(u8, f64); 4];
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;

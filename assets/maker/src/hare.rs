@@ -8,27 +8,17 @@ use glam::{DMat3, DVec3};
 use super::{
     body::{self, Body, Comb, Keep, cone, ellipsoid, on_side, pitch, ramp},
     glb::{Material, Model, Primitive},
-    hare_rig,
+    hare_rig::{self, ear},
     regions::Regions,
     remesh::Sizing,
     sdf::Solid,
-    shapes::push_ball,
+    shapes::{METRES_PER_UV, push_ball},
     skin::Skin,
     trimesh::TriMesh,
 };
 
-/// Metres of skin in one unit of texture coordinates, in all three models.
-pub const METRES_PER_UV: f64 = 0.1;
-
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
-}
-
-/// Root, tip and unit facing direction of an ear; `side` is +1 for the hare's left ear (towards +X).
-pub fn ear(side: f64) -> [DVec3; 3] {
-    // The left ear stands a little higher and more forward than the right one: a listening hare.
-    let (tip_height, lean) = if side > 0.0 { (0.482, 0.033) } else { (0.475, 0.010) };
-    [v(side * 0.0165, 0.341, 0.05), v(side * 0.05, tip_height, lean), v(side * 0.5, 0.12, 0.86).normalize()]
 }
 
 /// The hare's body without eyes and nose.

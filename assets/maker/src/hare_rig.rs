@@ -4,11 +4,21 @@ use glam::DVec3;
 
 use super::{
     gait::{self, Leg, Pose, Step, cycle},
-    glb::{Channel, Clip, Interpolation, Joint, Target},
-    hare::ear,
-    rig::{self, Bone, Weights, bound_to, rotations, turn},
+    glb::{Channel, Clip, Interpolation, Joint, Target, Weights},
+    rig::{self, Bone, bound_to, rotations, turn},
     trimesh::TriMesh,
 };
+
+/// Root, tip and unit facing direction of an ear; `side` is +1 for the hare's left ear (towards +X).
+pub fn ear(side: f64) -> [DVec3; 3] {
+    // The left ear stands a little higher and more forward than the right one: a listening hare.
+    let (tip_height, lean) = if side > 0.0 { (0.482, 0.033) } else { (0.475, 0.010) };
+    [
+        DVec3::new(side * 0.0165, 0.341, 0.05),
+        DVec3::new(side * 0.05, tip_height, lean),
+        DVec3::new(side * 0.5, 0.12, 0.86).normalize(),
+    ]
+}
 
 const HIPS: u8 = 0;
 const SPINE: u8 = 1;

@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::{
     body::on_side,
     gait::{self, Leg, Pose, Step, cycle, wave},
-    glb::{Clip, Joint},
-    rig::{self, Bone, Weights, bound_to},
+    glb::{Clip, Joint, Weights},
+    rig::{self, Bone, bound_to},
     trimesh::TriMesh,
 };
 

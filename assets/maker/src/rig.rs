@@ -5,12 +5,9 @@ use std::collections::BTreeSet;
 use glam::{DQuat, DVec3};
 
 use super::{
-    glb::{Channel, Interpolation, Joint, Target},
+    glb::{Channel, Interpolation, Joint, Target, Weights},
     trimesh::TriMesh,
 };
-
-/// Up to four joints with their weights, which sum to one.
-pub type Weights = [(u8, f64); 4];
 
 /// Bound wholly to one joint.
 pub const fn bound_to(joint: u8) -> Weights {

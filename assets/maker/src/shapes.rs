@@ -6,10 +6,12 @@ use core::f64::consts::TAU;
 use glam::{DVec3, DVec4};
 
 use super::{
-    glb::{Material, Model, Primitive},
-    hare::METRES_PER_UV,
-    rig::{Weights, bound_to},
+    glb::{Material, Model, Primitive, Weights},
+    rig::bound_to,
 };
+
+/// Metres of skin in one unit of texture coordinates, in all three models.
+pub const METRES_PER_UV: f64 = 0.1;
 
 /// A ring of 0.4 m with a tube of 0.16 m: 19 x 15 quads, 570 triangles.
 pub fn torus() -> Model {

@@ -4,9 +4,8 @@ use glam::{DVec3, DVec4};
 
 use super::{
     charts::{self, Atlas, ChartParams},
-    glb::Primitive,
+    glb::{Primitive, Weights},
     regions::Regions,
-    rig::Weights,
     sdf::normal,
     trimesh::TriMesh,
 };

@@ -4,7 +4,7 @@ use super::bake::StageWatch;
 use super::built_in::{BuiltIn, HARE, TORUS};
 use super::exit::{Exit, Failure};
 use super::output::Output;
-use super::render;
+use super::shoot;
 use super::staged::stage_of;
 use super::view::View;
 use pelage_bake::pipeline::{self, Baked};
@@ -53,7 +53,7 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
         for (suffix, view) in views(*moment) {
             let path = args.output.join(format!("{}{suffix}.png", model.name));
             output.progress("drawing");
-            render::draw(&mut stage_of(&file, &view, || Ok(gpu.clone()))?, &path)?;
+            shoot::draw(&mut stage_of(&file, &view, || Ok(gpu.clone()))?, &path)?;
             pictures.push(path.display().to_string());
         }
         if moment.is_some() {
@@ -99,7 +99,7 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
         output.progress(&format!("walking, {} of {count}", number + 1));
         scene.set_time(seconds * number as f32 / count as f32);
         let path = folder.join(format!("{number:04}.png"));
-        render::draw(&mut scene, &path)?;
+        shoot::draw(&mut scene, &path)?;
         pictures.push(path.display().to_string());
     }
     Ok(pictures)

@@ -1,7 +1,7 @@
 //! Options of the ink style, which `render` and `bench` share.
 
 use super::compare::Rgb;
-use super::view_args::{Background, Switch};
+use super::words::{Background, Switch};
 use clap::ValueEnum;
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;

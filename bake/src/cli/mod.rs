@@ -35,6 +35,8 @@ mod sequence;
 #[cfg(feature = "preview")]
 mod shell_judge;
 #[cfg(feature = "preview")]
+mod shoot;
+#[cfg(feature = "preview")]
 mod staged;
 mod threads;
 #[cfg(feature = "preview")]
@@ -46,6 +48,8 @@ mod validate;
 mod view;
 #[cfg(feature = "preview")]
 mod view_args;
+#[cfg(feature = "preview")]
+mod words;
 
 use clap::CommandFactory as _;
 #[cfg(feature = "preview")]
@@ -53,6 +57,10 @@ use clap::FromArgMatches as _;
 use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
+#[cfg(feature = "preview")]
+use pelage_bake::BakeError;
+#[cfg(feature = "preview")]
+use render::{Line, RenderArgs};
 #[cfg(feature = "preview")]
 use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
@@ -113,7 +121,7 @@ impl Command {
             Self::Unpack(args) => unpack::run(&args, output),
             Self::Pack(args) => pack::run(&args, output),
             #[cfg(feature = "preview")]
-            Self::Render(args) => render::run(&args, output),
+            Self::Render(args) => render::run(&args, &Line { again, option: render_option }, output),
             #[cfg(feature = "preview")]
             Self::Bench(args) => bench::run(&args, output),
             #[cfg(feature = "preview")]
@@ -143,9 +151,9 @@ pub fn main() -> std::process::ExitCode {
     exit.into()
 }
 
-/// What this process was asked for, with `options` for what the command line does not say itself about its subcommand.
+/// What this process was asked to draw, with `options` for what the command line does not say itself.
 #[cfg(feature = "preview")]
-fn again(options: &[String]) -> Result<Command, Failure> {
+fn again(options: &[String]) -> Result<RenderArgs, Failure> {
     let mut words: Vec<OsString> = std::env::args_os().collect();
     // What may stand before the subcommand begins with a dash and has no value.
     let dashed = |word: &OsString| word.to_string_lossy().starts_with('-');
@@ -155,7 +163,10 @@ fn again(options: &[String]) -> Result<Command, Failure> {
     // The last of several counts, and the user's come last.
     let matches = Cli::command().args_override_self(true).try_get_matches_from(words);
     let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches));
-    cli.map(|cli| cli.command).map_err(|error| Failure::Usage(first_line(&error)))
+    match cli.map_err(|error| Failure::Usage(first_line(&error)))?.command {
+        Command::Render(args) => Ok(args),
+        other => Err(BakeError::Internal(format!("{other:?} was asked for a picture")).into()),
+    }
 }
 
 /// Checks one option of `pelage render`, such as `--size=834x424`; what is wrong with it, in words.

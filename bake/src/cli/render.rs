@@ -6,19 +6,14 @@ use super::output::Output;
 use super::package_file;
 use super::scene_options::{complete, options};
 use super::sequence::{Drawn, Sink};
-use super::staged::{self, crowd, detail};
+use super::shoot::{Picture, Shoot};
+use super::staged::{self, crowd};
 use super::view::View;
 use super::view_args::ViewArgs;
-use glam::Quat;
-use image::RgbaImage;
-use pelage_bake::io;
-use pelage_bake::picture::encode_png;
 use pelage_formats::MAGIC;
-use pelage_formats::meaning::srgb_to_linear;
-use pelage_runtime::{Frame, Light, StyleKind};
-use pelage_stage::{Cast, Gpu, LoadedScene, NamedPackage, SceneFile, Stage, StageError};
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use pelage_runtime::StyleKind;
+use pelage_stage::{Cast, Gpu, LoadedScene, NamedPackage, SceneFile, StageError};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Draw a package or a scene into a PNG, or over time into numbered ones or a video
@@ -59,21 +54,6 @@ pub struct RenderArgs {
 /// Pictures per second where nothing says how many.
 const FPS: u32 = 24;
 
-/// What a picture turned out to be.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Picture {
-    /// Pixels with any opacity.
-    pub covered_pixels: u64,
-    /// Mean luminance of the covered pixels, linear, 0..=1; 0 where none is.
-    pub mean_luminance: f64,
-    /// The report of the frame that it was drawn from; of a sequence, that of the first alone.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    passes: Vec<Value>,
-    /// What is drawn of each copy's fur; of a sequence, that of the first alone.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    detail: Vec<Value>,
-}
-
 /// What is drawn: one package, or a scene of several.
 enum Subject {
     Package(NamedPackage<'static>),
@@ -88,23 +68,31 @@ struct Scene {
     options: Vec<String>,
 }
 
+/// What a scene file asks of the whole command line.
+pub struct Line {
+    /// The arguments of this process, with options for what they do not say themselves.
+    pub again: fn(&[String]) -> Result<RenderArgs, Failure>,
+    /// Checks one option, such as `--size=834x424`; what is wrong with it, in words.
+    pub option: fn(&str) -> Result<(), String>,
+}
+
 impl Scene {
-    fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
+    fn read(path: &Path, bytes: Vec<u8>, line: &Line) -> Result<Self, Failure> {
         let file = SceneFile::parse(&path.display().to_string(), bytes)?;
-        let options = options(&file)?;
+        let options = options(&file, line.option)?;
         let loaded = file.load(&package_file::Folder(path.parent().unwrap_or(Path::new(""))))?;
         Ok(Self { file, loaded, options })
     }
 }
 
 impl Subject {
-    fn read(path: &Path) -> Result<Self, Failure> {
+    fn read(path: &Path, line: &Line) -> Result<Self, Failure> {
         let file = package_file::read(path)?;
         let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
         // Whatever its name is: every scene has a model.
         let is_scene = || std::str::from_utf8(&file.bytes).is_ok_and(|text| text.contains("[[model]]"));
         if !file.bytes.starts_with(&MAGIC) && (named || is_scene()) {
-            return Ok(Self::Scene(Box::new(Scene::read(path, file.bytes.into_owned())?)));
+            return Ok(Self::Scene(Box::new(Scene::read(path, file.bytes.into_owned(), line)?)));
         }
         Ok(Self::Package(file))
     }
@@ -123,6 +111,12 @@ impl Subject {
         }
     }
 
+    /// Stands for what is drawn, beside what a picture depends on in any case.
+    fn key(&self, key: Key) -> Key {
+        let key = key.and(self.scene().map_or("", |scene| &scene.file.text));
+        self.packages().iter().fold(key, |key, file| key.and(&file.bytes))
+    }
+
     fn cast(&self, view: &View) -> Result<Cast<'_>, StageError> {
         match self {
             Self::Package(file) => crowd(file, view),
@@ -132,7 +126,7 @@ impl Subject {
 }
 
 /// Runs the subcommand.
-pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
+pub fn run(args: &RenderArgs, line: &Line, output: &mut Output) -> Result<Exit, Failure> {
     if args.output == Path::new("-") && output.is_json() {
         return Err(Failure::Usage("--json: standard output is the video with -o -, expected one of them".into()));
     }
@@ -140,14 +134,11 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     View::try_from(&args.view)?;
     Sink::new(&args.output, args.view.frames, None)?;
     output.progress("loading");
-    let subject = Subject::read(&args.input)?;
+    let subject = Subject::read(&args.input, line)?;
     let scene = subject.scene();
     let again =
-        scene.filter(|scene| !scene.options.is_empty()).map(|scene| super::again(&scene.options)).transpose()?;
-    let args = match &again {
-        Some(super::Command::Render(args)) => args,
-        _ => args,
-    };
+        scene.filter(|scene| !scene.options.is_empty()).map(|scene| (line.again)(&scene.options)).transpose()?;
+    let args = again.as_ref().unwrap_or(args);
     let samples = if args.samples == "4" { 4 } else { 1 };
     let completed = scene.map(|scene| complete(&scene.file.name, scene.loaded.light, &args.view)).transpose()?;
     let view = View { samples, ..View::try_from(completed.as_ref().unwrap_or(&args.view))? };
@@ -162,7 +153,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let stage = staged::stage(&subject.cast(&view)?, &view, Gpu::open)?;
     let mut shoot = Shoot { scene: stage, view, count, fps, turn_light: args.turn_light };
-    let key = shoot.key(&subject);
+    let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
     if sink == Sink::Stdout {
         output.end_progress();
@@ -170,115 +161,6 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
         report(output, &shoot, &subject, &sink.files(), &drawn)?;
     }
     Ok(Exit::Done)
-}
-
-/// A scene, and the moments at which pictures are taken of it.
-pub struct Shoot {
-    scene: Stage,
-    view: View,
-    turn_light: bool,
-    /// Pictures.
-    pub count: usize,
-    /// Of them a second.
-    pub fps: u32,
-}
-
-impl Shoot {
-    /// Width and height, pixels.
-    pub fn size(&self) -> (u32, u32) {
-        self.view.size
-    }
-
-    /// What is behind everything, sRGB-encoded; `None` for nothing.
-    pub fn background(&self) -> Option<[u8; 3]> {
-        self.view.background
-    }
-
-    /// Draws picture `index`, from 0.
-    pub fn picture(&mut self, index: usize, output: &mut Output) -> Result<(Picture, RgbaImage), Failure> {
-        if self.count > 1 {
-            output.progress_of(index, self.count, "pictures");
-        } else {
-            output.progress("drawing");
-        }
-        self.scene.set_time(self.view.time_s + index as f32 / self.fps as f32);
-        if self.turn_light {
-            let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
-            self.scene.params.light = turned(self.view.light, angle_rad);
-        }
-        let (drawn, pixels) = picture(&mut self.scene)?;
-        // A long sequence of a large crowd would fill memory and journal with what nobody is told.
-        let told = if index == 0 { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
-        Ok((told, pixels))
-    }
-
-    /// Stands for everything that a picture depends on beside its number.
-    fn key(&self, subject: &Subject) -> Key {
-        let info = &self.scene.gpu.info;
-        let mut key = Key::new()
-            .and(format!("{:?} {} {} {}", info.backend, info.name, info.driver, info.driver_info))
-            .and(format!("{:?}", self.view))
-            .and(self.fps.to_le_bytes());
-        if self.turn_light {
-            key = key.and(self.count.to_le_bytes());
-        }
-        key = key.and(subject.scene().map_or("", |scene| &scene.file.text));
-        subject.packages().iter().fold(key, |key, file| key.and(&file.bytes))
-    }
-}
-
-/// Draws the scene as it stands into a PNG file.
-pub fn draw(scene: &mut Stage, path: &Path) -> Result<Picture, Failure> {
-    let (picture, pixels) = picture(scene)?;
-    write_png(path, &pixels)?;
-    Ok(picture)
-}
-
-/// Writes a picture, and returns the bytes of the file.
-pub fn write_png(path: &Path, pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
-    let bytes = encode_png(pixels)?;
-    io::write_atomic(path, &bytes)?;
-    Ok(bytes)
-}
-
-/// Draws the scene as it stands: what it turned out to be, and its pixels, sRGB-encoded with straight alpha.
-fn picture(scene: &mut Stage) -> Result<(Picture, RgbaImage), Failure> {
-    let frame = scene.draw()?;
-    let pixels = staged::pixels(scene)?;
-    let picture = Picture {
-        covered_pixels: pixels.pixels().filter(|p| p.0[3] > 0).count() as u64,
-        mean_luminance: mean_luminance(&pixels),
-        passes: passes(&frame),
-        detail: detail(&frame),
-    };
-    Ok((picture, pixels))
-}
-
-/// A light carried around the world's vertical axis.
-fn turned(light: Light, angle_rad: f32) -> Light {
-    let turn = Quat::from_rotation_y(angle_rad);
-    match light {
-        Light::Directional { towards_light, color } => {
-            Light::Directional { towards_light: turn * towards_light, color }
-        }
-        Light::Point { position, color } => Light::Point { position: turn * position, color },
-    }
-}
-
-/// Mean luminance (Rec. 709) of the pixels with any opacity.
-fn mean_luminance(pixels: &RgbaImage) -> f64 {
-    let covered = || pixels.pixels().filter(|p| p.0[3] > 0);
-    let of = |p: &image::Rgba<u8>| {
-        let [r, g, b, _] = p.0.map(|byte| f64::from(srgb_to_linear(byte)));
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    };
-    covered().map(of).sum::<f64>() / covered().count().max(1) as f64
-}
-
-/// The frame's report as JSON.
-fn passes(frame: &Frame) -> Vec<Value> {
-    let report = frame.report();
-    report.passes.iter().map(|p| json!({ "name": p.name, "ran": p.ran, "reason": p.reason })).collect()
 }
 
 fn report(

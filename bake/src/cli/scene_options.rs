@@ -1,7 +1,6 @@
 //! What a scene file says in words of the command line.
 
 use super::exit::Failure;
-use super::render_option;
 use super::view_args::{Direction, Position, ViewArgs};
 use pelage_stage::{SceneFile, SceneLight, StageError};
 
@@ -19,7 +18,8 @@ const ELSEWHERE: [(&str, &str); 9] = [
 ];
 
 /// `[view]` as words of the command line.
-pub fn options(file: &SceneFile) -> Result<Vec<String>, StageError> {
+/// `check`: says in words what is wrong with an option.
+pub fn options(file: &SceneFile, check: fn(&str) -> Result<(), String>) -> Result<Vec<String>, StageError> {
     let mut options = Vec::new();
     for (name, value) in &file.scene.view {
         let fail = |reason: String| file.fault(&format!("view.{name}"), reason);
@@ -35,7 +35,7 @@ pub fn options(file: &SceneFile) -> Result<Vec<String>, StageError> {
                 other => return Err(fail(format!("found {}, expected a word or a number", other.type_str()))),
             };
             let option = format!("--{}={value}", name.replace('_', "-"));
-            render_option(&option).map_err(fail)?;
+            check(&option).map_err(fail)?;
             options.push(option);
         }
     }
@@ -66,10 +66,11 @@ pub fn complete(file: &str, light: Option<SceneLight>, args: &ViewArgs) -> Resul
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
+    use crate::cli::render_option;
 
     fn read(before: &str) -> Result<Vec<String>, StageError> {
         let text = format!("{before}\n[[model]]\npackage = \"no.pelage\"\n");
-        options(&SceneFile::parse("a.toml", text.into()).unwrap())
+        options(&SceneFile::parse("a.toml", text.into()).unwrap(), render_option)
     }
 
     #[test]

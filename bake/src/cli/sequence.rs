@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::journal::{Entry, Journal, Key};
 use super::output::{Output, require_parent};
-use super::render::{Picture, Shoot, write_png};
+use super::shoot::{Picture, Shoot, write_png};
 use pelage_bake::io::{read_file, write_atomic_with};
 use pelage_bake::picture;
 use pelage_bake::y4m::Y4m;

@@ -2,7 +2,8 @@
 
 use super::exit::Failure;
 use super::ink_args::InkView;
-use super::view_args::{Background, DetailArg, LightingArg, Penumbra, Slant, StyleArg, Switch, ViewArgs};
+use super::view_args::{DetailArg, LightingArg, Penumbra, Slant, StyleArg, ViewArgs};
+use super::words::{Background, Switch};
 use glam::Vec3;
 use pelage_bake::recipe::CameraView;
 use pelage_runtime::{Light, Lighting, PenumbraForm, ShadowParams, SlantForm, Study, StyleKind};

@@ -1,7 +1,7 @@
 //! What `render` and `bench` share: the picture, the camera, the light and what is drawn.
 
-use super::compare::Rgb;
 use super::ink_args::InkArgs;
+use super::words::{Background, Switch};
 use clap::ValueEnum;
 use glam::Vec3;
 use pelage_bake::recipe::{CameraView, parse_vec3};
@@ -169,15 +169,6 @@ impl FromStr for DetailArg {
     }
 }
 
-/// `on` or `off`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Switch {
-    /// Drawn
-    On,
-    /// Left out
-    Off,
-}
-
 /// `--lighting`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LightingArg {
@@ -256,37 +247,6 @@ impl FromStr for Position {
 
     fn from_str(text: &str) -> Result<Self, String> {
         parse_vec3(text).map(Self)
-    }
-}
-
-/// `--background`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Background {
-    /// Opacity 0.
-    Transparent,
-    /// sRGB-encoded.
-    Color([u8; 3]),
-}
-
-impl Background {
-    /// sRGB-encoded; `None` for transparent.
-    pub fn color(self) -> Option<[u8; 3]> {
-        match self {
-            Self::Transparent => None,
-            Self::Color(rgb) => Some(rgb),
-        }
-    }
-}
-
-impl FromStr for Background {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "transparent" {
-            return Ok(Self::Transparent);
-        }
-        let color = text.parse::<Rgb>().map(|rgb| Self::Color(rgb.0));
-        color.map_err(|_| "expected transparent, or red,green,blue of 0 to 255 each".into())
     }
 }
 

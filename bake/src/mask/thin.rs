@@ -1,15 +1,24 @@
 //! Thinning: T. Y. Zhang, C. Y. Suen, *A fast parallel algorithm for thinning digital patterns*, CACM 27 (1984).
 
-use super::Mask;
+use super::set::Mask;
 
 /// The neighbours of a pixel, clockwise from above.
 const ROUND: [(i64, i64); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
+
+impl Mask {
+    /// The set thinned to lines of one pixel that run in the middle of what was wider (Zhang and Suen 1984); connected parts stay connected, and what
+    /// is a pixel wide stays as it is.
+    #[must_use]
+    pub fn core(&self) -> Self {
+        thinned(self)
+    }
+}
 
 /// Takes pixels from the borders of what is wider than one, in turns from the lower right and the upper left, until nothing is left to take.
 ///
 /// All pixels of a turn are chosen at once, which keeps the line in the middle; each is asked again when it goes, because a slanted line of two pixels
 /// is all border and would vanish as printed.
-pub(super) fn thinned(mask: &Mask) -> Mask {
+fn thinned(mask: &Mask) -> Mask {
     let mut out = mask.clone();
     let mut candidates: Vec<usize> = (0..out.pixels.len()).filter(|i| out.pixels[*i]).collect();
     loop {

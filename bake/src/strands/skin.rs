@@ -2,7 +2,7 @@
 
 use crate::BakeError;
 use crate::mesh::Image;
-use crate::stages::groom::sample::{Encoding, Wrap, bilinear};
+use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::textures::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed, skin_matrix, tile_axes_f64};

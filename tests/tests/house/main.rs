@@ -2,5 +2,6 @@
 
 mod dependencies;
 mod documentation;
+mod floors;
 mod register;
-mod runtime_house;
+mod sources;

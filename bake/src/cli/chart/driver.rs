@@ -1,11 +1,12 @@
 //! What all charts share: rows are measured one by one, each is noted down at once, and the table and its picture are written when all are there.
 
+use super::args::ChartArgs;
 use super::journal::Rows;
 use super::subject::{Subject, shell_word};
-use super::{ChartArgs, create};
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::journal::Key;
 use crate::cli::output::Output;
+use pelage_bake::BakeError;
 use pelage_bake::io;
 use pelage_bake::judge::chart::{self, Cell, Chart, Panel, Row};
 use serde_json::{Map, Value, json};
@@ -179,4 +180,13 @@ pub fn value(cell: &Cell) -> Value {
         Cell::Text(text) => json!(text),
         Cell::Empty => Value::Null,
     }
+}
+
+/// Makes the folder that tables and pictures are put in.
+pub(super) fn create(folder: &Path) -> Result<(), BakeError> {
+    std::fs::create_dir_all(folder).map_err(|source| BakeError::Io {
+        path: folder.to_owned(),
+        action: "create",
+        source,
+    })
 }

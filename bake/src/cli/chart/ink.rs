@@ -1,7 +1,7 @@
 //! `pelage chart ink`: drawn lines beside those of the mesh.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
-use super::measured_on;
+use super::machine::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::shell_judge::Source;

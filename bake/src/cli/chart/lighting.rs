@@ -1,7 +1,7 @@
 //! `pelage chart lighting`: light per pixel and per vertex, by several direction textures.
 
 use super::driver::{Plan, PlannedRow, Topic};
-use super::measured_on;
+use super::machine::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::staged::stage_of;

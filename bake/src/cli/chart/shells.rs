@@ -1,7 +1,7 @@
 //! `pelage chart shells`: shells and fins at many settings beside the true strands.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
-use super::measured_on;
+use super::machine::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::shell_judge::{ShellJudge, Source};

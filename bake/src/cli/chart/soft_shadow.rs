@@ -2,7 +2,7 @@
 
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::light_bench::LightBench;
-use super::measured_on;
+use super::machine::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use pelage_bake::judge::chart::Cell;

@@ -1,7 +1,8 @@
 //! `pelage chart stability`: the table of `bake/src/judge/stability/`, each row driven here and now.
 
-use super::driver::value;
-use super::{ChartArgs, create, processor};
+use super::args::ChartArgs;
+use super::driver::{create, value};
+use super::machine::processor;
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::output::Output;
 use pelage_bake::io;
@@ -109,9 +110,9 @@ fn report(
 /// The rows that need pictures.
 #[cfg(feature = "preview")]
 mod drawn {
-    use super::super::light_bench::half_to_f32;
-    use super::super::measured_on;
     use super::Table;
+    use crate::cli::chart::light_bench::half_to_f32;
+    use crate::cli::chart::machine::measured_on;
     use crate::cli::exit::Failure;
     use crate::cli::output::Output;
     use pelage_bake::BakeError;

@@ -1,6 +1,6 @@
 //! What is charted: a model with its recipe.
 
-use super::ChartArgs;
+use super::args::ChartArgs;
 use crate::cli::built_in::HARE;
 use crate::cli::exit::Failure;
 use crate::cli::mesh_glb;

@@ -1,7 +1,7 @@
 //! `pelage chart surface`: the `surface` stage of bake, as often as it needs to be timed.
 
 use super::driver::{Plan, PlannedRow, Topic};
-use super::processor;
+use super::machine::processor;
 use super::subject::{Subject, set_words, shell_word};
 use crate::cli::exit::Failure;
 use pelage_bake::judge::chart::{Cell, surface};

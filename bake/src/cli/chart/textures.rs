@@ -1,7 +1,7 @@
 //! `pelage chart textures`: formats, encoders and mips of a tile of hair.
 
 use super::driver::{Plan, PlannedRow, Topic, once};
-use super::processor;
+use super::machine::processor;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use pelage_bake::judge::chart::Cell;

@@ -1,23 +1,10 @@
 //! What a package has more of than a screen shows, and the recipe line that would change it.
 
-use super::{Prognosis, View};
+use super::prognosis::{Advice, Prognosis, View};
 use crate::BakeError;
 use crate::recipe::Recipe;
 use crate::stages::textures::decode_texture;
 use pelage_formats::{FormatError, Manifest, Package, TextureFormat};
-
-/// A line of the recipe to change.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Advice {
-    /// The change, as `--set` takes it; or, where no recipe can change it, what to do.
-    pub change: String,
-    /// What was found.
-    pub found: String,
-    /// What the change would save.
-    pub saves: String,
-    /// What it would cost.
-    pub costs: String,
-}
 
 /// Looks for everything there is advice on, the dearest first.
 ///

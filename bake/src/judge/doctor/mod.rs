@@ -3,10 +3,11 @@
 //! Every skin triangle, layer and fin is rasterised as the runtime would draw it at rest ([`raster`]), and counted. What is
 //! predicted is work: fragments, vertices, bytes. What that takes in time depends on the adapter, which `pelage bench` measures.
 
-pub mod advice;
+mod advice;
+mod prognosis;
 pub mod raster;
 
-pub use advice::Advice;
+pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, View};
 
 use crate::BakeError;
 use glam::{Mat4, Vec3, Vec4};
@@ -15,94 +16,6 @@ use pelage_formats::meaning::{
 };
 use pelage_formats::{FormatError, Package, Pose};
 use raster::{Covered, Draw, Raster};
-
-/// How the package will be looked at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// Place of the eye, metres.
-    pub eye: Vec3,
-    /// What it looks at, metres; apart from `eye`.
-    pub target: Vec3,
-    /// Height of the view, radians.
-    pub fov_y_rad: f32,
-    /// Width and height of the picture, pixels.
-    pub size: (u32, u32),
-    /// Copies, each seen as large as the one that is rasterised.
-    pub instances: u32,
-    /// Width and height of the shadow maps, texels; 0 for no shadows.
-    pub shadow_map: u32,
-}
-
-/// A pass of the runtime.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PassWork {
-    /// As in the runtime's report.
-    pub name: &'static str,
-    /// Whether it runs.
-    pub runs: bool,
-    /// Why, or why not.
-    pub reason: String,
-    /// Vertices that its shader is run for, at the least: each once a layer.
-    pub vertices: u64,
-    /// Pixels that it draws; of passes that draw the picture.
-    pub fragments: Option<u64>,
-    /// The same where a shader runs on blocks of 4 by 4 pixels, as on a software rasteriser.
-    pub fragments_in_blocks: Option<u64>,
-}
-
-/// Bytes on the device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Memory {
-    /// All textures as they are stored. An adapter in software widens directions of two bytes to four.
-    pub textures: u64,
-    /// Vertices, indices and fins.
-    pub buffers: u64,
-    /// Posed vertices of all copies.
-    pub posed: u64,
-    /// The key light's shadow maps, one set for all.
-    pub shadow_maps: u64,
-}
-
-impl Memory {
-    /// All of it.
-    pub fn total(&self) -> u64 {
-        self.textures + self.buffers + self.posed + self.shadow_maps
-    }
-}
-
-/// Sizes on the screen, where the fur is nearest to the eye.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OnScreen {
-    /// Width of a texel of the tile, pixels.
-    pub texel_px: f64,
-    /// Gap between two layers, pixels, seen from the side.
-    pub layer_gap_px: f64,
-    /// Height of the fur, pixels, likewise.
-    pub height_px: f64,
-    /// Median area of the triangles of the skin that are seen, pixels.
-    pub triangle_px: f64,
-    /// Share of them that are smaller than 4 by 4 pixels.
-    pub small_triangles: f64,
-    /// How many are seen.
-    pub triangles: u64,
-}
-
-/// What was found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prognosis {
-    /// Pixels that the skin covers, and that at least one layer of fur does.
-    pub covered_pixels: [u64; 2],
-    /// Mean and largest number of layers on a pixel with fur.
-    pub overdraw: (f64, u16),
-    /// The passes, in their order.
-    pub passes: Vec<PassWork>,
-    /// On the device.
-    pub memory: Memory,
-    /// Sizes on the screen.
-    pub on_screen: OnScreen,
-    /// What to change; empty where all is well.
-    pub advice: Vec<Advice>,
-}
 
 /// Pictures of more pixels are rasterised smaller, and what is counted is scaled.
 const MOST_PIXELS: u64 = 1 << 20;

@@ -1,7 +1,7 @@
 //! Skeletons as files have them: joints that scale unevenly, mirror or collapse, joints that no weight points at and that hold anything, weights that
 //! sum to nothing. (Weights that sum to something else than 1 are scaled when a model is read, and no package that has them opens.)
 
-use super::{Finding, Row};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use glam::{EulerRot, Mat3, Mat4, Quat, Vec3, Vec4};
 use pelage_runtime::shared::skinning::{blend, transform_normal};

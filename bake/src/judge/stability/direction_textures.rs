@@ -1,6 +1,6 @@
 //! The mean of opposing tangents is zero or rounding noise; normalising it gives NaN or any direction.
 
-use super::{Finding, Row};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::recipe::SliceParams;
 use crate::stages::hair::Strands;

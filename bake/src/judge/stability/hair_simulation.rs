@@ -1,6 +1,7 @@
 //! Large steps, stiff curls, strong lean.
 
-use super::{Finding, Row, grow};
+use super::measures::grow;
+use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::recipe::{HairParams, Style};
 use crate::stages::hair::Strands;

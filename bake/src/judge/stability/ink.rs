@@ -1,7 +1,8 @@
 //! The width of ink lines (Fang 2006, §2, Fig. 3): by the sphere map alone everything seen at a small enough angle is outline, so that flat parts seen edge on
 //! turn black all over. The template keeps lines to their width about the features.
 
-use super::{Drawer, Drawing, DrawnDriver, Finding, Row, silhouette, surface};
+use super::row::{Drawer, Drawing, DrawnDriver, Finding, Row};
+use super::{silhouette, surface};
 use crate::BakeError;
 use crate::judge::chart::ink::{on_blank_paper, template_px};
 use crate::mask::Mask;

@@ -1,6 +1,6 @@
 //! Hair along the light: sin² as 1 − (T·L)² rounds below zero, and a power of that is not a number.
 
-use super::{Finding, Row};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use glam::Vec3;
 use pelage_runtime::shared::kajiya_kay::{sin_power, sin_squared};

@@ -1,7 +1,8 @@
 //! Layer-wise shadow maps (Yang 2006, §3): the printed product takes 1 − α of a layer whatever way the light has through it; the way itself,
 //! 1 / |N·L|, has no end at the horizon; and from behind, the layers are crossed from the wrong side.
 
-use super::{Finding, Row, grow, mean, opacity, slice};
+use super::measures::{grow, mean, opacity, slice};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::judge::truth::SampledVolume;
 use crate::recipe::HairParams;

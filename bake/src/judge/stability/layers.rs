@@ -1,6 +1,7 @@
 //! The same fur at 8 and at 64 layers must be as dense.
 
-use super::{Finding, Row, grow, mean, opacity, slice, texels, transmittances};
+use super::measures::{grow, mean, opacity, slice, texels, transmittances};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::recipe::{HairParams, Style};
 

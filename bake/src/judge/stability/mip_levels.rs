@@ -1,7 +1,8 @@
 //! Layers of one hair stand above each other: averaging each layer's opacity by itself makes distant fur too opaque (and alpha-tested
 //! fur, whose coverage falls, too thin).
 
-use super::{Finding, Row, grow, mean, opacity, slice, transmittances};
+use super::measures::{grow, mean, opacity, slice, transmittances};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::recipe::{HairParams, Style};
 use crate::stages::textures::ShellSet;

@@ -1,6 +1,7 @@
 //! In a fine stack a faint hair has less than half a step of 8-bit opacity per layer.
 
-use super::{Finding, Row, mean, slice, transmittances};
+use super::measures::{mean, slice, transmittances};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::stages::hair::Strands;
 use crate::stages::textures::extinction;

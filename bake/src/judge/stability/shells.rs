@@ -1,6 +1,7 @@
 //! The outline: a look along the skin goes a long way through each layer, which as a sheet knows nothing of it.
 
-use super::{Drawer, DrawnDriver, Finding, Row, silhouette, surface};
+use super::row::{Drawer, DrawnDriver, Finding, Row};
+use super::{silhouette, surface};
 use crate::BakeError;
 use crate::recipe::Recipe;
 

@@ -4,7 +4,7 @@
 //! eight pixels: where a single hair ends is not the same in both, so that single pixels differ by more than what the eye takes for density. All
 //! pictures are supersampled, so that the sampling of a pixel's middle, which alone makes a difference of 0.07 a pixel, is no part of the error.
 
-use super::{Drawer, Drawing};
+use super::row::{Drawer, Drawing};
 use crate::BakeError;
 use crate::judge::truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScene};
 use crate::mask::Mask;

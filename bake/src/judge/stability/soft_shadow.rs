@@ -1,7 +1,7 @@
 //! Soft shadows from a shadow-width map (Yang 2006, §5: 1 − C_scale · sw / sd): where the shadow is thrown from near by, sd is nothing but the
 //! rounding of the depth map and the quotient anything; and the blurred map says one half where the shadow begins, which is a step.
 
-use super::{Finding, Row};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use glam::Vec4;
 use pelage_runtime::shared::layer_shadow::slanted_path;

@@ -1,7 +1,7 @@
 //! Slivers make the equations of a patch nearly singular. Naive: conjugate gradients in f32, a fixed number of rounds, the result believed.
 
+use super::row::{Finding, Row};
 use super::surface::{lay, model, not_positive};
-use super::{Finding, Row};
 use crate::BakeError;
 use crate::mesh::Model;
 use glam::{DVec2, Vec2, vec3};

@@ -4,7 +4,8 @@
 //! the view. Read as a reflection, R = 2(N·E)N − E, it is a map, but one about the middle of the picture: aside of it the outline is no
 //! longer the rim, and R = (0, 0, −1), where m is 0, falls on what faces the eye. Ours takes the normal in the frame perpendicular to the look, where the distance from the middle is sin(N, E)/2 whatever the perspective.
 
-use super::{Finding, Row, kajiya_kay};
+use super::kajiya_kay;
+use super::row::{Finding, Row};
 use crate::BakeError;
 use glam::{DVec3, Vec2, Vec3};
 use pelage_runtime::shared::ink::{ink_sphere_uv, ink_sphere_uv_reflected};

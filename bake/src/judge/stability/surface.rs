@@ -1,7 +1,7 @@
 //! Meshes that break parameterizations: closed ones, of any genus, with edges of three triangles and triangles without area. Naive:
 //! half-edges in a map, which the third triangle of an edge overwrites; gradients that divide by the area; one chart for all.
 
-use super::{Finding, Row};
+use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::mesh::{Material, Mesh, MeshPart, Model};
 use crate::stages::surface::{Surface, SurfaceParams, parameterize};

@@ -3,7 +3,7 @@
 //! Charts are packed on shelves, the highest first. Around each lies a gutter, in which the triangle at its border is continued, so that
 //! bilinear filtering and the coarser mips find there what the chart would go on with.
 
-use super::charts::{Spacing, bounds, charts};
+use super::charts::{Spacing, barycentric, bounds, charts};
 use crate::BakeError;
 use crate::mesh::Image;
 use crate::stages::surface::Surface;
@@ -194,16 +194,6 @@ pub(super) fn srgb_image(side: u32, texels: &[Vec4]) -> Image {
 pub(super) fn linear_image(side: u32, texels: &[Vec4]) -> Image {
     let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     Image { width: side, height: side, rgba: texels.iter().flat_map(|t| t.to_array().map(byte)).collect() }
-}
-
-/// Barycentric coordinates; `None` in a triangle without area.
-pub(super) fn barycentric([a, b, c]: &[Vec2; 3], p: Vec2) -> Option<Vec3> {
-    let area = (*b - *a).perp_dot(*c - *a);
-    if area == 0.0 || !area.is_finite() {
-        return None;
-    }
-    let (wb, wc) = ((p - *a).perp_dot(*c - *a) / area, (*b - *a).perp_dot(p - *a) / area);
-    Some(Vec3::new(1.0 - wb - wc, wb, wc))
 }
 
 /// The chart of each vertex, `u32::MAX` for none, after vertices of several were copied.

@@ -4,7 +4,6 @@
 //! on themselves. A chart grows over edges inside one patch and takes a triangle only where it overlaps none that is there already, and
 //! comes near none that is somewhere else on the skin: filtering would mix the two.
 
-use super::atlas::barycentric;
 use crate::mesh::Mesh;
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, VecDeque};
@@ -179,6 +178,16 @@ fn overlap(a: &[Vec2; 3], b: &[Vec2; 3], margin: f32) -> bool {
         let allowed = if margin > 0.0 { -margin } else { TOUCH * (a1 - a0).min(b1 - b0) };
         a1.min(b1) - a0.max(b0) > allowed
     })
+}
+
+/// Barycentric coordinates; `None` in a triangle without area.
+pub(super) fn barycentric([a, b, c]: &[Vec2; 3], p: Vec2) -> Option<Vec3> {
+    let area = (*b - *a).perp_dot(*c - *a);
+    if area == 0.0 || !area.is_finite() {
+        return None;
+    }
+    let (wb, wc) = ((p - *a).perp_dot(*c - *a) / area, (*b - *a).perp_dot(p - *a) / area);
+    Some(Vec3::new(1.0 - wb - wc, wb, wc))
 }
 
 #[cfg(test)]

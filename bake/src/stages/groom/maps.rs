@@ -2,10 +2,10 @@
 //! at every vertex and, where it matters, at every texel.
 
 use super::glob;
-use super::sample::{Encoding, Wrap, bilinear};
 use crate::BakeError;
 use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
 use crate::recipe::{ColorMap, GroomParams, MaterialTable, ScalarMap, VectorMap};
+use crate::sample::{Encoding, Wrap, bilinear};
 use glam::{Vec2, Vec3};
 use pelage_formats::InputRecord;
 use std::collections::BTreeMap;

@@ -5,7 +5,6 @@ mod charts;
 mod colors;
 mod maps;
 mod pattern;
-pub(crate) mod sample;
 
 pub use atlas::Atlas;
 pub use colors::{Colors, MaterialColor, colors};

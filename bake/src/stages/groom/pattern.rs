@@ -6,10 +6,10 @@
 use super::atlas::{Atlas, Spot, linear_image, srgb_image};
 use super::colors::Colors;
 use super::maps::{GroomTextures, MapImages};
-use super::sample::{Encoding, Wrap, bilinear};
 use crate::BakeError;
 use crate::mesh::Image;
 use crate::recipe::{ColorParams, PatternProjection, PatternWrap};
+use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::surface::Surface;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::Bounds;

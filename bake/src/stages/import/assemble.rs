@@ -2,11 +2,12 @@
 
 use super::clips;
 use super::json::At;
+use super::options::ImportOptions;
+use super::orient;
 use super::primitive::{Gathered, MeshUse, Primitive, read_mesh, within_limits};
 use super::scene::{Tree, mirrors};
 use super::skin::Joints;
 use super::source::Source;
-use super::{ImportOptions, orient};
 use crate::BakeError;
 use crate::mesh::{Mesh, MeshPart, Model, RestPose};
 use glam::{Mat3, Mat4, Vec3};

@@ -1,6 +1,6 @@
 //! Animation clips (glTF 2.0, section 3.11 "Animations").
 
-use super::accessor::{Component, REAL};
+use super::elements::{Component, REAL};
 use super::json::{At, shorten};
 use super::source::Source;
 use crate::BakeError;

@@ -4,15 +4,10 @@ use super::extensions::conversion;
 use super::json::At;
 use super::source::Source;
 use crate::BakeError;
+use crate::image_file::{MAX_TEXELS, decode_image};
 use crate::mesh::{Image, Material};
 use glam::{Affine2, Mat2, Vec2};
-use pelage_formats::Limits;
 use std::collections::BTreeMap;
-use std::io::Cursor;
-
-/// All images of a model together have at most this many texels (one of 16 384², or sixteen of 4096²): 1 GiB decoded.
-/// A few kilobytes of PNG can claim as much.
-pub(crate) const MAX_TEXELS: u64 = 1 << 28;
 
 /// How a material reads texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,7 +113,7 @@ impl Materials {
             (None, Some(uri)) => (source.uri(&uri, "image")?, uri),
             (None, None) => return Err(at.fault("has neither `bufferView` nor `uri`")),
         };
-        let image = decode(&bytes, MAX_TEXELS - self.texels).map_err(|reason| {
+        let image = decode_image(&bytes, MAX_TEXELS - self.texels).map_err(|reason| {
             origin.fault(format!("image {index} \"{}\" {reason}", super::json::shorten(at.name())))
         })?;
         self.texels += u64::from(image.width) * u64::from(image.height);
@@ -135,51 +130,4 @@ fn texture_transform(at: &At<'_>) -> Result<Affine2, BakeError> {
     let scale: Vec2 = at.get("scale").map_or(Ok([1.0; 2]), |v| v.numbers())?.into();
     let angle = at.get("rotation").map_or(Ok(0.0), |v| v.number())?;
     Ok(Affine2::from_mat2_translation(Mat2::from_angle(-angle) * Mat2::from_diagonal(scale), offset))
-}
-
-/// Decodes a PNG or JPEG of at most `texels_left` texels; else says why it cannot, to follow the image's name in a sentence.
-pub(crate) fn decode(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
-    let png_or_jpeg = match image::guess_format(bytes) {
-        Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => Ok(format),
-        Ok(other) => Err(format!("{other:?}")),
-        Err(_) if bytes.starts_with(b"\xabKTX") => Err("KTX".to_owned()),
-        Err(_) => {
-            let head: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
-            Err(format!("{} bytes that begin with [{}]", bytes.len(), head.join(" ")))
-        }
-    };
-    let format = png_or_jpeg.map_err(|found| format!("is {found}, expected PNG or JPEG"))?;
-    let (pixels, width, height) = bounded_reader(bytes, format)?;
-    if u64::from(width) * u64::from(height) > texels_left {
-        return Err(format!("of {width} x {height} texels takes the images of the model past {MAX_TEXELS} texels"));
-    }
-    let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
-    Ok(Image { width, height, rgba })
-}
-
-fn broken(error: image::ImageError) -> String {
-    format!("cannot be decoded: {error}")
-}
-
-type Reader<'a> = image::ImageReader<Cursor<&'a [u8]>>;
-
-/// A decoder that takes no more memory than an image may, with the image's width and height; else says why not, as [`decode`] does.
-pub(crate) fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reader<'_>, u32, u32), String> {
-    let side = Limits::default().texture_size;
-    let reader = || image::ImageReader::with_format(Cursor::new(bytes), format);
-    // Only the header is read for this; the limits of the decoder would say less than the messages below.
-    let mut header = reader();
-    header.no_limits();
-    let (width, height) = header.into_dimensions().map_err(broken)?;
-    if width == 0 || height == 0 || width > side || height > side {
-        return Err(format!("is {width} x {height} texels, expected 1..={side} each way"));
-    }
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(side);
-    limits.max_image_height = Some(side);
-    // Sixteen bits per channel need twice the eight that are kept.
-    limits.max_alloc = Some(8 * MAX_TEXELS);
-    let mut pixels = reader();
-    pixels.limits(limits);
-    Ok((pixels, width, height))
 }

@@ -20,6 +20,8 @@ mod assemble;
 mod clips;
 mod compressed;
 mod container;
+mod counts;
+mod elements;
 mod extensions;
 mod json;
 mod material;
@@ -27,54 +29,24 @@ mod meshopt;
 mod normals;
 mod notes;
 mod obj;
+mod options;
 mod orient;
 mod primitive;
 mod scene;
 mod skin;
 mod source;
+mod views;
 mod weights;
-
-pub(crate) use material::{MAX_TEXELS, bounded_reader, decode as decode_image};
 
 use crate::BakeError;
 use crate::mesh::Model;
 use container::Kind;
 use json::At;
 use notes::Notes;
-use serde::{Deserialize, Serialize};
 use source::Source;
 
 pub use notes::input_record;
-
-/// How to read a model.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ImportOptions {
-    /// Length of one unit of the model, metres, 1e-6..=1e6 (default 1, as glTF says; 0.01 for a model made in centimetres). OBJ has no
-    /// unit of its own.
-    pub unit_m: f32,
-}
-
-impl Default for ImportOptions {
-    fn default() -> Self {
-        Self { unit_m: 1.0 }
-    }
-}
-
-impl ImportOptions {
-    /// Checks the ranges.
-    ///
-    /// # Errors
-    ///
-    /// [`BakeError::Params`] for a unit outside its range.
-    pub fn validate(&self) -> Result<(), BakeError> {
-        if (1e-6..=1e6).contains(&self.unit_m) {
-            return Ok(());
-        }
-        let reason = format!("is {}, expected 1e-6..=1e6 metres", self.unit_m);
-        Err(BakeError::Params { what: "model.unit_m", reason })
-    }
-}
+pub use options::ImportOptions;
 
 /// Reads a glTF 2.0 or OBJ model from `bytes`; what the file is shows in its contents, and only where they leave it open in its name.
 ///

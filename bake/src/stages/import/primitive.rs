@@ -1,6 +1,7 @@
 //! Primitives: attributes and topology of one mesh (glTF 2.0, section 3.7.2).
 
-use super::accessor::{Component, REAL, WHOLE, grouped};
+use super::counts::{check_count, same_count};
+use super::elements::{Component, REAL, WHOLE, grouped};
 use super::json::{At, shorten};
 use super::material::{Materials, TextureCoords};
 use super::source::Source;
@@ -192,27 +193,6 @@ fn draco_only<'a>(source: &Source<'a, '_>, at: &At<'a>) -> Option<At<'a>> {
 
 fn vectors(flat: &[f32]) -> Vec<Vec3> {
     grouped::<3>(flat).map(Vec3::from).collect()
-}
-
-/// Reads an attribute that must have one element per vertex.
-pub(super) fn same_count<'a>(
-    source: &mut Source<'a, '_>,
-    reference: &At<'a>,
-    widths: &[usize],
-    vertices: usize,
-    normalized: bool,
-) -> Result<Vec<f32>, BakeError> {
-    check_count(source, reference, vertices)?;
-    Ok(source.accessor(reference, widths, REAL)?.reals(normalized))
-}
-
-/// Checks the number of elements of an attribute, before they are read.
-pub(super) fn check_count<'a>(source: &Source<'a, '_>, reference: &At<'a>, vertices: usize) -> Result<(), BakeError> {
-    let found = source.accessor_count(reference)?;
-    if found == vertices as u64 {
-        return Ok(());
-    }
-    Err(reference.fault(format!("has {found} elements, expected {vertices}, one per POSITION")))
 }
 
 /// Corner indices of each triangle (glTF 2.0, section 3.7.2.1, "Topology").

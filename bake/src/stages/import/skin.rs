@@ -1,6 +1,6 @@
 //! Skins: joints and inverse bind matrices, and the list of joints of the whole model.
 
-use super::accessor::{Component, grouped};
+use super::elements::{Component, grouped};
 use super::json::At;
 use super::source::Source;
 use crate::BakeError;

@@ -1,7 +1,6 @@
 //! The bytes behind a model: buffers, buffer views, URIs, and the record of what was read.
 
-use super::accessor::Elements;
-use super::compressed::unpack_view;
+use super::elements::Elements;
 use super::json::{At, shorten};
 use super::notes::{Notes, why_unreadable};
 use crate::BakeError;
@@ -10,6 +9,9 @@ use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+
+/// Everything that is unpacked of a model, bytes: many views can name the same packed bytes.
+pub(super) const MAX_UNPACKED: u64 = 1 << 30;
 
 /// Fetches the bytes of a relative URI.
 pub(super) type Resolve<'r> = dyn FnMut(&str) -> Result<Vec<u8>, BakeError> + 'r;
@@ -22,19 +24,13 @@ pub(super) struct Source<'a, 'r> {
     resolve: &'r mut Resolve<'r>,
     buffers: BTreeMap<usize, Cow<'a, [u8]>>,
     /// Buffer views that were packed.
-    unpacked: BTreeMap<usize, Vec<u8>>,
+    pub unpacked: BTreeMap<usize, Vec<u8>>,
     /// Elements of accessors that have no bytes of their own, each for the next to read it.
     pub supplied: BTreeMap<usize, Elements>,
     /// Bytes of all that was unpacked.
-    pub unpacked_bytes: u64,
+    unpacked_bytes: u64,
     /// Warnings, and what was read.
     pub notes: Notes,
-}
-
-/// The bytes of a buffer view.
-pub(super) struct View<'b> {
-    pub bytes: &'b [u8],
-    pub stride: Option<usize>,
 }
 
 // Encoders differ in padding and in the unused bits of the last character; neither makes the data ambiguous.
@@ -104,18 +100,17 @@ impl<'a, 'r> Source<'a, 'r> {
         Ok(index)
     }
 
-    /// The bytes of the buffer view that `reference` names.
-    pub fn view(&mut self, reference: &At<'a>) -> Result<View<'_>, BakeError> {
-        let (index, at) = self.root.referred("bufferViews", reference)?;
-        let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
-        let Some(packed) = at.get("extensions").and_then(|e| e.get("EXT_meshopt_compression")) else {
-            return Ok(View { bytes: self.range(&at)?, stride });
-        };
-        if !self.unpacked.contains_key(&index) {
-            let bytes = unpack_view(self, &packed, at.require("byteLength")?.unsigned()?)?;
-            self.unpacked.insert(index, bytes);
+    /// Adds to what is unpacked of the model, bytes.
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Input`] at `at` where that is too much.
+    pub fn count_unpacked(&mut self, at: &At<'_>, bytes: u64) -> Result<(), BakeError> {
+        self.unpacked_bytes = self.unpacked_bytes.saturating_add(bytes);
+        if self.unpacked_bytes > MAX_UNPACKED {
+            return Err(at.fault(format!("takes what is unpacked of the model past {MAX_UNPACKED} bytes")));
         }
-        Ok(View { bytes: self.unpacked.get(&index).map(Vec::as_slice).unwrap_or_default(), stride })
+        Ok(())
     }
 
     /// The bytes that `at` names by `buffer`, `byteOffset` and `byteLength`.

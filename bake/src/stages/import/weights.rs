@@ -1,8 +1,8 @@
 //! Skin weights of a primitive: any number of sets in, four joints per vertex out.
 
-use super::accessor::{WHOLE, grouped};
+use super::counts::{check_count, same_count};
+use super::elements::{WHOLE, grouped};
 use super::json::At;
-use super::primitive::{check_count, same_count};
 use super::source::Source;
 use crate::BakeError;
 

@@ -4,7 +4,7 @@
 //! varies most over it (standard deviation of the clamped W, by area), rather dark above than below: a painter loads back and head and leaves the
 //! belly to the paper, and rather pale. Behind a hollow (V − CP)·N is negative; skin that comes out black by that counts against a place.
 
-use super::vertices::product;
+use super::product::product;
 use glam::Vec3;
 use pelage_formats::InkShading;
 use rayon::prelude::*;

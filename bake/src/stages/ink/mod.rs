@@ -12,6 +12,7 @@ mod fur;
 mod noise;
 mod paper;
 mod plane;
+mod product;
 mod scan;
 mod stroke;
 mod vertices;

@@ -1,6 +1,6 @@
 //! Where the hair is combed to: wishes per face, before they are smoothed into a field.
 
-use super::Skin;
+use super::skin::Skin;
 use super::topology::{Key, Topology};
 use crate::mesh::Mesh;
 use glam::{DVec3, Vec3};

@@ -1,9 +1,9 @@
 //! From faces back to vertices: repaired triangles, splits where sides disagree, tile coordinates and tangents per vertex.
 
-use super::Skin;
 use super::frames;
 use super::lapped::Lapped;
 use super::repair::Repaired;
+use super::skin::Skin;
 use super::topology::NONE;
 use crate::mesh::{Mesh, RestPose};
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -67,16 +67,6 @@ fn renew_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[bool
     }
 }
 
-/// Copies vertex `v` to the end of all streams.
-pub(super) fn copy_vertex(mesh: &mut Mesh, v: usize) -> u32 {
-    mesh.positions.push(mesh.positions[v]);
-    mesh.normals.push(mesh.normals[v]);
-    mesh.uvs.push(mesh.uvs[v]);
-    mesh.colors.push(mesh.colors[v]);
-    mesh.skin.extend(mesh.skin.get(v).copied());
-    mesh.positions.len() as u32 - 1
-}
-
 /// Tile coordinates of lapped patches. `field`, one vector per face, gives the frames; without it each patch's own coordinates do.
 pub(super) fn patches(
     mesh: &mut Mesh,
@@ -103,7 +93,7 @@ pub(super) fn patches(
                 mesh.triangles[t][k] = *copies.entry((v, patch)).or_insert_with(|| {
                     input_vertex.push(input_vertex[v]);
                     tile_uvs.push(Vec2::ZERO);
-                    copy_vertex(mesh, v)
+                    mesh.copy_vertex(v)
                 });
             }
             if f != NONE {

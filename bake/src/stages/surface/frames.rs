@@ -1,6 +1,5 @@
 //! Tile scale and tile frames: which way +u and +v of the hair tile run on the skin.
 
-use super::emit::copy_vertex;
 use crate::mesh::{Mesh, RestPose};
 use glam::{Vec2, Vec3, Vec4};
 
@@ -99,7 +98,7 @@ pub(super) fn split_by_handedness(
                 continue;
             }
             if copies[i] == u32::MAX {
-                copies[i] = copy_vertex(mesh, i);
+                copies[i] = mesh.copy_vertex(i);
                 tile_uvs.push(tile_uvs[i]);
                 originals.push(i as u32);
             }

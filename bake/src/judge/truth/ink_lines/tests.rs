@@ -2,6 +2,7 @@
 use super::*;
 use crate::judge::truth::Lens;
 use crate::strands::{SkinMaterial, SkinPoint};
+use glam::DVec2;
 use glam::{DVec3, Vec3};
 
 /// A skin of one material; normals point away from the origin.

@@ -1,7 +1,7 @@
 //! Which faces of a skin lie side by side, and which of its edges are lines from one place.
 
+use super::line::{ContourForm, LineParams};
 use super::visible::{Family, Piece};
-use super::{ContourForm, LineParams};
 use crate::judge::truth::sight::{Look, Sight};
 use crate::strands::Skin;
 use glam::DVec3;

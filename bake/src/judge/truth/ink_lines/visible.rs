@@ -1,6 +1,6 @@
 //! What is seen of a line: samples along it in the picture, each asked for by a ray.
 
-use super::{LineKind, LineSegment};
+use super::line::{LineKind, LineSegment};
 use crate::judge::truth::sight::Look;
 use glam::{DVec2, DVec3};
 

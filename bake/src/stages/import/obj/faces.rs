@@ -1,6 +1,6 @@
 //! The statements of an OBJ that make its shape: vertex data, faces, and what groups them.
 
-use super::fault;
+use super::fault::fault;
 use super::statements::{KEYWORDS, Statement, Statements};
 use crate::BakeError;
 use crate::stages::import::json::shorten;

@@ -1,9 +1,9 @@
 //! Material files (.mtl): diffuse colours and textures. The shape does not depend on them, so whatever is wrong with one is a warning.
 
 use super::statements::{Statement, Statements, decode};
+use crate::image_file::{MAX_TEXELS, decode_image};
 use crate::mesh::{Image, Material};
 use crate::stages::import::json::shorten;
-use crate::stages::import::material::{self, MAX_TEXELS};
 use crate::stages::import::notes::{Notes, why_unreadable};
 use crate::stages::import::source::Resolve;
 use std::collections::{BTreeMap, btree_map};
@@ -132,7 +132,7 @@ impl Library {
             return *known;
         }
         let decoded = fetch(path, resolve).and_then(|bytes| {
-            let image = material::decode(&bytes, MAX_TEXELS - self.texels).map_err(|reason| format!("it {reason}"))?;
+            let image = decode_image(&bytes, MAX_TEXELS - self.texels).map_err(|reason| format!("it {reason}"))?;
             Ok((bytes, image))
         });
         let number = match decoded {

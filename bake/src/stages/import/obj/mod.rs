@@ -9,28 +9,26 @@
 //! a warning. Texture coordinates count v upwards in OBJ and downwards here.
 
 mod faces;
+mod fault;
 mod materials;
 mod polygon;
 mod statements;
 
 use super::normals::{self, Shape};
 use super::notes::Notes;
+use super::options::ImportOptions;
+use super::orient;
 use super::source::Resolve;
-use super::{ImportOptions, orient};
 use crate::BakeError;
 use crate::mesh::{Mesh, MeshPart, Model, RestPose};
 use faces::{Corner, Faces};
+use fault::fault;
 use glam::{Vec2, Vec3};
 use materials::Library;
 use pelage_formats::Limits;
 use std::collections::HashMap;
 
 pub(super) use statements::begins_like_one;
-
-/// An error at a line, counted from 1.
-fn fault(file: &str, line: usize, reason: impl Into<String>) -> BakeError {
-    BakeError::Input { file: file.to_owned(), place: format!("line {line}"), reason: reason.into() }
-}
 
 /// Reads an OBJ model; as [`super::import`].
 pub(super) fn read(

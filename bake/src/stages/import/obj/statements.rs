@@ -1,6 +1,6 @@
 //! The text of .obj and .mtl files: encodings, logical lines, keywords, numbers.
 
-use super::fault;
+use super::fault::fault;
 use crate::BakeError;
 use crate::stages::import::json::shorten;
 use std::borrow::Cow;

@@ -1,0 +1,140 @@
+//! Pictures of a stage, one moment after another.
+
+use super::exit::Failure;
+use super::journal::Key;
+use super::output::Output;
+use super::staged::{self, detail};
+use super::view::View;
+use glam::Quat;
+use image::RgbaImage;
+use pelage_bake::io;
+use pelage_bake::picture::encode_png;
+use pelage_formats::meaning::srgb_to_linear;
+use pelage_runtime::{Frame, Light};
+use pelage_stage::Stage;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// What a picture turned out to be.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Picture {
+    /// Pixels with any opacity.
+    pub covered_pixels: u64,
+    /// Mean luminance of the covered pixels, linear, 0..=1; 0 where none is.
+    pub mean_luminance: f64,
+    /// The report of the frame that it was drawn from; of a sequence, that of the first alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub passes: Vec<Value>,
+    /// What is drawn of each copy's fur; of a sequence, that of the first alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub detail: Vec<Value>,
+}
+
+/// A scene, and the moments at which pictures are taken of it.
+pub struct Shoot {
+    /// With its device.
+    pub scene: Stage,
+    /// How it is looked at.
+    pub view: View,
+    /// The light goes once around while the pictures last.
+    pub turn_light: bool,
+    /// Pictures.
+    pub count: usize,
+    /// Of them a second.
+    pub fps: u32,
+}
+
+impl Shoot {
+    /// Width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.view.size
+    }
+
+    /// What is behind everything, sRGB-encoded; `None` for nothing.
+    pub fn background(&self) -> Option<[u8; 3]> {
+        self.view.background
+    }
+
+    /// Draws picture `index`, from 0.
+    pub fn picture(&mut self, index: usize, output: &mut Output) -> Result<(Picture, RgbaImage), Failure> {
+        if self.count > 1 {
+            output.progress_of(index, self.count, "pictures");
+        } else {
+            output.progress("drawing");
+        }
+        self.scene.set_time(self.view.time_s + index as f32 / self.fps as f32);
+        if self.turn_light {
+            let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
+            self.scene.params.light = turned(self.view.light, angle_rad);
+        }
+        let (drawn, pixels) = picture(&mut self.scene)?;
+        // A long sequence of a large crowd would fill memory and journal with what nobody is told.
+        let told = if index == 0 { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
+        Ok((told, pixels))
+    }
+
+    /// Stands for everything that a picture depends on beside its number and what is drawn.
+    pub fn key(&self) -> Key {
+        let info = &self.scene.gpu.info;
+        let key = Key::new()
+            .and(format!("{:?} {} {} {}", info.backend, info.name, info.driver, info.driver_info))
+            .and(format!("{:?}", self.view))
+            .and(self.fps.to_le_bytes());
+        if self.turn_light { key.and(self.count.to_le_bytes()) } else { key }
+    }
+}
+
+/// Draws the scene as it stands into a PNG file.
+pub fn draw(scene: &mut Stage, path: &Path) -> Result<Picture, Failure> {
+    let (picture, pixels) = picture(scene)?;
+    write_png(path, &pixels)?;
+    Ok(picture)
+}
+
+/// Writes a picture, and returns the bytes of the file.
+pub fn write_png(path: &Path, pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
+    let bytes = encode_png(pixels)?;
+    io::write_atomic(path, &bytes)?;
+    Ok(bytes)
+}
+
+/// Draws the scene as it stands: what it turned out to be, and its pixels, sRGB-encoded with straight alpha.
+fn picture(scene: &mut Stage) -> Result<(Picture, RgbaImage), Failure> {
+    let frame = scene.draw()?;
+    let pixels = staged::pixels(scene)?;
+    let picture = Picture {
+        covered_pixels: pixels.pixels().filter(|p| p.0[3] > 0).count() as u64,
+        mean_luminance: mean_luminance(&pixels),
+        passes: passes(&frame),
+        detail: detail(&frame),
+    };
+    Ok((picture, pixels))
+}
+
+/// A light carried around the world's vertical axis.
+fn turned(light: Light, angle_rad: f32) -> Light {
+    let turn = Quat::from_rotation_y(angle_rad);
+    match light {
+        Light::Directional { towards_light, color } => {
+            Light::Directional { towards_light: turn * towards_light, color }
+        }
+        Light::Point { position, color } => Light::Point { position: turn * position, color },
+    }
+}
+
+/// Mean luminance (Rec. 709) of the pixels with any opacity.
+fn mean_luminance(pixels: &RgbaImage) -> f64 {
+    let covered = || pixels.pixels().filter(|p| p.0[3] > 0);
+    let of = |p: &image::Rgba<u8>| {
+        let [r, g, b, _] = p.0.map(|byte| f64::from(srgb_to_linear(byte)));
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    };
+    covered().map(of).sum::<f64>() / covered().count().max(1) as f64
+}
+
+/// The frame's report as JSON.
+fn passes(frame: &Frame) -> Vec<Value> {
+    let report = frame.report();
+    report.passes.iter().map(|p| json!({ "name": p.name, "ran": p.ran, "reason": p.reason })).collect()
+}

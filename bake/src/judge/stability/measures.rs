@@ -1,0 +1,47 @@
+//! Strands and layers to drive methods with, and what is measured of them.
+
+use crate::BakeError;
+use crate::recipe::{ColorParams, HairParams, SliceParams};
+use crate::stages::hair::{Strands, VolumeParams, simulate};
+use crate::stages::textures::{ShellSet, collect_layers};
+use pelage_formats::TextureFormat;
+
+/// Strands with default colours in a volume of `height`.
+///
+/// # Errors
+///
+/// As [`simulate`].
+pub fn grow(hair: &HairParams, height: f32) -> Result<Strands, BakeError> {
+    simulate(hair, &ColorParams::default(), &VolumeParams { height })
+}
+
+/// Their layers, uncompressed.
+///
+/// # Errors
+///
+/// As [`collect_layers`].
+pub fn slice(strands: &Strands, layers: u32, tile_texels: u32) -> Result<ShellSet, BakeError> {
+    let params = SliceParams { layers, tile_texels, ..SliceParams::default() };
+    collect_layers(strands, &params, TextureFormat::Rgba8Unorm)
+}
+
+/// Opacity of a texel of a layer, 0..=1.
+pub fn opacity(set: &ShellSet, layer: usize, level: usize, texel: usize) -> f64 {
+    f64::from(set.layers[layer].color[level][4 * texel + 3]) / 255.0
+}
+
+/// Number of texels of a layer at a mip level.
+pub fn texels(set: &ShellSet, level: usize) -> usize {
+    (set.texels as usize >> level).pow(2)
+}
+
+/// Transmittance of all layers above the skin, texel by texel.
+pub fn transmittances(set: &ShellSet, level: usize) -> Vec<f64> {
+    let column = |texel| (1..set.layers.len()).map(|k| 1.0 - opacity(set, k, level, texel)).product();
+    (0..texels(set, level)).map(column).collect()
+}
+
+/// Arithmetic mean.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}

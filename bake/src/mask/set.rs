@@ -1,0 +1,137 @@
+//! A set of pixels, and what is asked of it.
+
+use super::distance;
+use crate::BakeError;
+use image::RgbaImage;
+
+/// A set of pixels.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Mask {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// `width * height`, row-major from the top: whether a pixel is in the set.
+    pub pixels: Vec<bool>,
+}
+
+/// The widest place of a drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stroke {
+    /// Diameter of the largest disc that lies in ink, pixels; 0 where there is no ink.
+    pub width_px: f64,
+    /// Its middle, pixels from the upper left corner of the picture.
+    pub at_px: [f64; 2],
+}
+
+impl Mask {
+    /// The empty set.
+    pub fn empty(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![false; width as usize * height as usize] }
+    }
+
+    /// The pixels of which `is_in` says so, asked from the top row by row.
+    pub fn from_fn(width: u32, height: u32, mut is_in: impl FnMut(u32, u32) -> bool) -> Self {
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        Self { width, height, pixels: places.map(|(x, y)| is_in(x, y)).collect() }
+    }
+
+    /// The pixels of a drawing in black on white that are darker than `grey`, 0..=255: their greatest component counts.
+    pub fn darker(picture: &RgbaImage, grey: u8) -> Self {
+        let dark = |x, y| {
+            let [r, g, b, _] = picture.get_pixel(x, y).0;
+            r.max(g).max(b) < grey
+        };
+        Self::from_fn(picture.width(), picture.height(), dark)
+    }
+
+    /// Number of pixels in the set.
+    pub fn count(&self) -> usize {
+        self.pixels.iter().filter(|p| **p).count()
+    }
+
+    /// Whether a pixel is in the set; no pixel outside the picture is.
+    pub fn contains(&self, x: i64, y: i64) -> bool {
+        self.index(x, y).is_some_and(|i| self.pixels[i])
+    }
+
+    /// Adds a pixel; one outside the picture is left out.
+    pub fn insert(&mut self, x: i64, y: i64) {
+        if let Some(i) = self.index(x, y) {
+            self.pixels[i] = true;
+        }
+    }
+
+    fn index(&self, x: i64, y: i64) -> Option<usize> {
+        let inside = (0..i64::from(self.width)).contains(&x) && (0..i64::from(self.height)).contains(&y);
+        inside.then(|| y as usize * self.width as usize + x as usize)
+    }
+
+    /// The pixels of either set.
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Params`] where the sizes differ.
+    pub fn union(&self, other: &Self) -> Result<Self, BakeError> {
+        self.same_size(other)?;
+        let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| *a || *b).collect();
+        Ok(Self { pixels, ..*self })
+    }
+
+    /// # Errors
+    ///
+    /// [`BakeError::Params`] where the sizes differ.
+    pub(crate) fn same_size(&self, other: &Self) -> Result<(), BakeError> {
+        if (self.width, self.height) == (other.width, other.height) {
+            return Ok(());
+        }
+        let size = |m: &Self| format!("{}x{}", m.width, m.height);
+        let reason = format!("of {} and {} pixels, expected one size for both", size(self), size(other));
+        Err(BakeError::Params { what: "masks", reason })
+    }
+
+    /// Distance of every pixel's middle to the middle of the nearest pixel of the set, pixels: 0 in the set, infinite where it is empty. Exact but for
+    /// one square root.
+    pub fn distances(&self) -> Vec<f64> {
+        let mut squares = distance::squared(self.width as usize, self.height as usize, |i| self.pixels[i]);
+        squares.iter_mut().for_each(|d| *d = d.sqrt());
+        squares
+    }
+
+    /// The widest stroke, if the set is ink: the largest disc in it, with the pixels taken as squares. Outside the picture there is no ink. A line of n
+    /// pixels along an axis is n wide.
+    ///
+    /// Of several as wide the first from the top counts.
+    pub fn widest_stroke(&self) -> Stroke {
+        // Points a half pixel apart: middles, corners and edges of pixels, with a frame without ink about them. The largest disc has its middle at one of
+        // them or less than half a pixel beside, and the nearest point of a square without ink is always one of them.
+        let (w, h) = (self.width as usize, self.height as usize);
+        let (columns, rows) = (2 * w + 1, 2 * h + 1);
+        let mut paper = vec![false; columns * rows];
+        for (i, _) in self.pixels.iter().enumerate().filter(|(_, ink)| !**ink) {
+            let (x, y) = (2 * (i % w), 2 * (i / w));
+            (y..=y + 2).for_each(|y| paper[y * columns + x..=y * columns + x + 2].fill(true));
+        }
+        for x in 0..columns {
+            paper[x] = true;
+            paper[(rows - 1) * columns + x] = true;
+        }
+        for y in 0..rows {
+            paper[y * columns] = true;
+            paper[(y + 1) * columns - 1] = true;
+        }
+        let squares = distance::squared(columns, rows, |i| paper[i]);
+        let mut widest = (0.0, 0);
+        for (i, square) in squares.iter().enumerate() {
+            if *square > widest.0 {
+                widest = (*square, i);
+            }
+        }
+        let (square, i) = widest;
+        if square <= 0.0 {
+            return Stroke::default();
+        }
+        // Twice a radius of half pixels.
+        Stroke { width_px: square.sqrt(), at_px: [(i % columns) as f64 / 2.0, (i / columns) as f64 / 2.0] }
+    }
+}

@@ -1,0 +1,27 @@
+//! Attributes have one element per vertex.
+
+use super::elements::REAL;
+use super::json::At;
+use super::source::Source;
+use crate::BakeError;
+
+/// Reads an attribute that must have one element per vertex.
+pub(super) fn same_count<'a>(
+    source: &mut Source<'a, '_>,
+    reference: &At<'a>,
+    widths: &[usize],
+    vertices: usize,
+    normalized: bool,
+) -> Result<Vec<f32>, BakeError> {
+    check_count(source, reference, vertices)?;
+    Ok(source.accessor(reference, widths, REAL)?.reals(normalized))
+}
+
+/// Checks the number of elements of an attribute, before they are read.
+pub(super) fn check_count<'a>(source: &Source<'a, '_>, reference: &At<'a>, vertices: usize) -> Result<(), BakeError> {
+    let found = source.accessor_count(reference)?;
+    if found == vertices as u64 {
+        return Ok(());
+    }
+    Err(reference.fault(format!("has {found} elements, expected {vertices}, one per POSITION")))
+}

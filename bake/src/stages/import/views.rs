@@ -1,0 +1,71 @@
+//! Buffer views (glTF 2.0, section 3.6.1), plain or packed with EXT_meshopt_compression.
+
+use super::json::At;
+use super::meshopt;
+use super::source::Source;
+use crate::BakeError;
+
+/// The bytes of a buffer view.
+pub(super) struct View<'b> {
+    pub bytes: &'b [u8],
+    pub stride: Option<usize>,
+}
+
+impl<'a> Source<'a, '_> {
+    /// The bytes of the buffer view that `reference` names.
+    pub fn view(&mut self, reference: &At<'a>) -> Result<View<'_>, BakeError> {
+        let (index, at) = self.root.referred("bufferViews", reference)?;
+        let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
+        let Some(packed) = at.get("extensions").and_then(|e| e.get("EXT_meshopt_compression")) else {
+            return Ok(View { bytes: self.range(&at)?, stride });
+        };
+        if !self.unpacked.contains_key(&index) {
+            let bytes = unpack_view(self, &packed, at.require("byteLength")?.unsigned()?)?;
+            self.unpacked.insert(index, bytes);
+        }
+        Ok(View { bytes: self.unpacked.get(&index).map(Vec::as_slice).unwrap_or_default(), stride })
+    }
+}
+
+/// The bytes of a buffer view, unpacked as its extension (at `at`) says; `length` is what the view says they are.
+fn unpack_view<'a>(source: &mut Source<'a, '_>, at: &At<'a>, length: u64) -> Result<Vec<u8>, BakeError> {
+    let count_at = at.require("count")?;
+    let (count, stride) = (count_at.unsigned()?, at.require("byteStride")?.unsigned()?);
+    let mode_at = at.require("mode")?;
+    let mode = mode_at.string()?;
+    let fits = match mode {
+        "ATTRIBUTES" => (4..=256).contains(&stride) && stride % 4 == 0,
+        "TRIANGLES" | "INDICES" => matches!(stride, 2 | 4),
+        _ => return Err(mode_at.expected("ATTRIBUTES, TRIANGLES or INDICES")),
+    };
+    if !fits {
+        return Err(at.fault(format!("has elements of {stride} bytes, which {mode} does not allow")));
+    }
+    if count.checked_mul(stride) != Some(length) {
+        let reason = format!("has {count} elements of {stride} bytes, expected the {length} bytes of the buffer view");
+        return Err(at.fault(reason));
+    }
+    if mode == "TRIANGLES" && count % 3 != 0 {
+        return Err(count_at.expected("a multiple of 3"));
+    }
+    source.count_unpacked(at, length)?;
+    let filter_at = at.get("filter");
+    let filter = filter_at.as_ref().map_or(Ok("NONE"), At::string)?;
+    let packed = source.range(at)?;
+    let (count, stride) = (count as usize, stride as usize);
+    let decoded = match mode {
+        "ATTRIBUTES" => meshopt::decode_vertices(packed, count, stride)
+            .and_then(|mut bytes| meshopt::unfilter(filter, stride, &mut bytes).map(|()| bytes)),
+        "TRIANGLES" => meshopt::decode_triangles(packed, count).and_then(|indices| index_bytes(&indices, stride)),
+        _ => meshopt::decode_indices(packed, count).and_then(|indices| index_bytes(&indices, stride)),
+    };
+    decoded.map_err(|reason| at.fault(format!("is packed with EXT_meshopt_compression {reason}")))
+}
+
+fn index_bytes(indices: &[u32], stride: usize) -> Result<Vec<u8>, meshopt::Fault> {
+    if stride == 4 {
+        return Ok(indices.iter().flat_map(|i| i.to_le_bytes()).collect());
+    }
+    let short = |i: &u32| u16::try_from(*i).map_err(|_| format!("and has index {i}, which 2 bytes do not hold"));
+    Ok(indices.iter().map(short).collect::<Result<Vec<_>, _>>()?.into_iter().flat_map(u16::to_le_bytes).collect())
+}

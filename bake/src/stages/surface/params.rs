@@ -1,0 +1,174 @@
+//! Where hair grows, how large its tile is and how it lies: what the stage is told.
+
+use super::comb::{Comb, Guide};
+use super::grow::Reach;
+use super::lapped::{Bounds, LappedParams};
+use crate::BakeError;
+use crate::mesh::Mesh;
+use crate::recipe;
+use glam::Vec3;
+
+/// Where hair grows, how large its tile is and how it lies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceParams {
+    /// Width of a tile on the skin, metres, greater than 0: the reciprocal of tiles per metre.
+    pub tile_size_m: f32,
+    /// One per material: whether hair grows on it. The shorter list counts as bare at its end.
+    pub furred: Vec<bool>,
+    /// Where tile coordinates come from.
+    pub source: Source,
+    /// Where hair is combed to.
+    pub comb: Comb,
+    /// How far neighbours are asked where the comb is weak or broken, tiles, greater than 0 (default 0.5).
+    pub comb_smoothing: f32,
+    /// Hairs per area against the recipe's, one per vertex of the input mesh, greater than 0; `None` for 1 everywhere. With the
+    /// model's own coordinates it has no effect.
+    pub density: Option<Vec<f32>>,
+}
+
+/// A recipe's, with tiles of 0.1 m and no furred material.
+impl Default for SurfaceParams {
+    fn default() -> Self {
+        Self::from_recipe(&recipe::SurfaceParams::default(), 0.1, Vec::new())
+    }
+}
+
+/// Where tile coordinates come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// Lapped patches over any surface (Lengyel et al. 2001).
+    Patches(PatchParams),
+    /// The model's own texture coordinates, scaled.
+    Model,
+}
+
+/// How far lapped patches go. Larger patches have fewer seams and more distortion. [`recipe::SurfaceParams`] has the ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PatchParams {
+    /// How far a patch may grow from its seed, tiles (default 2).
+    pub size: f32,
+    /// Largest angle between a patch's v direction and the comb, degrees (default 25).
+    pub turn_deg: f32,
+    /// Largest stretch of a triangle in any direction, and the inverse of the least (default 1.5).
+    pub stretch: f32,
+    /// 1 follows the comb, 0 turns each triangle to what distorts least (default 0.5).
+    pub comb_weight: f32,
+}
+
+impl From<&recipe::SurfaceParams> for PatchParams {
+    fn from(recipe: &recipe::SurfaceParams) -> Self {
+        Self {
+            size: recipe.patch_size,
+            turn_deg: recipe.patch_turn_deg,
+            stretch: recipe.patch_stretch,
+            comb_weight: recipe.comb_weight,
+        }
+    }
+}
+
+/// What a recipe with these patches says; all else at its default.
+impl From<&PatchParams> for recipe::SurfaceParams {
+    fn from(patches: &PatchParams) -> Self {
+        Self {
+            patch_size: patches.size,
+            patch_turn_deg: patches.turn_deg,
+            patch_stretch: patches.stretch,
+            comb_weight: patches.comb_weight,
+            ..Self::default()
+        }
+    }
+}
+
+/// A recipe's.
+impl Default for PatchParams {
+    fn default() -> Self {
+        Self::from(&recipe::SurfaceParams::default())
+    }
+}
+
+impl SurfaceParams {
+    /// What a recipe says, with the tile's width resolved for the model and `furred` for its materials.
+    pub fn from_recipe(recipe: &recipe::SurfaceParams, tile_size_m: f32, furred: Vec<bool>) -> Self {
+        let guide =
+            |g: &recipe::GuideParams| Guide { name: g.name.clone(), at: g.at.into(), direction: g.direction.into() };
+        Self {
+            tile_size_m,
+            furred,
+            source: match recipe.source {
+                recipe::SurfaceSource::Model => Source::Model,
+                recipe::SurfaceSource::Patches => Source::Patches(recipe.into()),
+            },
+            comb: match recipe.comb {
+                recipe::CombSource::Direction => Comb::Direction(recipe.comb_direction.into()),
+                recipe::CombSource::Gravity => Comb::Gravity,
+                recipe::CombSource::Tangents => Comb::Tangents,
+                recipe::CombSource::Guides => Comb::Guides(recipe.guides.iter().map(guide).collect()),
+                recipe::CombSource::None => Comb::None,
+            },
+            comb_smoothing: recipe.comb_smoothing,
+            density: None,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), BakeError> {
+        let fail = |what: &'static str, reason: String| Err(BakeError::Params { what, reason });
+        let positive = |v: f32| v > 0.0 && v.is_finite();
+        if !positive(self.tile_size_m) {
+            return fail(
+                "surface.tile_size_m",
+                format!("{} metres, expected a number greater than 0", self.tile_size_m),
+            );
+        }
+        if !positive(self.comb_smoothing) {
+            return fail(
+                "surface.comb_smoothing",
+                format!("{} tiles, expected a number greater than 0", self.comb_smoothing),
+            );
+        }
+        match &self.comb {
+            Comb::Direction(d) if !d.is_finite() || *d == Vec3::ZERO => {
+                return fail("surface.comb_direction", format!("{d}, expected three finite numbers, not all 0"));
+            }
+            Comb::Guides(guides) if guides.is_empty() => {
+                return fail(
+                    "surface.guides",
+                    "there are none, expected at least one for surface.comb = \"guides\"".into(),
+                );
+            }
+            _ => {}
+        }
+        if let Some(bad) = self.density.iter().flatten().find(|v| !positive(**v)) {
+            return fail("groom.density", format!("{bad}, expected numbers greater than 0"));
+        }
+        if let Source::Patches(p) = &self.source {
+            // The recipe's declaration is the one place that says how far patches may go.
+            recipe::SurfaceParams::from(p).validate()?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn is_furred(&self, material: usize) -> bool {
+        self.furred.get(material).copied().unwrap_or(false)
+    }
+
+    pub(super) fn furred_triangles(&self, mesh: &Mesh) -> Vec<bool> {
+        let mut out = vec![false; mesh.triangles.len()];
+        for part in mesh.parts.iter().filter(|p| self.is_furred(p.material)) {
+            out[part.first_triangle..part.first_triangle + part.triangle_count].fill(true);
+        }
+        out
+    }
+}
+
+impl PatchParams {
+    pub(super) fn lapped(&self, combed: bool) -> LappedParams {
+        LappedParams {
+            reach: Reach { tiles: f64::from(self.size), turn_rad: f64::to_radians(120.0), combed },
+            bounds: Bounds {
+                least_cosine: if combed { f64::from(self.turn_deg).to_radians().cos() } else { -1.0 },
+                stretch: f64::from(self.stretch),
+            },
+            comb_weight: if combed { f64::from(self.comb_weight) } else { 0.0 },
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The houses, read off their sources: no files of a crate know each other in a circle, and in runtime and bake a file knows only lower floors.
+
+use super::sources::{Arrows, Module, Named, arrows, circle, modules, named};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Floors of the runtime from the lowest up: a room is a file or a folder of `runtime/src`. runtime/docs/house.md says what each is for.
+const RUNTIME: [&[&str]; 12] = [
+    &["error", "report", "shared", "bounds"],
+    &["camera", "gpu"],
+    &["params"],
+    &["study", "surface"],
+    &["model", "light"],
+    &["instance", "ink"],
+    &["motion", "hair"],
+    &["scene"],
+    &["passes"],
+    &["hooks"],
+    &["frame"],
+    &["renderer"],
+];
+
+/// Floors of bake: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, what judges a
+/// bake, and the command. Strands never see who judges by them, and no stage sees either.
+const BAKE: [&[&str]; 10] = [
+    &["error", "noise"],
+    &["mesh", "mask"],
+    &["image_file", "sample"],
+    &["picture", "y4m"],
+    &["recipe"],
+    &["stages"],
+    &["strands", "io"],
+    &["pipeline", "reslice"],
+    &["judge"],
+    &["cli"],
+];
+
+/// Which file of a crate names which.
+fn read(folder: &str) -> Arrows {
+    arrows(&modules(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("src")))
+}
+
+/// The folders of the workspace's crates, as its manifest lists them.
+fn crates() -> Vec<String> {
+    let manifest = include_str!("../../../Cargo.toml");
+    let list = manifest.split("members = [").nth(1).and_then(|rest| rest.split(']').next()).unwrap_or_default();
+    list.split('"').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+/// A room's floor is where its crate's list has it; the crate's roots list all rooms and have none of their own.
+fn rooms_that_know_too_much(arrows: &Arrows, floors: &[&[&str]]) -> (Vec<String>, usize) {
+    let floor =
+        |module: &Module| floors.iter().position(|rooms| module.first().is_some_and(|r| rooms.contains(&r.as_str())));
+    let (mut faults, mut count) = (Vec::new(), 0);
+    for (file, targets) in arrows.iter().filter(|(file, _)| !file.is_empty() && file[0] != "main") {
+        for target in targets {
+            let below = matches!((floor(file), floor(target)), (Some(here), Some(there)) if there < here);
+            if !below && target.first() != file.first() {
+                faults.push(format!("{} names {}", file.join("::"), target.join("::")));
+            }
+            count += 1;
+        }
+    }
+    let homeless = arrows.keys().filter(|file| !file.is_empty() && file[0] != "main" && floor(file).is_none());
+    faults.extend(homeless.map(|file| format!("{} stands on no floor", file.join("::"))));
+    (faults, count)
+}
+
+#[test]
+fn no_files_of_a_crate_know_each_other_in_a_circle() {
+    let crates = crates();
+    assert!(crates.len() >= 8, "{crates:?}");
+    let (mut files, mut count) = (0, 0);
+    for folder in crates {
+        let arrows = read(&folder);
+        (files, count) = (files + arrows.len(), count + arrows.values().map(BTreeSet::len).sum::<usize>());
+        assert_eq!(circle(&arrows), None, "{folder}");
+    }
+    assert!(files > 300 && count > 800, "{files} files and {count} arrows were read");
+}
+
+#[test]
+fn a_file_knows_only_lower_floors() {
+    for (folder, floors, least) in [("runtime", &RUNTIME[..], 100), ("bake", &BAKE[..], 400)] {
+        let (faults, count) = rooms_that_know_too_much(&read(folder), floors);
+        assert!(faults.is_empty(), "{folder}: {faults:#?}");
+        assert!(count > least, "{folder}: {count} arrows were read");
+    }
+}
+
+#[test]
+fn imports_are_found() {
+    let own = ["scene".to_string(), "ink".to_string()];
+    let code = "use crate::{a::{B, c}, d};\nuse super::seen::Seen;\nlet x = crate::e::f();\nmycrate::no; use super::{self, g};\n\
+                pub(in crate::nothing) fn part::of();\npub use part::Line as L;\nmod within { use super::h; use super::super::i; }";
+    let found = named(code, &own, &BTreeSet::from(["part".to_string()]));
+    let paths: Vec<String> = found.iter().map(|n| n.path.join("::")).collect();
+    let expected = [
+        "a::B",
+        "a::c",
+        "d",
+        "e::f",
+        "scene",
+        "scene::g",
+        "scene::i",
+        "scene::ink::h",
+        "scene::ink::part::Line",
+        "scene::ink::part::of",
+        "scene::seen::Seen",
+    ];
+    assert_eq!(paths, expected);
+    let handed_on: Vec<&Named> = found.iter().filter(|n| n.handed_on).collect();
+    assert!(handed_on.len() == 1 && handed_on[0].called == "L", "{handed_on:?}");
+}
+
+/// A crate of three files.
+fn small(root: &str, a: &str, b: &str) -> Arrows {
+    let module = |name: &str| if name.is_empty() { Vec::new() } else { vec![name.to_string()] };
+    arrows(&BTreeMap::from([(module(""), root.into()), (module("a"), a.into()), (module("b"), b.into())]))
+}
+
+#[test]
+fn circles_and_high_floors_are_found() {
+    let fine = small("pub mod a;\nmod b;\npub use b::B;", "use crate::B;", "pub struct B;");
+    assert_eq!(circle(&fine), None, "what the root hands on is not the root's");
+    assert_eq!(rooms_that_know_too_much(&fine, &[&["b"], &["a"]]), (Vec::new(), 1));
+    let (faults, _) = rooms_that_know_too_much(&fine, &[&["a"], &["b"]]);
+    assert_eq!(faults, ["a names b"]);
+    let (faults, _) = rooms_that_know_too_much(&fine, &[&["b"]]);
+    assert_eq!(faults, ["a names b", "a stands on no floor"]);
+    for (root, a, b) in [
+        ("", "use crate::b::B;", "use super::a;"),
+        ("pub use b::B;", "crate::B::new()", "fn f() { super::a::g() }"),
+        ("fn x() { b::y() }", "", "use super::x;"),
+    ] {
+        assert!(circle(&small(root, a, b)).is_some_and(|c| c.len() == 2), "{root:?} {a:?} {b:?}");
+    }
+}
