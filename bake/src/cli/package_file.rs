@@ -2,17 +2,23 @@
 
 use super::exit::Failure;
 use pelage_bake::io::read_file;
-use pelage_stage::{NamedPackage, PackageSource};
-use std::path::{Path, PathBuf};
+use pelage_stage::NamedPackage;
+#[cfg(feature = "preview")]
+use pelage_stage::PackageSource;
+use std::path::Path;
+#[cfg(feature = "preview")]
+use std::path::PathBuf;
 
 /// Reads a file that should be a package; opens nothing yet.
 pub fn read(path: &Path) -> Result<NamedPackage<'static>, Failure> {
     Ok(NamedPackage::new(path.display().to_string(), read_file(path)?))
 }
 
-/// The packages in and below a folder.
+/// The packages in and below a folder: scenes name them.
+#[cfg(feature = "preview")]
 pub struct Folder<'a>(pub &'a Path);
 
+#[cfg(feature = "preview")]
 impl PackageSource for Folder<'_> {
     fn read(&self, path: &str) -> Result<NamedPackage<'static>, String> {
         read(&self.0.join(path)).map_err(|error| error.to_string())
