@@ -2,6 +2,7 @@
 //! and the growth between steps, to be compared with n log n.
 //!
 //! `cargo bench --workspace --bench surface -- MODEL…` measures models as well; paths are relative to `bake/`.
+#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 
 use glam::vec3;
 use pelage_bake::io::read_model;

@@ -3,6 +3,7 @@
 //!
 //! `cargo run --release --example slices -- OUT.png [RECIPE.toml] [key=value]… [height=0.4]`
 //! where `height` is the hair's length in widths of the tile.
+#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 
 use glam::{Vec2, Vec3};
 use pelage_bake::recipe::Recipe;

@@ -4,6 +4,9 @@
 //! plants hair by hair on a baked skin what a package shows as layers, and [`judge`] says how good a bake and its pictures are.
 //! No stage touches a file, a clock or a global; the same inputs give the same bytes on any number of threads.
 
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
+
+mod angle;
 pub mod error;
 pub(crate) mod image_file;
 pub mod io;

@@ -27,6 +27,8 @@
 //!
 //! This crate knows no GPU, no thread and no file system.
 
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
+
 // Vertex data is handed out as it lies in the file, which is little-endian.
 #[cfg(target_endian = "big")]
 compile_error!("pelage-formats needs a little-endian target: packages hold vertex data that is uploaded in place");

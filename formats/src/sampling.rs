@@ -103,7 +103,9 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
         Interpolation::Linear if rotation => {
             let (a, b) = (Quat::from_vec4(key(before)), Quat::from_vec4(key(next)));
             // glam's slerp takes the shorter arc, as glTF asks.
-            normalize_or_identity(a).slerp(normalize_or_identity(b), t).into()
+            #[expect(clippy::disallowed_methods, reason = "a pose is drawn, no package keeps it")]
+            let turned = normalize_or_identity(a).slerp(normalize_or_identity(b), t);
+            turned.into()
         }
         Interpolation::Linear => key(before).lerp(key(next), t),
         Interpolation::Cubic => {

@@ -1,4 +1,5 @@
 //! Posing: exact values of the three interpolations, and the row "animation" of the stability table.
+#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::*;

@@ -2,11 +2,17 @@
 //!
 //! A judge may look at everything below it. No stage depends on a judge.
 
+#[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod chart;
+#[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod compare;
 pub mod compare_lines;
+#[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod compare_motion;
 pub mod decide;
+#[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod doctor;
+#[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod stability;
+#[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod truth;

@@ -59,7 +59,7 @@ fn share_of_fins(params: &DetailParams, full_px: f32) -> f32 {
 /// Optical depth of all layers over what those of a level stand for; 1 for hair without any. `opacities`: from layer 1 outwards.
 fn density(opacities: &[f32], step: u32) -> f32 {
     let layers = opacities.len() as u32 + 1;
-    let depth = |opacity: f32| -f64::from((-opacity.min(0.999)).ln_1p());
+    let depth = |opacity: f32| -f64::from(libm::log1pf(-opacity.min(0.999)));
     let (mut all, mut drawn) = (0.0, 0.0);
     for (k, opacity) in (1..layers).zip(opacities) {
         all += depth(*opacity);

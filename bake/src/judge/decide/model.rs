@@ -35,7 +35,7 @@ fn error_terms(s: &Setting) -> DVec4 {
 /// Each layer costs the same, a little more where its texels are finer than the cache likes.
 fn frame_terms(s: &Setting) -> DVec4 {
     let shells = f64::from(s.layers.max(2) - 1) / 16.0;
-    let fineness = (f64::from(s.tile_texels) / 32.0).log2() / 4.0;
+    let fineness = libm::log2(f64::from(s.tile_texels) / 32.0) / 4.0;
     DVec4::new(1.0, shells, shells * fineness, f64::from(u8::from(s.fins)))
 }
 
@@ -88,7 +88,10 @@ impl Model {
         }
         self.weights = normal.inverse() * right * size;
         let count = trials.len().max(1) as f64;
-        let square = |(x, y): (DVec4, f64)| ((self.weights.dot(x) - y) / y.abs().max(1e-12)).powi(2);
+        let square = |(x, y): (DVec4, f64)| {
+            let off = (self.weights.dot(x) - y) / y.abs().max(1e-12);
+            off * off
+        };
         let residual = (points().map(square).sum::<f64>() / count).sqrt();
         let least = if trials.len() > 4 { LEAST_RESIDUAL } else { UNSURE_RESIDUAL };
         self.residual = residual.max(least);

@@ -14,8 +14,13 @@ use crate::stages::surface::Surface;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::Bounds;
 
-/// Power of the normal's components by which `box` weighs its three images: high is a sharp border, low a wide blend.
-const BOX_SHARPNESS: i32 = 8;
+/// By how much one of the three images of `box` counts, of a component of the normal: its eighth power. A higher one is a sharper border, a lower
+/// one a wider blend.
+fn box_weight(component: f32) -> f32 {
+    let square = component * component;
+    let fourth = square * square;
+    fourth * fourth
+}
 
 /// An image laid through space.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +121,7 @@ impl<'a> Pattern<'a> {
         match axes(self.projection) {
             [axis] => along(*axis),
             several => {
-                let weighed = several.iter().map(|axis| (axis.of(normal).abs().powi(BOX_SHARPNESS), along(*axis)));
+                let weighed = several.iter().map(|axis| (box_weight(axis.of(normal)), along(*axis)));
                 let (sum, weight) = weighed.fold((Vec3::ZERO, 0.0), |(sum, n), (w, c)| (sum + c * w, n + w));
                 if weight > 0.0 { sum / weight } else { along(Axis::Y) }
             }

@@ -4,6 +4,7 @@ use super::extensions::conversion;
 use super::json::At;
 use super::source::Source;
 use crate::BakeError;
+use crate::angle::rotation;
 use crate::image_file::{MAX_TEXELS, decode_image};
 use crate::mesh::{Image, Material};
 use glam::{Affine2, Mat2, Vec2};
@@ -129,5 +130,5 @@ fn texture_transform(at: &At<'_>) -> Result<Affine2, BakeError> {
     let offset: Vec2 = at.get("offset").map_or(Ok([0.0; 2]), |v| v.numbers())?.into();
     let scale: Vec2 = at.get("scale").map_or(Ok([1.0; 2]), |v| v.numbers())?.into();
     let angle = at.get("rotation").map_or(Ok(0.0), |v| v.number())?;
-    Ok(Affine2::from_mat2_translation(Mat2::from_angle(-angle) * Mat2::from_diagonal(scale), offset))
+    Ok(Affine2::from_mat2_translation(rotation(-angle) * Mat2::from_diagonal(scale), offset))
 }

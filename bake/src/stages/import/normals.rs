@@ -7,6 +7,7 @@
 //! creases.
 
 use super::notes::Notes;
+use crate::angle::between;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -91,7 +92,7 @@ fn corner_normals(positions: &[Vec3], triangle: &[u32; 3]) -> [DVec3; 3] {
     let p = triangle.map(|i| positions[i as usize].as_dvec3());
     let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else { return [DVec3::ZERO; 3] };
     [0, 1, 2].map(|k| {
-        let angle = (p[(k + 1) % 3] - p[k]).angle_between(p[(k + 2) % 3] - p[k]);
+        let angle = between(p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
         if angle.is_finite() { normal * angle } else { DVec3::ZERO }
     })
 }

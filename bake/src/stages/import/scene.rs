@@ -136,7 +136,7 @@ fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<(Mat4, (Vec3, Q
     if let Some(rotation_at) = at.get("rotation") {
         let q = Quat::from_array(rotation_at.numbers()?);
         // In double precision: the squares of small numbers vanish in single.
-        let length = q.to_array().iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        let length = q.to_array().iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
         if (length - 1.0).abs() > 1e-2 {
             source.warn(format!("{} has length {length:.3} and was normalised", rotation_at.place));
         }

@@ -15,8 +15,6 @@ const CANDIDATES: usize = 96;
 const ABOVE: f64 = 0.6;
 /// Grey below which the wash drowns.
 const BLACK: f32 = 0.3;
-/// Power of the mean grey that counts: most of a painting is paper.
-const PALE: i32 = 3;
 
 /// A point of the washed skin at rest in world space.
 #[derive(Clone, Copy, Debug)]
@@ -83,7 +81,9 @@ fn score(spots: &[Spot], center: Vec3, radius: f32, shading: &InkShading) -> f64
     let slant = (ups / weight - y * y).max(0.0).sqrt();
     // Correlation of darkness with looking up.
     let above = if deviation * slant > 1e-9 { (grey * y - both / weight) / (deviation * slant) } else { 0.0 };
-    deviation * (1.0 + ABOVE * above) * (1.0 - black / weight).powi(2) * grey.powi(PALE)
+    let drowned = 1.0 - black / weight;
+    // The cube of the mean grey: most of a painting is paper.
+    deviation * (1.0 + ABOVE * above) * (drowned * drowned) * (grey * grey * grey)
 }
 
 #[cfg(test)]

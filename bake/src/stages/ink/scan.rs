@@ -153,7 +153,7 @@ fn tile(plane: &Plane, wanted: [bool; 2]) -> Plane {
             for (dy, wy) in [(0, wy), (half, 1.0 - wy)] {
                 if wx * wy > 0.0 {
                     sum += wx * wy * normal.at(x as i64 + dx, y as i64 + dy);
-                    power += (wx * wy).powi(2);
+                    power += wx * wy * (wx * wy);
                 }
             }
         }

@@ -6,6 +6,7 @@
 //! singularities whose indices add up to 2 − 2g; they stay where wishes vanish, such as nose and tail.
 
 use super::topology::{NONE, Topology, prev};
+use crate::angle::between;
 use glam::DVec3;
 
 /// Gauss–Seidel sweeps per level: enough for each level to settle, since the coarser one hands down the long waves.
@@ -194,14 +195,14 @@ pub(super) fn singularities(topology: &Topology, field: &[DVec3]) -> Vec<(u32, i
 fn corner_angle(topology: &Topology, h: u32) -> f64 {
     let [a, b] = topology.ends(h).map(|p| topology.points[p as usize]);
     let c = topology.points[topology.ends(prev(h))[0] as usize];
-    (b - a).angle_between(c - a)
+    between(b - a, c - a)
 }
 
 /// How far the field turns, −π..=π, from the face of `h` to the face of its twin `over`, against parallel transport across the edge.
 fn turn_across(topology: &Topology, field: &[DVec3], h: u32, over: u32) -> f64 {
     let [a, b] = topology.ends(h).map(|p| topology.points[p as usize]);
     let e = (b - a).normalize_or_zero();
-    let angle = |f: usize| field[f].dot(topology.normals[f].cross(e)).atan2(field[f].dot(e));
+    let angle = |f: usize| libm::atan2(field[f].dot(topology.normals[f].cross(e)), field[f].dot(e));
     let turn = angle(over as usize / 3) - angle(h as usize / 3);
     turn - std::f64::consts::TAU * (turn / std::f64::consts::TAU).round()
 }

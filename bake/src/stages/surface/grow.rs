@@ -6,6 +6,7 @@
 
 use super::solve::FaceFrame;
 use super::topology::{Key, NONE, Topology};
+use crate::angle::between;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -106,9 +107,9 @@ impl<'a> Flood<'a> {
     fn turn(&self, f: usize, g: usize) -> f64 {
         let (a, b) = (&self.frames[f], &self.frames[g]);
         if !self.reach.combed {
-            return self.topology.normals[f].angle_between(self.topology.normals[g]);
+            return between(self.topology.normals[f], self.topology.normals[g]);
         }
         let trace = a.s.dot(b.s) + a.t.dot(b.t) + self.topology.normals[f].dot(self.topology.normals[g]);
-        ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos()
+        libm::acos(((trace - 1.0) / 2.0).clamp(-1.0, 1.0))
     }
 }

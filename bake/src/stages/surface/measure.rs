@@ -71,7 +71,7 @@ pub(super) fn measure(
             l2 += area * (s1 * s1 + s2 * s2) / 2.0 / skin;
             // The tile's v direction on the skin, in the comb's frame, against (0, 1).
             let along_v = map.inverse().y_axis;
-            misaligned += area * along_v.x.abs().atan2(along_v.y).to_degrees() / skin;
+            misaligned += area * libm::atan2(along_v.x.abs(), along_v.y).to_degrees() / skin;
         }
         out.stretch_l2 = l2.sqrt();
         out.collapsed_area = collapsed / (skin + collapsed);

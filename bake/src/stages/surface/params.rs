@@ -165,7 +165,7 @@ impl PatchParams {
         LappedParams {
             reach: Reach { tiles: f64::from(self.size), turn_rad: f64::to_radians(120.0), combed },
             bounds: Bounds {
-                least_cosine: if combed { f64::from(self.turn_deg).to_radians().cos() } else { -1.0 },
+                least_cosine: if combed { libm::cos(f64::from(self.turn_deg).to_radians()) } else { -1.0 },
                 stretch: f64::from(self.stretch),
             },
             comb_weight: if combed { f64::from(self.comb_weight) } else { 0.0 },

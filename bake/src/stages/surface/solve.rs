@@ -43,7 +43,7 @@ pub(super) fn jacobian(gradients: &[DVec2; 3], uvs: [DVec2; 3], tile_m: f64) -> 
 /// Singular values σ1 ≥ σ2 of a 2 × 2 matrix; σ2 is negative where it mirrors.
 pub(super) fn singular_values(m: DMat2) -> (f64, f64) {
     let (a, b, c, d) = (m.x_axis.x, m.x_axis.y, m.y_axis.x, m.y_axis.y);
-    let (sum, difference) = ((a + d).hypot(b - c), (a - d).hypot(b + c));
+    let (sum, difference) = (libm::hypot(a + d, b - c), libm::hypot(a - d, b + c));
     ((sum + difference) / 2.0, (sum - difference) / 2.0)
 }
 
