@@ -20,6 +20,13 @@ fn recipe(name: &str) -> Recipe {
     Recipe::parse(&file, std::str::from_utf8(&asset(&file)).unwrap()).unwrap()
 }
 
+/// A recipe without ink, whose textures take most of a bake, for tests that look at fur only.
+fn fur(name: &str) -> Recipe {
+    let mut recipe = recipe(name);
+    recipe.set("ink.enabled=false").unwrap();
+    recipe
+}
+
 fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
     let mut no_files = |uri: &str| panic!("a built-in model names the file {uri}");
     let bytes = asset(&format!("models/{name}.glb"));
@@ -63,7 +70,7 @@ fn the_resolved_recipe_makes_the_same_package() {
 #[test]
 fn every_texture_format_makes_a_valid_package_of_the_stated_shape() {
     for (shell, direction) in [("bc7", "bc5"), ("rgba8", "rg8"), ("rgba8", "rgba8")] {
-        let mut recipe = recipe("torus");
+        let mut recipe = fur("torus");
         for set in [format!("pack.shell_format={shell}"), format!("pack.direction_format={direction}")] {
             recipe.set(&set).unwrap();
         }
@@ -84,7 +91,7 @@ fn every_texture_format_makes_a_valid_package_of_the_stated_shape() {
 
 #[test]
 fn bare_materials_carry_no_hair() {
-    let bytes = bake("hare", &recipe("hare")).unwrap().package;
+    let bytes = bake("hare", &fur("hare")).unwrap().package;
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let (manifest, mesh) = (package.manifest(), package.mesh().unwrap().unwrap());
     let (vertices, indices): (Vec<_>, Vec<_>) = (mesh.geometry().collect(), mesh.indices().collect());
@@ -105,7 +112,7 @@ fn bare_materials_carry_no_hair() {
 
 #[test]
 fn hair_can_keep_its_own_colour() {
-    let mut recipe = recipe("hare");
+    let mut recipe = fur("hare");
     let colors = |recipe: &Recipe| {
         let bytes = bake("hare", recipe).unwrap().package;
         let package = Package::open(&bytes, &Limits::default()).unwrap();
@@ -125,7 +132,7 @@ fn hair_can_keep_its_own_colour() {
 
 #[test]
 fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
-    let mut recipe = recipe("hare");
+    let mut recipe = fur("hare");
     recipe.model.bare = vec!["Hoof*".into()];
     let warnings = bake("hare", &recipe).unwrap().warnings;
     let warning = warnings.iter().find(|w| w.contains("Hoof*")).unwrap_or_else(|| panic!("{warnings:?}"));
@@ -134,13 +141,13 @@ fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
 
 #[test]
 fn wet_hair_shines_more_than_the_recipe_says() {
-    let mut wet = recipe("torus");
+    let mut wet = fur("torus");
     wet.set("hair.style=wet").unwrap();
     let shading = |recipe: &Recipe| {
         let package = bake("torus", recipe).unwrap().package;
         Package::open(&package, &Limits::default()).unwrap().manifest().shading
     };
-    let (dry, wet) = (shading(&recipe("torus")), shading(&wet));
+    let (dry, wet) = (shading(&fur("torus")), shading(&wet));
     assert_eq!(wet, dry.wet());
     assert!(wet.specular[0] > dry.specular[0] && wet.specular_exponent > dry.specular_exponent);
 }
@@ -149,7 +156,7 @@ fn wet_hair_shines_more_than_the_recipe_says() {
 #[test]
 fn one_fin_on_every_edge() {
     for name in ["hare", "torus", "knot"] {
-        let bytes = bake(name, &recipe(name)).unwrap().package;
+        let bytes = bake(name, &fur(name)).unwrap().package;
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         let mesh = package.mesh().unwrap().unwrap();
         let geometry: Vec<_> = mesh.geometry().collect();
@@ -200,9 +207,8 @@ fn one_fin_on_every_edge() {
 
 #[test]
 fn fins_can_be_left_out_and_their_depth_given() {
-    let mut without = recipe("torus");
+    let mut without = fur("torus");
     without.set("fins.enabled=false").unwrap();
-    without.set("ink.enabled=false").unwrap();
     let bytes = bake("torus", &without).unwrap().package;
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert!(package.fins().unwrap().is_none() && package.fin_textures().unwrap().is_none());
@@ -213,9 +219,9 @@ fn fins_can_be_left_out_and_their_depth_given() {
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         Recipe::parse("resolved", &package.manifest().recipe).unwrap().fins.depth
     };
-    let chosen = depth_of(&recipe("torus")).unwrap();
+    let chosen = depth_of(&fur("torus")).unwrap();
     assert!((0.01..1.0).contains(&chosen), "{chosen}");
-    let mut given = recipe("torus");
+    let mut given = fur("torus");
     given.set("fins.depth=0.5").unwrap();
     assert_eq!(depth_of(&given), Some(0.5));
 }
@@ -223,7 +229,7 @@ fn fins_can_be_left_out_and_their_depth_given() {
 #[test]
 fn the_groom_says_how_dense_and_which_way_hair_lies() {
     let baked = |set: &str| {
-        let mut recipe = recipe("torus");
+        let mut recipe = fur("torus");
         if !set.is_empty() {
             recipe.set(set).unwrap();
         }

@@ -3,5 +3,6 @@
 mod dependencies;
 mod documentation;
 mod floors;
+mod gate;
 mod register;
 mod sources;

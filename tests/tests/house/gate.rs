@@ -1,0 +1,48 @@
+//! The gate itself: what it cannot check is a word to a developer, and a failure where `CI` is set.
+#![cfg(unix)]
+
+use pelage_tests::binary::workspace;
+use std::process::Command;
+
+/// Runs `tests/not_checked.sh advisories` with `CI` and `PELAGE_EXCEPTIONS`: whether the gate goes on, and what it says.
+fn not_checked(ci: Option<&str>, exceptions: Option<&str>) -> (bool, String) {
+    let mut command = Command::new("sh");
+    command.args(["tests/not_checked.sh", "advisories", "no network"]).current_dir(workspace());
+    for (name, value) in [("CI", ci), ("PELAGE_EXCEPTIONS", exceptions), ("PELAGE_NOT_CHECKED", None)] {
+        match value {
+            Some(value) => command.env(name, value),
+            None => command.env_remove(name),
+        };
+    }
+    let output = command.output().unwrap_or_else(|e| panic!("sh: {e}"));
+    (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn what_goes_unchecked_fails_in_ci_unless_it_is_named() {
+    for (ci, exceptions, goes_on) in [
+        (None, None, true),
+        (Some("false"), None, true),
+        (Some("true"), None, false),
+        (Some("true"), Some("wasm shell"), false),
+        // A longer name is another one.
+        (Some("true"), Some("advisories2"), false),
+        (Some("true"), Some("wasm advisories"), true),
+    ] {
+        let (went_on, words) = not_checked(ci, exceptions);
+        assert_eq!(went_on, goes_on, "CI {ci:?}, exceptions {exceptions:?}: {words}");
+        assert!(words.contains("NOT CHECKED: advisories: no network"), "{words}");
+        assert_eq!(words.contains("EXCEPTION: advisories"), exceptions == Some("wasm advisories"), "{words}");
+    }
+}
+
+#[test]
+fn the_gate_leaves_nothing_out_by_itself() {
+    for script in ["run", "tests/wasm_check.sh"] {
+        let text = std::fs::read_to_string(workspace().join(script)).unwrap_or_else(|e| panic!("{script}: {e}"));
+        assert!(
+            text.contains("tests/not_checked.sh ") && !text.contains("NOT CHECKED"),
+            "{script} must ask not_checked.sh"
+        );
+    }
+}
