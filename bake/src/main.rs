@@ -1,4 +1,4 @@
-//! The `pelage` command. What people and scripts can rely on stands in the README; one file per subcommand in `cli/`.
+//! The `pelage` command. What people and scripts can rely on stands in `bake/docs/scripts.md`; one file per subcommand in `cli/`.
 
 #[allow(clippy::disallowed_methods, reason = "what it prints and draws, no package")]
 mod cli;

@@ -93,6 +93,8 @@ pub use wgpu;
 /// The Rust of the documents, which is compiled with that of these comments.
 #[cfg(doctest)]
 mod documents {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
     #[doc = include_str!("../docs/application.md")]
     struct Application;
 }

@@ -104,7 +104,7 @@ impl From<StageError> for Failure {
 }
 
 impl Failure {
-    /// The exit code that the README promises.
+    /// The exit code, as `bake/docs/commands.md` promises it.
     pub fn exit(&self) -> Exit {
         match self {
             Self::Usage(_) => Exit::Usage,

@@ -1,31 +1,13 @@
-//! What the README says about recipes and commands, held against the code.
+//! What the documents say, held against the code and against each other.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use pelage_bake::recipe::{Recipe, keys};
+use pelage_bake::recipe::Recipe;
 use pelage_runtime::PassId;
 use pelage_tests::binary::{Sandbox, workspace};
-use pelage_tests::documents::{cited_formulas, documents, links, named_documents, numbered_headings};
+use pelage_tests::documents::{
+    anchors, cited_formulas, documents, links, long_lines, named_documents, named_paths, numbered_headings, target,
+};
 use pelage_tests::pages::pages;
-
-/// The README's table of recipe keys.
-fn recipe_table() -> String {
-    let defaults = Recipe::default();
-    let mut table = "| key | default | expects | meaning |\n|---|---|---|---|\n".to_owned();
-    for key in keys() {
-        let value = key.value(&defaults).map_or("from the model".to_owned(), |v| format!("`{v}`"));
-        let doc = key.doc.lines().map(str::trim).collect::<Vec<_>>().join(" ");
-        table += &format!("| `{}` | {value} | {} | {doc} |\n", key.name, (key.expected)());
-    }
-    table
-}
-
-#[test]
-fn the_readme_lists_every_recipe_key() {
-    let readme = std::fs::read_to_string(workspace().join("README.md")).unwrap();
-    let table = recipe_table();
-    assert!(table.lines().count() > 20, "{table}");
-    assert!(readme.contains(&table), "README.md, \"Recipes\", should hold this table:\n{table}");
-}
 
 #[test]
 fn the_reference_pages_are_what_the_code_says() {
@@ -127,4 +109,89 @@ fn every_decision_says_why_and_what_would_change_it() {
         }
     }
     assert!(decisions >= 43, "only {decisions} decisions");
+}
+
+/// Files and folders that a document names, and where its links lead.
+#[test]
+fn what_documents_point_at_is_there() {
+    let mut pointed = 0;
+    for document in documents(&["md"]) {
+        for path in named_paths(&document.text) {
+            let there = workspace().join(&path).exists() || target(&document, &path).exists();
+            assert!(there, "{} names `{path}`, which is not there", document.path);
+            pointed += 1;
+        }
+        for (path, anchor) in links(&document.text) {
+            let found = if path.is_empty() { workspace().join(&document.path) } else { target(&document, &path) };
+            assert!(found.exists(), "{} links to {path}, which is not there", document.path);
+            if !anchor.is_empty() {
+                let there = anchors(&std::fs::read_to_string(&found).unwrap());
+                assert!(there.contains(&anchor), "{} links to {path}#{anchor}: {there:?}", document.path);
+            }
+            pointed += 1;
+        }
+    }
+    assert!(pointed > 100, "only {pointed} found");
+}
+
+/// Documents are read in narrow windows, and the two that come first are short.
+#[test]
+fn documents_keep_their_size() {
+    let read_first = ["README.md", "ARCHITECTURE.md"];
+    let mut seen = 0;
+    for document in documents(&["md"]) {
+        let first = read_first.contains(&document.path.as_str());
+        if first {
+            let lines = document.text.lines().count();
+            assert!(lines <= 150, "{} has {lines} lines, expected at most 150", document.path);
+        }
+        // Pages that are made from the code have the widths of its comments.
+        let made = document.text.contains("\nThis page is made from ");
+        if first || (document.path.contains("/docs/") && !made) {
+            let long = long_lines(&document.text, 120);
+            assert!(long.is_empty(), "{} has lines of over 120 columns: {long:?}", document.path);
+            seen += 1;
+        }
+    }
+    assert!(seen > 20, "only {seen} documents");
+}
+
+/// What the pages for artists and scripts tell to type is understood: recipes, single keys, options.
+#[test]
+fn what_documents_tell_to_type_is_understood() {
+    let sandbox = Sandbox::new();
+    let mut options = String::new();
+    for command in ["bake", "render", "reference", "export", "bench", "doctor", "compare", "chart", "demo", "inspect"] {
+        options += &sandbox.run(&[command, "--help"]).stdout;
+    }
+    // Options of cargo.
+    let others = ["path", "release", "bin", "example", "no-default-features", "workspace", "bench", "exhaustive"];
+    let (mut recipes, mut keys_set, mut options_named) = (0, 0, 0);
+    for path in ["README.md", "bake/docs/artists.md", "bake/docs/scripts.md", "runtime/docs/performance.md"] {
+        let text = std::fs::read_to_string(workspace().join(path)).unwrap();
+        for block in text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()) {
+            if let Err(error) = Recipe::parse(path, block) {
+                panic!("{error}\n{block}");
+            }
+            recipes += 1;
+        }
+        for assignment in text.split("--set ").skip(1) {
+            // Quoted where the shell would take it apart.
+            let end: &[char] = if assignment.starts_with('\'') { &['\''] } else { &[' ', '`', '\n'] };
+            let assignment = assignment.trim_start_matches('\'').split(end).next().unwrap();
+            if assignment != "key=value" {
+                assert!(Recipe::default().set(assignment).is_ok(), "{path}: {:?}", Recipe::default().set(assignment));
+                keys_set += 1;
+            }
+        }
+        for (at, _) in text.match_indices("--") {
+            let name: String = text[at + 2..].chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '-').collect();
+            let begins = text[..at].ends_with([' ', '`', '\n']) && name.starts_with(|c: char| c.is_ascii_lowercase());
+            if begins && !others.contains(&name.as_str()) {
+                assert!(options.contains(&format!("--{name}")), "{path} names --{name}, which no command has");
+                options_named += 1;
+            }
+        }
+    }
+    assert!(recipes > 5 && keys_set > 20 && options_named > 50, "{recipes}, {keys_set}, {options_named}");
 }
