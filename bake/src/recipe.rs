@@ -14,7 +14,7 @@
 //! # Ok::<(), pelage_bake::BakeError>(())
 //! ```
 
-mod guides;
+mod comb_marks;
 mod ink;
 mod maps;
 mod material_groom;
@@ -22,7 +22,7 @@ mod material_table;
 mod params;
 mod views;
 
-pub use guides::GuideParams;
+pub use comb_marks::CombMarkParams;
 pub use ink::{InkFill, InkParams, MaterialInk};
 pub use maps::{Channel, ColorMap, ImagePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;

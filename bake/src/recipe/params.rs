@@ -1,6 +1,6 @@
 //! The parameters of each stage, with their meaning, range and default in one place.
 
-use super::guides::GuideParams;
+use super::comb_marks::CombMarkParams;
 use super::maps::{ColorMap, ImagePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
 use super::views::CameraView;
@@ -38,7 +38,7 @@ words! {
         /// Down the model's own texture.
         Tangents = "tangents",
         /// Directions at a few places.
-        Guides = "guides",
+        Marks = "marks" was "guides",
         /// Nowhere: patches lie as they distort least.
         None = "none",
     }
@@ -53,14 +53,14 @@ params! {
         /// Width of the tile on the skin, metres: the reciprocal of tiles per metre. Left out, it is chosen from the model's size. Small
         /// repeats visibly, large spreads the texels thin.
         tile_size_m: Option<f32> = None, in 1e-6..=1e3;
-        /// Where hair is combed to: `direction` (surface.comb_direction), `gravity`, `tangents` (down the model's own texture), `guides`
-        /// (surface.guides), or `none`, which lets patches lie as they distort least and suits hair that stands up.
+        /// Where hair is combed to: `direction` (surface.comb_direction), `gravity`, `tangents` (down the model's own texture), `marks`
+        /// (surface.comb_marks), or `none`, which lets patches lie as they distort least and suits hair that stands up.
         comb: CombSource = CombSource::Direction;
         /// Direction of the comb in world space at rest, any length but 0. The default runs from nose to tail and a little down on an animal
         /// that looks along +z.
         comb_direction: [f32; 3] = [0.0, -0.35, -1.0], in -1e6..=1e6;
         /// Directions at places, spread over the skin: tables with `name`, `at` (metres) and `direction`.
-        guides: Vec<GuideParams> = Vec::new();
+        comb_marks: Vec<CombMarkParams> = Vec::new(), was "guides";
         /// How far neighbours are asked where the comb is weak or broken, tiles: small keeps every wish, large makes broad strokes.
         comb_smoothing: f32 = 0.5, in 0.01..=100.0;
         /// How strictly patches follow the comb: 1 along it, 0 turns every triangle to what distorts least.

@@ -14,6 +14,23 @@ fn an_empty_recipe_is_the_default() {
     Recipe::default().validate().unwrap();
 }
 
+/// Recipes of earlier versions, and those that packages record, say guides where marks are meant.
+#[test]
+fn comb_marks_were_called_guides() {
+    let marks = "[{ name = \"nose\", at = [0, 1, 0.5], direction = [0, 0, -1] }]";
+    let [old, new] = [("guides", "guides"), ("marks", "comb_marks")].map(|(word, key)| {
+        Recipe::parse("r.toml", &format!("[surface]\ncomb = \"{word}\"\n{key} = {marks}\n")).unwrap()
+    });
+    assert_eq!((new.surface.comb, new.surface.comb_marks.len()), (CombSource::Marks, 1));
+    assert_eq!(old, new);
+    let text = old.to_toml();
+    assert!(text.contains("comb_marks") && text.contains("\"marks\"") && !text.contains("guides"), "{text}");
+    let mut set = Recipe::default();
+    set.set("surface.comb=guides").unwrap();
+    set.set(&format!("surface.guides={marks}")).unwrap();
+    assert_eq!(set, new);
+}
+
 #[test]
 fn every_key_is_a_field_and_every_field_a_key() {
     let tree = toml::Value::try_from(Recipe::default()).unwrap();

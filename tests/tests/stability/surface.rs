@@ -10,7 +10,7 @@ use pelage_bake::judge::stability::surface::{
     broken_gradients, flips_of_one_chart, grid, lay, lost_half_edges, model, sphere, torus,
 };
 use pelage_bake::mesh::Model;
-use pelage_bake::stages::surface::{Comb, Guide, PatchParams, Source, Surface, SurfaceParams, parameterize};
+use pelage_bake::stages::surface::{Comb, CombMark, PatchParams, Source, Surface, SurfaceParams, parameterize};
 
 fn params(tile_size_m: f32) -> SurfaceParams {
     SurfaceParams { tile_size_m, furred: vec![true], ..SurfaceParams::default() }
@@ -256,10 +256,10 @@ mod modes {
     }
 
     #[test]
-    fn guides_rule_near_their_places() {
-        let guide = |name: &str, at: Vec3, direction: Vec3| Guide { name: name.into(), at, direction };
-        let guides = vec![guide("front", vec3(0.0, 0.0, 1.0), Vec3::X), guide("back", vec3(0.0, 0.0, -1.0), Vec3::Y)];
-        let p = SurfaceParams { comb: Comb::Guides(guides), ..params(0.3) };
+    fn comb_marks_rule_near_their_places() {
+        let mark = |name: &str, at: Vec3, direction: Vec3| CombMark { name: name.into(), at, direction };
+        let marks = vec![mark("front", vec3(0.0, 0.0, 1.0), Vec3::X), mark("back", vec3(0.0, 0.0, -1.0), Vec3::Y)];
+        let p = SurfaceParams { comb: Comb::Marks(marks), ..params(0.3) };
         let s = parameterize("test", &sphere(24, 48), &p).unwrap();
         assert_valid(&s, 48 * 2 * 23, "sphere");
         for (v, position) in s.mesh.positions.iter().enumerate() {

@@ -135,19 +135,19 @@ impl<'a> Grower<'a> {
         let frizz_seed = hash(self.seed, u64::from(strand) << 8 | Draw::Frizz as u64);
         let root = self.root(strand);
         let mut position = root.extend(0.0);
-        let mut guide = self.locks.as_ref().map(|locks| Guide::new(self, locks, locks.of(root)));
+        let mut axis_of_lock = self.locks.as_ref().map(|locks| LockAxis::new(self, locks, locks.of(root)));
         let mut phase = self.curl_phase(strand, position);
         let hand = if self.draw(strand, Draw::Hand) < 0.15 { -1.0 } else { 1.0 };
         let mut axis = (self.lean(0.0) + tilt).normalize_or(Vec3::Z);
         for (j, point) in points.iter_mut().enumerate() {
             *point = position;
             let t = (j as f32 + 0.5) / segments as f32;
-            let target = match &mut guide {
-                Some(guide) => {
+            let target = match &mut axis_of_lock {
+                Some(lock) => {
                     let left = (segments - j.min(segments - 1)) as f32 * step;
-                    let into_lock = heading_into_lock(position, guide.position, guide.heading, left);
-                    let target = (guide.target + tilt).lerp(into_lock, p.clump);
-                    guide.advance(self, step);
+                    let into_lock = heading_into_lock(position, lock.position, lock.heading, left);
+                    let target = (lock.target + tilt).lerp(into_lock, p.clump);
+                    lock.advance(self, step);
                     target
                 }
                 None => self.lean(t) + tilt + self.style_force(position, t),
@@ -202,7 +202,7 @@ impl<'a> Grower<'a> {
 }
 
 /// The curve that the strands of a lock gather on, followed in step with one of them.
-struct Guide {
+struct LockAxis {
     position: Vec3,
     /// Unit length.
     heading: Vec3,
@@ -213,7 +213,7 @@ struct Guide {
     along: f32,
 }
 
-impl Guide {
+impl LockAxis {
     fn new(grower: &Grower<'_>, locks: &Locks, lock: Lock) -> Self {
         let tilt = locks.tilt(lock.index) * Vec3::new(0.35, 0.35, 0.1);
         let target = grower.lean(0.0) + tilt;
@@ -221,7 +221,7 @@ impl Guide {
         Self { position: lock.center.extend(0.0), heading, target, tilt, along: 0.0 }
     }
 
-    /// The guide bends as the longest strand does, so that all strands of the lock share one curve, whatever their lengths.
+    /// The axis bends as the longest strand does, so that all strands of the lock share one curve, whatever their lengths.
     fn advance(&mut self, grower: &Grower<'_>, step: f32) {
         let first = self.along == 0.0;
         let heading = keep_above_skin(self.heading, self.position.z, step, first, grower.lean_to);

@@ -1,7 +1,7 @@
 //! Wet hair sticks together: the strands of a tile gathered into pointed locks.
 //!
-//! Each strand belongs to the lock whose centre is nearest to its root in the periodic tile. A lock has a guide, a curve that
-//! grows from its centre as a strand would; its strands steer onto the guide while they grow and lie beside it from then on.
+//! Each strand belongs to the lock whose centre is nearest to its root in the periodic tile. A lock has an axis, a curve that
+//! grows from its centre as a strand would; its strands steer onto the axis while they grow and lie beside it from then on.
 //! Because the short ones end first, a lock thins out to a point.
 
 use crate::noise::{hash, stratified, uniform, vector};
@@ -86,12 +86,12 @@ fn nearest_copy(point: Vec2, to: Vec2) -> Vec2 {
     point - (point - to).round()
 }
 
-/// Where a strand at `position` has to head to lie on its lock's guide in the end, if the guide is at `guide` and heads for
-/// `guide_heading`, and `left` of the strand's length is to come. The gap closes with the square of what is left.
-pub(super) fn heading_into_lock(position: Vec3, guide: Vec3, guide_heading: Vec3, left: f32) -> Vec3 {
-    let pull = (guide - position) * (2.0 / left);
+/// Where a strand at `position` has to head to lie on its lock's axis in the end, if the axis is at `axis` and heads for
+/// `axis_heading`, and `left` of the strand's length is to come. The gap closes with the square of what is left.
+pub(super) fn heading_into_lock(position: Vec3, axis: Vec3, axis_heading: Vec3, left: f32) -> Vec3 {
+    let pull = (axis - position) * (2.0 / left);
     // Far from its lock a strand runs there along the skin, but never backwards under it.
-    guide_heading + pull.clamp_length_max(1.6)
+    axis_heading + pull.clamp_length_max(1.6)
 }
 
 #[cfg(test)]

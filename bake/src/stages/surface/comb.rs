@@ -19,7 +19,7 @@ pub enum Comb {
     /// One vector per vertex of the input mesh; its length, up to 1, is how much it counts.
     PerVertex(Vec<Vec3>),
     /// Directions at a few places, spread over the surface by the way between (formulas 6.1, after Praun et al. 2000).
-    Guides(Vec<Guide>),
+    Marks(Vec<CombMark>),
     /// No direction: patches lie as they distort least, which suits hair that stands up (the isotropic mode of Lengyel et al. 2001).
     None,
 }
@@ -30,14 +30,14 @@ impl Comb {
         match self {
             Self::Direction(direction) => direction.normalize_or_zero(),
             Self::Gravity => Vec3::NEG_Y,
-            Self::Tangents | Self::PerVertex(_) | Self::Guides(_) | Self::None => Vec3::ZERO,
+            Self::Tangents | Self::PerVertex(_) | Self::Marks(_) | Self::None => Vec3::ZERO,
         }
     }
 }
 
 /// A direction at a place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Guide {
+pub struct CombMark {
     /// Name, for messages.
     pub name: String,
     /// Place near the skin, world space at rest, metres.
@@ -58,7 +58,7 @@ pub(super) fn wishes(
         Comb::Direction(_) | Comb::Gravity | Comb::None => {
             vec![comb.everywhere().as_dvec3().normalize_or_zero(); skin.triangles.len()]
         }
-        Comb::Guides(guides) => spread(&skin.topology, guides, warnings),
+        Comb::Marks(marks) => spread(&skin.topology, marks, warnings),
         Comb::PerVertex(vectors) => {
             let at = |v: u32| vectors.get(input_vertex[v as usize] as usize).copied().unwrap_or(Vec3::ZERO).as_dvec3();
             let mean = |t: &u32| mesh.triangles[*t as usize].map(at).into_iter().sum::<DVec3>() / 3.0;
@@ -82,20 +82,20 @@ pub(super) fn wishes(
 }
 
 /// Shepard's inverse-distance weights with distances along the skin; other components measure straight through space.
-fn spread(topology: &Topology, guides: &[Guide], warnings: &mut Vec<String>) -> Vec<DVec3> {
+fn spread(topology: &Topology, marks: &[CombMark], warnings: &mut Vec<String>) -> Vec<DVec3> {
     let n = topology.faces.len();
     let mut sums = vec![DVec3::ZERO; n];
     let mut weights = vec![0.0; n];
     let centers: Vec<DVec3> = (0..n).map(|f| topology.centroid(f)).collect();
-    for guide in guides {
-        let (at, direction) = (guide.at.as_dvec3(), guide.direction.as_dvec3().normalize_or_zero());
+    for mark in marks {
+        let (at, direction) = (mark.at.as_dvec3(), mark.direction.as_dvec3().normalize_or_zero());
         let nearest =
             (0..n).min_by(|a, b| centers[*a].distance_squared(at).total_cmp(&centers[*b].distance_squared(at)));
         let Some(start) = nearest else { return sums };
         if direction.reject_from(topology.normals[start]).length() < 0.1 {
             warnings.push(format!(
-                "surface.guides: {:?} points along the skin's normal where it stands; its direction has hardly an effect",
-                guide.name
+                "surface.comb_marks: {:?} points along the skin's normal where it stands; its direction has hardly an effect",
+                mark.name
             ));
         }
         let ways = ways_from(topology, &centers, start);

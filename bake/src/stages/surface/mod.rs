@@ -19,7 +19,7 @@ mod solve;
 mod topology;
 mod weld;
 
-pub use comb::{Comb, Guide};
+pub use comb::{Comb, CombMark};
 pub use measure::Measures;
 pub use params::{PatchParams, Source, SurfaceParams};
 

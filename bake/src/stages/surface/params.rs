@@ -1,6 +1,6 @@
 //! Where hair grows, how large its tile is and how it lies: what the stage is told.
 
-use super::comb::{Comb, Guide};
+use super::comb::{Comb, CombMark};
 use super::grow::Reach;
 use super::lapped::{Bounds, LappedParams};
 use crate::BakeError;
@@ -89,8 +89,11 @@ impl Default for PatchParams {
 impl SurfaceParams {
     /// What a recipe says, with the tile's width resolved for the model and `furred` for its materials.
     pub fn from_recipe(recipe: &recipe::SurfaceParams, tile_size_m: f32, furred: Vec<bool>) -> Self {
-        let guide =
-            |g: &recipe::GuideParams| Guide { name: g.name.clone(), at: g.at.into(), direction: g.direction.into() };
+        let mark = |g: &recipe::CombMarkParams| CombMark {
+            name: g.name.clone(),
+            at: g.at.into(),
+            direction: g.direction.into(),
+        };
         Self {
             tile_size_m,
             furred,
@@ -102,7 +105,7 @@ impl SurfaceParams {
                 recipe::CombSource::Direction => Comb::Direction(recipe.comb_direction.into()),
                 recipe::CombSource::Gravity => Comb::Gravity,
                 recipe::CombSource::Tangents => Comb::Tangents,
-                recipe::CombSource::Guides => Comb::Guides(recipe.guides.iter().map(guide).collect()),
+                recipe::CombSource::Marks => Comb::Marks(recipe.comb_marks.iter().map(mark).collect()),
                 recipe::CombSource::None => Comb::None,
             },
             comb_smoothing: recipe.comb_smoothing,
@@ -129,10 +132,10 @@ impl SurfaceParams {
             Comb::Direction(d) if !d.is_finite() || *d == Vec3::ZERO => {
                 return fail("surface.comb_direction", format!("{d}, expected three finite numbers, not all 0"));
             }
-            Comb::Guides(guides) if guides.is_empty() => {
+            Comb::Marks(marks) if marks.is_empty() => {
                 return fail(
-                    "surface.guides",
-                    "there are none, expected at least one for surface.comb = \"guides\"".into(),
+                    "surface.comb_marks",
+                    "there are none, expected at least one for surface.comb = \"marks\"".into(),
                 );
             }
             _ => {}

@@ -1,12 +1,12 @@
-//! Guide directions in a recipe: `surface.guides`.
+//! Comb marks in a recipe: `surface.comb_marks`.
 
 use pelage_params::{Field, Item, Range, Raw};
 use serde::{Deserialize, Serialize};
 
-/// A direction of the comb at a place; what lies between guides follows from them.
+/// A direction of the comb at a place; what lies between marks follows from them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GuideParams {
+pub struct CombMarkParams {
     /// Name, for messages.
     pub name: String,
     /// Place near the skin, metres, in world space at rest.
@@ -17,15 +17,15 @@ pub struct GuideParams {
 
 const PLACE: Range<f32> = -1e6..=1e6;
 
-impl GuideParams {
+impl CombMarkParams {
     fn from_table(table: &[(String, Raw)]) -> Result<Self, String> {
-        let mut guide = Self::default();
+        let mut mark = Self::default();
         let mut seen = [false; 3];
         for (key, raw) in table {
             let (slot, read) = match key.as_str() {
-                "name" => (0, <String as Field>::read(raw, &()).map(|name| guide.name = name)),
-                "at" => (1, <[f32; 3]>::read(raw, &PLACE).map(|at| guide.at = at)),
-                "direction" => (2, <[f32; 3]>::read(raw, &PLACE).map(|d| guide.direction = d)),
+                "name" => (0, <String as Field>::read(raw, &()).map(|name| mark.name = name)),
+                "at" => (1, <[f32; 3]>::read(raw, &PLACE).map(|at| mark.at = at)),
+                "direction" => (2, <[f32; 3]>::read(raw, &PLACE).map(|d| mark.direction = d)),
                 _ => return Err(format!("unknown key {key:?}, expected name, at and direction")),
             };
             read.map_err(|reason| format!("{key}: {reason}"))?;
@@ -33,12 +33,12 @@ impl GuideParams {
         }
         match seen.iter().position(|s| !s) {
             Some(k) => Err(format!("{} is missing", ["name", "at", "direction"][k])),
-            None => Ok(guide),
+            None => Ok(mark),
         }
     }
 }
 
-impl Item for GuideParams {
+impl Item for CombMarkParams {
     const ALONE: bool = false;
 
     fn expected_list() -> String {
