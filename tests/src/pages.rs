@@ -1,7 +1,8 @@
-//! The reference pages that are made from the code: of recipes and of the command line.
+//! The reference pages that are made from the code: of recipes, of looks and of the command line.
 
 use crate::binary::{Sandbox, workspace};
 use pelage_bake::recipe;
+use pelage_stage::Look;
 use std::path::PathBuf;
 
 /// Every page with the path where it stands.
@@ -12,5 +13,9 @@ pub fn pages() -> Vec<(PathBuf, String)> {
     let run = Sandbox::new().run(&["commands-page"]);
     assert_eq!(run.code, Some(0), "{run:?}");
     let page = |name: &str, text: String| (workspace().join("bake/docs").join(name), text);
-    vec![page("commands.md", run.stdout), page("recipe.md", recipe::reference_page())]
+    vec![
+        page("commands.md", run.stdout),
+        page("recipe.md", recipe::reference_page()),
+        page("look.md", Look::reference_page()),
+    ]
 }

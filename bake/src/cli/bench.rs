@@ -8,7 +8,7 @@ use super::staged::stage_of;
 use super::view::View;
 use super::view_args::ViewArgs;
 use pelage_runtime::{Frame, PassId};
-use pelage_stage::{Clock, FrameTimes, Gpu, Meter, Spread, Stage};
+use pelage_stage::{Clock, FrameTimes, Gpu, Look, Meter, Spread, Stage};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ const FRAMES: u32 = 30;
 
 /// Runs the subcommand.
 pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let view = View::try_from(&args.view)?;
+    let view = View::new(&args.view, Look::default())?;
     let frames = args.view.frames.unwrap_or(FRAMES);
     let file = package_file::read(&args.package)?;
     output.progress("loading");

@@ -11,8 +11,8 @@ use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::{BakeError, io};
-use pelage_runtime::{StyleKind, wgpu};
-use pelage_stage::{Gpu, NamedPackage, find_clip};
+use pelage_runtime::wgpu;
+use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Rgb, Samples, find_clip};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -92,7 +92,8 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
         action: "create",
         source,
     })?;
-    let view = View { clip: Some(clip.into()), style: StyleKind::Ink, size: (640, 480), ..View::default() };
+    let view = View { clip: Some(clip.into()), ..View::sized((640, 480)) };
+    let view = view.with(|look| look.picture.style = LookStyle::Ink);
     let mut scene = stage_of(file, &view, || Ok(gpu.clone()))?;
     let mut pictures = Vec::new();
     for number in 0..count {
@@ -107,10 +108,16 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
 
 /// The pictures of a model: in ink, with fur, without, and in motion.
 fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, View)> {
-    let furry = View { size: (834, 834), samples: 4, background: Some(BACKGROUND), ..View::default() };
-    let inked = View { style: StyleKind::Ink, background: None, ..furry.clone() };
-    let mut views =
-        vec![("", furry.clone()), ("_bare", View { style: StyleKind::Bare, ..furry.clone() }), ("_ink", inked)];
+    let furry = View::sized((834, 834)).with(|look| {
+        look.picture.samples = Samples(4);
+        look.picture.background = Some(Background::Color(Rgb(BACKGROUND)));
+    });
+    let bare = furry.clone().with(|look| look.picture.style = LookStyle::Bare);
+    let inked = furry.clone().with(|look| {
+        look.picture.style = LookStyle::Ink;
+        look.picture.background = None;
+    });
+    let mut views = vec![("", furry.clone()), ("_bare", bare), ("_ink", inked)];
     if let Some((clip, time_s)) = moment {
         views.push(("_moving", View { clip: Some(clip.into()), time_s, ..furry }));
     }

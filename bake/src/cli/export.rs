@@ -6,9 +6,10 @@ use super::package_file;
 use super::reference::{camera_json, groom_json};
 use super::truth::Truth;
 use super::view::View;
-use super::view_args::{Size, parse_seconds};
+use super::view_args::parse_seconds;
 use pelage_bake::io::write_atomic_with;
 use pelage_bake::strands::export::{StrandFormat, write_mtl, write_obj};
+use pelage_stage::Size;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -43,12 +44,8 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
         require_parent(path)?;
     }
     let file = package_file::read(&args.package)?;
-    let view = View {
-        size: (args.size.width, args.size.height),
-        clip: args.clip.clone(),
-        time_s: args.time,
-        ..View::default()
-    };
+    let size = (args.size.width, args.size.height);
+    let view = View { clip: args.clip.clone(), time_s: args.time, ..View::sized(size) };
     output.progress("growing strands");
     let truth = Truth::new(&file, &view)?;
     let mut files = Vec::new();

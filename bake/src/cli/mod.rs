@@ -9,27 +9,21 @@ mod commands_page;
 mod compare;
 #[cfg(feature = "preview")]
 mod demo;
-#[cfg(feature = "preview")]
 mod doctor;
 mod exit;
-#[cfg(feature = "preview")]
 mod export;
-#[cfg(feature = "preview")]
-mod ink_args;
 mod inspect;
 mod journal;
 #[cfg(feature = "preview")]
 mod limits;
+mod look_args;
 mod mesh_glb;
 mod output;
 mod pack;
 mod package_file;
-#[cfg(feature = "preview")]
 mod reference;
 #[cfg(feature = "preview")]
 mod render;
-#[cfg(feature = "preview")]
-mod scene_options;
 #[cfg(feature = "preview")]
 mod sequence;
 #[cfg(feature = "preview")]
@@ -39,30 +33,17 @@ mod shoot;
 #[cfg(feature = "preview")]
 mod staged;
 mod threads;
-#[cfg(feature = "preview")]
 mod truth;
 mod unpack;
 mod unpacked;
 mod validate;
-#[cfg(feature = "preview")]
 mod view;
-#[cfg(feature = "preview")]
 mod view_args;
-#[cfg(feature = "preview")]
-mod words;
 
 use clap::CommandFactory as _;
-#[cfg(feature = "preview")]
-use clap::FromArgMatches as _;
 use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
-#[cfg(feature = "preview")]
-use pelage_bake::BakeError;
-#[cfg(feature = "preview")]
-use render::{Line, RenderArgs};
-#[cfg(feature = "preview")]
-use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
 
 /// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
@@ -99,14 +80,11 @@ enum Command {
     Render(render::RenderArgs),
     #[cfg(feature = "preview")]
     Bench(bench::BenchArgs),
-    #[cfg(feature = "preview")]
     Reference(reference::ReferenceArgs),
-    #[cfg(feature = "preview")]
     Export(export::ExportArgs),
     Chart(chart::ChartArgs),
     CommandsPage(commands_page::CommandsPageArgs),
     Compare(compare::CompareArgs),
-    #[cfg(feature = "preview")]
     Doctor(doctor::DoctorArgs),
 }
 
@@ -121,17 +99,14 @@ impl Command {
             Self::Unpack(args) => unpack::run(&args, output),
             Self::Pack(args) => pack::run(&args, output),
             #[cfg(feature = "preview")]
-            Self::Render(args) => render::run(&args, &Line { again, option: render_option }, output),
+            Self::Render(args) => render::run(&args, output),
             #[cfg(feature = "preview")]
             Self::Bench(args) => bench::run(&args, output),
-            #[cfg(feature = "preview")]
             Self::Reference(args) => reference::run(&args, output),
-            #[cfg(feature = "preview")]
             Self::Export(args) => export::run(&args, output),
             Self::Chart(args) => chart::run(&args, output),
             Self::CommandsPage(_) => commands_page::run(Cli::command(), output),
             Self::Compare(args) => compare::run(&args, output),
-            #[cfg(feature = "preview")]
             Self::Doctor(args) => doctor::run(&args, output),
         }
     }
@@ -149,35 +124,6 @@ pub fn main() -> std::process::ExitCode {
         Err(error) => usage(&error),
     };
     exit.into()
-}
-
-/// What this process was asked to draw, with `options` for what the command line does not say itself.
-#[cfg(feature = "preview")]
-fn again(options: &[String]) -> Result<RenderArgs, Failure> {
-    let mut words: Vec<OsString> = std::env::args_os().collect();
-    // What may stand before the subcommand begins with a dash and has no value.
-    let dashed = |word: &OsString| word.to_string_lossy().starts_with('-');
-    let after = words.iter().skip(1).take_while(|word| dashed(word)).count() + 2;
-    let after = after.min(words.len());
-    words.splice(after..after, options.iter().map(OsString::from));
-    // The last of several counts, and the user's come last.
-    let matches = Cli::command().args_override_self(true).try_get_matches_from(words);
-    let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches));
-    match cli.map_err(|error| Failure::Usage(first_line(&error)))?.command {
-        Command::Render(args) => Ok(args),
-        other => Err(BakeError::Internal(format!("{other:?} was asked for a picture")).into()),
-    }
-}
-
-/// Checks one option of `pelage render`, such as `--size=834x424`; what is wrong with it, in words.
-#[cfg(feature = "preview")]
-fn render_option(option: &str) -> Result<(), String> {
-    let parsed = Cli::try_parse_from(["pelage", "render", "scene.toml", "-o", "picture.png", option]);
-    parsed.map(drop).map_err(|error| {
-        let message = error.to_string();
-        let advice = message.lines().map(str::trim).find(|line| line.starts_with("tip:") || line.starts_with('['));
-        advice.map_or_else(|| first_line(&error), |advice| format!("{} {advice}", first_line(&error)))
-    })
 }
 
 /// What clap found wrong, without its advice.

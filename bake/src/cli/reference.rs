@@ -6,11 +6,12 @@ use super::package_file;
 use super::threads;
 use super::truth::{Truth, encode};
 use super::view::View;
-use super::view_args::{LightingArg, Penumbra, Slant, ViewArgs};
+use super::view_args::ViewArgs;
 use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera};
 use pelage_bake::strands::GroomReport;
 use pelage_bake::{BakeError, io};
-use pelage_runtime::ShadowParams;
+use pelage_params::Knob;
+use pelage_stage::{Look, SHORT_FORMS, ShortForm};
 use serde_json::json;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -37,10 +38,10 @@ pub struct ReferenceArgs {
 
 /// Runs the subcommand.
 pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let view = View::try_from(&args.view)?;
+    let view = View::new(&args.view, Look::default())?;
     refuse_fast_path(&args.view)?;
     let write = Format::of(&args.output)?;
-    if write == Format::Exr && view.background.is_some() {
+    if write == Format::Exr && view.look.background().is_some() {
         return Err(Failure::Usage(
             "--background: an .exr keeps what is transparent; expected it to be left out".into(),
         ));
@@ -57,7 +58,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut show = |done: u64, total: u64| output.progress_of(done as usize, total as usize, "pixels traced");
     let picture = pool.install(|| truth.picture(&view, args.spp, &mut show));
     let seconds = start.elapsed().as_secs_f64();
-    io::write_atomic(&args.output, &write.bytes(&picture, view.background)?)?;
+    io::write_atomic(&args.output, &write.bytes(&picture, view.look.background())?)?;
     report(args, output, &truth, &truth.camera(&view), &picture, (grown_s, seconds))
 }
 
@@ -132,24 +133,32 @@ pub fn camera_json(camera: &TrueCamera) -> serde_json::Value {
     })
 }
 
-/// Refuses arguments that say how the fast path shall draw: the truth has nothing that they could change.
+/// Flags that say how the fast path shall draw, and whether to name one is too much even if it asks for the default.
+const FAST_PATH: [(&str, bool); 9] = [
+    ("layers", true),
+    ("fins", true),
+    ("lighting", false),
+    ("slant", false),
+    ("penumbra-form", false),
+    ("shadow-map", false),
+    ("shadow-layers", true),
+    ("shadow-density", false),
+    ("shadow-shrink", false),
+];
+
+/// Refuses arguments that say how the fast path shall draw: the truth has nothing that they could change. A look file may say so: `render` reads it
+/// as well.
 fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
-    let shadows = ShadowParams::default();
-    let given = [
-        ("--layers", args.layers.is_some()),
-        ("--fins", args.fins.is_some()),
-        ("--frames", args.frames.is_some()),
-        ("--lighting", args.lighting != LightingArg::Pixel),
-        ("--slant", args.slant != Slant::Corrected),
-        ("--penumbra-form", args.penumbra_form != Penumbra::Centred),
-        ("--shadow-map", args.shadow_map != shadows.map_size),
-        ("--shadow-layers", args.shadow_layers.is_some()),
-        ("--shadow-density", args.shadow_density != shadows.density),
-        ("--shadow-shrink", args.shadow_shrink != shadows.shrink),
-    ];
-    match given.iter().find(|(_, given)| *given) {
-        Some((name, _)) => Err(Failure::Usage(format!(
-            "{name} says how `render` draws; the reference has neither layers nor maps, expected it to be left out"
+    let (typed, default) = (args.look.typed(), Look::default());
+    let changed = |key: &Knob| key.value(&typed) != key.value(&default);
+    let short = |flag: &str| SHORT_FORMS.iter().find(|short| short.flag == flag);
+    let refused = |(flag, always): &(&str, bool)| {
+        (*always && args.look.has(flag)) || short(flag).and_then(ShortForm::knob).is_some_and(changed)
+    };
+    let given = FAST_PATH.iter().find(|entry| refused(entry)).map(|(flag, _)| *flag);
+    match given.or(args.frames.map(|_| "frames")) {
+        Some(flag) => Err(Failure::Usage(format!(
+            "--{flag} says how `render` draws; the reference has neither layers nor maps, expected it to be left out"
         ))),
         None => Ok(()),
     }

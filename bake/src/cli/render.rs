@@ -2,23 +2,22 @@
 
 use super::exit::{Exit, Failure};
 use super::journal::Key;
+use super::look_args::{self, argument};
 use super::output::Output;
 use super::package_file;
-use super::scene_options::{complete, options};
 use super::sequence::{Drawn, Sink};
 use super::shoot::{Picture, Shoot};
 use super::staged::{self, crowd};
 use super::view::View;
 use super::view_args::ViewArgs;
 use pelage_formats::MAGIC;
-use pelage_runtime::StyleKind;
-use pelage_stage::{Cast, Gpu, LoadedScene, NamedPackage, SceneFile, StageError};
+use pelage_stage::{Cast, Gpu, LoadedScene, Look, NamedPackage, SAMPLES, SceneFile, StageError};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Draw a package or a scene into a PNG, or over time into numbered ones or a video
 ///
-/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; options that stand here can stand in its table `view` as well.
+/// A scene file (.toml) places several packages, gives them clips and paths, and moves the camera; its table `look` says how the picture looks, as a look file does.
 /// assets/scenes has one with comments. What the arguments say goes before what the file says. Its `sequence` counts for numbered pictures and videos; a plain
 /// name is one picture, at --time.
 ///
@@ -38,9 +37,8 @@ pub struct RenderArgs {
     /// Pictures per second of the clip, with --frames [default: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     fps: Option<u32>,
-    /// Samples per pixel, 1 or 4: 4 smooths the edges of the skin
-    #[arg(long, value_name = "N", default_value = "1", value_parser = ["1", "4"])]
-    samples: String,
+    #[command(flatten)]
+    samples: Samples,
     /// The light goes once around the vertical axis while the pictures last, with --frames
     #[arg(long)]
     turn_light: bool,
@@ -49,6 +47,49 @@ pub struct RenderArgs {
     restart: bool,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+/// `--samples`, which `render` alone has: another flag of the look.
+#[derive(Clone, Debug, Default)]
+struct Samples(Option<String>);
+
+impl Samples {
+    fn apply(&self, look: &mut Look) -> Result<(), Failure> {
+        let applied = self.0.iter().try_for_each(|word| SAMPLES.apply(look, word));
+        applied.map_err(|error| Failure::Usage(format!("--{}: {}", SAMPLES.flag, error.reason)))
+    }
+}
+
+impl clap::Args for Samples {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        command.arg(argument(&SAMPLES))
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for Samples {
+    fn from_arg_matches(matches: &clap::ArgMatches) -> Result<Self, clap::Error> {
+        Ok(Self(matches.get_one(SAMPLES.flag).cloned()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &clap::ArgMatches) -> Result<(), clap::Error> {
+        *self = clap::FromArgMatches::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// Refuses arguments that make no sense beside a scene.
+fn refuse_beside(file: &str, args: &ViewArgs) -> Result<(), Failure> {
+    for (name, given) in [("--clip", args.clip.is_some()), ("--crowd", args.crowd != 1)] {
+        if given {
+            let text = format!("{name}: {file} says what stands in the picture, expected it to be left out");
+            return Err(Failure::Usage(text));
+        }
+    }
+    Ok(())
 }
 
 /// Pictures per second where nothing says how many.
@@ -64,35 +105,27 @@ enum Subject {
 struct Scene {
     file: SceneFile,
     loaded: LoadedScene,
-    /// What the file says in words of the command line.
-    options: Vec<String>,
-}
-
-/// What a scene file asks of the whole command line.
-pub struct Line {
-    /// The arguments of this process, with options for what they do not say themselves.
-    pub again: fn(&[String]) -> Result<RenderArgs, Failure>,
-    /// Checks one option, such as `--size=834x424`; what is wrong with it, in words.
-    pub option: fn(&str) -> Result<(), String>,
+    look: Look,
 }
 
 impl Scene {
-    fn read(path: &Path, bytes: Vec<u8>, line: &Line) -> Result<Self, Failure> {
+    fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
         let file = SceneFile::parse(&path.display().to_string(), bytes)?;
-        let options = options(&file, line.option)?;
-        let loaded = file.load(&package_file::Folder(path.parent().unwrap_or(Path::new(""))))?;
-        Ok(Self { file, loaded, options })
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let look = file.look(|path| look_args::text(&folder.join(path)).map_err(|error| error.to_string()))?;
+        let loaded = file.load(&package_file::Folder(folder))?;
+        Ok(Self { file, loaded, look })
     }
 }
 
 impl Subject {
-    fn read(path: &Path, line: &Line) -> Result<Self, Failure> {
+    fn read(path: &Path) -> Result<Self, Failure> {
         let file = package_file::read(path)?;
         let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
         // Whatever its name is: every scene has a model.
         let is_scene = || std::str::from_utf8(&file.bytes).is_ok_and(|text| text.contains("[[model]]"));
         if !file.bytes.starts_with(&MAGIC) && (named || is_scene()) {
-            return Ok(Self::Scene(Box::new(Scene::read(path, file.bytes.into_owned(), line)?)));
+            return Ok(Self::Scene(Box::new(Scene::read(path, file.bytes.into_owned())?)));
         }
         Ok(Self::Package(file))
     }
@@ -120,28 +153,28 @@ impl Subject {
     fn cast(&self, view: &View) -> Result<Cast<'_>, StageError> {
         match self {
             Self::Package(file) => crowd(file, view),
-            Self::Scene(scene) => scene.loaded.cast(view.camera, view.aspect(), view.style == StyleKind::Fur),
+            Self::Scene(scene) => scene.loaded.cast(view.camera, view.look.aspect(), view.look.has_fur()),
         }
     }
 }
 
 /// Runs the subcommand.
-pub fn run(args: &RenderArgs, line: &Line, output: &mut Output) -> Result<Exit, Failure> {
+pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.output == Path::new("-") && output.is_json() {
         return Err(Failure::Usage("--json: standard output is the video with -o -, expected one of them".into()));
     }
     // What is wrong with the arguments alone is said before anything is read.
-    View::try_from(&args.view)?;
+    View::new(&args.view, Look::default())?;
     Sink::new(&args.output, args.view.frames, None)?;
     output.progress("loading");
-    let subject = Subject::read(&args.input, line)?;
+    let subject = Subject::read(&args.input)?;
     let scene = subject.scene();
-    let again =
-        scene.filter(|scene| !scene.options.is_empty()).map(|scene| (line.again)(&scene.options)).transpose()?;
-    let args = again.as_ref().unwrap_or(args);
-    let samples = if args.samples == "4" { 4 } else { 1 };
-    let completed = scene.map(|scene| complete(&scene.file.name, scene.loaded.light, &args.view)).transpose()?;
-    let view = View { samples, ..View::try_from(completed.as_ref().unwrap_or(&args.view))? };
+    if let Some(scene) = scene {
+        refuse_beside(&scene.file.name, &args.view)?;
+    }
+    let look = scene.map_or_else(Look::default, |scene| scene.look.clone());
+    let mut view = View::new(&args.view, look)?;
+    args.samples.apply(&mut view.look)?;
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
     let frames = args.view.frames.or(scene.and_then(|s| s.file.frames())).filter(|_| sink.is_sequence());
     if args.turn_light && frames.is_none() {
@@ -152,7 +185,8 @@ pub fn run(args: &RenderArgs, line: &Line, output: &mut Output) -> Result<Exit, 
     let count = frames.unwrap_or(1) as usize;
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let stage = staged::stage(&subject.cast(&view)?, &view, Gpu::open)?;
-    let mut shoot = Shoot { scene: stage, view, count, fps, turn_light: args.turn_light };
+    let light = stage.params.light;
+    let mut shoot = Shoot { scene: stage, view, light, count, fps, turn_light: args.turn_light };
     let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
     if sink == Sink::Stdout {
@@ -181,8 +215,8 @@ fn report(
         "outputs": files,
         "adapter": info.name,
         "driver": format!("{} {}", info.driver, info.driver_info),
-        "width": shoot.view.size.0,
-        "height": shoot.view.size.1,
+        "width": shoot.view.size().0,
+        "height": shoot.view.size().1,
         "frames": pictures.len(),
         "fps": shoot.fps,
         "skipped": skipped,

@@ -56,7 +56,7 @@ impl<'a> ShellJudge<'a> {
             let picture = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
                 doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
-            let picture = truth::encode(&picture, view.background);
+            let picture = truth::encode(&picture, view.look.background());
             views.push((view, picture));
         }
         Ok(Self { source, views, gpu: gpu.clone(), meter: Meter::new(gpu) })
@@ -137,7 +137,7 @@ impl Source<'_> {
 
 /// Size and light of all views.
 fn base_view(recipe: &Recipe) -> View {
-    View { size: (recipe.judge.width, recipe.judge.height), ..View::default() }
+    View::sized((recipe.judge.width, recipe.judge.height))
 }
 
 /// The recipe's views; left empty, two that frame the model.

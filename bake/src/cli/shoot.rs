@@ -37,6 +37,8 @@ pub struct Shoot {
     pub scene: Stage,
     /// How it is looked at.
     pub view: View,
+    /// The key light as it stands.
+    pub light: Light,
     /// The light goes once around while the pictures last.
     pub turn_light: bool,
     /// Pictures.
@@ -48,12 +50,12 @@ pub struct Shoot {
 impl Shoot {
     /// Width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
-        self.view.size
+        self.view.size()
     }
 
     /// What is behind everything, sRGB-encoded; `None` for nothing.
     pub fn background(&self) -> Option<[u8; 3]> {
-        self.view.background
+        self.view.look.background()
     }
 
     /// Draws picture `index`, from 0.
@@ -66,7 +68,7 @@ impl Shoot {
         self.scene.set_time(self.view.time_s + index as f32 / self.fps as f32);
         if self.turn_light {
             let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
-            self.scene.params.light = turned(self.view.light, angle_rad);
+            self.scene.params.light = turned(self.light, angle_rad);
         }
         let (drawn, pixels) = picture(&mut self.scene)?;
         // A long sequence of a large crowd would fill memory and journal with what nobody is told.

@@ -2,15 +2,10 @@
 
 use super::exit::Failure;
 use super::view::View;
-use super::view_args::DetailArg;
-use glam::Vec3;
 use image::RgbaImage;
-use pelage_runtime::{Detail, Frame, FrameParams, FurParams, InstanceDetail, Style, StyleKind};
-use pelage_stage::{Cast, Gpu, NamedPackage, Picture, Shot, Stage, StageError, Viewpoint, rest_points};
+use pelage_runtime::{Frame, InstanceDetail};
+use pelage_stage::{Cast, Gpu, NamedPackage, Shot, Stage, StageError, rest_points};
 use serde_json::{Value, json};
-
-/// Any view: the cast has its own.
-const ANY_VIEW: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
 
 /// The model of a package, or a crowd of it, on the device that `open_gpu` gives.
 pub fn stage_of(
@@ -27,8 +22,7 @@ pub fn stage(
     view: &View,
     open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
 ) -> Result<Stage, StageError> {
-    let picture = Picture { size: view.size, samples: view.samples, background: view.background };
-    Stage::new(cast, &picture, frame_params(view), view.time_s, open_gpu)
+    Stage::new(cast, &view.look.picture(), view.look.frame_params(), view.time_s, open_gpu)
 }
 
 /// The canvas as a picture: sRGB-encoded, straight alpha.
@@ -62,36 +56,4 @@ pub fn detail(frame: &Frame) -> Vec<Value> {
         })
     };
     frame.report().instances.iter().map(of).collect()
-}
-
-/// What the runtime is told of `view`.
-pub fn frame_params(view: &View) -> FrameParams {
-    // The stage sets the camera.
-    let camera = pelage_stage::camera(&ANY_VIEW, 1.0);
-    let detail = match view.detail {
-        DetailArg::Full => Detail::Full,
-        DetailArg::Auto => Detail::Auto { bias: 1.0 },
-        DetailArg::Level(level) => Detail::Level(level),
-    };
-    let style = match view.style {
-        StyleKind::Bare => Style::Bare,
-        StyleKind::Ink => Style::Ink(view.ink.params().with(|ink| ink.fins = view.fins)),
-        _ => Style::Fur(FurParams::default().with(|fur| {
-            fur.layers = view.layers;
-            fur.detail = detail;
-            fur.fins = view.fins;
-            fur.self_shadow = view.terms.self_shadow;
-        })),
-    };
-    FrameParams::new(camera, [view.size.0, view.size.1]).with(|params| {
-        params.light = view.light;
-        params.style = style;
-        params.fill_lights.clone_from(&view.fill_lights);
-        params.soft_shadow = view.terms.soft_shadow;
-        params.shadows = view.shadows;
-        params.study = view.study;
-        params.study.ambient_attenuation = view.terms.ambient_attenuation;
-        params.study.back_attenuation = view.terms.back_attenuation;
-        view.ink.study(&mut params.study);
-    })
 }

@@ -7,8 +7,7 @@ use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, True
 use pelage_bake::strands::{GroomReport, Skin, grow_on, tile_hair};
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_runtime::{Light, StyleKind};
-use pelage_stage::{NamedPackage, Viewpoint, find_clip, framing, rest_points, within};
+use pelage_stage::{KeyLight, LookStyle, NamedPackage, Viewpoint, find_clip, framing, rest_points, within};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -28,15 +27,15 @@ impl Truth {
         let clip = find_clip(file, package, view.clip.as_deref())?;
         let motion = clip.map(|(clip, duration_s)| (clip, within(view.time_s, duration_s)));
         let mut skin = Skin::posed(&file.name, package, motion)?;
-        let hair = match view.style {
-            StyleKind::Bare => None,
+        let hair = match view.look.picture.style {
+            LookStyle::Bare => None,
             _ => tile_hair(&file.name, manifest)?,
         };
         let (curves, report) = match &hair {
             Some(hair) => grow_on(&skin, hair, f64::from(manifest.fur.tile_size_m))?,
             None => Default::default(),
         };
-        if view.style == StyleKind::Bare {
+        if view.look.picture.style == LookStyle::Bare {
             skin.materials.iter_mut().for_each(|material| material.furred = false);
         }
         let skeleton = package.animation().map_err(|error| file.fault(error))?;
@@ -49,8 +48,9 @@ impl Truth {
     }
 
     /// Eye, target and height of the view in degrees that frame the model from the direction `towards`, in a picture of the view's size.
+    #[cfg(feature = "preview")]
     pub fn framed(&self, view: &View, towards: Vec3) -> Viewpoint {
-        framing::frame(&self.rest_points, self.height_m, view.aspect(), towards)
+        framing::frame(&self.rest_points, self.height_m, view.look.aspect(), towards)
     }
 
     /// The camera that `render` has for that view.
@@ -61,16 +61,21 @@ impl Truth {
     /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
     /// for. `progress` gets the pixels that are done and all of them.
     pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
+        let look = &view.look;
+        let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
         let lighting = TrueLighting {
-            key: light(view.light),
-            penumbra: f64::from(view.shadows.penumbra),
-            fill: view.fill_lights.iter().map(|l| light(*l)).collect(),
-            ambient_attenuation: view.terms.ambient_attenuation,
-            back_attenuation: view.terms.back_attenuation,
-            hair_shadows: view.terms.self_shadow,
-            skin_shadows: view.terms.soft_shadow,
+            key: match look.key_light() {
+                KeyLight::Distant(towards) => distant(towards, Vec3::ONE),
+                KeyLight::Nearby(position_ws) => TrueLight::Point { position_ws, color: Vec3::ONE },
+            },
+            penumbra: f64::from(look.shadow.penumbra),
+            fill: look.fill_lights().map(|(towards, strength)| distant(towards, Vec3::splat(strength))).collect(),
+            ambient_attenuation: look.fur.ambient_attenuation,
+            back_attenuation: look.fur.back_attenuation,
+            hair_shadows: look.shadow.self_shadow,
+            skin_shadows: look.shadow.soft_shadow,
         };
-        self.scene.picture(&self.camera(view), &lighting, view.size, spp, progress)
+        self.scene.picture(&self.camera(view), &lighting, view.size(), spp, progress)
     }
 }
 
@@ -81,15 +86,6 @@ pub fn true_camera(Viewpoint { eye, target, fov_deg }: Viewpoint) -> TrueCamera 
         target_ws: target,
         up_ws: up_of_view(eye, target),
         lens: Lens::Perspective { fov_y_rad: fov_deg.to_radians() },
-    }
-}
-
-fn light(light: Light) -> TrueLight {
-    match light {
-        Light::Directional { towards_light, color } => {
-            TrueLight::Directional { towards_light_ws: towards_light, color }
-        }
-        Light::Point { position, color } => TrueLight::Point { position_ws: position, color },
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! [`params!`] declares a table of knobs: a struct whose fields each have a meaning, a default and a range. [`tables!`] puts such
 //! tables together to what a file says: a recipe, a look. From these declarations follow the struct and its defaults, reading TOML with
-//! errors that name line and key ([`read`], [`read_nested`]), setting one value by `key=value` ([`set`], [`set_word`]), writing
+//! errors that name line and key ([`read`], [`read_table`]), setting one value by `key=value` ([`set`], [`set_word`]), writing
 //! ([`to_toml`], [`to_documented_toml`]), checking ([`validate`]), what a slider needs ([`Knob::control`]) and a reference page
 //! ([`reference_page`]); so none of these can disagree with another. A key that does not exist is an error that names the nearest one
 //! that does: a mistyped key must never pass for a setting that has no effect.
@@ -65,7 +65,7 @@ pub use list::Item;
 pub use nearest::nearest;
 pub use page::{reference_page, wrap};
 pub use raw::Raw;
-pub use text::{read, read_nested, set, set_word, to_documented_toml, to_toml};
+pub use text::{read, read_table, set, set_word, to_documented_toml, to_toml};
 
 #[cfg(test)]
 mod tests;

@@ -44,6 +44,21 @@ impl Raw {
         }
     }
 
+    /// From a value that was read before.
+    pub fn from_value(value: &toml::Value) -> Self {
+        match value {
+            toml::Value::String(s) => Self::String(s.clone()),
+            toml::Value::Integer(i) => Self::Integer((*i).into()),
+            toml::Value::Float(f) => Self::Float(*f),
+            toml::Value::Boolean(b) => Self::Bool(*b),
+            toml::Value::Datetime(_) => Self::Other("a date"),
+            toml::Value::Array(items) => Self::Array(items.iter().map(Self::from_value).collect()),
+            toml::Value::Table(table) => {
+                Self::Table(table.iter().map(|(key, value)| (key.clone(), Self::from_value(value))).collect())
+            }
+        }
+    }
+
     /// From a word of a command line: what is no TOML value on its own (`curly`, `#aabbcc`, `Eye*`) is the string it looks like.
     pub fn from_word(word: &str) -> Self {
         match DeValue::parse(word) {

@@ -37,43 +37,57 @@ impl<'a> Source<'a> {
 /// Line and key of broken TOML, an unknown table or key, a wrong type or a value outside its range. What stood before that is set.
 pub fn read<S: Tables>(set: &mut S, text: &str) -> Result<(), ParamError> {
     let source = Source::new(text);
-    fill(set, &source, "", source.parse()?.get_ref())
-}
-
-/// Reads the tables that stand in table `outer` of a TOML text: `[look.light]` for `outer` `look`. Nothing is set where it is not there.
-///
-/// # Errors
-/// As [`read`], with `outer` before the key, and where `outer` is no table.
-pub fn read_nested<S: Tables>(set: &mut S, text: &str, outer: &str) -> Result<(), ParamError> {
-    let source = Source::new(text);
-    let document = source.parse()?;
-    match document.get_ref().iter().find(|(name, _)| name.get_ref() == outer) {
-        None => Ok(()),
-        Some((name, value)) => match value.get_ref() {
-            DeValue::Table(table) => fill(set, &source, &format!("{outer}."), table),
-            other => Err(source.fail(name.span().start, outer, Raw::from_de(other).instead_of("a table"))),
-        },
-    }
-}
-
-fn fill<S: Tables>(set: &mut S, source: &Source<'_>, outer: &str, document: &DeTable<'_>) -> Result<(), ParamError> {
-    for (name, value) in document {
-        let (table, at) = (name.get_ref().as_ref(), name.span().start);
-        let place = format!("{outer}{table}");
-        let Some(values) = table_mut(set, table) else {
-            return Err(source.fail(at, &place, unknown_table::<S>(table)));
-        };
-        let DeValue::Table(entries) = value.get_ref() else {
-            return Err(source.fail(at, &place, Raw::from_de(value.get_ref()).instead_of("a table")));
-        };
-        for (key, value) in entries {
-            let name = format!("{table}.{}", key.get_ref());
-            let fail = |reason: String| source.fail(key.span().start, &format!("{outer}{name}"), reason);
-            let knob = knob_named::<S>(&name).ok_or_else(|| fail(unknown_key::<S>(&name)))?;
-            values.read(knob.key(), &Raw::from_de(value.get_ref())).map_err(fail)?;
+    for (name, value) in source.parse()?.get_ref() {
+        let fault = |at: usize, fault: ParamError| source.fail(at, &fault.key, fault.reason);
+        let at = name.span().start;
+        match value.get_ref() {
+            DeValue::Table(entries) if has_table::<S>(name.get_ref()) => {
+                for (key, value) in entries {
+                    read_key(set, name.get_ref(), key.get_ref(), &Raw::from_de(value.get_ref()))
+                        .map_err(|error| fault(key.span().start, error))?;
+                }
+            }
+            other => return Err(fault(at, no_table::<S>(name.get_ref(), &Raw::from_de(other)))),
         }
     }
     Ok(())
+}
+
+/// As [`read`], from a table that was read before, such as one that stands in another file.
+///
+/// # Errors
+/// As [`read`], without a line.
+pub fn read_table<S: Tables>(set: &mut S, document: &toml::Table) -> Result<(), ParamError> {
+    for (name, value) in document {
+        match value {
+            toml::Value::Table(entries) if has_table::<S>(name) => {
+                for (key, value) in entries {
+                    read_key(set, name, key, &Raw::from_value(value))?;
+                }
+            }
+            other => return Err(no_table::<S>(name, &Raw::from_value(other))),
+        }
+    }
+    Ok(())
+}
+
+fn has_table<S: Tables>(name: &str) -> bool {
+    S::TABLES.iter().any(|table| table.name == name)
+}
+
+/// What is wrong with something at the top of a file that is none of its tables.
+fn no_table<S: Tables>(name: &str, found: &Raw) -> ParamError {
+    let reason = if has_table::<S>(name) { found.instead_of("a table") } else { unknown_table::<S>(name) };
+    ParamError { line: None, key: name.to_owned(), reason }
+}
+
+fn read_key<S: Tables>(set: &mut S, table: &str, key: &str, raw: &Raw) -> Result<(), ParamError> {
+    let name = format!("{table}.{key}");
+    let fail = |reason: String| ParamError { line: None, key: name.clone(), reason };
+    match (knob_named::<S>(&name), table_mut(set, table)) {
+        (Some(knob), Some(values)) => values.read(knob.key(), raw).map_err(fail),
+        _ => Err(fail(unknown_key::<S>(&name))),
+    }
 }
 
 fn table_mut<'a, S: Tables>(set: &'a mut S, name: &str) -> Option<&'a mut dyn Table> {
@@ -100,8 +114,7 @@ pub fn set<S: Tables>(set: &mut S, assignment: &str) -> Result<(), ParamError> {
 pub fn set_word<S: Tables>(set: &mut S, name: &str, word: &str) -> Result<(), ParamError> {
     let fail = |reason: String| ParamError { line: None, key: name.to_owned(), reason };
     let knob = knob_named::<S>(name).ok_or_else(|| fail(unknown_key::<S>(name)))?;
-    let Some(table) = table_mut(set, knob.table()) else { return Err(fail(unknown_key::<S>(name))) };
-    table.read(knob.key(), &(knob.raw_of_word)(word)).map_err(fail)
+    read_key(set, knob.table(), knob.key(), &(knob.raw_of_word)(word)).map_err(|error| fail(error.reason))
 }
 
 /// The set as TOML with every key that has a value, in the order of declaration. Reading it gives an equal set.

@@ -14,6 +14,7 @@ mod error;
 pub mod framing;
 #[cfg(feature = "draw")]
 mod gpu;
+mod look;
 #[cfg(feature = "draw")]
 mod meter;
 mod package;
@@ -29,12 +30,19 @@ pub use cast::{Actor, Cast, Place, Playing, find_clip, rest_points, within};
 pub use error::StageError;
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;
+pub use look::{
+    Background, FillLight, Interval, KeyLight, Look, LookAnchoring, LookDetail, LookFur, LookInk, LookLight,
+    LookLighting, LookPenumbra, LookPicture, LookRule, LookShadow, LookShow, LookSlant, LookSphereMap, LookStyle,
+    LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size,
+};
 #[cfg(feature = "draw")]
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};
 pub use package::NamedPackage;
+/// What is wrong with a look.
+pub use pelage_params::ParamError;
 pub use scene_file::{
     CameraKey, FieldOfView, LoadedScene, Number, PackageSource, PlaceKey, Point, Scale, Scene, SceneCamera, SceneFile,
-    SceneLight, SceneModel, SceneSequence, Whole,
+    SceneLight, SceneLook, SceneModel, SceneSequence, Whole,
 };
 #[cfg(feature = "draw")]
 pub use stage::{Picture, Stage, camera};

@@ -16,8 +16,8 @@ use pelage_bake::judge::compare_motion::{Flicker, Moment, flicker};
 use pelage_bake::judge::truth::{LineParams, TrueLines};
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::Skin;
-use pelage_runtime::{InkParams, InkShow, Style, StyleKind};
-use pelage_stage::{Gpu, Meter, NamedPackage, Stage, Viewpoint, fastest, framing, rest_points};
+use pelage_runtime::{InkParams, InkShow, Style};
+use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, Viewpoint, fastest, framing, rest_points};
 
 /// Frames of the slow turn whose flicker is taken, and the degrees between them.
 const TURN: (u32, f32) = (4, 1.0);
@@ -102,8 +102,9 @@ impl Shared {
         let (size, (width, height)) = (*size, *size);
         let camera = |towards| framing::frame(&self.rest_points, 0.0, width as f32 / height as f32, towards);
         let cameras = [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera);
-        if self.scene.as_ref().is_none_or(|(view, _)| view.size != size) {
-            let view = View { size, style: StyleKind::Ink, camera: Some(cameras[0]), ..View::default() };
+        if self.scene.as_ref().is_none_or(|(view, _)| view.size() != size) {
+            let view = View { camera: Some(cameras[0]), ..View::sized(size) };
+            let view = view.with(|look| look.picture.style = LookStyle::Ink);
             self.scene = Some((view.clone(), stage_of(&self.file, &view, || Ok(gpu.clone()))?));
         }
         let Some((_, scene)) = &mut self.scene else {

@@ -21,7 +21,7 @@ impl LightBench {
     /// Loads the package of that name.
     pub fn new(name: &str, package: &[u8], gpu: &Gpu) -> Result<Self, Failure> {
         let file = NamedPackage { name: name.into(), bytes: package.into() };
-        let scene = stage_of(&file, &View { size: (16, 16), ..View::default() }, || Ok(gpu.clone()))?;
+        let scene = stage_of(&file, &View::sized((16, 16)), || Ok(gpu.clone()))?;
         let meter = Meter::new(&scene.gpu);
         Ok(Self { scene, meter })
     }

@@ -5,13 +5,13 @@ use super::machine::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::staged::stage_of;
-use crate::cli::view::{Terms, View};
+use crate::cli::view::View;
 use pelage_bake::judge::chart::{Cell, lighting};
 use pelage_bake::mesh::RestPose;
 use pelage_bake::pipeline;
 use pelage_bake::stages::groom::{self, Lengths};
-use pelage_runtime::{Lighting, PassId, Study};
-use pelage_stage::{Gpu, Meter, NamedPackage, Spread};
+use pelage_runtime::{Lighting, PassId};
+use pelage_stage::{Gpu, LookLighting, Meter, NamedPackage, Spread};
 
 /// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and those before them in which pipelines and caches settle.
 const FRAMES: usize = 9;
@@ -61,9 +61,14 @@ impl Topic for LightingTopic<'_> {
         let baked = pipeline::bake(file, name, model, &configuration.recipe, images, &mut |_| ())?;
         let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
         // Shadows cost the same whatever direction the light is computed with.
-        let terms = Terms { self_shadow: false, soft_shadow: false, ..View::default().terms };
-        let study = Study::default().with(|study| study.lighting = configuration.lighting);
-        let view = View { study, terms, ..View::default() };
+        let view = View::default().with(|look| {
+            look.shadow.self_shadow = false;
+            look.shadow.soft_shadow = false;
+            look.fur.lighting = match configuration.lighting {
+                Lighting::Pixel => LookLighting::Pixel,
+                Lighting::Vertex => LookLighting::Vertex,
+            };
+        });
         let mut scene = stage_of(&file, &view, || Ok(self.gpu.clone()))?;
         doing("directions");
         let measured = lighting::measure(configuration, self.lengths)?;

@@ -4,7 +4,8 @@
 //!
 //! | key | default | meaning |
 //! |---|---|---|
-//! | `[view]` | | options of `pelage render` about the picture, with `_` for `-`: `size = "834x424"`, `style = "ink"`, `ink_mist = "5,60"`, `self_shadow = "off"` |
+//! | `[look]` or `look` | the default look | how the picture looks: tables of a [`crate::Look`] such as `[look.shadow]`, or the path of a look file from the scene file's folder |
+//! | `[view]` | | the same in words of the command line, with `_` for `-`: `size = "834x424"`, `style = "ink"`, `ink_mist = "5,60"`; `look` goes before it |
 //! | `camera.eye`, `.target`, `.fov_deg` | frames all models as they stand at time 0; 30 | from where, to where, and the height of the view |
 //! | `camera.path` | | instead of them: a list of `{ time_s, eye, target, fov_deg }`, see [`crate::Track`] |
 //! | `light.direction` or `.position` | the default light | towards a distant light, or the place of a near one |
@@ -21,6 +22,7 @@
 //!
 //! [`SceneFile::parse`] reads one, [`SceneFile::load`] its packages; between them its words can be changed.
 
+mod look;
 mod text;
 
 use crate::cast::{Actor, Cast, Place, Playing, clip_named, rest_points};
@@ -32,8 +34,8 @@ use pelage_formats::Animation;
 use std::path::{Path, PathBuf};
 use text::Source;
 pub use text::{
-    CameraKey, FieldOfView, Number, PlaceKey, Point, Scale, Scene, SceneCamera, SceneLight, SceneModel, SceneSequence,
-    Whole,
+    CameraKey, FieldOfView, Number, PlaceKey, Point, Scale, Scene, SceneCamera, SceneLight, SceneLook, SceneModel,
+    SceneSequence, Whole,
 };
 
 /// A scene file: what it says, and where in it each thing stands, for messages.
@@ -79,8 +81,6 @@ pub struct LoadedScene {
     pub names: Vec<String>,
     /// From where it is seen; `None` frames all models.
     pub camera: Option<Shot>,
-    /// The key light; `None` is the default one.
-    pub light: Option<SceneLight>,
 }
 
 impl SceneFile {
@@ -151,7 +151,7 @@ impl SceneFile {
             let clip = playing(&source, i, model, &packages[package].name, &animations[package])?;
             actors.push(Actor { package, place, clip });
         }
-        Ok(LoadedScene { packages, actors, names, camera, light: scene.light })
+        Ok(LoadedScene { packages, actors, names, camera })
     }
 }
 

@@ -1,5 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 use super::*;
+use crate::Look;
 
 /// Reads a scene file of that text; it names packages that are not there.
 fn read(text: &str) -> Result<LoadedScene, StageError> {
@@ -124,4 +125,61 @@ fn a_scene_is_changed_between_reading_and_loading() {
     assert_eq!((cast.packages.len(), cast.actors.len()), (1, 2));
     file.scene.models.clear();
     assert!(file.load(&source).unwrap_err().to_string().contains("found none"));
+}
+
+fn look(text: &str) -> Result<Look, StageError> {
+    SceneFile::parse("a.toml", scene(text, "").into()).unwrap().look(|path| match path {
+        "shared.toml" => Ok("[light]\nposition_m = [1, 2, 3]\n[picture]\nsize = \"10x20\"\n".to_owned()),
+        "faulty.toml" => Ok("\n[ink]\ntone = 3\n".to_owned()),
+        _ => Err("cannot read".to_owned()),
+    })
+}
+
+fn after(words: &[&str]) -> Look {
+    let mut look = Look::default();
+    words.iter().for_each(|word| look.set(word).unwrap());
+    look
+}
+
+#[test]
+fn a_scene_has_a_look() {
+    assert_eq!(look("").unwrap(), Look::default());
+    let view = "[view]\nsize = \"64x32\"\nself_shadow = false\npenumbra = \"0.5\"\nsamples = 4\nfill_light = [\"0,1,0\", \"1,0,0/0.5\"]\n";
+    let words = [
+        "picture.size=64x32",
+        "shadow.self_shadow=off",
+        "shadow.penumbra=0.5",
+        "picture.samples=4",
+        "light.fill=[\"0,1,0\", \"1,0,0/0.5\"]",
+    ];
+    assert_eq!(look(view).unwrap(), after(&words));
+    let tables = look(&format!("{view}[look.shadow]\npenumbra = 1\n[look.picture]\nstyle = \"ink\"\n")).unwrap();
+    assert_eq!(tables, after(&[words.as_slice(), &["shadow.penumbra=1", "picture.style=ink"]].concat()));
+    let shared = look("look = \"shared.toml\"\n").unwrap();
+    assert_eq!(shared, after(&["light.position_m=1,2,3", "picture.size=10x20"]));
+    let lit = look("look = \"shared.toml\"\n[light]\ndirection = [0, 1, 0]\n").unwrap();
+    assert_eq!(lit, after(&["light.direction=0,1,0", "picture.size=10x20"]));
+    let lamp = look("[light]\nposition = [4, 5, 6]\n").unwrap();
+    assert_eq!(lamp, after(&["light.position_m=4,5,6"]));
+}
+
+#[test]
+fn what_is_wrong_with_a_look_is_said_with_line_and_key() {
+    for (text, words) in [
+        ("[view]\nsize = \"9x\"", &["a.toml: line 2, view.size", "\"9x\"", "WIDTHxHEIGHT"][..]),
+        ("[view]\nstyle = \"fluffy\"", &["line 2, view.style", "\"fluffy\"", "\"fur\", \"ink\", \"bare\""]),
+        ("[view]\nink_widht = 3", &["line 2, view.ink_widht", "did you mean ink_width?"]),
+        ("[view]\nself_shadow = [[1]]", &["line 2, view.self_shadow", "found array", "a word or a number"]),
+        ("[view]\nrestart = true", &["line 2, view.restart", "unknown key"]),
+        ("[view]\nframes = 3", &["line 2, view.frames", "expected it in [sequence]"]),
+        ("[look.ink]\ntone = 3", &["a.toml: line 2, look.ink.tone: found 3, expected a number 0..=1"]),
+        ("[look.ink]\ntoen = 3", &["line 2, look.ink.toen: unknown key; did you mean ink.tone?"]),
+        ("look = \"faulty.toml\"", &["faulty.toml: line 3, ink.tone: found 3"]),
+        ("look = \"none.toml\"", &["a.toml: line 1, look: cannot read"]),
+    ] {
+        let message = look(text).unwrap_err().to_string();
+        for word in words {
+            assert!(message.contains(word), "no {word:?} in {message:?} of\n{text}");
+        }
+    }
 }

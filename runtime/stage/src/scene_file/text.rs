@@ -14,6 +14,8 @@ const FARTHEST: f64 = 1e6;
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// How the picture looks.
+    pub look: Option<SceneLook>,
+    /// How the picture looks in words of the command line, with `_` for `-`: `self_shadow = "off"`. What `look` says goes before it.
     #[serde(default)]
     pub view: toml::Table,
     /// From where it is seen; left out, all models are framed.
@@ -25,6 +27,16 @@ pub struct Scene {
     /// What stands in it; at least one.
     #[serde(default, rename = "model")]
     pub models: Vec<SceneModel>,
+}
+
+/// `[look]`, or the file that it stands in.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum SceneLook {
+    /// Path of a look file from the scene file's folder.
+    File(String),
+    /// Tables of a [`crate::Look`].
+    Tables(toml::Table),
 }
 
 /// `[camera]`: eye and target, or a path of them.

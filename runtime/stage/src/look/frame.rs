@@ -1,0 +1,162 @@
+//! What a look comes to for the runtime.
+
+use super::kinds::{
+    Background, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookShow, LookSlant, LookSphereMap,
+    LookStyle, LookWidth,
+};
+use super::tables::{KeyLight, Look};
+use crate::{Picture, Viewpoint, camera};
+use glam::Vec3;
+use pelage_formats::meaning::srgb_to_linear;
+use pelage_runtime::{
+    Anchoring, Detail, FeatureRule, FrameParams, FurParams, InkBackground, InkParams, InkShow, Light, Lighting,
+    LineWidth, PenumbraForm, ShadowParams, SlantForm, SphereMapForm, Study, Style, StyleKind,
+};
+
+/// Any view: a stage sets its own.
+const ANY_VIEW: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
+
+impl Look {
+    /// What is drawn on.
+    pub fn picture(&self) -> Picture {
+        let size = self.picture.size;
+        Picture { size: (size.width, size.height), samples: self.picture.samples.0, background: self.background() }
+    }
+
+    /// The style in the runtime's words.
+    pub fn style(&self) -> StyleKind {
+        match self.picture.style {
+            LookStyle::Fur => StyleKind::Fur,
+            LookStyle::Ink => StyleKind::Ink,
+            LookStyle::Bare => StyleKind::Bare,
+        }
+    }
+
+    /// What a frame is told of the look; its camera is any, until a [`crate::Stage`] or the application sets it.
+    pub fn frame_params(&self) -> FrameParams {
+        let size = self.picture.size;
+        let style = match self.picture.style {
+            LookStyle::Bare => Style::Bare,
+            LookStyle::Ink => Style::Ink(self.ink_params()),
+            LookStyle::Fur => Style::Fur(self.fur_params()),
+        };
+        FrameParams::new(camera(&ANY_VIEW, 1.0), [size.width, size.height]).with(|params| {
+            params.light = match self.key_light() {
+                KeyLight::Distant(towards) => distant(towards, 1.0),
+                KeyLight::Nearby(position) => Light::Point { position, color: Vec3::ONE },
+            };
+            params.style = style;
+            params.fill_lights = self.fill_lights().map(|(towards, strength)| distant(towards, strength)).collect();
+            params.soft_shadow = self.shadow.soft_shadow;
+            params.shadows = self.shadow_params();
+            params.study = self.study();
+        })
+    }
+
+    /// How fur is drawn.
+    pub fn fur_params(&self) -> FurParams {
+        FurParams::default().with(|fur| {
+            fur.layers = self.fur.layers;
+            fur.detail = match self.fur.detail {
+                LookDetail::Full => Detail::Full,
+                LookDetail::Auto => Detail::Auto { bias: 1.0 },
+                LookDetail::Level(level) => Detail::Level(level),
+            };
+            fur.fins = self.fur.fins;
+            fur.self_shadow = self.shadow.self_shadow;
+        })
+    }
+
+    /// How the key light's shadows are made.
+    pub fn shadow_params(&self) -> ShadowParams {
+        ShadowParams::default().with(|shadows| {
+            shadows.map_size = self.shadow.map_texels;
+            shadows.map_layers = self.shadow.map_layers;
+            shadows.density = self.shadow.density;
+            shadows.penumbra = self.shadow.penumbra;
+            shadows.shrink = self.shadow.shrink;
+        })
+    }
+
+    /// How the style `ink` is drawn.
+    pub fn ink_params(&self) -> InkParams {
+        let linear = |rgb: [u8; 3]| Vec3::from(rgb.map(srgb_to_linear));
+        let look = &self.ink;
+        InkParams::default().with(|ink| {
+            ink.threshold = look.threshold;
+            ink.weak_difference = look.weak_difference;
+            ink.width = match look.width {
+                LookWidth::Auto => LineWidth::Auto,
+                LookWidth::Pixels(px) => LineWidth::Pixels(px),
+                LookWidth::Metres(metres) => LineWidth::Metres(metres),
+            };
+            ink.fins = self.fur.fins;
+            ink.depth_step = look.depth_step;
+            ink.tone = look.tone;
+            ink.weak_lightness = look.weak_lightness;
+            ink.swell = look.swell;
+            ink.pressure = look.pressure;
+            ink.dryness = look.dryness;
+            ink.roughness_px = look.roughness_px;
+            ink.ink = look.color.map_or(ink.ink, |rgb| linear(rgb.0));
+            ink.paper = self.background().map_or(ink.paper, linear);
+            ink.paper_grain = look.paper_grain;
+            ink.mist_m = look.mist_m.map(|mist| mist.0);
+            ink.background = match self.picture.background {
+                Some(Background::Transparent) => InkBackground::Picture,
+                Some(Background::Color(_)) | None => InkBackground::Paper,
+            };
+        })
+    }
+
+    /// Which printed forms are studied.
+    pub fn study(&self) -> Study {
+        Study::default().with(|study| {
+            study.look_slant = slant(self.fur.view_slant);
+            study.light_slant = slant(self.shadow.slant);
+            study.penumbra = match self.shadow.penumbra_form {
+                LookPenumbra::Centred => PenumbraForm::Centred,
+                LookPenumbra::Inner => PenumbraForm::Inner,
+            };
+            study.lighting = match self.fur.lighting {
+                LookLighting::Pixel => Lighting::Pixel,
+                LookLighting::Vertex => Lighting::Vertex,
+            };
+            study.ambient_attenuation = self.fur.ambient_attenuation;
+            study.back_attenuation = self.fur.back_attenuation;
+            study.features = match self.ink.rule {
+                LookRule::Any => FeatureRule::AnyBelow,
+                LookRule::All => FeatureRule::AllBelow,
+            };
+            study.sphere_map = match self.ink.sphere_map {
+                LookSphereMap::Perpendicular => SphereMapForm::Perpendicular,
+                LookSphereMap::Reflection => SphereMapForm::Reflection,
+                LookSphereMap::Printed => SphereMapForm::Printed,
+            };
+            study.template = self.ink.template;
+            study.printed_lines = self.ink.printed_lines;
+            study.anchoring = match self.ink.anchoring {
+                LookAnchoring::Surface => Anchoring::Surface,
+                LookAnchoring::Screen => Anchoring::Screen,
+            };
+            study.show = match self.ink.show {
+                LookShow::Painting => InkShow::Painting,
+                LookShow::Lines => InkShow::Lines,
+                LookShow::Features => InkShow::Features,
+                LookShow::Wash => InkShow::Wash,
+            };
+        })
+    }
+}
+
+fn slant(slant: LookSlant) -> SlantForm {
+    match slant {
+        LookSlant::Corrected => SlantForm::Corrected,
+        LookSlant::Printed => SlantForm::Printed,
+    }
+}
+
+/// A white light from far away.
+fn distant(towards_light: Vec3, strength: f32) -> Light {
+    Light::Directional { towards_light, color: Vec3::splat(strength) }
+}

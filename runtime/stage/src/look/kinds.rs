@@ -1,0 +1,434 @@
+//! Types of the look's knobs: words, and values that have a short form as text.
+
+use glam::Vec3;
+use pelage_params::{Control, Field, Item, Range, Raw, words};
+use serde::{Deserialize, Serialize};
+
+words! {
+    /// How models are drawn.
+    LookStyle {
+        /// With their fur.
+        #[default]
+        Fur = "fur",
+        /// As an ink-wash painting.
+        Ink = "ink",
+        /// The skin alone.
+        Bare = "bare",
+    }
+}
+
+words! {
+    /// Where a soft shadow's edge lies.
+    LookPenumbra {
+        /// On both sides of the hard edge.
+        #[default]
+        Centred = "centred",
+        /// Inside the hard edge.
+        Inner = "inner",
+    }
+}
+
+words! {
+    /// What the slant of a ray does to the opacity of a layer.
+    LookSlant {
+        /// The way through a layer grows with the slant.
+        #[default]
+        Corrected = "corrected",
+        /// A layer takes the same at every angle, as printed in Yang 2006.
+        Printed = "printed",
+    }
+}
+
+words! {
+    /// Where hair is lit.
+    LookLighting {
+        /// At every pixel, with the direction texture.
+        #[default]
+        Pixel = "pixel",
+        /// At the vertices.
+        Vertex = "vertex",
+    }
+}
+
+words! {
+    /// Which neighbours of a pixel must differ for a line of ink.
+    LookRule {
+        /// Any of the four.
+        #[default]
+        Any = "any",
+        /// All four, as printed in Fang 2006.
+        All = "all",
+    }
+}
+
+words! {
+    /// How the sphere map is looked up.
+    LookSphereMap {
+        /// In the frame perpendicular to the view.
+        #[default]
+        Perpendicular = "perpendicular",
+        /// By reflection of the eye.
+        Reflection = "reflection",
+        /// As printed in Fang 2006: one place for all normals.
+        Printed = "printed",
+    }
+}
+
+words! {
+    /// What varies is tied to the surface or to the picture.
+    LookAnchoring {
+        /// Strokes and wash move with the surface.
+        #[default]
+        Surface = "surface",
+        /// They stay where they are in the picture.
+        Screen = "screen",
+    }
+}
+
+words! {
+    /// What of an ink painting is shown.
+    LookShow {
+        /// All of it.
+        #[default]
+        Painting = "painting",
+        /// Its lines, black on white.
+        Lines = "lines",
+        /// The pixels that lines run through, black on white.
+        Features = "features",
+        /// The wash.
+        Wash = "wash",
+    }
+}
+
+/// Gives a type whose values are text, or nearly so, its place among knobs: `expected` in words, `read` from TOML, `write` to it.
+macro_rules! text_field {
+    ($ty:ty, expected $expected:expr, control $control:expr, read $read:expr, write $write:expr) => {
+        impl Field for $ty {
+            type Range = ();
+
+            fn expected((): &()) -> String {
+                $expected.into()
+            }
+
+            fn control((): &()) -> Control {
+                $control
+            }
+
+            fn from_raw(raw: &Raw) -> Option<Self> {
+                let read: fn(&Raw) -> Option<Self> = $read;
+                read(raw)
+            }
+
+            fn in_range(&self, (): &()) -> bool {
+                // A value that the text could not say is none.
+                self.to_toml().is_some_and(|text| Self::from_raw(&Raw::from_word(&text)).is_some())
+            }
+
+            fn to_toml(&self) -> Option<String> {
+                let write: fn(&Self) -> String = $write;
+                Some(write(self))
+            }
+        }
+    };
+}
+
+fn string(raw: &Raw) -> Option<&str> {
+    match raw {
+        Raw::String(text) => Some(text),
+        _ => None,
+    }
+}
+
+/// Largest width and height; every adapter of WebGPU's default limits can draw it.
+const MAX_SIZE: u32 = 8192;
+
+/// Width and height of a picture, pixels, 1..=8192 each. As text `834x424`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Size {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+text_field!(
+    Size,
+    expected format!("WIDTHxHEIGHT in pixels, such as \"834x424\", each 1..={MAX_SIZE}"),
+    control Control::Text,
+    read |raw| {
+        let (width, height) = string(raw)?.split_once(['x', 'X'])?;
+        let size = Size { width: width.trim().parse().ok()?, height: height.trim().parse().ok()? };
+        [size.width, size.height].iter().all(|side| (1..=MAX_SIZE).contains(side)).then_some(size)
+    },
+    write |size| format!("\"{}x{}\"", size.width, size.height)
+);
+
+impl std::str::FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::read(&Raw::String(text.to_owned()), &())
+    }
+}
+
+/// Samples per pixel: 1 or 4.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Samples(pub u32);
+
+text_field!(
+    Samples,
+    expected "1 or 4",
+    control Control::PowerOfTwo { least: 1, most: 4 },
+    read |raw| match raw {
+        Raw::Integer(1) => Some(Samples(1)),
+        Raw::Integer(4) => Some(Samples(4)),
+        _ => None,
+    },
+    write |samples| samples.0.to_string()
+);
+
+/// A colour in sRGB, a byte a channel. As text `10,20,255` or `#0a14ff`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Rgb(pub [u8; 3]);
+
+impl Rgb {
+    fn of_text(text: &str) -> Option<Self> {
+        if let Some(digits) = text.strip_prefix('#') {
+            let six = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+            let [_, r, g, b] = u32::from_str_radix(digits, 16).ok().filter(|_| six)?.to_be_bytes();
+            return Some(Self([r, g, b]));
+        }
+        let numbers: Option<Vec<u8>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+        numbers.and_then(|n| <[u8; 3]>::try_from(n).ok()).map(Self)
+    }
+
+    fn text(self) -> String {
+        let [r, g, b] = self.0;
+        format!("#{r:02x}{g:02x}{b:02x}")
+    }
+}
+
+text_field!(
+    Rgb,
+    expected "\"#rrggbb\" or \"red,green,blue\" with numbers 0..=255",
+    control Control::Color,
+    read |raw| Rgb::of_text(string(raw)?),
+    write |rgb| format!("{:?}", rgb.text())
+);
+
+/// What is behind everything. As text `transparent` or a colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Background {
+    /// Opacity 0.
+    Transparent,
+    /// sRGB; in ink that of the paper.
+    Color(Rgb),
+}
+
+impl Background {
+    /// sRGB-encoded; `None` for transparent.
+    pub fn color(self) -> Option<[u8; 3]> {
+        match self {
+            Self::Transparent => None,
+            Self::Color(rgb) => Some(rgb.0),
+        }
+    }
+}
+
+text_field!(
+    Background,
+    expected "\"transparent\", \"#rrggbb\" or \"red,green,blue\" with numbers 0..=255",
+    control Control::Text,
+    read |raw| match string(raw)? {
+        "transparent" => Some(Background::Transparent),
+        text => Rgb::of_text(text).map(Background::Color),
+    },
+    write |background| match background {
+        Background::Transparent => "\"transparent\"".into(),
+        Background::Color(rgb) => format!("{:?}", rgb.text()),
+    }
+);
+
+/// How much of the fur is drawn where it is small. As text `full`, `auto` or a level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum LookDetail {
+    /// All of it, whatever its size.
+    Full,
+    /// By its size on screen.
+    Auto,
+    /// A level, 0..=32, and how far it has faded to the next.
+    Level(f32),
+}
+
+text_field!(
+    LookDetail,
+    expected "\"full\", \"auto\" or a level 0..=32",
+    control Control::Text,
+    read |raw| match raw {
+        Raw::String(word) if word == "full" => Some(LookDetail::Full),
+        Raw::String(word) if word == "auto" => Some(LookDetail::Auto),
+        _ => raw.number().map(|x| x as f32).filter(|x| (0.0..=32.0).contains(x)).map(LookDetail::Level),
+    },
+    write |detail| match detail {
+        LookDetail::Full => "\"full\"".into(),
+        LookDetail::Auto => "\"auto\"".into(),
+        LookDetail::Level(level) => format!("{level:?}"),
+    }
+);
+
+/// Width of the widest line of ink. As text `auto`, `7px` or `0.01m`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum LookWidth {
+    /// Nine pixels in a picture of 424 rows, in proportion in others.
+    Auto,
+    /// Pixels, above 0 and at most 32.
+    Pixels(f32),
+    /// Metres, above 0: thinner with distance.
+    Metres(f32),
+}
+
+text_field!(
+    LookWidth,
+    expected "\"auto\", pixels such as \"7px\", at most 32, or metres such as \"0.01m\"",
+    control Control::Text,
+    read |raw| {
+        let text = string(raw)?;
+        let positive = |n: &str| n.trim().parse().ok().filter(|n: &f32| *n > 0.0 && n.is_finite());
+        match (text, text.strip_suffix("px"), text.strip_suffix('m')) {
+            ("auto", ..) => Some(LookWidth::Auto),
+            (_, Some(px), _) => positive(px).filter(|px| *px <= 32.0).map(LookWidth::Pixels),
+            (_, None, Some(metres)) => positive(metres).map(LookWidth::Metres),
+            _ => None,
+        }
+    },
+    write |width| match width {
+        LookWidth::Auto => "\"auto\"".into(),
+        LookWidth::Pixels(px) => format!("\"{px}px\""),
+        LookWidth::Metres(metres) => format!("\"{metres}m\""),
+    }
+);
+
+/// Two distances, metres, the second greater. As text `10,60`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Interval(pub [f32; 2]);
+
+impl Interval {
+    fn rising(from: f32, to: f32) -> Option<Self> {
+        (from.is_finite() && to.is_finite() && from < to).then_some(Self([from, to]))
+    }
+}
+
+text_field!(
+    Interval,
+    expected "two distances in metres, the second greater, such as [10, 60]",
+    control Control::Text,
+    read |raw| match raw {
+        Raw::Array(items) => match items.as_slice() {
+            [from, to] => Interval::rising(from.number()? as f32, to.number()? as f32),
+            _ => None,
+        },
+        _ => {
+            let (from, to) = string(raw)?.split_once(',')?;
+            Interval::rising(from.trim().parse().ok()?, to.trim().parse().ok()?)
+        }
+    },
+    write |Interval([from, to])| format!("[{from:?}, {to:?}]")
+);
+
+/// A direction of any length but 0: the checking of a knob that is one.
+#[derive(Clone, Copy)]
+pub(super) struct Towards(pub [f32; 3]);
+
+impl Field for Towards {
+    type Range = Range<f32>;
+
+    fn expected(range: &Self::Range) -> String {
+        format!("a direction with a length, such as [1, 2, 1], numbers {}..={}", range.start(), range.end())
+    }
+
+    fn control(range: &Self::Range) -> Control {
+        <[f32; 3]>::control(range)
+    }
+
+    fn from_raw(raw: &Raw) -> Option<Self> {
+        // A scene file's [view] and the short form of a fill light have it as text.
+        match raw {
+            Raw::String(text) => <[f32; 3]>::from_raw(&<[f32; 3]>::raw_of_word(text)),
+            raw => <[f32; 3]>::from_raw(raw),
+        }
+        .map(Self)
+    }
+
+    fn in_range(&self, range: &Self::Range) -> bool {
+        self.0.in_range(range) && Vec3::from(self.0).try_normalize().is_some()
+    }
+
+    fn to_toml(&self) -> Option<String> {
+        self.0.to_toml()
+    }
+
+    fn raw_of_word(word: &str) -> Raw {
+        <[f32; 3]>::raw_of_word(word)
+    }
+}
+
+/// A light without shadow, from far away. As text `x,y,z` or `x,y,z/strength`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FillLight {
+    /// Towards it, any length but 0.
+    pub direction: [f32; 3],
+    /// 1 is as strong as the key light; 0..=1000.
+    pub strength: f32,
+}
+
+const STRENGTH: Range<f32> = 0.0..=1000.0;
+/// Range of coordinates.
+pub(super) const PLACE: Range<f32> = -1e6..=1e6;
+
+impl FillLight {
+    fn of(direction: Option<&Raw>, strength: Option<&Raw>) -> Result<Self, String> {
+        let direction = direction.ok_or("direction is missing")?;
+        let direction = Towards::read(direction, &PLACE).map_err(|reason| format!("direction: {reason}"))?.0;
+        let strength = strength.map_or(Ok(1.0), |raw| f32::read(raw, &STRENGTH));
+        Ok(Self { direction, strength: strength.map_err(|reason| format!("strength: {reason}"))? })
+    }
+}
+
+impl Item for FillLight {
+    const ALONE: bool = true;
+
+    fn expected_list() -> String {
+        "a list of lights such as { direction = [1, 2, 1], strength = 0.5 } or \"1,2,1/0.5\"".into()
+    }
+
+    fn read(raw: &Raw) -> Result<Self, Option<String>> {
+        match raw {
+            Raw::String(text) => {
+                let (direction, strength) = text.split_once('/').map_or((text.as_str(), None), |(d, s)| (d, Some(s)));
+                let strength = strength.map(f32::raw_of_word);
+                Self::of(Some(&Towards::raw_of_word(direction)), strength.as_ref()).map_err(Some)
+            }
+            Raw::Table(table) => {
+                if let Some((key, _)) = table.iter().find(|(key, _)| key != "direction" && key != "strength") {
+                    return Err(Some(format!("unknown key {key:?}, expected direction and strength")));
+                }
+                let at = |key: &str| table.iter().find(|(name, _)| name == key).map(|(_, raw)| raw);
+                Self::of(at("direction"), at("strength")).map_err(Some)
+            }
+            _ => Err(None),
+        }
+    }
+
+    fn in_range(&self) -> bool {
+        Towards(self.direction).in_range(&PLACE) && self.strength.in_range(&STRENGTH)
+    }
+
+    fn to_toml(&self) -> String {
+        let [x, y, z] = self.direction;
+        format!("{{ direction = [{x:?}, {y:?}, {z:?}], strength = {:?} }}", self.strength)
+    }
+}

@@ -1,0 +1,30 @@
+//! The look of a picture: everything about it but who stands in it, where the camera is and what time it is.
+//!
+//! Each knob is declared here once, with its meaning, default and range. Look files (`look.toml`), `--look key=value`, the flags of
+//! the command line ([`SHORT_FORMS`]), scene files, sliders and the reference page follow from the declarations.
+//!
+//! ```
+//! use pelage_stage::{Look, LookStyle};
+//! let mut look = Look::default();
+//! look.read("[picture]\nstyle = \"ink\"\n[ink]\nwidth = \"0.05m\"\n")?;
+//! look.set("shadow.penumbra=0.3")?;
+//! assert_eq!((look.picture.style, look.shadow.penumbra), (LookStyle::Ink, 0.3));
+//! # Ok::<(), pelage_stage::ParamError>(())
+//! ```
+
+#[cfg(feature = "draw")]
+mod frame;
+mod kinds;
+mod page;
+mod short;
+mod tables;
+
+pub use kinds::{
+    Background, FillLight, Interval, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookShow,
+    LookSlant, LookSphereMap, LookStyle, LookWidth, Rgb, Samples, Size,
+};
+pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
+pub use tables::{KeyLight, Look, LookFur, LookInk, LookLight, LookPicture, LookShadow};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,90 @@
+//! Short forms of the look's knobs: flags of the command line, which the table `[view]` of scene files has as well.
+
+use super::tables::Look;
+use pelage_params::{Knob, ParamError, knobs};
+
+/// A flag that sets a knob of the look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShortForm {
+    /// Without its dashes: `shadow-map`.
+    pub flag: &'static str,
+    /// What its value is called in a help text.
+    pub value_name: &'static str,
+    /// The knob: `shadow.map_texels`.
+    pub key: &'static str,
+    /// Whether it may be given again and adds to a list.
+    pub repeats: bool,
+}
+
+const fn short(flag: &'static str, value_name: &'static str, key: &'static str) -> ShortForm {
+    ShortForm { flag, value_name, key, repeats: false }
+}
+
+/// The flags that commands which draw have in common.
+pub const SHORT_FORMS: &[ShortForm] = &[
+    short("size", "WxH", "picture.size"),
+    short("style", "STYLE", "picture.style"),
+    short("light", "X,Y,Z", "light.direction"),
+    short("point-light", "X,Y,Z", "light.position_m"),
+    ShortForm { flag: "fill-light", value_name: "X,Y,Z[/S]", key: "light.fill", repeats: true },
+    short("layers", "N", "fur.layers"),
+    short("detail", "full|auto|LEVEL", "fur.detail"),
+    short("self-shadow", "on|off", "shadow.self_shadow"),
+    short("soft-shadow", "on|off", "shadow.soft_shadow"),
+    short("penumbra", "W", "shadow.penumbra"),
+    short("penumbra-form", "FORM", "shadow.penumbra_form"),
+    short("shadow-shrink", "N", "shadow.shrink"),
+    short("shadow-map", "N", "shadow.map_texels"),
+    short("shadow-layers", "N", "shadow.map_layers"),
+    short("shadow-density", "D", "shadow.density"),
+    short("slant", "FORM", "shadow.slant"),
+    short("view-slant", "FORM", "fur.view_slant"),
+    short("ambient-attenuation", "on|off", "fur.ambient_attenuation"),
+    short("back-attenuation", "on|off", "fur.back_attenuation"),
+    short("fins", "on|off", "fur.fins"),
+    short("lighting", "WHERE", "fur.lighting"),
+    short("background", "transparent|R,G,B", "picture.background"),
+    short("ink-threshold", "T1", "ink.threshold"),
+    short("ink-weak", "D", "ink.weak_difference"),
+    short("ink-width", "W", "ink.width"),
+    short("ink-depth-step", "S", "ink.depth_step"),
+    short("ink-tone", "K", "ink.tone"),
+    short("ink-lightness", "L", "ink.weak_lightness"),
+    short("ink-swell", "F", "ink.swell"),
+    short("ink-pressure", "P", "ink.pressure"),
+    short("ink-dryness", "D", "ink.dryness"),
+    short("ink-roughness", "PX", "ink.roughness_px"),
+    short("ink-color", "R,G,B", "ink.color"),
+    short("ink-paper-grain", "G", "ink.paper_grain"),
+    short("ink-mist", "FROM,TO", "ink.mist_m"),
+    short("ink-rule", "RULE", "ink.rule"),
+    short("ink-sphere-map", "FORM", "ink.sphere_map"),
+    short("ink-template", "on|off", "ink.template"),
+    short("ink-printed-lines", "on|off", "ink.printed_lines"),
+    short("ink-anchoring", "TO", "ink.anchoring"),
+    short("ink-show", "WHAT", "ink.show"),
+];
+
+/// The flag that `render` has besides.
+pub const SAMPLES: ShortForm = short("samples", "N", "picture.samples");
+
+impl ShortForm {
+    /// The knob that it sets; `None` for a key that there is none of, which a test rules out.
+    pub fn knob(&self) -> Option<&'static Knob> {
+        knobs::<Look>().find(|knob| knob.name == self.key)
+    }
+
+    /// Sets its knob in `look`, or adds to it where it repeats.
+    ///
+    /// # Errors
+    /// What was found and what was expected; nothing is changed then.
+    pub fn apply(&self, look: &mut Look, word: &str) -> Result<(), ParamError> {
+        if !self.repeats {
+            return pelage_params::set_word(look, self.key, word);
+        }
+        let mut added = Look::default();
+        pelage_params::set_word(&mut added, self.key, word)?;
+        look.light.fill.append(&mut added.light.fill);
+        Ok(())
+    }
+}

@@ -1,0 +1,222 @@
+//! The knobs of a look.
+
+use super::kinds::{
+    Background, FillLight, Interval, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookShow,
+    LookSlant, LookSphereMap, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, Towards,
+};
+use crate::framing::TOWARDS_LIGHT;
+use glam::Vec3;
+use pelage_params::{ParamError, params, tables};
+
+params! {
+    /// `[picture]`: the picture itself.
+    LookPicture in picture {
+        /// Size of the picture, pixels. The default is the size in Fang 2006.
+        size: Size = Size { width: 834, height: 424 };
+        /// How models are drawn.
+        style: LookStyle = LookStyle::Fur;
+        /// Samples per pixel: 4 smooths the edges of the skin.
+        samples: Samples = Samples(1);
+        /// What is behind the models, sRGB. `auto` is transparent, and paper in ink.
+        background: Option<Background> = None, or "auto";
+    }
+}
+
+params! {
+    /// `[light]`: the lights. The key light throws shadows, fill lights do not.
+    LookLight in light {
+        /// Direction towards a distant key light, x,y,z of any length; takes the place of `position_m`.
+        direction: [f32; 3] = TOWARDS_LIGHT.to_array(), in PLACE, as Towards, clears position_m;
+        /// Place of a key light nearby, x,y,z in metres; takes the place of `direction`.
+        position_m: Option<[f32; 3]> = None, in PLACE, or "none";
+        /// Lights without shadow, each with the direction towards it, x,y,z, and a strength of 0 to 1000 (default 1).
+        fill: Vec<FillLight> = Vec::new();
+    }
+}
+
+params! {
+    /// `[shadow]`: the shadows of the key light.
+    LookShadow in shadow {
+        /// Whether hair shadows hair, by layer-wise shadow maps.
+        self_shadow: bool = true;
+        /// Whether things throw soft shadows, by a shadow-width map.
+        soft_shadow: bool = true;
+        /// Width of a soft shadow's edge over the distance from what throws it; 0 is a hard shadow.
+        penumbra: f32 = 0.15, in 0.0..=2.0;
+        /// Where a soft shadow's edge lies.
+        penumbra_form: LookPenumbra = LookPenumbra::Centred;
+        /// How far the shadow-width map is shrunk before it is stretched again: more allows wider edges and loses thin things.
+        shrink: u32 = 4, in 2..=32;
+        /// Width and height of the shadow maps, texels.
+        map_texels: u32 = 512, in 16..=8192;
+        /// Layers of the layer-wise shadow maps, skin counted; by default as many as are drawn.
+        map_layers: Option<u32> = None, in 2..=256, or "drawn";
+        /// Share of the layers' optical depth that the key light meets.
+        density: f32 = 1.0, in 0.0..=4.0;
+        /// What the light's slant does to the opacity of a layer.
+        slant: LookSlant = LookSlant::Corrected;
+    }
+}
+
+params! {
+    /// `[fur]`: how fur is drawn.
+    LookFur in fur {
+        /// Shell layers to draw, by default the package's own count. Fewer cost less, and show their steps at the outline.
+        layers: Option<u32> = None, in 1..=1024, or "all";
+        /// How much of the fur is drawn: `full`, `auto` (the package's levels of detail, by the fur's height on screen), or a level, from 0,
+        /// with a fraction for the cross-fade to the next; `layers` goes before it.
+        detail: LookDetail = LookDetail::Full;
+        /// Whether fins along the silhouette are drawn, where the package has them.
+        fins: bool = true;
+        /// Where hair is lit.
+        lighting: LookLighting = LookLighting::Pixel;
+        /// What the slant of the look does to the opacity of a layer.
+        view_slant: LookSlant = LookSlant::Corrected;
+        /// Whether ambient light fades towards the skin, as γ of Yang 2006, eq. (2).
+        ambient_attenuation: bool = true;
+        /// Whether the light ends behind the body, as Attenu_Back of Yang 2006, eq. (3).
+        back_attenuation: bool = true;
+    }
+}
+
+params! {
+    /// `[ink]`: how the style `ink` is drawn, after Fang 2006.
+    LookInk in ink {
+        /// T1 of Fang 2006, §2: where neighbouring normals' dot is lower, there is a line. The default is the cosine of 50°.
+        threshold: f32 = 0.64, in 0.15..=1.0;
+        /// T1 − T2: lines between the two are thinner and paler.
+        weak_difference: f32 = 0.15, in 0.0..=1.0;
+        /// Width of the widest line: `auto` is 9 px at 424 rows, pixels are the same at any distance, metres are thinner with distance.
+        width: LookWidth = LookWidth::Auto;
+        /// Relative step of depth that is a line as well; 0 looks at normals alone.
+        depth_step: f32 = 0.01, in 0.0..=1e6;
+        /// k of the lines' tone k (0.5 cos + 0.5): lighter with k.
+        tone: f32 = 0.35, in 0.0..=1.0;
+        /// How far weak lines are lightened.
+        weak_lightness: f32 = 0.35, in 0.0..=1.0;
+        /// How much the sphere map swells lines.
+        swell: f32 = 1.5, in 0.0..=4.0;
+        /// How unevenly the hand presses.
+        pressure: f32 = 1.0, in 0.0..=1.0;
+        /// How far lines run dry.
+        dryness: f32 = 0.4, in 0.0..=1.0;
+        /// How far the paper moves the edge of lines, pixels.
+        roughness_px: f32 = 1.2, in 0.0..=8.0;
+        /// Colour of the ink, sRGB. `auto` is nearly black.
+        color: Option<Rgb> = None, or "auto";
+        /// How much of the paper's relief shows.
+        paper_grain: f32 = 1.0, in 0.0..=1.0;
+        /// Distances in metres where mist begins and where only it is left.
+        mist_m: Option<Interval> = None, or "none";
+        /// Which neighbours of a pixel must differ for a line.
+        rule: LookRule = LookRule::Any;
+        /// How the sphere map is looked up.
+        sphere_map: LookSphereMap = LookSphereMap::Perpendicular;
+        /// Whether lines keep to their width; without, the sphere map alone decides.
+        template: bool = true;
+        /// Whether lines are as the printed algorithm draws them, pixels that are ink or not.
+        printed_lines: bool = false;
+        /// What varies is tied to the surface, or to the picture.
+        anchoring: LookAnchoring = LookAnchoring::Surface;
+        /// What is shown: the painting, its lines or features black on white, or the wash.
+        show: LookShow = LookShow::Painting;
+    }
+}
+
+tables! {
+    /// The look of a picture. `Look::default()` is fur in soft daylight, 834 × 424 pixels.
+    pub struct Look, such as "shadow.penumbra=0.3" {
+        /// The picture itself.
+        picture: LookPicture,
+        /// The lights.
+        light: LookLight,
+        /// The shadows of the key light.
+        shadow: LookShadow,
+        /// How fur is drawn.
+        fur: LookFur,
+        /// How the style `ink` is drawn.
+        ink: LookInk,
+    }
+}
+
+impl Look {
+    /// Reads a look file over this look: what it leaves out stays as it is.
+    ///
+    /// # Errors
+    /// Line and key of broken TOML, an unknown table or key, a wrong type or a value outside its range.
+    pub fn read(&mut self, text: &str) -> Result<(), ParamError> {
+        pelage_params::read(self, text)
+    }
+
+    /// Sets one key: `shadow.penumbra=0.3`. Strings need no quotes.
+    ///
+    /// # Errors
+    /// As [`Look::read`], without a line; nothing is changed then.
+    pub fn set(&mut self, assignment: &str) -> Result<(), ParamError> {
+        pelage_params::set(self, assignment)
+    }
+
+    /// The look as TOML with every key that has a value. Reading it gives an equal look.
+    pub fn to_toml(&self) -> String {
+        pelage_params::to_toml(self)
+    }
+
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// The first key that is outside.
+    pub fn validate(&self) -> Result<(), pelage_params::OutOfRange> {
+        pelage_params::validate(self)
+    }
+
+    /// Width of the picture over its height.
+    pub fn aspect(&self) -> f32 {
+        self.picture.size.width as f32 / self.picture.size.height as f32
+    }
+
+    /// What is behind everything, sRGB-encoded; `None` for transparent. Paper is the style's own matter.
+    pub fn background(&self) -> Option<[u8; 3]> {
+        self.picture.background.and_then(Background::color)
+    }
+
+    /// Whether fur is drawn.
+    pub fn has_fur(&self) -> bool {
+        self.picture.style == LookStyle::Fur
+    }
+
+    /// The key light.
+    pub fn key_light(&self) -> KeyLight {
+        match self.light.position_m {
+            Some(position) => KeyLight::Nearby(position.into()),
+            // Directions that are written down were always normalised here and again by the runtime, the default one by the runtime
+            // alone: both stay as they are, because to normalise twice moves the last bits of some, and pictures with them.
+            None if self.light.direction == LookLight::default().direction => KeyLight::Distant(TOWARDS_LIGHT),
+            None => KeyLight::Distant(unit(self.light.direction)),
+        }
+    }
+
+    /// The lights without shadow: towards each, length 1, and its strength.
+    pub fn fill_lights(&self) -> impl Iterator<Item = (Vec3, f32)> {
+        self.light.fill.iter().map(|fill| (unit(fill.direction), fill.strength))
+    }
+
+    /// Makes the key light distant, in that direction.
+    pub fn light_from(&mut self, direction: Vec3) {
+        self.light.direction = direction.to_array();
+        self.light.position_m = None;
+    }
+}
+
+/// Where the key light is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KeyLight {
+    /// Far away, in this direction.
+    Distant(Vec3),
+    /// At this place, metres.
+    Nearby(Vec3),
+}
+
+fn unit(direction: [f32; 3]) -> Vec3 {
+    let direction = Vec3::from(direction);
+    direction.try_normalize().unwrap_or(direction)
+}

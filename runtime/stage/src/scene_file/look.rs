@@ -1,0 +1,89 @@
+//! How a scene's picture looks: `[look]`, and `[view]`, which says it in words of the command line.
+
+use super::SceneFile;
+use super::text::SceneLook;
+use crate::{Look, SAMPLES, SHORT_FORMS, ShortForm, StageError};
+use pelage_params::nearest;
+
+/// What has another place in a scene than `[view]`, or none.
+const ELSEWHERE: [(&str, &str); 9] = [
+    ("camera", "in [camera]"),
+    ("light", "in [light]"),
+    ("point_light", "as position in [light]"),
+    ("frames", "in [sequence]"),
+    ("fps", "in [sequence]"),
+    ("clip", "in a [[model]]"),
+    ("crowd", "as several [[model]]"),
+    ("time", "on the command line"),
+    ("output", "on the command line"),
+];
+
+impl SceneFile {
+    /// The look of the scene: of two places that say something, `[view]` counts least, then `look`, and `[light]` most. `file` gives the text of
+    /// a look file, of whose path from the scene file's folder it is told, or says why it cannot be had.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Input`] with line and key of what is wrong.
+    pub fn look(&self, file: impl FnOnce(&str) -> Result<String, String>) -> Result<Look, StageError> {
+        let mut look = Look::default();
+        for (name, value) in &self.scene.view {
+            self.view(&mut look, name, value).map_err(|reason| self.fault(&format!("view.{name}"), reason))?;
+        }
+        match &self.scene.look {
+            None => {}
+            Some(SceneLook::Tables(tables)) => {
+                let read = pelage_params::read_table(&mut look, tables);
+                read.map_err(|error| self.fault(&format!("look.{}", error.key), error.reason))?;
+            }
+            Some(SceneLook::File(path)) => {
+                let text = file(path).map_err(|reason| self.fault("look", reason))?;
+                look.read(&text).map_err(|error| StageError::Input {
+                    file: path.clone(),
+                    place: error.place(),
+                    reason: error.reason,
+                })?;
+            }
+        }
+        if let Some(light) = &self.scene.light {
+            super::check_light(&self.source(), Some(light))?;
+            if let Some(towards) = light.direction {
+                look.light_from(towards.0);
+            }
+            look.light.position_m = light.position.map(|position| position.0.to_array());
+        }
+        Ok(look)
+    }
+
+    /// One key of `[view]`.
+    fn view(&self, look: &mut Look, name: &str, value: &toml::Value) -> Result<(), String> {
+        if let Some((_, place)) = ELSEWHERE.iter().find(|(key, _)| *key == name) {
+            return Err(format!("expected it {place}"));
+        }
+        let short = short_form(name)?;
+        let values = match value {
+            toml::Value::Array(values) if short.repeats => values.as_slice(),
+            one => std::slice::from_ref(one),
+        };
+        for value in values {
+            let word = match value {
+                toml::Value::String(text) => text.clone(),
+                toml::Value::Boolean(on) => if *on { "on" } else { "off" }.to_owned(),
+                toml::Value::Integer(_) | toml::Value::Float(_) => value.to_string(),
+                other => return Err(format!("found {}, expected a word or a number", other.type_str())),
+            };
+            short.apply(look, &word).map_err(|error| error.reason)?;
+        }
+        Ok(())
+    }
+}
+
+/// The flag of that name, which has `_` for `-`.
+fn short_form(name: &str) -> Result<&'static ShortForm, String> {
+    let all = || SHORT_FORMS.iter().chain([&SAMPLES]);
+    all().find(|short| short.flag.replace('-', "_") == name).ok_or_else(|| {
+        let flags: Vec<String> = all().map(|short| short.flag.replace('-', "_")).collect();
+        let near = nearest(name, flags.iter().map(String::as_str)).unwrap_or_default();
+        format!("unknown key; did you mean {near}?")
+    })
+}
