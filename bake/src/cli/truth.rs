@@ -7,7 +7,7 @@ use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, True
 use pelage_bake::strands::{GroomReport, Skin, grow_on, tile_hair};
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_stage::{KeyLight, LookStyle, NamedPackage, Viewpoint, find_clip, framing, rest_points, within};
+use pelage_stage::{KeyLight, LookStyle, NamedPackage, Viewpoint, find_clip, rest_points, within};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -50,7 +50,7 @@ impl Truth {
     /// Eye, target and height of the view in degrees that frame the model from the direction `towards`, in a picture of the view's size.
     #[cfg(feature = "preview")]
     pub fn framed(&self, view: &View, towards: Vec3) -> Viewpoint {
-        framing::frame(&self.rest_points, self.height_m, view.look.aspect(), towards)
+        pelage_stage::framing::frame(&self.rest_points, self.height_m, view.look.aspect(), towards)
     }
 
     /// The camera that `render` has for that view.
