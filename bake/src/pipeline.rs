@@ -1,30 +1,137 @@
-//! The way through bake, top to bottom; no mathematics in here.
+//! The way through bake: its steps in their order, what each reads and what it makes; no mathematics in here.
+//!
+//! What a step makes is kept under its name. A step runs where the package still to be made needs what it makes and that is not there yet. So a
+//! bake starts with the model alone; slicing a package anew starts with what the package already holds ([`crate::reslice`]); and after
+//! [`Outputs::forget`] everything from there on is made again, and nothing before it.
 
 use crate::BakeError;
 use crate::mesh::{Image, Model, RestPose};
 use crate::recipe::{PackParams, Recipe, Style, SurfaceSource};
 use crate::stages::detail;
 use crate::stages::fins;
-use crate::stages::groom::{self, Atlas, Lay, Lengths, MapImages, Maps, Pattern};
+use crate::stages::groom::{self, Atlas, Coat, Colors, GroomTextures, Lay, Lengths, MapImages, Maps, Pattern};
 use crate::stages::hair::TileHair;
-use crate::stages::ink::{self, Canvas, Ink};
-use crate::stages::pack::{self, Pieces};
+use crate::stages::ink::{self, Canvas};
+use crate::stages::pack::{self, InkFiles, Pieces, Skin, SkinFins, SkinInk, SkinPieces};
 use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
-use crate::stages::textures;
-use pelage_formats::{Bounds, FurInfo, Shading};
+use crate::stages::textures::{self, FinTextures, ShellTextures};
+use pelage_formats::{Bounds, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 8] = ["surface", "simulate", "slice", "groom", "fins", "ink", "textures", "pack"];
 
-/// A finished bake.
-#[derive(Clone, Debug)]
-pub struct Baked {
+/// What a bake is told: the same for all its steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'a> {
+    /// The model, or the package, as the user named it, for messages.
+    pub file: &'a str,
+    /// Its name in the package.
+    pub name: &'a str,
+    /// The recipe.
+    pub recipe: &'a Recipe,
+    /// The images that the recipe names.
+    pub images: &'a MapImages,
+}
+
+/// Declares what is kept of the steps: a field of [`Outputs`] and its name in [`Output`].
+macro_rules! outputs {
+    ($($(#[doc = $doc:literal])+ $name:ident $field:ident: $type:ty,)+) => {
+        /// The name of something that a step makes.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Output {
+            $($(#[doc = $doc])+ $name,)+
+        }
+
+        /// What the steps have made so far; `None` is not made yet.
+        #[derive(Clone, Debug, Default)]
+        pub struct Outputs<'a> {
+            $($(#[doc = $doc])+ pub $field: Option<$type>,)+
+        }
+
+        impl Output {
+            /// All of them, in the order in which they are made.
+            pub const ALL: &'static [Self] = &[$(Self::$name),+];
+        }
+
+        impl Outputs<'_> {
+            /// Whether it is there.
+            pub fn has(&self, output: Output) -> bool {
+                match output {
+                    $(Output::$name => self.$field.is_some(),)+
+                }
+            }
+
+            /// Drops it, and nothing that was made of it.
+            pub fn clear(&mut self, output: Output) {
+                match output {
+                    $(Output::$name => self.$field = None,)+
+                }
+            }
+        }
+    };
+}
+
+outputs! {
+    /// What `import` made: nothing here makes it.
+    Model model: &'a Model,
+    /// The model with the hair's tile laid on it.
+    Laid laid: Laid<'a>,
+    /// The strands of the tile.
+    Hair hair: TileHair,
+    /// The strands in layers.
+    Shells shells: Shells,
+    /// The laid model with what varies over it.
+    Groomed groomed: Groomed,
+    /// Where fins stand.
+    Fins fins: SkinFins<'a>,
+    /// What fins show; none where the package is to have no fins.
+    FinTextures fin_textures: Option<FinTextures>,
+    /// What vertices take of the ink style; none without the style.
+    Ink ink: Option<SkinInk>,
+    /// What the ink style is painted with; none without the style.
+    InkTextures ink_textures: Option<InkFiles<'a>>,
+    /// The skin, with its textures in the package's formats.
+    Skin skin: Skin<'a>,
     /// The package.
-    pub package: Vec<u8>,
-    /// Quality of the parameterization.
-    pub measures: Measures,
-    /// What was repaired, left out or guessed.
+    Package package: Packed,
+}
+
+/// The shell textures.
+#[derive(Clone, Debug)]
+pub struct Shells {
+    /// Of the strands.
+    pub dry: ShellTextures,
+    /// Of the same strands when wet, where dry and wet mix.
+    pub wet: Option<ShellTextures>,
+}
+
+/// What the `groom` stage leaves behind.
+#[derive(Clone, Debug)]
+pub struct Groomed {
+    /// The laid surface; where there is a pattern, cut along the borders of its charts.
+    pub surface: Surface,
+    /// What varies over its vertices.
+    pub coat: Coat,
+    /// Colours of its materials and vertices.
+    pub colors: Colors,
+    /// The groom textures.
+    pub grooms: GroomTextures,
+    /// Width of the pattern, metres, where there is one.
+    pub pattern_size_m: Option<f32>,
+    /// What there was to say.
     pub warnings: Vec<String>,
+}
+
+/// One step of a stage: it makes one thing.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// The stage that it is part of, one of [`STAGES`].
+    pub stage: &'static str,
+    /// What it makes.
+    pub makes: Output,
+    /// What must be there.
+    pub reads: &'static [Output],
+    run: for<'a> fn(&Told<'a>, &mut Outputs<'a>) -> Result<(), BakeError>,
 }
 
 /// What the `surface` stage leaves behind.
@@ -40,6 +147,8 @@ pub struct Laid<'a> {
     pub lengths: Lengths,
     /// The recipe's groom maps.
     pub maps: Maps<'a>,
+    /// What `import` and this stage had to say.
+    pub warnings: Vec<String>,
 }
 
 /// The first stage alone: lays the hair's tile on a model. Arguments as for [`bake`].
@@ -47,17 +156,12 @@ pub struct Laid<'a> {
 /// # Errors
 ///
 /// As [`bake`], as far as this stage goes.
-pub fn lay<'a>(
-    file: &str,
-    model: &Model,
-    recipe: &'a Recipe,
-    images: &'a MapImages,
-    warnings: &mut Vec<String>,
-) -> Result<Laid<'a>, BakeError> {
+pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapImages) -> Result<Laid<'a>, BakeError> {
+    let mut warnings = model.warnings.clone();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let bounds = groom::bounds(&rest);
-    let furred = groom::furred_materials(&model.materials, &recipe.model.bare, warnings);
-    let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, warnings);
+    let furred = groom::furred_materials(&model.materials, &recipe.model.bare, &mut warnings);
+    let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings);
     let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
     let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.lay(&model.mesh, &rest, params.comb.everywhere())?;
@@ -68,7 +172,43 @@ pub fn lay<'a>(
     let params = SurfaceParams { comb, density: lay.density, ..params };
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Laid { surface, bounds, furred, lengths, maps })
+    Ok(Laid { surface, bounds, furred, lengths, maps, warnings })
+}
+
+use Output::*;
+
+/// All steps, in their order. A line says what the step makes, and of what.
+pub const STEPS: &[Step] = &[
+    Step { stage: "surface", makes: Laid, reads: &[Model], run: surface },
+    Step { stage: "simulate", makes: Hair, reads: &[Laid], run: simulate },
+    Step { stage: "slice", makes: Shells, reads: &[Hair], run: slice },
+    Step { stage: "groom", makes: Groomed, reads: &[Model, Laid], run: groom },
+    Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], run: fins },
+    Step { stage: "fins", makes: FinTextures, reads: &[Hair, Fins], run: fin_textures },
+    Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], run: ink },
+    Step { stage: "ink", makes: InkTextures, reads: &[Laid, Hair], run: ink_textures },
+    Step { stage: "textures", makes: Skin, reads: &[Model, Laid, Hair, Groomed], run: skin },
+    Step { stage: "pack", makes: Package, reads: &[Shells, Fins, FinTextures, Ink, InkTextures, Skin], run: pack },
+];
+
+/// A finished package.
+#[derive(Clone, Debug)]
+pub struct Packed {
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// What all stages had to say.
+    pub warnings: Vec<String>,
+}
+
+/// A finished bake.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// The package.
+    pub package: Vec<u8>,
+    /// Quality of the parameterization.
+    pub measures: Measures,
+    /// What was repaired, left out or guessed.
+    pub warnings: Vec<String>,
 }
 
 /// Bakes an imported model.
@@ -77,6 +217,11 @@ pub fn lay<'a>(
 /// * `name`: its name in the package
 /// * `images`: the images that the recipe names
 /// * `on_stage`: called with the name of each of [`STAGES`] as it begins
+///
+/// # Errors
+///
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] where model and recipe do not go together,
+/// [`BakeError::Internal`] for a fault of this code.
 pub fn bake(
     file: &str,
     name: &str,
@@ -85,110 +230,199 @@ pub fn bake(
     images: &MapImages,
     on_stage: &mut dyn FnMut(&'static str),
 ) -> Result<Baked, BakeError> {
-    recipe.validate()?;
-    let mut warnings = model.warnings.clone();
+    let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
+    run(&Told { file, name, recipe, images }, &mut outputs, on_stage)?;
+    let measures = made(&outputs.groomed, Output::Groomed)?.surface.measures;
+    let Packed { bytes, warnings } = outputs.package.ok_or_else(|| missing(Package))?;
+    Ok(Baked { package: bytes, measures, warnings })
+}
 
-    on_stage("surface");
-    let Laid { mut surface, bounds, furred, lengths, maps } = lay(file, model, recipe, images, &mut warnings)?;
+/// Runs every step that the package needs and that is not made yet. `on_stage` is called as a stage begins.
+///
+/// # Errors
+///
+/// As [`bake`]; [`BakeError::Internal`] where something is needed that no step makes and that is not there.
+pub fn run<'a>(
+    told: &Told<'a>,
+    outputs: &mut Outputs<'a>,
+    on_stage: &mut dyn FnMut(&'static str),
+) -> Result<(), BakeError> {
+    told.recipe.validate()?;
+    let mut needed = vec![Package];
+    let mut steps = Vec::new();
+    for step in STEPS.iter().rev() {
+        if needed.contains(&step.makes) && !outputs.has(step.makes) {
+            needed.extend(step.reads);
+            steps.push(step);
+        }
+    }
+    let mut stage = "";
+    for step in steps.into_iter().rev() {
+        if step.stage != stage {
+            stage = step.stage;
+            on_stage(stage);
+        }
+        step.run(told, outputs)?;
+    }
+    Ok(())
+}
 
-    on_stage("simulate");
-    let TileHair { strands, wet: wet_strands, style } = TileHair::grow(recipe, lengths, maps.water())?;
+impl Step {
+    /// Makes what it makes.
+    ///
+    /// # Errors
+    ///
+    /// As [`run`].
+    pub fn run<'a>(&self, told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
+        (self.run)(told, outputs)
+    }
+}
 
-    on_stage("slice");
+impl Outputs<'_> {
+    /// Drops something and all that was made of it, so that [`run`] makes them again.
+    pub fn forget(&mut self, output: Output) {
+        let mut gone = vec![output];
+        for step in STEPS {
+            if step.reads.iter().any(|read| gone.contains(read)) {
+                gone.push(step.makes);
+            }
+        }
+        gone.into_iter().for_each(|output| self.clear(output));
+    }
+}
+
+fn missing(what: Output) -> BakeError {
+    BakeError::Internal(format!("{what:?} is not there, expected a step before to make it"))
+}
+
+fn made<T>(output: &Option<T>, what: Output) -> Result<&T, BakeError> {
+    output.as_ref().ok_or_else(|| missing(what))
+}
+
+fn surface<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
+    let model = made(&outputs.model, Model)?;
+    outputs.laid = Some(lay(told.file, model, told.recipe, told.images)?);
+    Ok(())
+}
+
+fn simulate(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let laid = made(&outputs.laid, Laid)?;
+    outputs.hair = Some(TileHair::grow(told.recipe, laid.lengths, laid.maps.water())?);
+    Ok(())
+}
+
+fn slice(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, recipe) = (made(&outputs.hair, Hair)?, told.recipe);
     let with_coat = detail::has_coat(recipe);
     let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat);
-    let shells = slice(&strands)?;
-    let wet_shells = wet_strands.as_ref().map(slice).transpose()?;
+    let shells = self::Shells { dry: slice(&hair.strands)?, wet: hair.wet.as_ref().map(slice).transpose()? };
+    outputs.shells = Some(shells);
+    Ok(())
+}
 
-    on_stage("groom");
-    let pattern = Pattern::new(&recipe.color, images, &bounds)?;
+fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid, recipe) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?, told.recipe);
+    let self::Laid { bounds, furred, maps, .. } = laid;
+    let mut surface = laid.surface.clone();
+    let pattern = Pattern::new(&recipe.color, told.images, bounds)?;
     let atlas = pattern.is_some().then(|| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
-    warnings.extend(atlas.as_ref().and_then(Atlas::warning));
     let coat = maps.coat(&surface.mesh)?;
-    let mut colors = groom::colors(model, &surface.mesh, &maps, &furred, recipe.color.base_color)?;
+    let mut colors = groom::colors(model, &surface.mesh, maps, furred, recipe.color.base_color)?;
     let mut grooms = maps.textures()?;
     if let (Some(pattern), Some(atlas)) = (&pattern, &atlas) {
-        pattern.paint(atlas, &furred, &mut surface, &mut colors, &mut grooms);
+        pattern.paint(atlas, furred, &mut surface, &mut colors, &mut grooms);
     }
+    let warnings = atlas.as_ref().and_then(Atlas::warning).into_iter().collect();
+    let pattern_size_m = pattern.as_ref().map(Pattern::width_m);
+    outputs.groomed = Some(self::Groomed { surface, coat, colors, grooms, pattern_size_m, warnings });
+    Ok(())
+}
 
-    on_stage("fins");
-    let height_m = strands.height * lengths.tile_size_m;
-    let fins = fins::fins(&surface, &furred, &coat, height_m, lengths.tile_size_m);
-    let depth = recipe.fins.depth.unwrap_or(fins.depth);
-    let fin_textures = if recipe.fins.enabled && !fins.fins.is_empty() {
-        Some(textures::fin_textures(&strands, depth, &recipe.slice, &recipe.pack)?)
-    } else {
-        None
+/// Height of the fur, metres.
+fn height_m(hair: &TileHair, lengths: Lengths) -> f32 {
+    hair.strands.height * lengths.tile_size_m
+}
+
+fn fins(_: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (laid, hair) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?);
+    let groomed = made(&outputs.groomed, Groomed)?;
+    let (height_m, tile_size_m) = (height_m(hair, laid.lengths), laid.lengths.tile_size_m);
+    let fins = fins::fins(&groomed.surface, &laid.furred, &groomed.coat, height_m, tile_size_m);
+    outputs.fins = Some(pack::skin_fins(&groomed.surface, &fins));
+    Ok(())
+}
+
+fn fin_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, fins, recipe) = (made(&outputs.hair, Hair)?, made(&outputs.fins, Fins)?, told.recipe);
+    let depth = recipe.fins.depth.or(fins.depth).filter(|_| recipe.fins.enabled && fins.section.is_some());
+    let make = |depth| textures::fin_textures(&hair.strands, depth, &recipe.slice, &recipe.pack);
+    outputs.fin_textures = Some(depth.map(make).transpose()?);
+    Ok(())
+}
+
+fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
+    let self::Groomed { surface, .. } = made(&outputs.groomed, Groomed)?;
+    let mut warnings = Vec::new();
+    let mut on_skin = || {
+        let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
+        let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images: told.images };
+        ink::on_skin(&told.recipe.ink, &canvas, &mut warnings)
     };
+    let painted = told.recipe.ink.enabled.then(&mut on_skin).transpose()?;
+    outputs.ink = Some(painted.map(|(vertices, grain, shading)| pack::skin_ink(vertices, grain, shading, warnings)));
+    Ok(())
+}
 
-    on_stage("ink");
-    let ink = if recipe.ink.enabled {
-        let (mesh, rest, radius) = (&surface.mesh, &surface.rest, bounds.radius);
-        let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images };
-        let coated = furred.contains(&true).then_some(&strands);
-        Some(ink::ink(&recipe.ink, &recipe.pack, &canvas, coated, &mut warnings)?)
-    } else {
-        None
-    };
+fn ink_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (laid, hair, recipe) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?, told.recipe);
+    let coated = laid.furred.contains(&true).then_some(&hair.strands);
+    let paint = || ink::textures(&recipe.ink, &recipe.pack, told.images, coated);
+    outputs.ink_textures = Some(recipe.ink.enabled.then(paint).transpose()?.map(InkFiles::from));
+    Ok(())
+}
 
-    on_stage("textures");
+fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
+    let (hair, groomed, recipe) = (made(&outputs.hair, Hair)?, made(&outputs.groomed, Groomed)?, told.recipe);
     let encode = |images: &[Image], encode: fn(&Image, &PackParams) -> Result<Vec<u8>, BakeError>| {
         images.iter().map(|image| encode(image, &recipe.pack)).collect::<Result<Vec<_>, _>>()
     };
-    let base_colors = encode(&colors.images, textures::encode_base_color)?;
-    let groom_textures = encode(&grooms.images, textures::encode_groom)?;
-
-    on_stage("pack");
     let shading = Shading::from(&recipe.shading);
-    let package = pack::pack(&Pieces {
-        name,
+    outputs.skin = Some(pack::skin(&SkinPieces {
+        name: told.name,
         model,
-        inputs: &[&model.inputs[..], &images.inputs[..]].concat(),
-        surface: &surface,
-        furred: &furred,
-        coat: &coat,
-        colors: &colors,
-        bounds,
-        fur: FurInfo {
-            layers: recipe.slice.layers,
-            tile_texels: recipe.slice.tile_texels,
-            tile_size_m: lengths.tile_size_m,
-            height_m,
-            strands: recipe.hair.density,
-            patches: surface.measures.patches,
-            ..FurInfo::default()
-        },
-        shading: if style == Style::Wet { shading.wet() } else { shading },
-        recipe: &resolved(recipe, lengths, depth, pattern.as_ref().map(Pattern::width_m), ink.as_ref()),
-        shells: &shells,
-        wet_shells: wet_shells.as_ref(),
-        fins: fin_textures.as_ref().map(|textures| (&fins, textures)),
-        base_colors: &base_colors,
-        groom_textures: &groom_textures,
-        groom_of_material: &grooms.of_material,
-        ink: ink.as_ref(),
-        detail: &detail::levels(&recipe.detail, recipe.slice.layers, shells.coat.as_ref()),
-        warnings: &warnings,
-    })?;
-    Ok(Baked { package, measures: surface.measures, warnings })
+        inputs: &told.images.inputs,
+        surface: &groomed.surface,
+        furred: &laid.furred,
+        coat: &groomed.coat,
+        colors: &groomed.colors,
+        bounds: laid.bounds,
+        lengths: laid.lengths,
+        height_m: height_m(hair, laid.lengths),
+        strands: recipe.hair.density,
+        pattern_size_m: groomed.pattern_size_m,
+        shading: if hair.style == Style::Wet { shading.wet() } else { shading },
+        base_colors: &encode(&groomed.colors.images, textures::encode_base_color)?,
+        groom_textures: &encode(&groomed.grooms.images, textures::encode_groom)?,
+        groom_of_material: &groomed.grooms.of_material,
+        warnings: &[&laid.warnings[..], &groomed.warnings].concat(),
+    }));
+    Ok(())
 }
 
-/// The recipe with everything that was left open filled in.
-fn resolved(
-    recipe: &Recipe,
-    lengths: Lengths,
-    fin_depth: f32,
-    pattern_size_m: Option<f32>,
-    ink: Option<&Ink>,
-) -> String {
-    let mut recipe = recipe.clone();
-    recipe.hair.length_m = Some(lengths.length_m);
-    recipe.surface.tile_size_m = Some(lengths.tile_size_m);
-    recipe.fins.depth = Some(fin_depth);
-    recipe.color.pattern_size_m = pattern_size_m.or(recipe.color.pattern_size_m);
-    if let Some(ink) = ink {
-        recipe.ink.center = Some(ink.vertices.center.into());
-        recipe.ink.grain_size_m = Some(ink.grain_size_m);
-    }
-    recipe.to_toml()
+fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let shells = made(&outputs.shells, Shells)?;
+    let ink = made(&outputs.ink, Ink)?.as_ref().zip(made(&outputs.ink_textures, InkTextures)?.as_ref());
+    let (bytes, warnings) = pack::pack(&Pieces {
+        recipe: told.recipe,
+        skin: made(&outputs.skin, Skin)?,
+        shells: &shells.dry,
+        wet_shells: shells.wet.as_ref(),
+        fins: made(&outputs.fins, Fins)?,
+        fin_textures: made(&outputs.fin_textures, FinTextures)?.as_ref(),
+        ink,
+    })?;
+    outputs.package = Some(Packed { bytes, warnings });
+    Ok(())
 }

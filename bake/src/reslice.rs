@@ -1,33 +1,68 @@
 //! A package sliced anew: other layers, tile, filter, formats or fins of the same strands on the same skin, without the model that it was baked from.
 //!
-//! Skin, materials and motions stay byte for byte; the strands grow again from the package's own recipe, and only what `slice` makes of them is new.
+//! Skin, materials and motions stay byte for byte; the strands grow again from the package's own recipe. With these the pipeline runs from
+//! `slice` on.
 
 use crate::BakeError;
+use crate::pipeline::{Outputs, Told, run};
 use crate::recipe::Recipe;
-use crate::stages::detail;
+use crate::stages::assemble::{Content, carried, kept_texture};
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
-use crate::stages::ink::{self, InkTextures};
-use crate::stages::pack::Textures;
-use crate::stages::textures::{self, SLABS};
+use crate::stages::ink;
+use crate::stages::pack::{InkFiles, Skin, SkinFins, SkinInk};
 use crate::strands::tile_hair;
-use pelage_formats::{FinInfo, FurInfo, InkData, Manifest, Package, PackageWriter, Tag};
+use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
-/// The textures of the ink style anew, where `recipe` has them in another format than the package; `None` where they stay, also where a scan would be
+/// The package's skin as it is.
+fn skin<'a>(package: &Package<'a>) -> Result<Skin<'a>, FormatError> {
+    let mut manifest = package.manifest().clone();
+    // What materials name moves along, once each.
+    let (mut images, mut moved) = (Vec::new(), BTreeMap::new());
+    for material in &mut manifest.materials {
+        for index in [&mut material.base_color_texture, &mut material.groom_texture] {
+            let Some(old) = *index else { continue };
+            if let Entry::Vacant(free) = moved.entry(old) {
+                free.insert(images.len() as u32);
+                images.push(kept_texture(package, old)?);
+            }
+            *index = moved.get(&old).copied();
+        }
+    }
+    let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK];
+    let sections = carried(package, |tag| !anew.contains(&tag))?;
+    Ok(Skin { manifest, sections, images, ..Skin::default() })
+}
+
+/// The textures of the ink style: painted anew where `recipe` has them in another format than the package, else as they are, also where a scan would be
 /// needed that is no part of the package.
-fn repainted(
+fn ink_files<'a>(
     file: &str,
-    old: &Manifest,
+    package: &Package<'a>,
+    info: &InkInfo,
     recipe: &Recipe,
-    strands: Option<&Strands>,
-) -> Result<Option<InkTextures>, BakeError> {
-    let own = Recipe::parse(file, &old.recipe)?;
+    strands: &Strands,
+) -> Result<InkFiles<'a>, BakeError> {
+    let own = Recipe::parse(file, &package.manifest().recipe)?;
     let format = |recipe: &Recipe| (recipe.pack.shell_format, recipe.pack.bc_quality);
     let scanned = own.ink.stroke_image.is_some() || own.ink.wash_image.is_some();
-    if scanned || format(&own) == format(recipe) {
-        return Ok(None);
+    if !scanned && format(&own) != format(recipe) {
+        let strands = info.fur_texture.and(Some(strands));
+        return Ok(ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands)?.into());
     }
-    ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands).map(Some)
+    let keep = |index| kept_texture(package, index).map_err(|source| fault(file, source));
+    Ok(InkFiles {
+        stroke: keep(info.stroke_texture)?,
+        wash: keep(info.wash_texture)?,
+        paper: keep(info.paper_texture)?,
+        fur: info.fur_texture.map(keep).transpose()?,
+    })
+}
+
+fn fault(file: &str, source: FormatError) -> BakeError {
+    BakeError::Package { file: file.to_owned(), source }
 }
 
 /// Slices a package as the sections `[slice]`, `[fins]`, `[detail]` and `[pack]` of `recipe` say; what else it says should be the package's own.
@@ -38,105 +73,35 @@ fn repainted(
 /// As [`tile_hair`]; [`BakeError::Params`] for values out of their ranges, [`BakeError::Input`] for a package without fur.
 pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
     recipe.validate()?;
-    let fault = |source| BakeError::Package { file: file.to_owned(), source };
-    let old = package.manifest();
-    let Some(hair) = tile_hair(file, old)? else {
+    let fault = |source| fault(file, source);
+    let manifest: &Manifest = package.manifest();
+    let Some(hair) = tile_hair(file, manifest)? else {
         let reason = "there is none, expected a package with hair to slice".into();
         return Err(BakeError::Input { file: file.into(), place: "the manifest's fur".into(), reason });
     };
-    let with_coat = detail::has_coat(recipe);
-    let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat);
-    let (mut shells, wet) = (slice(&hair.strands)?, hair.wet.as_ref().map(slice).transpose()?);
-    let coat = shells.coat.take();
-    let fins = match (&old.fur.fins, recipe.fins.depth) {
-        (Some(_), Some(depth)) if recipe.fins.enabled => {
-            Some(textures::fin_textures(&hair.strands, depth, &recipe.slice, &recipe.pack)?)
-        }
-        _ => None,
+    let fins = package.fins().map_err(fault)?.map(|fins| Content::Fins(fins.to_data()));
+    // Ink is painted on the skin and after the strands, and neither changes; its textures' format may.
+    let (mut ink, mut ink_textures) = (None, None);
+    if let Some(view) = package.ink().map_err(fault)? {
+        ink_textures = Some(ink_files(file, package, &view.info, recipe, &hair.strands)?);
+        ink = Some(SkinInk {
+            grain_size_m: view.info.grain_size_m,
+            shading: view.info.shading,
+            vertices: view.vertices().collect(),
+            center: None,
+            warnings: Vec::new(),
+        });
+    }
+    let mut outputs = Outputs {
+        hair: Some(hair),
+        fins: Some(SkinFins { section: fins, depth: None }),
+        ink: Some(ink),
+        ink_textures: Some(ink_textures),
+        skin: Some(skin(package).map_err(fault)?),
+        ..Outputs::default()
     };
-
-    let mut textures = Textures::default();
-    let new_shells = textures.add_shells("shell", &shells);
-    // What materials name moves along.
-    let mut moved = vec![None; old.textures.len()];
-    let mut keep = |textures: &mut Textures<'_>, index: Option<u32>| {
-        let Some(index) = index else { return Ok(None) };
-        let slot = &mut moved[index as usize];
-        if slot.is_none() {
-            let sections = package.sections().iter().enumerate().filter(|(_, s)| s.tag == Tag::TEXTURE);
-            let nth = sections.map(|(i, _)| i).nth(index as usize).unwrap_or(usize::MAX);
-            let bytes = package.section_bytes(nth).map_err(fault)?.to_vec();
-            *slot = Some(textures.add(old.textures[index as usize].name.as_str(), bytes));
-        }
-        Ok::<_, BakeError>(*slot)
-    };
-    let mut materials = old.materials.clone();
-    for material in &mut materials {
-        material.base_color_texture = keep(&mut textures, material.base_color_texture)?;
-        material.groom_texture = keep(&mut textures, material.groom_texture)?;
-    }
-    let wet = wet.as_ref().map(|shells| textures.add_shells("wet_shell", shells));
-    let fin_info = fins.as_ref().map(|fins| {
-        let (width, height) = (fins.width, fins.height);
-        let indices = textures.add_shells("fin", &fins.textures);
-        FinInfo {
-            width,
-            height,
-            slabs: SLABS.len() as u32,
-            color_texture: indices.color_texture,
-            direction_texture: indices.direction_texture,
-        }
-    });
-    let with_fins = fin_info.is_some();
-    let mut ink = package.ink().map_err(fault)?.map(|ink| ink.to_data());
-    if let Some(InkData { info, .. }) = &mut ink {
-        // Ink is painted on the skin and after the strands, and neither changes; its textures' format may.
-        let kept = [&mut info.stroke_texture, &mut info.wash_texture, &mut info.paper_texture];
-        if let Some(new) = repainted(file, old, recipe, info.fur_texture.and(Some(&hair.strands)))? {
-            let files = [("ink_stroke", new.stroke), ("ink_wash", new.wash), ("ink_paper", new.paper)];
-            for (index, (name, file)) in kept.into_iter().zip(files) {
-                *index = textures.add(name, file);
-            }
-            info.fur_texture = new.fur.map(|file| textures.add("ink_fur", file));
-        } else {
-            for index in kept {
-                *index = keep(&mut textures, Some(*index))?.unwrap_or(*index);
-            }
-            info.fur_texture = keep(&mut textures, info.fur_texture)?;
-        }
-    }
-    let manifest = Manifest {
-        recipe: recipe.to_toml(),
-        fur: FurInfo {
-            layers: recipe.slice.layers,
-            tile_texels: recipe.slice.tile_texels,
-            color_texture: new_shells.color_texture,
-            direction_texture: new_shells.direction_texture,
-            wet,
-            fins: fin_info,
-            ..old.fur
-        },
-        materials,
-        textures: textures.entries,
-        coat: coat.as_ref().map(|coat| coat.info),
-        detail: detail::levels(&recipe.detail, recipe.slice.layers, coat.as_ref()),
-        choice: None,
-        ..old.clone()
-    };
-    let mut writer = PackageWriter::new(manifest);
-    let sections = || package.sections().iter().enumerate();
-    let made = [Tag::MANIFEST, Tag::TEXTURE, Tag::FINS, Tag::INK];
-    for (index, section) in sections().filter(|(_, s)| !made.contains(&s.tag)) {
-        writer = writer.section(section.tag, package.section_bytes(index).map_err(fault)?);
-    }
-    for file in textures.files {
-        writer = writer.texture(file);
-    }
-    for (index, section) in sections().filter(|(_, s)| with_fins && s.tag == Tag::FINS) {
-        writer = writer.section(section.tag, package.section_bytes(index).map_err(fault)?);
-    }
-    if let Some(ink) = &ink {
-        writer = writer.ink(ink);
-    }
-    writer.finish().map_err(|fault| BakeError::Internal(format!("the package sliced anew does not read back: {fault}")))
+    let told = Told { file, name: &manifest.model, recipe, images: &MapImages::default() };
+    run(&told, &mut outputs, &mut |_| ())?;
+    let packed = outputs.package.map(|packed| packed.bytes);
+    packed.ok_or_else(|| BakeError::Internal("the pipeline ended without a package".into()))
 }

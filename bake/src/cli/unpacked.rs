@@ -7,9 +7,8 @@
 
 use super::mesh_glb;
 use pelage_bake::BakeError;
-use pelage_formats::{
-    Animation, FORMAT_VERSION, FormatError, Limits, Manifest, Package, PackageWriter, Tag, TextureEntry,
-};
+use pelage_bake::stages::assemble::{Content, assemble};
+use pelage_formats::{Animation, FORMAT_VERSION, FormatError, Limits, Manifest, Package, Tag, TextureEntry};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
@@ -137,7 +136,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         fail(MANIFEST, &format!("/{VERSION}"), reason)
     })?;
     let list = list.as_array().ok_or_else(|| fail(MANIFEST, "/sections", format!("found {list}, expected a list")))?;
-    let mut writer = PackageWriter::new(manifest.clone()).version(version);
+    let mut sections = Vec::new();
     // Textures by their files' names, in order: what the manifest's list is checked against below.
     let mut textures = 0;
     for (index, entry) in list.iter().enumerate() {
@@ -164,9 +163,9 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         let bytes =
             read(file)?.ok_or_else(|| fail(file, "", format!("missing, but {MANIFEST} names it at {at}/file")))?;
         let raw = file.ends_with(".bin");
-        writer = match tag {
-            Tag::MESH if !raw => writer.mesh(&mesh_glb::read(&path(file), &bytes)?),
-            Tag::ANIMATION if !raw => writer.animation(&parse(&path(file), &bytes)?),
+        sections.push(match tag {
+            Tag::MESH if !raw => Content::Mesh(mesh_glb::read(&path(file), &bytes)?.into()),
+            Tag::ANIMATION if !raw => Content::Animation(parse::<Animation>(&path(file), &bytes)?.into()),
             Tag::TEXTURE => {
                 let expected = manifest.textures.get(textures).map(|t| format!("{}.ktx2", t.name));
                 if expected.as_deref() != Some(file) {
@@ -175,16 +174,16 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
                 }
                 textures += 1;
                 check_texture(&path(file), &bytes)?;
-                writer.texture(bytes)
+                Content::Texture(bytes.into())
             }
-            _ => writer.section(tag, bytes),
-        };
+            _ => Content::Bytes(tag, bytes.into()),
+        });
     }
     if textures != manifest.textures.len() {
         let reason = format!("{} textures, but /sections lists {textures}", manifest.textures.len());
         return Err(fail(MANIFEST, "/manifest/textures", reason));
     }
-    writer.finish().map_err(|error| {
+    assemble(version, manifest, sections).map_err(|error| {
         let file = match error.section() {
             Some(Tag::MESH) => MESH,
             Some(Tag::ANIMATION) => ANIMATION,
@@ -205,11 +204,12 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
 fn check_texture(file: &str, bytes: &[u8]) -> Result<(), BakeError> {
     const NAME: &str = "texture";
     let named = Manifest { textures: vec![TextureEntry { name: NAME.into() }], ..Manifest::default() };
-    let Err(error) = PackageWriter::new(named).texture(bytes).finish() else { return Ok(()) };
+    let write = |manifest, section| assemble(FORMAT_VERSION, manifest, [section]);
+    let Err(error) = write(named, Content::Texture(bytes.into())) else { return Ok(()) };
     // Where the texture began: an unknown section behind a manifest of the same length stands at the same byte. A name in a
     // list takes eight bytes of length and its letters.
     let same_length = Manifest { generator: " ".repeat(8 + NAME.len()), ..Manifest::default() };
-    let same = PackageWriter::new(same_length).section(Tag(*b"same"), bytes).finish().unwrap_or_default();
+    let same = write(same_length, Content::Bytes(Tag(*b"same"), bytes.into())).unwrap_or_default();
     let base = Package::open(&same, &Limits::default()).ok().and_then(|p| p.sections().get(1).map(|s| s.offset));
     let place = match (error.offset(), base) {
         (Some(offset), Some(base)) if offset >= base => format!("byte {}", offset - base),

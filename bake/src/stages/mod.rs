@@ -3,6 +3,7 @@
 //! A stage is a function of plain data: no file, no clock, no global, and random numbers from the recipe's seed. It knows the stages
 //! whose results it reads and nothing that judges it.
 
+pub mod assemble;
 pub mod detail;
 pub mod fins;
 pub mod groom;

@@ -1,28 +1,95 @@
-//! Everything together into one package: the `pack` stage.
+//! What the stages made in a package's own terms, and all of it together as one: the `pack` stage.
 
+use super::assemble::{Content, NamedTexture, Textures, assemble, carried, lent};
 use crate::BakeError;
 use crate::mesh::Model;
+use crate::recipe::Recipe;
+use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
-use crate::stages::groom::{Coat, Colors};
-use crate::stages::ink::Ink;
+use crate::stages::groom::{Coat, Colors, Lengths};
+use crate::stages::ink::{InkTextures, InkVertices};
 use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
-    AttributeVertex, Bounds, Choice, DetailLevel, FinData, FinInfo, FurInfo, GeometryVertex, InkData, InkInfo,
-    InputRecord, Limits, Manifest, Material, MeshData, Package, PackageWriter, Part, QualityFigure, Shading, Tag,
-    TextureEntry,
+    AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, InkData, InkInfo,
+    InkShading, InkVertex, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading,
 };
-use std::borrow::Cow;
+use std::sync::Arc;
 
-/// What the stages made, ready to be packed.
+/// The skin of a package: what it says of the model, without hair.
+#[derive(Clone, Debug, Default)]
+pub struct Skin<'a> {
+    /// The manifest as far as the model decides it. Textures of materials are indices into `images`; of the fur it has the size of
+    /// the tile, the height, and the numbers of strands and patches.
+    pub manifest: Manifest,
+    /// The sections that stand before the textures: mesh, skeleton and clips, and what other programs added.
+    pub sections: Vec<Content<'a>>,
+    /// Textures of the materials.
+    pub images: Vec<NamedTexture<'a>>,
+    /// Lengths that its recipe may leave open; `None` where the recipe says them.
+    pub lengths: Option<Lengths>,
+    /// Width of the pattern, metres, likewise.
+    pub pattern_size_m: Option<f32>,
+}
+
+/// Fins as they stand on the skin, without their textures.
+#[derive(Clone, Debug, Default)]
+pub struct SkinFins<'a> {
+    /// The section; `None` for a skin without fins.
+    pub section: Option<Content<'a>>,
+    /// Depth of the slab of hair that they should show where the recipe gives none, widths of the tile; `None` where the recipe says it.
+    pub depth: Option<f32>,
+}
+
+/// What each vertex takes of the ink style, without its textures.
+#[derive(Clone, Debug)]
+pub struct SkinInk {
+    /// Period of the wash texture on the skin, metres.
+    pub grain_size_m: f32,
+    /// Constants for drawing.
+    pub shading: InkShading,
+    /// One per vertex of the mesh.
+    pub vertices: Vec<InkVertex>,
+    /// Where the wash begins, metres, if the recipe leaves that open; `None` where it says it.
+    pub center: Option<[f32; 3]>,
+    /// What there was to say.
+    pub warnings: Vec<String>,
+}
+
+/// The textures of the ink style.
+#[derive(Clone, Debug)]
+pub struct InkFiles<'a> {
+    /// The stroke of the sphere map.
+    pub stroke: NamedTexture<'a>,
+    /// The wash.
+    pub wash: NamedTexture<'a>,
+    /// The paper.
+    pub paper: NamedTexture<'a>,
+    /// Strokes of fur, for a model that has some.
+    pub fur: Option<NamedTexture<'a>>,
+}
+
+impl From<InkTextures> for InkFiles<'_> {
+    fn from(made: InkTextures) -> Self {
+        let named = |name: &'static str, file: Vec<u8>| (name.into(), file.into());
+        Self {
+            stroke: named("ink_stroke", made.stroke),
+            wash: named("ink_wash", made.wash),
+            paper: named("ink_paper", made.paper),
+            fur: made.fur.map(|fur| named("ink_fur", fur)),
+        }
+    }
+}
+
+/// What the stages made of a model that is to have a skin.
 #[derive(Clone, Copy, Debug)]
-pub struct Pieces<'a> {
+pub struct SkinPieces<'a> {
     /// Name of the model, for the manifest.
     pub name: &'a str,
     /// The model: materials and motions.
     pub model: &'a Model,
-    /// The files that were read.
+    /// The files that the recipe named, besides the model's.
     pub inputs: &'a [InputRecord],
     /// Its mesh with tile coordinates and frames.
     pub surface: &'a Surface,
@@ -34,130 +101,179 @@ pub struct Pieces<'a> {
     pub colors: &'a Colors,
     /// Box and sphere of the rest pose.
     pub bounds: Bounds,
-    /// The shell volume; its texture indices are filled in here.
-    pub fur: FurInfo,
+    /// Lengths of hair and tile.
+    pub lengths: Lengths,
+    /// Height of the fur, metres.
+    pub height_m: f32,
+    /// Strands in the tile.
+    pub strands: u32,
+    /// Width of the pattern, metres, where there is one.
+    pub pattern_size_m: Option<f32>,
     /// Constants of the lighting equation.
     pub shading: Shading,
-    /// The recipe as resolved, TOML.
-    pub recipe: &'a str,
-    /// The shell textures.
-    pub shells: &'a ShellTextures,
-    /// The shell textures of wet hair, where dry and wet mix.
-    pub wet_shells: Option<&'a ShellTextures>,
-    /// Fins and their textures, or none.
-    pub fins: Option<(&'a EdgeFins, &'a FinTextures)>,
     /// One .ktx2 file per image of `colors`.
     pub base_colors: &'a [Vec<u8>],
     /// The groom textures, .ktx2 files.
     pub groom_textures: &'a [Vec<u8>],
     /// One per material: index into `groom_textures`.
     pub groom_of_material: &'a [Option<usize>],
-    /// What the ink style needs, or none.
-    pub ink: Option<&'a Ink>,
-    /// Levels of detail, finest first.
-    pub detail: &'a [DetailLevel],
-    /// What all stages had to say.
+    /// What the stages before had to say.
     pub warnings: &'a [String],
 }
 
-/// The textures of a package that is being written, in their order.
-#[derive(Default)]
-pub(crate) struct Textures<'a> {
-    /// For the manifest.
-    pub(crate) entries: Vec<TextureEntry>,
-    /// A .ktx2 file for each entry.
-    pub(crate) files: Vec<Cow<'a, [u8]>>,
-}
-
-impl<'a> Textures<'a> {
-    /// Adds a .ktx2 file and returns its index.
-    pub(crate) fn add(&mut self, name: impl Into<String>, file: impl Into<Cow<'a, [u8]>>) -> u32 {
-        self.entries.push(TextureEntry { name: name.into() });
-        self.files.push(file.into());
-        self.files.len() as u32 - 1
-    }
-
-    /// Adds the two textures of a shell volume, their names prefixed.
-    pub(crate) fn add_shells(&mut self, prefix: &str, shells: &'a ShellTextures) -> pelage_formats::ShellTextures {
-        pelage_formats::ShellTextures {
-            color_texture: self.add(format!("{prefix}_color"), &shells.color),
-            direction_texture: self.add(format!("{prefix}_direction"), &shells.direction),
-        }
-    }
-
-    fn add_all(&mut self, prefix: &str, files: &'a [Vec<u8>]) -> Vec<u32> {
-        files.iter().enumerate().map(|(i, file)| self.add(format!("{prefix}_{i}"), file)).collect()
-    }
-}
-
-/// Writes the package; what comes back opens and validates.
-pub fn pack(pieces: &Pieces<'_>) -> Result<Vec<u8>, BakeError> {
-    let Pieces { model, surface, .. } = pieces;
-    let mut textures = Textures::default();
-    let shells = textures.add_shells("shell", pieces.shells);
-    let base_colors = textures.add_all("base_color", pieces.base_colors);
-    let grooms = textures.add_all("groom", pieces.groom_textures);
-    let wet = pieces.wet_shells.map(|shells| textures.add_shells("wet_shell", shells));
-    let fins = pieces.fins.map(|(_, fins)| {
-        let indices = textures.add_shells("fin", &fins.textures);
-        FinInfo {
-            width: fins.width,
-            height: fins.height,
-            slabs: SLABS.len() as u32,
-            color_texture: indices.color_texture,
-            direction_texture: indices.direction_texture,
-        }
-    });
-    let ink = pieces.ink.map(|ink| InkData {
-        info: InkInfo {
-            stroke_texture: textures.add("ink_stroke", &ink.textures.stroke),
-            wash_texture: textures.add("ink_wash", &ink.textures.wash),
-            paper_texture: textures.add("ink_paper", &ink.textures.paper),
-            fur_texture: ink.textures.fur.as_ref().map(|fur| textures.add("ink_fur", fur)),
-            grain_size_m: ink.grain_size_m,
-            shading: ink.shading,
-        },
-        vertices: ink.vertices.vertices.clone(),
-    });
-    let parts = parts(surface);
+/// The skin in a package's terms.
+pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
+    let SkinPieces { model, surface, .. } = *pieces;
+    let mut textures = Vec::new();
+    let mut add_all = |prefix: &str, files: &[Vec<u8>]| {
+        let first = textures.len() as u32;
+        let named = |(i, file): (usize, &Vec<u8>)| (format!("{prefix}_{i}").into(), file.clone().into());
+        textures.extend(files.iter().enumerate().map(named));
+        (first..textures.len() as u32).collect::<Vec<u32>>()
+    };
+    let base_colors = add_all("base_color", pieces.base_colors);
+    let grooms = add_all("groom", pieces.groom_textures);
     let manifest = Manifest {
         generator: concat!("pelage ", env!("CARGO_PKG_VERSION")).into(),
         model: pieces.name.into(),
-        recipe: pieces.recipe.into(),
-        inputs: pieces.inputs.to_vec(),
+        inputs: [&model.inputs[..], pieces.inputs].concat(),
         bounds: pieces.bounds,
         fur: FurInfo {
-            color_texture: shells.color_texture,
-            direction_texture: shells.direction_texture,
-            wet,
-            fins,
-            ..pieces.fur
+            tile_size_m: pieces.lengths.tile_size_m,
+            height_m: pieces.height_m,
+            strands: pieces.strands,
+            patches: surface.measures.patches,
+            ..FurInfo::default()
         },
         shading: pieces.shading,
         materials: materials(pieces, &base_colors, &grooms),
-        parts: parts.clone(),
-        textures: textures.entries,
+        parts: parts(surface),
         quality: quality(surface),
         warnings: pieces.warnings.to_vec(),
-        coat: pieces.shells.coat.as_ref().map(|coat| coat.info),
-        detail: pieces.detail.to_vec(),
-        choice: None,
+        ..Manifest::default()
     };
-    let mut writer = PackageWriter::new(manifest).mesh(&mesh_data(pieces));
-    if let Some(animation) = &model.animation {
-        writer = writer.animation(animation);
+    let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
+    Skin {
+        manifest,
+        sections: std::iter::once(Content::Mesh(Arc::new(mesh_data(pieces)))).chain(animation).collect(),
+        images: textures,
+        lengths: Some(pieces.lengths),
+        pattern_size_m: pieces.pattern_size_m,
     }
-    for file in textures.files {
-        writer = writer.texture(file);
+}
+
+/// The fins of a model in a package's terms.
+pub fn skin_fins(surface: &Surface, fins: &EdgeFins) -> SkinFins<'static> {
+    let section = || Content::Fins(fin_data(fins, &parts(surface)));
+    SkinFins { section: (!fins.fins.is_empty()).then(section), depth: Some(fins.depth) }
+}
+
+/// The ink style of a model in a package's terms.
+pub fn skin_ink(vertices: InkVertices, grain_size_m: f32, shading: InkShading, warnings: Vec<String>) -> SkinInk {
+    let InkVertices { vertices, center } = vertices;
+    SkinInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings }
+}
+
+/// What a package is made of, in its own terms.
+#[derive(Clone, Copy, Debug)]
+pub struct Pieces<'a> {
+    /// The recipe: what it leaves open, the others fill in.
+    pub recipe: &'a Recipe,
+    /// The skin.
+    pub skin: &'a Skin<'a>,
+    /// The shell textures.
+    pub shells: &'a ShellTextures,
+    /// The shell textures of wet hair, where dry and wet mix.
+    pub wet_shells: Option<&'a ShellTextures>,
+    /// The fins.
+    pub fins: &'a SkinFins<'a>,
+    /// Their textures; without them the package has no fins.
+    pub fin_textures: Option<&'a FinTextures>,
+    /// What the ink style needs, or none.
+    pub ink: Option<(&'a SkinInk, &'a InkFiles<'a>)>,
+}
+
+/// Writes the package; what comes back opens and validates. With it what all stages had to say.
+///
+/// # Errors
+/// [`BakeError::Internal`]: the stages before have checked everything that comes from the user.
+pub fn pack(pieces: &Pieces<'_>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
+    let Pieces { recipe, skin, .. } = *pieces;
+    let mut textures = Textures::default();
+    let shells = textures.add_shells("shell", pieces.shells);
+    let images: Vec<u32> = skin.images.iter().map(|image| textures.add(lent(image))).collect();
+    let wet = pieces.wet_shells.map(|shells| textures.add_shells("wet_shell", shells));
+    let fins = pieces.fin_textures.zip(pieces.fins.section.clone()).map(|(made, section)| {
+        let indices = textures.add_shells("fin", &made.textures);
+        let info = FinInfo {
+            width: made.width,
+            height: made.height,
+            slabs: SLABS.len() as u32,
+            color_texture: indices.color_texture,
+            direction_texture: indices.direction_texture,
+        };
+        (info, section)
+    });
+    let ink = pieces.ink.map(|(ink, files)| InkData {
+        info: InkInfo {
+            stroke_texture: textures.add(lent(&files.stroke)),
+            wash_texture: textures.add(lent(&files.wash)),
+            paper_texture: textures.add(lent(&files.paper)),
+            fur_texture: files.fur.as_ref().map(|fur| textures.add(lent(fur))),
+            grain_size_m: ink.grain_size_m,
+            shading: ink.shading,
+        },
+        vertices: ink.vertices.clone(),
+    });
+    let coat = pieces.shells.coat.as_ref();
+    let mut materials = skin.manifest.materials.clone();
+    for material in &mut materials {
+        for index in [&mut material.base_color_texture, &mut material.groom_texture] {
+            *index = index.map(|image| images[image as usize]);
+        }
     }
-    if let Some((fins, _)) = pieces.fins {
-        writer = writer.fins(&fin_data(fins, &parts));
+    let mut warnings = skin.manifest.warnings.clone();
+    warnings.extend(pieces.ink.iter().flat_map(|(ink, _)| ink.warnings.iter().cloned()));
+    let (names, files) = textures.finish();
+    let manifest = Manifest {
+        recipe: resolved(pieces),
+        fur: FurInfo {
+            layers: recipe.slice.layers,
+            tile_texels: recipe.slice.tile_texels,
+            color_texture: shells.color_texture,
+            direction_texture: shells.direction_texture,
+            wet,
+            fins: fins.as_ref().map(|(info, _)| *info),
+            ..skin.manifest.fur
+        },
+        materials,
+        textures: names,
+        warnings: warnings.clone(),
+        coat: coat.map(|coat| coat.info),
+        detail: detail::levels(&recipe.detail, recipe.slice.layers, coat),
+        choice: None,
+        ..skin.manifest.clone()
+    };
+    let fins = fins.map(|(_, section)| section);
+    let sections = skin.sections.iter().cloned().chain(files).chain(fins).chain(ink.map(Content::Ink));
+    let fault = |fault| BakeError::Internal(format!("the package does not read back: {fault}"));
+    Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
+}
+
+/// The recipe, TOML, with everything that was left open filled in.
+fn resolved(pieces: &Pieces<'_>) -> String {
+    let mut recipe = pieces.recipe.clone();
+    if let Some(lengths) = pieces.skin.lengths {
+        recipe.hair.length_m = Some(lengths.length_m);
+        recipe.surface.tile_size_m = Some(lengths.tile_size_m);
     }
-    if let Some(ink) = &ink {
-        writer = writer.ink(ink);
+    recipe.fins.depth = recipe.fins.depth.or(pieces.fins.depth);
+    recipe.color.pattern_size_m = pieces.skin.pattern_size_m.or(recipe.color.pattern_size_m);
+    if let Some((ink, center)) = pieces.ink.and_then(|(ink, _)| Some((ink, ink.center?))) {
+        recipe.ink.center = Some(center);
+        recipe.ink.grain_size_m = Some(ink.grain_size_m);
     }
-    // The stages before have checked everything that comes from the user, so a fault here is ours.
-    writer.finish().map_err(|fault| BakeError::Internal(format!("the package does not read back: {fault}")))
+    recipe.to_toml()
 }
 
 /// The package with the evidence of how its settings were chosen.
@@ -169,18 +285,12 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
     let write = || {
         let opened = Package::open(package, &Limits::default())?;
         let manifest = Manifest { choice: Some(choice), ..opened.manifest().clone() };
-        let mut writer = PackageWriter::new(manifest);
-        for (index, section) in opened.sections().iter().enumerate() {
-            if section.tag != Tag::MANIFEST {
-                writer = writer.section(section.tag, opened.section_bytes(index)?);
-            }
-        }
-        writer.finish()
+        assemble(FORMAT_VERSION, manifest, carried(&opened, |_| true)?)
     };
     write().map_err(|fault| BakeError::Internal(format!("the package with its evidence does not read back: {fault}")))
 }
 
-fn materials(pieces: &Pieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {
+fn materials(pieces: &SkinPieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {
     let convert = |((i, m), color): ((usize, &crate::mesh::Material), &crate::stages::groom::MaterialColor)| Material {
         name: m.name.clone(),
         base_color: color.factor,
@@ -214,12 +324,12 @@ fn fin_data(fins: &EdgeFins, parts: &[Part]) -> FinData {
     FinData { part_counts: parts.iter().map(count).collect(), fins: fins.fins.clone() }
 }
 
-fn mesh_data(pieces: &Pieces<'_>) -> MeshData {
-    let Pieces { surface, coat, colors, .. } = *pieces;
+fn mesh_data(pieces: &SkinPieces<'_>) -> MeshData {
+    let SkinPieces { surface, coat, colors, .. } = *pieces;
     let mesh = &surface.mesh;
     let geometry = (0..mesh.positions.len()).map(|i| GeometryVertex {
         position: mesh.positions[i].into(),
-        fur_height: coat.length[i] * pieces.fur.height_m,
+        fur_height: coat.length[i] * pieces.height_m,
         normal: mesh.normals[i].into(),
         lean: coat.lean[i],
         tangent: surface.tangents[i].into(),

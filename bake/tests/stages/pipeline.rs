@@ -2,7 +2,7 @@
 //! The way through bake, from the built-in models to packages.
 
 use pelage_bake::BakeError;
-use pelage_bake::pipeline::{self, Baked, STAGES};
+use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, Told};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::reslice;
 use pelage_bake::stages::groom::MapImages;
@@ -318,4 +318,80 @@ fn ink_is_in_the_package_unless_it_is_left_out() {
     let without = bake("hare", &recipe).unwrap().package;
     assert!(Package::open(&without, &Limits::default()).unwrap().ink().unwrap().is_none());
     assert!(without.len() + 500_000 < bare.len());
+}
+
+/// Runs the pipeline to its end and returns the package with the stages that ran.
+fn run<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&'static str>), BakeError> {
+    let mut stages = Vec::new();
+    pipeline::run(told, outputs, &mut |stage| stages.push(stage))?;
+    Ok((outputs.package.clone().unwrap().bytes, stages))
+}
+
+/// Every step runs where there is what it says that it reads and nothing else, and does not where one of these is missing; what it makes then is
+/// what it made before.
+#[test]
+fn a_step_reads_what_it_says() {
+    let recipe = recipe("ox");
+    let bytes = asset("models/ox.glb");
+    let model = import("ox", &bytes, &mut |_| panic!("no files"), &ImportOptions::default()).unwrap();
+    let images = MapImages::default();
+    let told = Told { file: "ox", name: "ox", recipe: &recipe, images: &images };
+    let mut whole = Outputs { model: Some(&model), ..Outputs::default() };
+    let (package, stages) = run(&told, &mut whole).unwrap();
+    assert_eq!(stages, STAGES);
+    assert!(
+        whole.fin_textures.clone().unwrap().is_some() && whole.ink.clone().unwrap().is_some(),
+        "nothing is left out"
+    );
+    assert_eq!(run(&told, &mut whole).unwrap(), (package.clone(), vec![]), "everything is there already");
+    assert_eq!(
+        STEPS.iter().map(|step| step.makes).collect::<Vec<_>>(),
+        Output::ALL[1..],
+        "each is made once, in order"
+    );
+    for step in STEPS {
+        let only = |kept: &[Output]| {
+            let mut outputs = whole.clone();
+            Output::ALL.iter().filter(|output| !kept.contains(output)).for_each(|output| outputs.clear(*output));
+            outputs
+        };
+        let mut made = only(step.reads);
+        step.run(&told, &mut made).unwrap_or_else(|error| panic!("{:?}: {error}", step.makes));
+        assert!(made.has(step.makes));
+        for missing in step.reads {
+            let rest: Vec<_> = step.reads.iter().copied().filter(|read| read != missing).collect();
+            let error = step.run(&told, &mut only(&rest)).unwrap_err().to_string();
+            assert!(error.contains(&format!("{missing:?} is not there")), "{:?}: {error}", step.makes);
+        }
+        // The package that is made of it is the same.
+        let mut again = whole.clone();
+        again.forget(step.makes);
+        assert!(!again.has(step.makes) && !again.has(Output::Package));
+        let (same, stages) = run(&told, &mut again).unwrap();
+        assert!(same == package, "{:?} made again", step.makes);
+        assert_eq!(stages[0], step.stage);
+    }
+}
+
+/// With another recipe, the pipeline from the first step on that reads what changed is a whole bake.
+#[test]
+fn from_here_on_is_a_whole_bake() {
+    let first = recipe("torus");
+    let mut other = first.clone();
+    other.slice.layers = 6;
+    other.slice.tile_texels = 32;
+    let bytes = asset("models/torus.glb");
+    let model = import("torus", &bytes, &mut |_| panic!("no files"), &ImportOptions::default()).unwrap();
+    let images = MapImages::default();
+    let told = |recipe| Told { file: "torus", name: "torus", recipe, images: &images };
+    let mut outputs = Outputs { model: Some(&model), ..Outputs::default() };
+    run(&told(&first), &mut outputs).unwrap();
+    outputs.forget(Output::Shells);
+    outputs.forget(Output::FinTextures);
+    let (package, stages) = run(&told(&other), &mut outputs).unwrap();
+    assert_eq!(stages, ["slice", "fins", "pack"]);
+    assert!(package == bake("torus", &other).unwrap().package);
+    // What nothing makes must be given.
+    let error = run(&told(&first), &mut Outputs::default()).unwrap_err();
+    assert!(matches!(&error, BakeError::Internal(reason) if reason.contains("Model is not there")), "{error}");
 }

@@ -55,7 +55,7 @@ impl Topic for SurfaceTopic<'_> {
         let (mut seconds, mut measures) = (Vec::new(), None);
         while seconds.len() < RUNS && seconds.iter().sum::<f64>() < LONG_S {
             let begun = Instant::now();
-            let laid = pipeline::lay(file, model, recipe, images, &mut Vec::new())?;
+            let laid = pipeline::lay(file, model, recipe, images)?;
             seconds.push(begun.elapsed().as_secs_f64());
             measures = Some(laid.surface.measures);
         }

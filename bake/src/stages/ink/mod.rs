@@ -52,19 +52,6 @@ pub struct InkTextures {
 /// then a few times smaller than it.
 const GRAIN_PER_RADIUS: f32 = 0.8;
 
-/// What the `ink` stage hands on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ink {
-    /// Its textures.
-    pub textures: InkTextures,
-    /// Its vertices, and where its wash begins.
-    pub vertices: InkVertices,
-    /// Period of the wash texture on the skin, metres.
-    pub grain_size_m: f32,
-    /// Constants for drawing.
-    pub shading: InkShading,
-}
-
 impl From<&InkParams> for InkShading {
     fn from(p: &InkParams) -> Self {
         Self {
@@ -79,34 +66,28 @@ impl From<&InkParams> for InkShading {
     }
 }
 
-/// The stage: paints the textures, and finds what each vertex takes of them.
+/// What each vertex takes of the textures, the period of the wash on the skin in metres, and the constants for drawing.
 ///
-/// * `strands`: the hair of the coat's tile, where the model has a coat
+/// # Errors
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] if an image was not read.
+pub fn on_skin(
+    params: &InkParams,
+    canvas: &Canvas<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<(InkVertices, f32, InkShading), BakeError> {
+    params.validate()?;
+    let shading = InkShading::from(params);
+    let vertices = vertices(params, &shading, canvas, warnings)?;
+    // A model of one point has no size to go by.
+    let radius = if canvas.radius > 0.0 { canvas.radius } else { 1.0 };
+    Ok((vertices, params.grain_size_m.unwrap_or(GRAIN_PER_RADIUS * radius), shading))
+}
+
+/// Paints and encodes the textures. Where there are strands, those of the tile of a furred model, their fur is painted, too.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used, [`BakeError::Internal`] if the encoder
 /// fails or an image was not read.
-pub fn ink(
-    params: &InkParams,
-    pack: &PackParams,
-    canvas: &Canvas<'_>,
-    strands: Option<&Strands>,
-    warnings: &mut Vec<String>,
-) -> Result<Ink, BakeError> {
-    params.validate()?;
-    let shading = InkShading::from(params);
-    let vertices = vertices(params, &shading, canvas, warnings)?;
-    let textures = textures(params, pack, canvas.images, strands)?;
-    // A model of one point has no size to go by.
-    let radius = if canvas.radius > 0.0 { canvas.radius } else { 1.0 };
-    let grain_size_m = params.grain_size_m.unwrap_or(GRAIN_PER_RADIUS * radius);
-    Ok(Ink { textures, vertices, grain_size_m, shading })
-}
-
-/// Paints and encodes the textures. Where there are strands, their fur is painted, too.
-///
-/// # Errors
-/// As [`ink()`].
 pub fn textures(
     params: &InkParams,
     pack: &PackParams,
