@@ -2,16 +2,11 @@
 
 use anyhow::{Context as _, ensure};
 use glam::{DVec3, DVec4};
+use pelage_glb::{Buffer, Component, ViewTarget, bounds, container};
 use serde_json::{Value, json};
 
 /// Up to four joints with their weights, which sum to one.
 pub type Weights = [(u8, f64); 4];
-
-const ARRAY_BUFFER: u32 = 34962;
-const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-const UNSIGNED_BYTE: u32 = 5121;
-const UNSIGNED_SHORT: u32 = 5123;
-const FLOAT: u32 = 5126;
 
 /// A model ready to be written.
 #[derive(Clone, Debug)]
@@ -152,55 +147,13 @@ impl Primitive {
     }
 }
 
-#[derive(Default)]
-struct Buffer {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Buffer {
-    /// Appends one accessor in a buffer view of its own; `more` holds its keys beyond the common ones.
-    fn push(
-        &mut self,
-        bytes: &[u8],
-        target: Option<u32>,
-        component: u32,
-        kind: &str,
-        count: usize,
-        more: Value,
-    ) -> usize {
-        let mut view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
-        if let Some(target) = target {
-            view["target"] = target.into();
-        }
-        self.bytes.extend_from_slice(bytes);
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let mut accessor =
-            json!({"bufferView": self.views.len(), "componentType": component, "count": count, "type": kind});
-        if let (Value::Object(accessor), Value::Object(more)) = (&mut accessor, more) {
-            accessor.extend(more);
-        }
-        self.views.push(view);
-        self.accessors.push(accessor);
-        self.accessors.len() - 1
-    }
-
-    /// Little-endian floats; with the bounds of `width`-tuples where glTF asks for them.
-    fn push_floats(&mut self, values: &[f64], width: usize, target: Option<u32>, bounds: bool) -> usize {
-        let floats: Vec<f32> = values.iter().map(|&x| x as f32).collect();
-        let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
-        let kind = ["", "SCALAR", "VEC2", "VEC3", "VEC4"].get(width).copied().unwrap_or("MAT4");
-        let more = if bounds {
-            let column = |k: usize| floats.iter().copied().skip(k).step_by(width);
-            let low: Vec<f32> = (0..width).map(|k| column(k).fold(f32::INFINITY, f32::min)).collect();
-            let high: Vec<f32> = (0..width).map(|k| column(k).fold(f32::NEG_INFINITY, f32::max)).collect();
-            json!({"min": low, "max": high})
-        } else {
-            json!({})
-        };
-        self.push(&bytes, target, FLOAT, kind, floats.len() / width, more)
-    }
+/// Appends little-endian floats; with the bounds of `width`-tuples where glTF asks for them.
+fn push_floats(buffer: &mut Buffer, values: &[f64], width: usize, target: Option<ViewTarget>, bounded: bool) -> usize {
+    let floats: Vec<f32> = values.iter().map(|&x| x as f32).collect();
+    let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let kind = ["", "SCALAR", "VEC2", "VEC3", "VEC4"].get(width).copied().unwrap_or("MAT4");
+    let more = if bounded { bounds(&floats, width) } else { json!({}) };
+    buffer.push(&bytes, target, Component::Float, kind, floats.len() / width, more)
 }
 
 fn flat(vectors: &[DVec3]) -> Vec<f64> {
@@ -236,7 +189,7 @@ impl Model {
         if let Some(joints) = &self.skeleton {
             // Joint j is node j + 1: the mesh's node comes first.
             let matrices: Vec<f64> = joints.iter().flat_map(|j| inverse_translation(j.world)).collect();
-            let inverse = buffer.push_floats(&matrices, 16, None, false);
+            let inverse = push_floats(&mut buffer, &matrices, 16, None, false);
             let joint_nodes: Vec<usize> = (1..=joints.len()).collect();
             root["skins"] = json!([{"inverseBindMatrices": inverse, "skeleton": 1, "joints": joint_nodes}]);
             root["nodes"][0]["skin"] = 0.into();
@@ -258,34 +211,37 @@ impl Model {
             root["animations"] = self.clips.iter().map(|c| c.to_json(&mut buffer)).collect();
         }
         root["buffers"] = json!([{"byteLength": buffer.bytes.len()}]);
-        root["bufferViews"] = buffer.views.into();
-        root["accessors"] = buffer.accessors.into();
-        container(&root, &buffer.bytes)
+        root["bufferViews"] = buffer.layout.views.into();
+        root["accessors"] = buffer.layout.accessors.into();
+        container(&root, &buffer.bytes).context("writing a .glb")
     }
 
     fn write_primitive(&self, buffer: &mut Buffer, p: &Primitive) -> anyhow::Result<Value> {
         let n = p.len();
         ensure!(n <= 65535, "primitive {:?} has {n} vertices; 16-bit indices reach 65535", p.name);
-        let vertex = Some(ARRAY_BUFFER);
+        let vertex = Some(ViewTarget::Vertices);
         let uvs: Vec<f64> = p.uvs.iter().flatten().copied().collect();
         let mut attributes = json!({
-            "POSITION": buffer.push_floats(&flat(&p.positions), 3, vertex, true),
-            "NORMAL": buffer.push_floats(&flat(&p.normals), 3, vertex, false),
-            "TEXCOORD_0": buffer.push_floats(&uvs, 2, vertex, false),
+            "POSITION": push_floats(buffer, &flat(&p.positions), 3, vertex, true),
+            "NORMAL": push_floats(buffer, &flat(&p.normals), 3, vertex, false),
+            "TEXCOORD_0": push_floats(buffer, &uvs, 2, vertex, false),
         });
         let level = |x: f64| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
         let colors: Vec<u8> = p.colors.iter().flat_map(|c| c.to_array().map(level)).collect();
         let normalized = json!({"normalized": true});
-        attributes["COLOR_0"] = buffer.push(&colors, vertex, UNSIGNED_BYTE, "VEC4", n, normalized.clone()).into();
+        attributes["COLOR_0"] =
+            buffer.push(&colors, vertex, Component::UnsignedByte, "VEC4", n, normalized.clone()).into();
         if self.skeleton.is_some() {
             let joints: Vec<u8> = p.weights.iter().flat_map(|w| w.map(|(j, _)| j)).collect();
             let weights: Vec<u8> = p.weights.iter().flat_map(quantise_weights).flat_map(u16::to_le_bytes).collect();
-            attributes["JOINTS_0"] = buffer.push(&joints, vertex, UNSIGNED_BYTE, "VEC4", n, json!({})).into();
-            attributes["WEIGHTS_0"] = buffer.push(&weights, vertex, UNSIGNED_SHORT, "VEC4", n, normalized).into();
+            attributes["JOINTS_0"] = buffer.push(&joints, vertex, Component::UnsignedByte, "VEC4", n, json!({})).into();
+            attributes["WEIGHTS_0"] =
+                buffer.push(&weights, vertex, Component::UnsignedShort, "VEC4", n, normalized).into();
         }
         let indices: Vec<u8> = p.triangles.iter().flatten().flat_map(|&v| (v as u16).to_le_bytes()).collect();
         let count = 3 * p.triangles.len();
-        let indices = buffer.push(&indices, Some(ELEMENT_ARRAY_BUFFER), UNSIGNED_SHORT, "SCALAR", count, json!({}));
+        let indices =
+            buffer.push(&indices, Some(ViewTarget::Indices), Component::UnsignedShort, "SCALAR", count, json!({}));
         Ok(json!({
             "attributes": attributes,
             "indices": indices,
@@ -323,8 +279,8 @@ impl Clip {
                 Interpolation::Linear => "LINEAR",
                 Interpolation::CubicSpline => "CUBICSPLINE",
             };
-            let input = buffer.push_floats(&channel.times, 1, None, true);
-            let output = buffer.push_floats(&channel.values, width, None, false);
+            let input = push_floats(buffer, &channel.times, 1, None, true);
+            let output = push_floats(buffer, &channel.values, width, None, false);
             samplers.push(json!({"input": input, "interpolation": interpolation, "output": output}));
             channels.push(json!({"sampler": i, "target": {"node": channel.joint + 1, "path": path}}));
         }
@@ -334,21 +290,4 @@ impl Clip {
 
 fn inverse_translation(at: DVec3) -> [f64; 16] {
     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -at.x, -at.y, -at.z, 1.0]
-}
-
-/// Header, JSON chunk padded with spaces, binary chunk padded with zeros (glTF 2.0, section 4.4).
-pub fn container(root: &Value, binary: &[u8]) -> anyhow::Result<Vec<u8>> {
-    let mut text = serde_json::to_vec(root)?;
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let total = u32::try_from(12 + 8 + text.len() + 8 + binary.len()).context("a .glb holds at most 4 GiB")?;
-    let mut glb = Vec::with_capacity(total as usize);
-    glb.extend(b"glTF");
-    glb.extend(2_u32.to_le_bytes());
-    glb.extend(total.to_le_bytes());
-    for (tag, chunk) in [(b"JSON", text.as_slice()), (b"BIN\0", binary)] {
-        glb.extend((chunk.len() as u32).to_le_bytes());
-        glb.extend(tag);
-        glb.extend(chunk);
-    }
-    Ok(glb)
 }

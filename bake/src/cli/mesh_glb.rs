@@ -7,92 +7,55 @@
 use bytemuck::{Pod, Zeroable};
 use pelage_bake::BakeError;
 use pelage_formats::{AttributeVertex, GeometryVertex, Manifest, MeshData, SkinVertex};
+use pelage_glb::{Buffer, Component, ViewTarget, bounds, container};
 use serde_json::{Value, json};
 
-const FLOAT: u64 = 5126;
-const UNSIGNED_BYTE: u64 = 5121;
-const UNSIGNED_SHORT: u64 = 5123;
-const UNSIGNED_INT: u64 = 5125;
-const ARRAY_BUFFER: u64 = 34962;
-const ELEMENT_ARRAY_BUFFER: u64 = 34963;
-
-/// The BIN chunk while it grows, with its views and accessors.
-#[derive(Default)]
-struct Bin {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
+/// One vertex attribute; returns its accessor.
+fn attribute<T: Pod>(buffer: &mut Buffer, values: &[T], component: Component, kind: &str, more: Value) -> usize {
+    buffer.push(bytemuck::cast_slice(values), Some(ViewTarget::Vertices), component, kind, values.len(), more)
 }
 
-impl Bin {
-    fn view(&mut self, bytes: &[u8], target: u64) -> usize {
-        let offset = self.bytes.len();
-        self.bytes.extend_from_slice(bytes);
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.views.push(json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len(), "target": target }));
-        self.views.len() - 1
-    }
-
-    /// One vertex attribute; returns its accessor.
-    fn attribute<T: Pod>(&mut self, values: &[T], component: u64, kind: &str) -> usize {
-        let view = self.view(bytemuck::cast_slice(values), ARRAY_BUFFER);
-        self.accessors
-            .push(json!({ "bufferView": view, "componentType": component, "count": values.len(), "type": kind }));
-        self.accessors.len() - 1
-    }
-}
-
-/// Writes `mesh` as .glb; `None` for a mesh without vertices or triangles, which glTF cannot hold.
+/// Writes `mesh` as .glb; `None` for a mesh without vertices or triangles, or of more than 4 GiB, which glTF cannot hold.
 pub fn write(mesh: &MeshData, manifest: &Manifest) -> Option<Vec<u8>> {
     if mesh.geometry.is_empty() || mesh.indices.is_empty() {
         return None;
     }
-    let mut bin = Bin::default();
+    use Component::{Float, UnsignedByte, UnsignedInt, UnsignedShort};
+    let mut bin = Buffer::default();
+    let mut attributes = json!({});
+    let mut add = |name: &str, accessor: usize| attributes[name] = accessor.into();
+    let plain = || json!({});
+    let normalized = || json!({ "normalized": true });
     let g = |f: fn(&GeometryVertex) -> [f32; 3]| mesh.geometry.iter().map(f).collect::<Vec<_>>();
     let positions = g(|v| v.position);
-    let position = bin.attribute(&positions, FLOAT, "VEC3");
-    let bound = |pick: fn(f32, f32) -> f32| {
-        (0..3).map(|axis| positions.iter().map(|p| p[axis]).reduce(pick).unwrap_or(0.0)).collect::<Vec<_>>()
-    };
-    bin.accessors[position]["min"] = json!(bound(f32::min));
-    bin.accessors[position]["max"] = json!(bound(f32::max));
-    let mut attributes = json!({ "POSITION": position, "NORMAL": bin.attribute(&g(|v| v.normal), FLOAT, "VEC3") });
+    add("POSITION", attribute(&mut bin, &positions, Float, "VEC3", bounds(bytemuck::cast_slice(&positions), 3)));
+    add("NORMAL", attribute(&mut bin, &g(|v| v.normal), Float, "VEC3", plain()));
     let tangents: Vec<_> = mesh.geometry.iter().map(|v| v.tangent).collect();
-    attributes["TANGENT"] = bin.attribute(&tangents, FLOAT, "VEC4").into();
+    add("TANGENT", attribute(&mut bin, &tangents, Float, "VEC4", plain()));
     let base_uvs: Vec<_> = mesh.attributes.iter().map(|v| v.base_uv).collect();
-    attributes["TEXCOORD_0"] = bin.attribute(&base_uvs, FLOAT, "VEC2").into();
+    add("TEXCOORD_0", attribute(&mut bin, &base_uvs, Float, "VEC2", plain()));
     let colors: Vec<_> = mesh.attributes.iter().map(|v| v.color).collect();
-    let color = bin.attribute(&colors, UNSIGNED_BYTE, "VEC4");
-    bin.accessors[color]["normalized"] = true.into();
-    attributes["COLOR_0"] = color.into();
+    add("COLOR_0", attribute(&mut bin, &colors, UnsignedByte, "VEC4", normalized()));
     if !mesh.skin.is_empty() {
         let joints: Vec<_> = mesh.skin.iter().map(|v| v.joints).collect();
+        add("JOINTS_0", attribute(&mut bin, &joints, UnsignedShort, "VEC4", plain()));
         let weights: Vec<_> = mesh.skin.iter().map(|v| v.weights).collect();
-        attributes["JOINTS_0"] = bin.attribute(&joints, UNSIGNED_SHORT, "VEC4").into();
-        attributes["WEIGHTS_0"] = bin.attribute(&weights, FLOAT, "VEC4").into();
+        add("WEIGHTS_0", attribute(&mut bin, &weights, Float, "VEC4", plain()));
     }
     let heights: Vec<_> = mesh.geometry.iter().map(|v| v.fur_height).collect();
-    attributes["_FUR_HEIGHT"] = bin.attribute(&heights, FLOAT, "SCALAR").into();
+    add("_FUR_HEIGHT", attribute(&mut bin, &heights, Float, "SCALAR", plain()));
     let tile_uvs: Vec<_> = mesh.attributes.iter().map(|v| v.tile_uv).collect();
-    attributes["_TILE_UV"] = bin.attribute(&tile_uvs, FLOAT, "VEC2").into();
+    add("_TILE_UV", attribute(&mut bin, &tile_uvs, Float, "VEC2", plain()));
     let leans: Vec<_> = mesh.geometry.iter().map(|v| v.lean).collect();
-    attributes["_LEAN"] = bin.attribute(&leans, FLOAT, "SCALAR").into();
+    add("_LEAN", attribute(&mut bin, &leans, Float, "SCALAR", plain()));
     let grooms: Vec<_> = mesh.attributes.iter().map(|v| v.groom).collect();
-    let groom = bin.attribute(&grooms, UNSIGNED_BYTE, "VEC4");
-    bin.accessors[groom]["normalized"] = true.into();
-    attributes["_GROOM"] = groom.into();
+    add("_GROOM", attribute(&mut bin, &grooms, UnsignedByte, "VEC4", normalized()));
 
-    let index_view = bin.view(bytemuck::cast_slice(&mesh.indices), ELEMENT_ARRAY_BUFFER);
+    let index_view = bin.view(bytemuck::cast_slice(&mesh.indices), Some(ViewTarget::Indices));
     let mut primitives = Vec::new();
     for part in manifest.parts.iter().filter(|p| p.index_count > 0) {
-        bin.accessors.push(json!({
-            "bufferView": index_view,
-            "byteOffset": u64::from(part.first_index) * 4,
-            "componentType": UNSIGNED_INT,
-            "count": part.index_count,
-            "type": "SCALAR",
-        }));
-        let indices = bin.accessors.len() - 1;
+        let (offset, count) = (u64::from(part.first_index) * 4, part.index_count as usize);
+        let indices = bin.layout.accessor(index_view, Some(offset), UnsignedInt, "SCALAR", count, plain());
         primitives.push(json!({ "attributes": attributes, "indices": indices, "material": part.material }));
     }
     let materials: Vec<_> = manifest
@@ -115,30 +78,15 @@ pub fn write(mesh: &MeshData, manifest: &Manifest) -> Option<Vec<u8>> {
         "scenes": [{ "nodes": [0] }],
         "nodes": [{ "mesh": 0, "name": manifest.model }],
         "meshes": [{ "primitives": primitives }],
-        "accessors": bin.accessors,
-        "bufferViews": bin.views,
+        "accessors": bin.layout.accessors,
+        "bufferViews": bin.layout.views,
         "buffers": [{ "byteLength": bin.bytes.len() }],
     });
     // glTF forbids empty lists.
     if !materials.is_empty() {
         document["materials"] = materials.into();
     }
-    Some(container(&document, &bin.bytes))
-}
-
-/// glTF 2.0, section 4.4: twelve bytes of header, then a JSON and a BIN chunk.
-fn container(document: &Value, bin: &[u8]) -> Vec<u8> {
-    let mut text = document.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut out = b"glTF".to_vec();
-    out.extend_from_slice(&2u32.to_le_bytes());
-    out.extend_from_slice(&((12 + 8 + text.len() + 8 + bin.len()) as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", text.as_slice()), (b"BIN\0", bin)] {
-        out.extend_from_slice(&(chunk.len() as u32).to_le_bytes());
-        out.extend_from_slice(kind);
-        out.extend_from_slice(chunk);
-    }
-    out
+    container(&document, &bin.bytes).ok()
 }
 
 /// Reads what [`fn@write`] wrote, also after an edit: primitives of the first mesh one after the other, in vertex sets of their own
@@ -166,7 +114,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<MeshData, BakeError> {
             }
         };
         previous = Some((attributes, base));
-        for index in glb.accessor::<u32>(&format!("{at}/indices"), UNSIGNED_INT, "SCALAR")? {
+        for index in glb.accessor::<u32>(&format!("{at}/indices"), Component::UnsignedInt, "SCALAR")? {
             let index = u32::try_from(base).ok().and_then(|base| index.checked_add(base));
             mesh.indices.push(index.ok_or_else(|| glb.fail(&format!("{at}/indices"), "an index exceeds 32 bits"))?);
         }
@@ -226,13 +174,18 @@ impl Glb<'_> {
     }
 
     /// Elements of the accessor whose index stands at `pointer`.
-    fn accessor<T: Pod + Zeroable>(&self, pointer: &str, component: u64, kind: &str) -> Result<Vec<T>, BakeError> {
+    fn accessor<T: Pod + Zeroable>(
+        &self,
+        pointer: &str,
+        component: Component,
+        kind: &str,
+    ) -> Result<Vec<T>, BakeError> {
         let at = format!("/accessors/{}", self.number(pointer)?);
         let (found, found_kind) =
             (self.number(&format!("{at}/componentType"))? as u64, self.document.pointer(&format!("{at}/type")));
-        if found != component || found_kind.and_then(Value::as_str) != Some(kind) {
+        if found != component as u64 || found_kind.and_then(Value::as_str) != Some(kind) {
             let found_kind = found_kind.cloned().unwrap_or_default();
-            let reason = format!("component type {found}, {found_kind}: expected {component}, \"{kind}\"");
+            let reason = format!("component type {found}, {found_kind}: expected {}, \"{kind}\"", component as u64);
             return Err(self.fail(&at, reason));
         }
         if self.document.pointer(&format!("{at}/sparse")).is_some() {
@@ -263,23 +216,23 @@ impl Glb<'_> {
 
     fn append_vertices(&self, at: &str, mesh: &mut MeshData) -> Result<(), BakeError> {
         let name = |attribute: &str| format!("{at}/{attribute}");
-        let positions: Vec<[f32; 3]> = self.accessor(&name("POSITION"), FLOAT, "VEC3")?;
+        let positions: Vec<[f32; 3]> = self.accessor(&name("POSITION"), Component::Float, "VEC3")?;
         let n = positions.len();
-        let normals: Vec<[f32; 3]> = self.sized(&name("NORMAL"), FLOAT, "VEC3", n)?;
-        let tangents: Vec<[f32; 4]> = self.sized(&name("TANGENT"), FLOAT, "VEC4", n)?;
-        let heights: Vec<f32> = self.sized(&name("_FUR_HEIGHT"), FLOAT, "SCALAR", n)?;
-        let leans: Vec<f32> = self.sized(&name("_LEAN"), FLOAT, "SCALAR", n)?;
-        let grooms: Vec<[u8; 4]> = self.sized(&name("_GROOM"), UNSIGNED_BYTE, "VEC4", n)?;
-        let tile_uvs: Vec<[f32; 2]> = self.sized(&name("_TILE_UV"), FLOAT, "VEC2", n)?;
-        let base_uvs: Vec<[f32; 2]> = self.sized(&name("TEXCOORD_0"), FLOAT, "VEC2", n)?;
-        let colors: Vec<[u8; 4]> = self.sized(&name("COLOR_0"), UNSIGNED_BYTE, "VEC4", n)?;
+        let normals: Vec<[f32; 3]> = self.sized(&name("NORMAL"), Component::Float, "VEC3", n)?;
+        let tangents: Vec<[f32; 4]> = self.sized(&name("TANGENT"), Component::Float, "VEC4", n)?;
+        let heights: Vec<f32> = self.sized(&name("_FUR_HEIGHT"), Component::Float, "SCALAR", n)?;
+        let leans: Vec<f32> = self.sized(&name("_LEAN"), Component::Float, "SCALAR", n)?;
+        let grooms: Vec<[u8; 4]> = self.sized(&name("_GROOM"), Component::UnsignedByte, "VEC4", n)?;
+        let tile_uvs: Vec<[f32; 2]> = self.sized(&name("_TILE_UV"), Component::Float, "VEC2", n)?;
+        let base_uvs: Vec<[f32; 2]> = self.sized(&name("TEXCOORD_0"), Component::Float, "VEC2", n)?;
+        let colors: Vec<[u8; 4]> = self.sized(&name("COLOR_0"), Component::UnsignedByte, "VEC4", n)?;
         let skinned = self.document.pointer(&name("JOINTS_0")).is_some();
         if !mesh.geometry.is_empty() && skinned == mesh.skin.is_empty() {
             return Err(self.fail(at, "expected JOINTS_0 in all primitives or in none"));
         }
         if skinned {
-            let joints: Vec<[u16; 4]> = self.sized(&name("JOINTS_0"), UNSIGNED_SHORT, "VEC4", n)?;
-            let weights: Vec<[f32; 4]> = self.sized(&name("WEIGHTS_0"), FLOAT, "VEC4", n)?;
+            let joints: Vec<[u16; 4]> = self.sized(&name("JOINTS_0"), Component::UnsignedShort, "VEC4", n)?;
+            let weights: Vec<[f32; 4]> = self.sized(&name("WEIGHTS_0"), Component::Float, "VEC4", n)?;
             mesh.skin.extend(joints.into_iter().zip(weights).map(|(joints, weights)| SkinVertex { joints, weights }));
         }
         for i in 0..n {
@@ -297,7 +250,13 @@ impl Glb<'_> {
     }
 
     /// [`Self::accessor`] of exactly `count` elements.
-    fn sized<T: Pod>(&self, pointer: &str, component: u64, kind: &str, count: usize) -> Result<Vec<T>, BakeError> {
+    fn sized<T: Pod>(
+        &self,
+        pointer: &str,
+        component: Component,
+        kind: &str,
+        count: usize,
+    ) -> Result<Vec<T>, BakeError> {
         let values = self.accessor(pointer, component, kind)?;
         if values.len() != count {
             return Err(self.fail(pointer, format!("{} elements, expected the {count} of POSITION", values.len())));

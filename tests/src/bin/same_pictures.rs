@@ -14,7 +14,7 @@
 
 use anyhow::{Context as _, bail, ensure};
 use image::{Rgba, RgbaImage};
-use pelage_assets::glb::container;
+use pelage_glb::container;
 use pelage_tests::binary::workspace;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -40,6 +40,13 @@ fn formats_knows_no_gpu_no_thread_pool_and_no_tool() {
 }
 
 #[test]
+fn glb_knows_json_and_nothing_else() {
+    let never = ["wgpu", "naga", "rayon", "clap", "image", "glam", "tempfile", "pelage-formats", "pelage-runtime"];
+    assert_floor("pelage-glb", &[], &["serde_json"], &never);
+    assert_floor("pelage-formats", &[], &[], &["pelage-glb", "serde_json"]);
+}
+
+#[test]
 fn params_know_text_and_nothing_else() {
     let never = ["wgpu", "naga", "rayon", "clap", "image", "glam", "tempfile", "pelage-formats", "pelage-runtime"];
     assert_floor("pelage-params", &[], &["serde", "toml"], &never);

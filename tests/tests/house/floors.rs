@@ -20,9 +20,9 @@ const RUNTIME: [&[&str]; 12] = [
     &["renderer"],
 ];
 
-/// Floors of bake: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, what judges a
+/// Floors of bake: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, what runs a part of it, what judges a
 /// bake, and the command. Strands never see who judges by them, and no stage sees either.
-const BAKE: [&[&str]; 10] = [
+const BAKE: [&[&str]; 11] = [
     &["error", "noise", "angle"],
     &["mesh", "mask"],
     &["image_file", "sample"],
@@ -30,7 +30,8 @@ const BAKE: [&[&str]; 10] = [
     &["recipe"],
     &["stages"],
     &["strands", "io"],
-    &["pipeline", "reslice"],
+    &["pipeline"],
+    &["reslice"],
     &["judge"],
     &["cli"],
 ];

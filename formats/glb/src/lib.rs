@@ -1,0 +1,223 @@
+//! Binary glTF 2.0 as pelage writes it: the buffer with its views and accessors, and the container about document and buffer.
+//!
+//! The document is the caller's: which meshes, skins and clips there are differs from writer to writer. What they have in common
+//! stands here, because strands, meshes of packages and the project's own models are written by crates that know nothing of each
+//! other. Reading is another matter: `pelage bake` reads whatever the world's exporters write.
+//!
+//! ```
+//! use pelage_glb::{Buffer, Component, ViewTarget, container};
+//! use serde_json::json;
+//! let mut buffer = Buffer::default();
+//! let bytes: Vec<u8> = [0.0f32, 1.0, 2.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+//! let times = buffer.push(&bytes, Some(ViewTarget::Vertices), Component::Float, "SCALAR", 3, json!({ "min": [0.0] }));
+//! assert_eq!(times, 0);
+//! let document = json!({ "asset": { "version": "2.0" }, "accessors": buffer.layout.accessors });
+//! assert!(container(&document, &buffer.bytes)?.starts_with(b"glTF"));
+//! # Ok::<(), std::io::Error>(())
+//! ```
+
+use serde_json::{Value, json};
+use std::io::{self, Write};
+
+/// Type of a component, with its number in glTF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Component {
+    /// `u8`.
+    UnsignedByte = 5121,
+    /// `u16`.
+    UnsignedShort = 5123,
+    /// `u32`.
+    UnsignedInt = 5125,
+    /// `f32`.
+    Float = 5126,
+}
+
+/// What a view's bytes are for, with its number in glTF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewTarget {
+    /// Vertex attributes.
+    Vertices = 34962,
+    /// Vertex indices.
+    Indices = 34963,
+}
+
+/// Views and accessors of a buffer whose bytes are written elsewhere.
+#[derive(Clone, Debug, Default)]
+pub struct Layout {
+    /// Bytes of the buffer so far, a multiple of 4.
+    pub length: usize,
+    /// For the document's `bufferViews`.
+    pub views: Vec<Value>,
+    /// For the document's `accessors`.
+    pub accessors: Vec<Value>,
+}
+
+impl Layout {
+    /// Adds a view of so many bytes behind what is there, with padding up to the next multiple of 4; returns its index.
+    pub fn view(&mut self, bytes: usize, target: Option<ViewTarget>) -> usize {
+        let mut view = json!({ "buffer": 0, "byteOffset": self.length, "byteLength": bytes });
+        if let Some(target) = target {
+            view["target"] = (target as u32).into();
+        }
+        self.views.push(view);
+        self.length = (self.length + bytes).next_multiple_of(4);
+        self.views.len() - 1
+    }
+
+    /// Adds an accessor of `count` elements such as `"VEC3"`, from `offset` bytes into its view on where one is given; returns its
+    /// index. `more` holds its keys beyond the common ones.
+    pub fn accessor(
+        &mut self,
+        view: usize,
+        offset: Option<u64>,
+        component: Component,
+        kind: &str,
+        count: usize,
+        more: Value,
+    ) -> usize {
+        let mut accessor = json!({ "bufferView": view });
+        if let Some(offset) = offset {
+            accessor["byteOffset"] = offset.into();
+        }
+        accessor["componentType"] = (component as u32).into();
+        accessor["count"] = count.into();
+        accessor["type"] = kind.into();
+        if let (Value::Object(accessor), Value::Object(more)) = (&mut accessor, more) {
+            accessor.extend(more);
+        }
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+}
+
+/// A buffer with its bytes.
+#[derive(Clone, Debug, Default)]
+pub struct Buffer {
+    /// Its views and accessors.
+    pub layout: Layout,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+impl Buffer {
+    /// Appends bytes in a view of their own; returns its index.
+    pub fn view(&mut self, bytes: &[u8], target: Option<ViewTarget>) -> usize {
+        self.bytes.extend_from_slice(bytes);
+        let view = self.layout.view(bytes.len(), target);
+        self.bytes.resize(self.layout.length, 0);
+        view
+    }
+
+    /// Appends an accessor in a view of its own; returns the accessor's index. `more` as for [`Layout::accessor`].
+    pub fn push(
+        &mut self,
+        bytes: &[u8],
+        target: Option<ViewTarget>,
+        component: Component,
+        kind: &str,
+        count: usize,
+        more: Value,
+    ) -> usize {
+        let view = self.view(bytes, target);
+        self.layout.accessor(view, None, component, kind, count, more)
+    }
+}
+
+/// `min` and `max` of an accessor of `width` numbers an element, for the `more` of [`Layout::accessor`]. `numbers` are all of them,
+/// at least one element, none of them NaN.
+pub fn bounds(numbers: &[f32], width: usize) -> Value {
+    let column = |k: usize| numbers.iter().copied().skip(k).step_by(width);
+    let low: Vec<f32> = (0..width).map(|k| column(k).fold(f32::INFINITY, f32::min)).collect();
+    let high: Vec<f32> = (0..width).map(|k| column(k).fold(f32::NEG_INFINITY, f32::max)).collect();
+    json!({ "min": low, "max": high })
+}
+
+/// Writes what stands before the bytes of the buffer: header, JSON chunk, and where `length` is not 0 the beginning of the BIN
+/// chunk (glTF 2.0, section 4.4). The caller then writes `length` bytes, a multiple of 4.
+///
+/// # Errors
+///
+/// Those of `out`; [`io::ErrorKind::InvalidInput`] where the file would pass the 4 GiB that the container can count.
+pub fn write_head(document: &Value, length: usize, out: &mut dyn Write) -> io::Result<()> {
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let total = 12 + 8 + text.len() + if length == 0 { 0 } else { 8 + length };
+    let size = u32::try_from(total).map_err(|_| {
+        let text = format!("{total} bytes, expected at most {} in this format", u32::MAX);
+        io::Error::new(io::ErrorKind::InvalidInput, text)
+    })?;
+    out.write_all(b"glTF")?;
+    for number in [2, size, text.len() as u32] {
+        out.write_all(&number.to_le_bytes())?;
+    }
+    out.write_all(b"JSON")?;
+    out.write_all(&text)?;
+    if length > 0 {
+        out.write_all(&(length as u32).to_le_bytes())?;
+        out.write_all(b"BIN\0")?;
+    }
+    Ok(())
+}
+
+/// A whole file. `bytes` are those of the buffer, a multiple of 4.
+///
+/// # Errors
+///
+/// As [`write_head`], for a file past 4 GiB.
+pub fn container(document: &Value, bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let mut out = Vec::new();
+    write_head(document, bytes.len(), &mut out)?;
+    out.extend_from_slice(bytes);
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chunk(bytes: &[u8]) -> (usize, &[u8], &[u8]) {
+        let length = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
+        (length, &bytes[4..8], &bytes[8..8 + length])
+    }
+
+    #[test]
+    fn views_are_aligned_and_the_container_adds_up() {
+        let mut buffer = Buffer::default();
+        let colors = buffer.push(&[1, 2, 3], Some(ViewTarget::Vertices), Component::UnsignedByte, "VEC3", 1, json!({}));
+        let view = buffer.view(&[4, 0, 5, 0, 6, 0], Some(ViewTarget::Indices));
+        let tail = buffer.layout.accessor(view, Some(2), Component::UnsignedShort, "SCALAR", 2, json!({ "name": "t" }));
+        let free = buffer.push(&[7; 4], None, Component::Float, "SCALAR", 1, bounds(&[0.5, -1.0], 1));
+        assert_eq!((colors, tail, free), (0, 1, 2));
+        assert_eq!(buffer.bytes, [1, 2, 3, 0, 4, 0, 5, 0, 6, 0, 0, 0, 7, 7, 7, 7]);
+        assert_eq!(buffer.layout.length, buffer.bytes.len());
+        assert_eq!(buffer.layout.views[1], json!({ "buffer": 0, "byteOffset": 4, "byteLength": 6, "target": 34963 }));
+        assert_eq!(buffer.layout.views[2], json!({ "buffer": 0, "byteOffset": 12, "byteLength": 4 }));
+        let expected = r#"{"bufferView":1,"byteOffset":2,"componentType":5123,"count":2,"type":"SCALAR","name":"t"}"#;
+        assert_eq!(buffer.layout.accessors[1].to_string(), expected, "keys keep their order");
+        assert_eq!(buffer.layout.accessors[2]["min"], json!([-1.0]));
+        let document = json!({ "asset": { "version": "2.0" }, "accessors": buffer.layout.accessors });
+        let file = container(&document, &buffer.bytes).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((&file[..4], file[4], file.len()), (&b"glTF"[..], 2, file[8] as usize + 256 * file[9] as usize));
+        let (text, kind, json) = chunk(&file[12..]);
+        assert_eq!((text % 4, kind), (0, &b"JSON"[..]));
+        let same = serde_json::from_slice::<Value>(json).is_ok_and(|read| read == document);
+        assert!(same);
+        let (length, kind, bin) = chunk(&file[20 + text..]);
+        assert_eq!((length, kind, bin), (16, &b"BIN\0"[..], &buffer.bytes[..]));
+    }
+
+    #[test]
+    fn a_file_without_bytes_has_no_second_chunk_and_none_is_too_long() {
+        let file = container(&json!({}), &[]).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(file[20..], *b"{}  ");
+        let error = write_head(&json!({}), u32::MAX as usize, &mut io::sink()).err();
+        let text = error.map(|e| (e.kind(), e.to_string()));
+        let expected = format!("{} bytes, expected at most {} in this format", 32 + u64::from(u32::MAX), u32::MAX);
+        assert_eq!(text, Some((io::ErrorKind::InvalidInput, expected)));
+    }
+
+    #[test]
+    fn bounds_are_columns() {
+        assert_eq!(bounds(&[1.0, 5.0, -2.0, 7.5], 2), json!({ "min": [-2.0, 5.0], "max": [1.0, 7.5] }));
+    }
+}
