@@ -19,7 +19,7 @@ pub enum Exit {
     NoAdapter = 4,
     /// A fault of pelage.
     Internal = 5,
-    /// `validate` or a comparison found differences.
+    /// `validate` found faults, a comparison differences, `chart stability` a broken bound.
     Differences = 7,
 }
 
@@ -41,7 +41,11 @@ impl Exit {
             "No usable graphics adapter. The message says what to install.",
         ),
         (Self::Internal, "internal error", "A fault of pelage. Please report it."),
-        (Self::Differences, "differences or faults found", "`validate` found faults, or a comparison differences."),
+        (
+            Self::Differences,
+            "differences or faults found",
+            "`validate` found faults, `compare` a difference above a limit, or `chart stability` a broken bound.",
+        ),
     ];
 
     /// All of them in a line, for the end of a help text.

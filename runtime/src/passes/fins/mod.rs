@@ -24,7 +24,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "fins",
     place: PassPlace::Picture,
     styles: &[StyleKind::Fur],
-    does: "quads of hair on the edges of the skin, faded by the angle they are seen at; their vertices are pulled from storage buffers, so that each corner knows both ends of its edge",
+    does: "quads of hair on the edges of the skin, faded by the angle they are seen at. The vertex shader reads them from storage buffers, because each corner has to know both ends of its edge",
     runs_when: "there is fur to see, the package has fins, and the device has storage buffers in vertex shaders",
     shaders: &[SHADER],
     targets: &[],

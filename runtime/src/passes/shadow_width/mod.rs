@@ -32,7 +32,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "shadow_width",
     place: PassPlace::Before,
     styles: &[StyleKind::Fur, StyleKind::Bare],
-    does: "two depth maps from the key light; where something lies in shadow, shrunk and stretched until its grey tells how far the edge is (Yang 2006, §4)",
+    does: "two depth maps from the key light, and a third map made of them by shrinking and stretching: its grey says how far a place lies from the edge of a shadow (Yang 2006, §4)",
     runs_when: "soft shadow on, and light, pose or model changed",
     shaders: &[DEPTH, FILTER],
     targets: &[],
