@@ -83,15 +83,20 @@ fn ahead(distance: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Distance from a point to the hull of the two balls, by looking at many balls between them.
+    /// Distance from a point to the hull of the two balls: the least over all balls between them. Along the axis the distance to a ball's
+    /// middle is convex and its radius is linear, so that thirds that cannot hold the least may be dropped.
     fn outside(capsule: &Capsule, p: DVec3) -> f64 {
-        let ball = |i: u32| {
-            let t = f64::from(i) / 4000.0;
+        let ball = |t: f64| {
             let middle = capsule.from.as_dvec3().lerp(capsule.to.as_dvec3(), t);
             let radius = f64::from(capsule.from_radius) * (1.0 - t) + f64::from(capsule.to_radius) * t;
             p.distance(middle) - radius
         };
-        (0..=4000).map(ball).fold(f64::INFINITY, f64::min)
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..48 {
+            let third = (high - low) / 3.0;
+            if ball(low + third) < ball(high - third) { high -= third } else { low += third }
+        }
+        ball(0.5 * (low + high)).min(ball(0.0)).min(ball(1.0))
     }
 
     #[test]
