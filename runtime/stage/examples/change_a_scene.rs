@@ -1,8 +1,7 @@
 //! Loads a scene file, changes it, and draws it: `cargo run --release -p pelage-stage --features draw --example change_a_scene`
 //! `SCENE.toml PICTURE.png [SECONDS]`. The first model comes twice, the copy beside it and facing the other way, in the light of a lamp.
 
-use pelage_runtime::{FrameParams, InkParams, Light, Style};
-use pelage_stage::{Gpu, NamedPackage, Number, Picture, Point, SceneFile, Stage, camera};
+use pelage_stage::{Gpu, NamedPackage, Number, Point, SceneFile, Stage};
 use std::error::Error;
 use std::path::Path;
 
@@ -13,10 +12,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let time_s: f32 = rest.first().map_or(Ok(0.0), |seconds| seconds.parse())?;
 
-    // Read: what is wrong with it is said with line and key.
+    // Read: what is wrong with it is said with line and key. How it looks may stand in a file of its own.
+    let folder = Path::new(scene).parent().unwrap_or(Path::new(""));
+    let read = |path: &str| std::fs::read(folder.join(path)).map_err(|error| format!("{path}: {error}"));
     let mut file = SceneFile::parse(scene, std::fs::read(scene)?)?;
-
-    let inked = file.scene.view.get("style").and_then(|style| style.as_str()) == Some("ink");
+    let mut look = file.look(|path| String::from_utf8(read(path)?).map_err(|error| error.to_string()))?;
 
     // Change: a scene is plain data until it is loaded.
     let mut copy = file.scene.models[0].clone();
@@ -27,24 +27,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     file.scene.models.push(copy);
 
     // Load: the packages come from wherever this program has them.
-    let folder = Path::new(scene).parent().unwrap_or(Path::new(""));
-    let loaded = file.load(&|path: &str| {
-        let path = folder.join(path).display().to_string();
-        let bytes = std::fs::read(&path).map_err(|error| format!("{path}: {error}"))?;
-        Ok(NamedPackage::new(path, bytes))
-    })?;
+    let loaded = file.load(&|path: &str| Ok(NamedPackage::new(path, read(path)?)))?;
 
-    // Draw: the scene's camera, or one that frames everybody; the light is this program's own.
-    let canvas = Picture { size: (834, 424), samples: 4, background: Some([236, 231, 220]) };
-    let cast = loaded.cast(None, canvas.aspect(), true)?;
-    let params =
-        FrameParams::new(camera(&cast.camera.at(time_s), canvas.aspect()), canvas.size.into()).with(|params| {
-            params.light = Light::Point { position: glam::Vec3::new(2.0, 4.0, 3.0), color: glam::Vec3::ONE };
-            if inked {
-                params.style = Style::Ink(InkParams::default());
-            }
-        });
-    let mut stage = Stage::new(&cast, &canvas, params, time_s, Gpu::open)?;
+    // Draw: the scene's camera, or one that frames everybody; four samples a pixel, and the light is a lamp.
+    look.set("picture.samples=4")?;
+    look.set("light.position_m=[2, 4, 3]")?;
+    let cast = loaded.cast(None, look.aspect(), look.has_fur())?;
+    let mut stage = Stage::new(&cast, &look.picture(), look.frame_params(), time_s, Gpu::open)?;
     stage.draw()?;
     let (width, height) = stage.canvas.size();
     image::save_buffer(picture, &stage.canvas.read(&stage.gpu)?, width, height, image::ColorType::Rgba8)?;
