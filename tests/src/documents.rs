@@ -17,6 +17,10 @@ pub struct Document {
 const SKIPPED: [&str; 4] = ["target", ".git", "out", "corpus"];
 
 /// All text files of the repository with one of those extensions, in the order of their paths.
+///
+/// # Panics
+///
+/// Where a folder or such a file cannot be read: what is passed over is not checked.
 pub fn documents(extensions: &[&str]) -> Vec<Document> {
     let mut found = Vec::new();
     collect(workspace(), extensions, &mut found);
@@ -25,16 +29,16 @@ pub fn documents(extensions: &[&str]) -> Vec<Document> {
 }
 
 fn collect(folder: &Path, extensions: &[&str], found: &mut Vec<Document>) {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+    for entry in std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display())) {
+        let entry = entry.unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let path = entry.path();
         let name = entry.file_name().to_string_lossy().into_owned();
         if path.is_dir() {
             if !SKIPPED.contains(&name.as_str()) {
                 collect(&path, extensions, found);
             }
-        } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted))
-            && let Ok(text) = std::fs::read_to_string(&path)
-        {
+        } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
+            let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
             let path = path.strip_prefix(workspace()).unwrap_or(&path).to_string_lossy().replace('\\', "/");
             found.push(Document { path, text });
         }

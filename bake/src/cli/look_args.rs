@@ -84,6 +84,7 @@ pub fn argument(short: &'static ShortForm) -> Arg {
         .allow_hyphen_values(true)
         .action(if short.repeats { ArgAction::Append } else { ArgAction::Set });
     let arg = if short.key.starts_with("ink.") { arg.help_heading("Ink style") } else { arg };
+    let arg = if short.flag == "light" { arg.conflicts_with("point-light") } else { arg };
     match short.knob() {
         Some(knob) => arg.help(help(short, knob)).value_parser(parser(short, knob)),
         None => arg,
@@ -102,7 +103,9 @@ fn help(short: &ShortForm, knob: &Knob) -> String {
         _ => value.trim_matches('"').to_owned(),
     });
     let range = match control {
-        Control::Number { least, most, .. } => Some(format!("{least}..={most}")),
+        Control::Number { least, most, whole: true, .. } => Some(format!("{least}..={most}")),
+        // The knob holds an f32: more digits than that has are noise.
+        Control::Number { least, most, .. } => Some(format!("{}..={}", least as f32, most as f32)),
         _ => None,
     };
     let default = default.filter(|value| value != "[]").map(|value| format!("default: {value}"));
@@ -149,8 +152,7 @@ impl Args for LookArgs {
             .action(ArgAction::Append)
             .value_parser(look_word)
             .help("Look of the picture: a file, or one key such as shadow.penumbra=0.3 (bake/docs/look.md lists them); later ones win, and flags before all [may be given again]");
-        let command = command.arg(look).args(SHORT_FORMS.iter().map(argument));
-        command.mut_arg("light", |arg| arg.conflicts_with("point-light"))
+        command.arg(look).args(SHORT_FORMS.iter().map(argument))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -242,6 +244,7 @@ mod tests {
         let help = Line::command().term_width(500).render_help().to_string();
         for part in [
             "0 is a hard shadow [0..=2; default: 0.15]",
+            "[0.15..=1; default: 0.64]",
             "[default: 834x424]",
             "by layer-wise shadow maps [default: on] [possible values: on, off]",
             "How models are drawn [default: fur] [possible values: fur, ink, bare]",

@@ -112,7 +112,11 @@ impl Scene {
     fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
         let file = SceneFile::parse(&path.display().to_string(), bytes)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let look = file.look(|path| look_args::text(&folder.join(path)).map_err(|error| error.to_string()))?;
+        let look = file.look(|path| {
+            let path = folder.join(path);
+            let text = look_args::text(&path).map_err(|error| error.to_string())?;
+            Ok((path.display().to_string(), text))
+        })?;
         let loaded = file.load(&package_file::Folder(folder))?;
         Ok(Self { file, loaded, look })
     }
@@ -163,8 +167,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.output == Path::new("-") && output.is_json() {
         return Err(Failure::Usage("--json: standard output is the video with -o -, expected one of them".into()));
     }
-    // What is wrong with the arguments alone is said before anything is read.
-    View::new(&args.view, Look::default())?;
+    // What is wrong with the output's name is said before anything is read. Look files are read once, after the scene: one may be a pipe.
     Sink::new(&args.output, args.view.frames, None)?;
     output.progress("loading");
     let subject = Subject::read(&args.input)?;

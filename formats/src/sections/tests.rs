@@ -168,7 +168,13 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
 }
 
-/// Nothing names the probe but its own file, the list, and these tests.
+/// The code of a source file, line by line.
+fn code(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().map(str::trim).filter(|line| !line.starts_with("//"))
+}
+
+/// Nothing names the probe but its own file, the list, and these tests; and what opens, validates and writes packages names no section but the
+/// manifest, with which every package begins.
 #[test]
 fn no_other_file_knows_a_section_by_name() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -176,8 +182,20 @@ fn no_other_file_knows_a_section_by_name() {
     let mut named = Vec::new();
     for file in sources(&source).iter().filter(|file| !own.contains(file)) {
         let text = std::fs::read_to_string(file).unwrap();
-        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-        named.extend(code.filter(|line| line.to_lowercase().contains("probe")).map(|line| line.trim().to_owned()));
+        named.extend(code(&text).filter(|line| line.to_lowercase().contains("probe")).map(str::to_owned));
     }
     assert_eq!(named, ["mod probe;", "&probe::KIND,"]);
+    let mut tags = Vec::new();
+    for file in ["container.rs", "package.rs", "whole.rs", "writer.rs"] {
+        let text = std::fs::read_to_string(source.join(file)).unwrap();
+        for line in code(&text) {
+            let name =
+                |rest: &str| rest.chars().take_while(|c| c.is_ascii_uppercase() || *c == '_').collect::<String>();
+            let names = line.split("Tag::").skip(1).map(name);
+            tags.extend(names.filter(|name| !name.is_empty()));
+        }
+    }
+    tags.sort();
+    tags.dedup();
+    assert_eq!(tags, ["HEAD", "MANIFEST"]);
 }

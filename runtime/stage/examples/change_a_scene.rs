@@ -16,7 +16,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(scene).parent().unwrap_or(Path::new(""));
     let read = |path: &str| std::fs::read(folder.join(path)).map_err(|error| format!("{path}: {error}"));
     let mut file = SceneFile::parse(scene, std::fs::read(scene)?)?;
-    let mut look = file.look(|path| String::from_utf8(read(path)?).map_err(|error| error.to_string()))?;
+    let mut look = file.look(|path| {
+        let text = String::from_utf8(read(path)?).map_err(|error| error.to_string())?;
+        Ok((folder.join(path).display().to_string(), text))
+    })?;
 
     // Change: a scene is plain data until it is loaded.
     let mut copy = file.scene.models[0].clone();

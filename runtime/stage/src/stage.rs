@@ -60,8 +60,9 @@ impl Stage {
     ///
     /// # Errors
     ///
-    /// [`StageError::Package`] and [`StageError::Input`] for a package that is damaged or cannot be drawn so, [`StageError::Asked`] and
-    /// [`StageError::Params`] for what the device cannot do, [`StageError::NoAdapter`] without one.
+    /// [`StageError::Package`] and [`StageError::Input`] for a package that is damaged or cannot be drawn so, [`StageError::Asked`] for a cast
+    /// without a model or with one of a package that it has not, [`StageError::Asked`] and [`StageError::Params`] for what the device cannot
+    /// do, [`StageError::NoAdapter`] without one.
     pub fn new(
         cast: &Cast<'_>,
         picture: &Picture,
@@ -71,6 +72,7 @@ impl Stage {
     ) -> Result<Self, StageError> {
         let packages =
             cast.packages.iter().map(|file| Ok((*file, file.open()?))).collect::<Result<Vec<_>, StageError>>()?;
+        check_actors(cast)?;
         if params.style.kind() == StyleKind::Ink {
             packages.iter().try_for_each(|(file, package)| has_ink(file, package))?;
         }
@@ -111,11 +113,8 @@ impl Stage {
             }
             None => wgpu::Color::TRANSPARENT,
         };
-        let models = cast.actors.iter().filter_map(|actor| models.get(actor.package));
-        let instances: Vec<_> = (0..).zip(models).map(|(owner, model)| Instance::new(owner, model)).collect();
-        if instances.is_empty() {
-            return Err(StageError::Internal("a scene without a model".into()));
-        }
+        let models = cast.actors.iter().map(|actor| &models[actor.package]);
+        let instances = (0..).zip(models).map(|(owner, model)| Instance::new(owner, model)).collect();
         let mut stage = Self {
             instances,
             canvas: Canvas::new(&gpu, picture.size, &options),
@@ -217,6 +216,25 @@ impl Stage {
     }
 }
 
+/// Fails for a cast that shows nothing, and for an actor without a model.
+fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
+    if cast.actors.is_empty() {
+        let reason = "found no copy of a model, expected at least one".into();
+        return Err(StageError::Asked { what: "cast".into(), reason });
+    }
+    let count = cast.packages.len();
+    match cast.actors.iter().position(|actor| actor.package >= count) {
+        Some(i) => Err(StageError::Asked {
+            what: format!("cast, actor {i}"),
+            reason: format!(
+                "found package {}, expected one below {count}, the number of packages",
+                cast.actors[i].package
+            ),
+        }),
+        None => Ok(()),
+    }
+}
+
 /// Fails for a package that cannot be drawn in ink.
 fn has_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), StageError> {
     if package.ink().map_err(|error| file.fault(error))?.is_some() {
@@ -248,4 +266,34 @@ pub fn camera(view: &Viewpoint, aspect: f32) -> Camera {
     let fov_y_rad = view.fov_deg.to_radians();
     let projection = Projection::Perspective { fov_y_rad, aspect, near_m, far_m: f32::INFINITY };
     Camera::look_at(view.eye, view.target, projection)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+    use crate::Look;
+    use glam::Vec3;
+    use pelage_formats::{Manifest, PackageWriter};
+
+    #[test]
+    fn a_cast_without_its_models_is_refused_before_a_device_is_opened() {
+        let bytes = PackageWriter::new(Manifest::default()).finish().unwrap();
+        let file = NamedPackage::new("a.pelage", bytes);
+        let camera = || Shot::fixed(Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 });
+        let crowd = |copies| Cast::crowd(&file, None, copies, camera()).unwrap();
+        let refused = |cast: &Cast<'_>| {
+            let look = Look::default();
+            let no_device = || Err(StageError::NoAdapter("asked for one".into()));
+            Stage::new(cast, &look.picture(), look.frame_params(), 0.0, no_device).unwrap_err()
+        };
+        let error = refused(&crowd(0));
+        assert!(matches!(error, StageError::Asked { .. }) && error.to_string().contains("at least one"), "{error}");
+        let mut cast = crowd(3);
+        cast.actors[1].package = 1;
+        let error = refused(&cast);
+        assert!(matches!(error, StageError::Asked { .. }), "{error}");
+        assert_eq!(error.to_string(), "cast, actor 1: found package 1, expected one below 1, the number of packages");
+        assert!(matches!(refused(&crowd(3)), StageError::NoAdapter(_)));
+    }
 }

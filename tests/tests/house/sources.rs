@@ -3,6 +3,7 @@
 //! What only tests compile is left out. It is a reader of this project's style and no compiler: a path counts where it begins with `crate`, `super`,
 //! `self` or a module of the file's own.
 
+use pelage_tests::binary::walk;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -11,17 +12,6 @@ pub type Module = Vec<String>;
 
 /// Each file's module with the modules of the files that it names.
 pub type Arrows = BTreeMap<Module, BTreeSet<Module>>;
-
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).expect("a folder of sources") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            rust_files(&path, found);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            found.push(path);
-        }
-    }
-}
 
 /// Module path of a file below `src`: `passes/skin/mod.rs` is `passes::skin`.
 fn module_of(file: &Path, source: &Path) -> Module {
@@ -40,7 +30,8 @@ fn is_test(module: &[String]) -> bool {
 /// The modules below a folder `src`, with their code.
 pub fn modules(source: &Path) -> BTreeMap<Module, String> {
     let mut files = Vec::new();
-    rust_files(source, &mut files);
+    walk(source, &mut files);
+    files.retain(|file| file.extension().is_some_and(|e| e == "rs"));
     let read = |file: PathBuf| {
         let text = std::fs::read_to_string(&file).expect("a source file");
         (module_of(&file, source), code_of(&text))

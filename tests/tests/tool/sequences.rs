@@ -67,9 +67,18 @@ fn a_scene_of_one_model_is_the_picture_of_its_package() {
     let camera =
         "[camera]\neye = [0.5, 0.6, 1.5]\ntarget = [0, 0.2, 0]\nfov_deg = 25\n[light]\ndirection = [3, 1, 0]\n";
     let seen = ["--camera", "0.5,0.6,1.5/0,0.2,0/25", "--light", "3,1,0"];
+    let look = "[picture]\nsize = \"120x90\"\nbackground = \"200,210,220\"\n";
+    sandbox.write("scenes/looks/l.toml", look);
+    let looked = ["hare.pelage", "--look", "scenes/looks/l.toml"];
     let mut drawn = Vec::new();
     for (scene, more, arguments) in [
         (format!("{words}{model}"), &[][..], package.to_vec()),
+        (format!("look = \"looks/l.toml\"\n{model}"), &[], package.to_vec()),
+        (
+            format!("look = \"looks/l.toml\"\n{model}"),
+            &["--style", "bare"],
+            [&looked[..], &["--style", "bare"]].concat(),
+        ),
         (format!("{words}style = \"bare\"\n{model}"), &[], [package, &["--style", "bare"]].concat()),
         (format!("{words}{camera}{model}"), &[], [package, &seen].concat()),
         (format!("{words}{camera}{clip}"), &["--time", "0.7"], [&moving[..], &seen, &["--time", "0.7"]].concat()),
@@ -102,6 +111,16 @@ fn a_scene_of_one_model_is_the_picture_of_its_package() {
         let of_scene = picture(&sandbox, &[&["scenes/a.toml"], more].concat());
         assert!(of_scene == picture(&sandbox, &arguments), "{scene}, {more:?} is not {arguments:?}");
         drawn.push(of_scene);
+    }
+    // A look that can be read once only counts as well.
+    #[cfg(unix)]
+    {
+        use std::io::Write as _;
+        let args = ["render", "hare.pelage", "--look", "/dev/stdin", "-o", "piped.png"];
+        let mut child = sandbox.command(&args).stdin(Stdio::piped()).spawn().unwrap();
+        child.stdin.take().unwrap().write_all(look.as_bytes()).unwrap();
+        assert!(child.wait().unwrap().success());
+        assert!(bytes(&sandbox, "piped.png") == drawn[0], "a look from a pipe");
     }
     // None of the words above is without effect: at its end, the clip is back in the pose at rest of the third, and all others differ.
     drawn.sort();
@@ -190,6 +209,11 @@ fn bad_scenes_are_refused() {
     ] {
         sandbox.write(&format!("{name}.toml"), text);
     }
+    for (name, look) in [("looked", "\"looks/faulty.toml\""), ("lost", "\"looks/none.toml\""), ("number", "3")] {
+        sandbox
+            .write(&format!("scenes/{name}.toml"), format!("look = {look}\n[[model]]\npackage = \"../hare.pelage\"\n"));
+    }
+    sandbox.write("scenes/looks/faulty.toml", "[ink]\ntone = 3\n");
     // Not by its name, but by what stands in it.
     sandbox.write("scene.txt", format!("{model}speed = 1\n"));
     let before = sandbox.files();
@@ -204,6 +228,24 @@ fn bad_scenes_are_refused() {
         (&["clip.toml"], 3, &["line 3, model[0].clip: found \"Gallop\"", "hare.pelage", "EarBreath"]),
         (&["latin.toml"], 3, &["latin.toml: byte 2", "UTF-8"]),
         (&["scene.txt"], 3, &["scene.txt: line 3, model[0].speed: found without a clip"]),
+        // Named so that they are found from where the command runs.
+        (
+            &["scenes/looked.toml"],
+            3,
+            &["error: scenes/looks/faulty.toml: line 2, ink.tone: found 3, expected a number 0..=1"],
+        ),
+        (&["scenes/lost.toml"], 3, &["scenes/lost.toml: line 1, look: scenes/looks/none.toml: cannot read"]),
+        (
+            &["scenes/number.toml"],
+            3,
+            &["scenes/number.toml: line 1, look: found integer, expected the path of a look file"],
+        ),
+        (
+            &["hare.pelage", "--look", "scenes/looks/faulty.toml"],
+            3,
+            &["error: scenes/looks/faulty.toml: line 2, ink.tone"],
+        ),
+        (&["good.toml", "--look", "looks/faulty.toml"], 2, &["looks/faulty.toml: cannot read"]),
         (&["no.toml"], 2, &["no.toml: cannot read"]),
         (&["good.toml", "--crowd", "4"], 1, &["--crowd", "good.toml", "left out"]),
         (&["good.toml", "--clip", "EarBreath"], 1, &["--clip", "good.toml", "left out"]),

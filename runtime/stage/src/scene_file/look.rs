@@ -3,7 +3,7 @@
 use super::SceneFile;
 use super::text::SceneLook;
 use crate::{Look, SAMPLES, SHORT_FORMS, ShortForm, StageError};
-use pelage_params::nearest;
+use pelage_params::{ParamError, nearest};
 
 /// What has another place in a scene than `[view]`, or none.
 const ELSEWHERE: [(&str, &str); 9] = [
@@ -19,13 +19,13 @@ const ELSEWHERE: [(&str, &str); 9] = [
 ];
 
 impl SceneFile {
-    /// The look of the scene: of two places that say something, `[view]` counts least, then `look`, and `[light]` most. `file` gives the text of
-    /// a look file, of whose path from the scene file's folder it is told, or says why it cannot be had.
+    /// The look of the scene: of two places that say something, `[view]` counts least, then `look`, and `[light]` most. `file` is told the path
+    /// of a look file from the scene file's folder; it gives the name that messages use and the text, or says why the file cannot be had.
     ///
     /// # Errors
     ///
     /// [`StageError::Input`] with line and key of what is wrong.
-    pub fn look(&self, file: impl FnOnce(&str) -> Result<String, String>) -> Result<Look, StageError> {
+    pub fn look(&self, file: impl FnOnce(&str) -> Result<(String, String), String>) -> Result<Look, StageError> {
         let mut look = Look::default();
         for (name, value) in &self.scene.view {
             self.view(&mut look, name, value).map_err(|reason| self.fault(&format!("view.{name}"), reason))?;
@@ -37,12 +37,9 @@ impl SceneFile {
                 read.map_err(|error| self.fault(&format!("look.{}", error.key), error.reason))?;
             }
             Some(SceneLook::File(path)) => {
-                let text = file(path).map_err(|reason| self.fault("look", reason))?;
-                look.read(&text).map_err(|error| StageError::Input {
-                    file: path.clone(),
-                    place: error.place(),
-                    reason: error.reason,
-                })?;
+                let (file, text) = file(path).map_err(|reason| self.fault("look", reason))?;
+                let fault = |error: ParamError| StageError::Input { file, place: error.place(), reason: error.reason };
+                look.read(&text).map_err(fault)?;
             }
         }
         if let Some(light) = &self.scene.light {

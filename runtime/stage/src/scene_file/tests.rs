@@ -21,6 +21,7 @@ fn what_is_wrong_is_said_with_line_and_key() {
         ("", &["model", "found none", "[[model]]"][..]),
         ("[camera\n", &["line 1"]),
         (&scene("colour = 1", ""), &["line 1", "unknown field `colour`", "view"]),
+        (&scene("\nlook = 3", ""), &["line 2, look: found integer", "path of a look file", "[look.shadow]"]),
         (&scene("", "plaice = 1"), &["line 4", "model[0]", "unknown field `plaice`", "package"]),
         ("[[model]]\nname = \"a\"\n", &["line 1", "model[0]", "missing field `package`"]),
         (&scene("", "position = [0, nan, 0]"), &["line 4", "model[0].position", "found NaN", "-1000000 to 1000000"]),
@@ -129,8 +130,8 @@ fn a_scene_is_changed_between_reading_and_loading() {
 
 fn look(text: &str) -> Result<Look, StageError> {
     SceneFile::parse("a.toml", scene(text, "").into()).unwrap().look(|path| match path {
-        "shared.toml" => Ok("[light]\nposition_m = [1, 2, 3]\n[picture]\nsize = \"10x20\"\n".to_owned()),
-        "faulty.toml" => Ok("\n[ink]\ntone = 3\n".to_owned()),
+        "shared.toml" => Ok((path.into(), "[light]\nposition_m = [1, 2, 3]\n[picture]\nsize = \"10x20\"\n".to_owned())),
+        "faulty.toml" => Ok((format!("scenes/{path}"), "\n[ink]\ntone = 3\n".to_owned())),
         _ => Err("cannot read".to_owned()),
     })
 }
@@ -174,7 +175,7 @@ fn what_is_wrong_with_a_look_is_said_with_line_and_key() {
         ("[view]\nframes = 3", &["line 2, view.frames", "expected it in [sequence]"]),
         ("[look.ink]\ntone = 3", &["a.toml: line 2, look.ink.tone: found 3, expected a number 0..=1"]),
         ("[look.ink]\ntoen = 3", &["line 2, look.ink.toen: unknown key; did you mean ink.tone?"]),
-        ("look = \"faulty.toml\"", &["faulty.toml: line 3, ink.tone: found 3"]),
+        ("look = \"faulty.toml\"", &["scenes/faulty.toml: line 3, ink.tone: found 3"]),
         ("look = \"none.toml\"", &["a.toml: line 1, look: cannot read"]),
     ] {
         let message = look(text).unwrap_err().to_string();

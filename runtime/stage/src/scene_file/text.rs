@@ -31,12 +31,27 @@ pub struct Scene {
 
 /// `[look]`, or the file that it stands in.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(try_from = "toml::Value")]
 pub enum SceneLook {
     /// Path of a look file from the scene file's folder.
     File(String),
     /// Tables of a [`crate::Look`].
     Tables(toml::Table),
+}
+
+impl TryFrom<toml::Value> for SceneLook {
+    type Error = String;
+
+    fn try_from(value: toml::Value) -> Result<Self, String> {
+        match value {
+            toml::Value::String(path) => Ok(Self::File(path)),
+            toml::Value::Table(tables) => Ok(Self::Tables(tables)),
+            other => {
+                let found = other.type_str();
+                Err(format!("found {found}, expected the path of a look file or tables such as [look.shadow]"))
+            }
+        }
+    }
 }
 
 /// `[camera]`: eye and target, or a path of them.
