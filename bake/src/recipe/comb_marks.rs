@@ -1,11 +1,9 @@
 //! Comb marks in a recipe: `surface.comb_marks`.
 
 use pelage_params::{Field, Item, Range, Raw};
-use serde::{Deserialize, Serialize};
 
 /// A direction of the comb at a place; what lies between marks follows from them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CombMarkParams {
     /// Name, for messages.
     pub name: String,

@@ -4,7 +4,6 @@
 //! the recipe's folder. A channel may follow: `"vertex#a"`, `"maps/coat.png#g"`; without one it is the red.
 
 use pelage_params::{Control, Field, Range, Raw, SrgbColor};
-use serde::{Deserialize, Serialize};
 
 /// What stands for the vertex colours.
 const VERTEX: &str = "vertex";
@@ -45,8 +44,7 @@ impl Channel {
 }
 
 /// One number per point of the model. Values of images and vertex colours are read as 0..=1, without sRGB decoding.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Text", into = "Text")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ScalarMap {
     /// The same everywhere.
     Constant(f32),
@@ -62,8 +60,7 @@ pub enum ScalarMap {
 }
 
 /// One direction per point of the model; its length, up to 1, is how much it counts against its neighbours'.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Text", into = "Text")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum VectorMap {
     /// The same everywhere: x, y, z of the model at rest.
     Constant([f32; 3]),
@@ -79,8 +76,7 @@ pub enum VectorMap {
 }
 
 /// One colour per point of the model.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Text", into = "Text")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ColorMap {
     /// The same everywhere.
     Constant(SrgbColor),
@@ -91,8 +87,7 @@ pub enum ColorMap {
 }
 
 /// The path of an image, from the recipe's folder: relative, so that a recipe means the same wherever its folder lies.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImagePath(pub String);
 
 /// A path and what follows its last `#`.
@@ -301,47 +296,3 @@ impl Field for ImagePath {
 fn quoted(text: &str) -> Option<String> {
     Some(toml::Value::from(text).to_string())
 }
-
-/// A map as serde sees it: what stands in a recipe.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(untagged)]
-enum Text {
-    Number(f32),
-    Triple([f32; 3]),
-    String(String),
-}
-
-impl From<&Text> for Raw {
-    fn from(text: &Text) -> Self {
-        match text {
-            Text::Number(x) => Self::Float(f64::from(*x)),
-            Text::Triple(v) => Self::Array(v.iter().map(|x| Self::Float(f64::from(*x))).collect()),
-            Text::String(s) => Self::String(s.clone()),
-        }
-    }
-}
-
-/// Joins a map type to serde through [`Text`].
-macro_rules! as_text {
-    ($ty:ty, $range:expr, $constant:pat => $text:expr) => {
-        impl TryFrom<Text> for $ty {
-            type Error = String;
-
-            fn try_from(text: Text) -> Result<Self, String> {
-                Self::read(&Raw::from(&text), &$range)
-            }
-        }
-
-        impl From<$ty> for Text {
-            fn from(map: $ty) -> Self {
-                match map {
-                    $constant => $text,
-                    named => Self::String(named.name().unwrap_or_default()),
-                }
-            }
-        }
-    };
-}
-as_text!(ScalarMap, f32::MIN..=f32::MAX, ScalarMap::Constant(x) => Text::Number(x));
-as_text!(VectorMap, (), VectorMap::Constant(v) => Text::Triple(v));
-as_text!(ColorMap, (), ColorMap::Constant(c) => Text::Triple(c.0));

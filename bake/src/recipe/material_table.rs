@@ -4,12 +4,11 @@
 macro_rules! material_table {
     ($(#[$struct_meta:meta])* $table:ident { $($(#[$meta:meta])* $key:ident: $ty:ty, in $range:expr;)+ }) => {
         $(#[$struct_meta])*
-        #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-        #[serde(deny_unknown_fields)]
+        #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $table {
             /// Name of a material. `*` stands for any characters, `?` for one.
             pub name: String,
-            $($(#[$meta])* #[serde(default, skip_serializing_if = "Option::is_none")] pub $key: Option<$ty>,)+
+            $($(#[$meta])* pub $key: Option<$ty>,)+
         }
 
         impl $table {

@@ -2,13 +2,11 @@
 
 use glam::Vec3;
 use pelage_params::{Item, Raw};
-use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
 /// From where a model is looked at. As a word: `ex,ey,ez/tx,ty,tz/fov_deg`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraView {
     /// Metres.
     pub eye: Vec3,
@@ -59,20 +57,6 @@ impl fmt::Display for CameraView {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (e, t) = (self.eye, self.target);
         write!(f, "{},{},{}/{},{},{}/{}", e.x, e.y, e.z, t.x, t.y, t.z, self.fov_deg)
-    }
-}
-
-impl TryFrom<String> for CameraView {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
-}
-
-impl From<CameraView> for String {
-    fn from(view: CameraView) -> Self {
-        view.to_string()
     }
 }
 

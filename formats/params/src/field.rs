@@ -2,7 +2,6 @@
 
 use crate::control::Control;
 use crate::raw::Raw;
-use serde::{Deserialize, Serialize};
 
 /// A type that a knob can have. `Range` is what its declaration restricts it to.
 pub trait Field: Sized {
@@ -167,8 +166,7 @@ macro_rules! integer_field {
 integer_field!(u32, f64::from; u64, |x| x as f64;);
 
 /// A power of two.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PowerOfTwo(pub u32);
 
 impl Field for PowerOfTwo {
@@ -269,8 +267,7 @@ impl Field for [f32; 3] {
 }
 
 /// A colour in sRGB, each channel 0..=1. In a file `[r, g, b]` or `"#rrggbb"`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SrgbColor(pub [f32; 3]);
 
 impl SrgbColor {

@@ -1,6 +1,6 @@
 //! What declarations are made with.
 
-/// Declares an enum whose values are words in a file; `was` gives the word of earlier files, which is still read. The crate that uses it needs `serde` with `derive`.
+/// Declares an enum whose values are words in a file; `was` gives the word of earlier files, which is still read.
 #[macro_export]
 macro_rules! words {
     (
@@ -8,9 +8,9 @@ macro_rules! words {
         $name:ident { $($(#[doc = $doc:literal])+ $(#[default $($no_args:tt)?])? $variant:ident = $word:literal $(was $old:literal)?,)+ }
     ) => {
         $(#[$meta])*
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, ::serde::Serialize, ::serde::Deserialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub enum $name {
-            $($(#[doc = $doc])+ $(#[default $($no_args)?])? #[serde(rename = $word $(, alias = $old)?)] $variant,)+
+            $($(#[doc = $doc])+ $(#[default $($no_args)?])? $variant,)+
         }
 
         impl $name {
@@ -59,7 +59,7 @@ macro_rules! words {
     };
 }
 
-/// Declares a table of knobs: the struct, its defaults, its checks and its keys. The crate that uses it needs `serde` with `derive`.
+/// Declares a table of knobs: the struct, its defaults, its checks and its keys.
 ///
 /// A field reads `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was "name";`, where everything after the default may be left
 /// out. Without a range the type's values are all allowed. `Checked` is the wrapper whose [`Field`](crate::Field) does the checking where
@@ -78,12 +78,10 @@ macro_rules! params {
         }
     ) => {
         $(#[doc = $table_doc])+
-        #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize)]
-        #[serde(default, deny_unknown_fields)]
+        #[derive(Clone, Debug, PartialEq)]
         pub struct $name {
             $(
                 $(#[doc = $doc])+
-                $(#[serde(alias = $old)])?
                 #[doc = concat!("\n\n" $(, "Range `", stringify!($range), "`. ")?, "Default `", stringify!($default), "`.")]
                 pub $field: $ty,
             )+
@@ -190,7 +188,7 @@ macro_rules! params {
 }
 
 /// Puts tables together to what stands in one file: the struct, a field a table, and its [`Tables`](crate::Tables). `such as` gives messages an example of
-/// `key=value`. The crate that uses it needs `serde` with `derive`.
+/// `key=value`.
 #[macro_export]
 macro_rules! tables {
     (
@@ -200,8 +198,7 @@ macro_rules! tables {
         }
     ) => {
         $(#[$meta])*
-        #[derive(Clone, Debug, Default, PartialEq, ::serde::Serialize, ::serde::Deserialize)]
-        #[serde(default, deny_unknown_fields)]
+        #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $name { $($(#[$table_meta])+ pub $table: $ty,)+ }
 
         $(const _: () = assert!($crate::same(<$ty>::TABLE.name, stringify!($table)), "a table's name is that of its field");)+

@@ -149,8 +149,6 @@ fn what_was_called_otherwise_is_still_read_and_written_anew() {
     let text = to_toml(&look);
     assert!(text.contains("enabled = false\n") && text.contains("drawn = \"sparse\"\n"), "{text}");
     assert_eq!(after(&["picture.visible=off", "picture.drawn=thin"]), look);
-    // Serde reads the same words, as recorded in packages.
-    assert_eq!(toml::from_str::<Look>("[picture]\nvisible = false\ndrawn = \"thin\"\n").unwrap(), look);
     let error = set(&mut look, "picture.visible=2").unwrap_err().to_string();
     assert_eq!(error, "picture.visible: found 2, expected true or false");
 }

@@ -23,11 +23,9 @@ use crate::recipe::{ColorParams, HairParams, SrgbColor, Style};
 use forces::Grower;
 use glam::Vec3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 /// The box that the strands grow in.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeParams {
     /// Height in widths of the tile, which is also the length of the longest strand: `length_m / tile_size_m`.
     /// 0.001..=1000 (default 0.4).

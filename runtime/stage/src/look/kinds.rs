@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 use pelage_params::{Control, Field, Item, Range, Raw, words};
-use serde::{Deserialize, Serialize};
 
 words! {
     /// How models are drawn.
@@ -143,7 +142,7 @@ fn string(raw: &Raw) -> Option<&str> {
 const MAX_SIZE: u32 = 8192;
 
 /// Width and height of a picture, pixels, 1..=8192 each. As text `834x424`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     /// Pixels.
     pub width: u32,
@@ -172,8 +171,7 @@ impl std::str::FromStr for Size {
 }
 
 /// Samples per pixel: 1 or 4.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Samples(pub u32);
 
 text_field!(
@@ -189,8 +187,7 @@ text_field!(
 );
 
 /// A colour in sRGB, a byte a channel. As text `10,20,255` or `#0a14ff`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rgb(pub [u8; 3]);
 
 impl Rgb {
@@ -219,7 +216,7 @@ text_field!(
 );
 
 /// What is behind everything. As text `transparent` or a colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Background {
     /// Opacity 0.
     Transparent,
@@ -252,7 +249,7 @@ text_field!(
 );
 
 /// How much of the fur is drawn where it is small. As text `full`, `auto` or a level.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LookDetail {
     /// All of it, whatever its size.
     Full,
@@ -279,7 +276,7 @@ text_field!(
 );
 
 /// Width of the widest line of ink. As text `auto`, `7px` or `0.01m`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LookWidth {
     /// Nine pixels in a picture of 424 rows, in proportion in others.
     Auto,
@@ -311,8 +308,7 @@ text_field!(
 );
 
 /// Two distances, metres, the second greater. As text `10,60`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval(pub [f32; 2]);
 
 impl Interval {
@@ -376,8 +372,7 @@ impl Field for Towards {
 }
 
 /// A light without shadow, from far away. As text `x,y,z` or `x,y,z/strength`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FillLight {
     /// Towards it, any length but 0.
     pub direction: [f32; 3],
