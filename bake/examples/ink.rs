@@ -47,8 +47,8 @@ fn main() -> anyhow::Result<()> {
     row("fur", &|| ink::fur(&strands, recipe.ink.fur_texels, recipe.ink.seed).to_vec());
     let start = Instant::now();
     let textures = ink::textures(&recipe.ink, &recipe.pack, &images, Some(&strands))?;
-    let bytes = [&textures.stroke, &textures.wash, &textures.paper].map(Vec::len);
-    let fur = textures.fur.map_or(0, |fur| fur.len());
+    let bytes = [&textures.stroke, &textures.wash, &textures.paper].map(|(_, file)| file.len());
+    let fur = textures.fur.map_or(0, |(_, file)| file.len());
     println!("all, encoded: {:.3} s; {bytes:?} and {fur} bytes", start.elapsed().as_secs_f32());
 
     let mut sheet = GrayImage::new(4 * CELL, CELL * rows.len() as u32);

@@ -28,6 +28,19 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, BakeError> {
     std::fs::read(path).map_err(|source| io_error(path, "read", source))
 }
 
+/// Reads a text file; `what` says what it should be, such as `a recipe in TOML`.
+///
+/// # Errors
+///
+/// As [`read_file`]; [`BakeError::Input`] with the byte where it is no UTF-8.
+pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
+    String::from_utf8(read_file(path)?).map_err(|error| BakeError::Input {
+        file: path.display().to_string(),
+        place: format!("byte {}", error.utf8_error().valid_up_to()),
+        reason: format!("is no UTF-8, expected {what}"),
+    })
+}
+
 /// Reads a model and the files that it names, which it looks for in its own folder.
 ///
 /// # Errors

@@ -11,8 +11,8 @@ use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, Coat, Colors, GroomTextures, Lay, Lengths, MapImages, Maps, Pattern};
 use crate::stages::hair::TileHair;
-use crate::stages::ink::{self, Canvas};
-use crate::stages::pack::{self, InkFiles, Pieces, Skin, SkinFins, SkinInk, SkinPieces};
+use crate::stages::ink::{self, Canvas, InkFiles, SkinInk};
+use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
 use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::stages::textures::{self, FinTextures, ShellTextures};
 use pelage_formats::{Bounds, Shading};
@@ -363,14 +363,10 @@ fn fin_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeEr
 fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
     let self::Groomed { surface, .. } = made(&outputs.groomed, Groomed)?;
-    let mut warnings = Vec::new();
-    let mut on_skin = || {
-        let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
-        let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images: told.images };
-        ink::on_skin(&told.recipe.ink, &canvas, &mut warnings)
-    };
-    let painted = told.recipe.ink.enabled.then(&mut on_skin).transpose()?;
-    outputs.ink = Some(painted.map(|(vertices, grain, shading)| pack::skin_ink(vertices, grain, shading, warnings)));
+    let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
+    let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images: told.images };
+    let params = &told.recipe.ink;
+    outputs.ink = Some(params.enabled.then(|| ink::on_skin(params, &canvas)).transpose()?);
     Ok(())
 }
 
@@ -378,7 +374,7 @@ fn ink_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeEr
     let (laid, hair, recipe) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?, told.recipe);
     let coated = laid.furred.contains(&true).then_some(&hair.strands);
     let paint = || ink::textures(&recipe.ink, &recipe.pack, told.images, coated);
-    outputs.ink_textures = Some(recipe.ink.enabled.then(paint).transpose()?.map(InkFiles::from));
+    outputs.ink_textures = Some(recipe.ink.enabled.then(paint).transpose()?);
     Ok(())
 }
 

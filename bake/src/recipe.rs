@@ -20,7 +20,6 @@ mod maps;
 mod material_groom;
 mod material_table;
 mod params;
-mod views;
 
 pub use comb_marks::CombMarkParams;
 pub use ink::{InkFill, InkParams, MaterialInk};
@@ -33,7 +32,6 @@ pub use params::{
     SliceParams, Style, SurfaceParams, SurfaceSource,
 };
 pub use pelage_params::SrgbColor;
-pub use views::{CameraView, parse_vec3};
 
 use crate::BakeError;
 use pelage_params::{Knob, ParamError};
@@ -95,8 +93,8 @@ impl From<pelage_params::OutOfRange> for BakeError {
 }
 
 /// A fault of a recipe, in a file or, where it has no line, on the command line.
-fn input(file: &str, fault: &ParamError) -> BakeError {
-    BakeError::Input { file: file.to_owned(), place: fault.place(), reason: fault.reason.clone() }
+fn input(file: &str, fault: ParamError) -> BakeError {
+    BakeError::Input { file: file.to_owned(), place: fault.place(), reason: fault.reason }
 }
 
 impl Recipe {
@@ -107,7 +105,7 @@ impl Recipe {
     /// its range.
     pub fn parse(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::default();
-        pelage_params::read(&mut recipe, text).map_err(|fault| input(file, &fault))?;
+        pelage_params::read(&mut recipe, text).map_err(|fault| input(file, fault))?;
         Ok(recipe)
     }
 
@@ -116,7 +114,7 @@ impl Recipe {
     /// # Errors
     /// As [`Recipe::parse`], with `--set` for the file.
     pub fn set(&mut self, assignment: &str) -> Result<(), BakeError> {
-        pelage_params::set(self, assignment).map_err(|fault| input("--set", &fault))
+        pelage_params::set(self, assignment).map_err(|fault| input("--set", fault))
     }
 
     /// The recipe as TOML with every key that has a value, in the order of [`keys`]. Parsing it gives an equal recipe.

@@ -6,29 +6,24 @@
 use crate::BakeError;
 use crate::pipeline::{Outputs, Told, run};
 use crate::recipe::Recipe;
-use crate::stages::assemble::{Content, carried, kept_texture};
+use crate::stages::assemble::{carried, kept_texture};
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
-use crate::stages::ink;
-use crate::stages::pack::{InkFiles, Skin, SkinFins, SkinInk};
+use crate::stages::ink::{self, InkFiles, SkinInk};
+use crate::stages::pack::{Skin, SkinFins};
 use crate::strands::tile_hair;
 use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 
 /// The package's skin as it is.
 fn skin<'a>(package: &Package<'a>) -> Result<Skin<'a>, FormatError> {
     let mut manifest = package.manifest().clone();
-    // What materials name moves along, once each.
-    let (mut images, mut moved) = (Vec::new(), BTreeMap::new());
+    // What materials name moves along. Several may name one, which goes into the package once.
+    let mut images = Vec::new();
     for material in &mut manifest.materials {
         for index in [&mut material.base_color_texture, &mut material.groom_texture] {
             let Some(old) = *index else { continue };
-            if let Entry::Vacant(free) = moved.entry(old) {
-                free.insert(images.len() as u32);
-                images.push(kept_texture(package, old)?);
-            }
-            *index = moved.get(&old).copied();
+            *index = Some(images.len() as u32);
+            images.push(kept_texture(package, old)?);
         }
     }
     let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK];
@@ -50,7 +45,7 @@ fn ink_files<'a>(
     let scanned = own.ink.stroke_image.is_some() || own.ink.wash_image.is_some();
     if !scanned && format(&own) != format(recipe) {
         let strands = info.fur_texture.and(Some(strands));
-        return Ok(ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands)?.into());
+        return ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands);
     }
     let keep = |index| kept_texture(package, index).map_err(|source| fault(file, source));
     Ok(InkFiles {
@@ -79,7 +74,11 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         let reason = "there is none, expected a package with hair to slice".into();
         return Err(BakeError::Input { file: file.into(), place: "the manifest's fur".into(), reason });
     };
-    let fins = package.fins().map_err(fault)?.map(|fins| Content::Fins(fins.to_data()));
+    // Checked here, then carried as they lie.
+    let fins = match package.fins().map_err(fault)? {
+        Some(_) => carried(package, |tag| tag == Tag::FINS).map_err(fault)?.pop(),
+        None => None,
+    };
     // Ink is painted on the skin and after the strands, and neither changes; its textures' format may.
     let (mut ink, mut ink_textures) = (None, None);
     if let Some(view) = package.ink().map_err(fault)? {

@@ -190,6 +190,7 @@ pub(crate) fn write(version: u32, sections: &[(Tag, impl AsRef<[u8]>)]) -> Vec<u
         offset += data.len() as u64;
     }
     let length = offset.next_multiple_of(ALIGNMENT);
+    out.reserve_exact(length as usize - out.len());
     out[16..24].copy_from_slice(&length.to_le_bytes());
     let checksum = head_checksum(&out);
     out[24..28].copy_from_slice(&checksum.to_le_bytes());

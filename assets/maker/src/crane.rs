@@ -2,15 +2,15 @@
 //!
 //! White with a black neck and a tuft of black drooping plumes over its tail; long legs, a neck like an S.
 
-use glam::{DMat3, DVec3, DVec4};
+use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 
 use super::{
     body::{self, Body, Comb, Keep, cone, curve, ellipsoid, on_side, pitch},
     crane_rig,
-    glb::{Material, Model, Primitive},
+    glb::{Material, Model},
     regions::Regions,
     remesh::Sizing,
-    shapes::push_ball,
+    shapes::eyes,
     skin::Skin,
     trimesh::TriMesh,
 };
@@ -23,10 +23,6 @@ const CROWN: usize = 3;
 const BEAK: usize = 4;
 const LEG: usize = 5;
 const EYE: usize = 6;
-
-fn v(x: f64, y: f64, z: f64) -> DVec3 {
-    DVec3::new(x, y, z)
-}
 
 /// Middle line and radius of the neck, from the breast to the head.
 fn neck() -> Vec<(DVec3, f64)> {
@@ -142,16 +138,6 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     regions
 }
 
-/// The eyes: balls in the head.
-pub fn eyes() -> Primitive {
-    let mut eyes = Primitive::new("eyes", EYE);
-    for side in [1.0, -1.0] {
-        let (centre, radii) = eye(side);
-        push_ball(&mut eyes, centre, radii, 3, crane_rig::HEAD_ONLY);
-    }
-    eyes
-}
-
 /// The whole model.
 pub fn model() -> anyhow::Result<Model> {
     let body = body();
@@ -165,7 +151,7 @@ pub fn model() -> anyhow::Result<Model> {
     };
     let names = ["feathers", "plumes", "neck", "crown", "beak", "legs"];
     let mut primitives = skin.primitives(&regions, &names, &weights)?;
-    primitives.push(eyes());
+    primitives.push(eyes(EYE, eye, 3, crane_rig::HEAD_ONLY));
     let material = |name: &str, color, roughness| Material { name: name.into(), color, roughness };
     Ok(Model {
         name: "Crane".into(),

@@ -1,9 +1,9 @@
-//! The hare: a brown hare sitting upright, about 0.45 m to the tips of its ears, on the plane y = 0, facing +Z.
+//! The hare: a brown hare sitting upright, 0.48 m to the tips of its ears, on the plane y = 0, facing +Z.
 //!
 //! The body is a smooth union of round cones and ellipsoids. Every solid also carries the way its hair is combed, so that
 //! the comb field, the coat's colours and the skeleton all come from the same list.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, dvec3 as v};
 
 use super::{
     body::{self, Body, Comb, Keep, cone, ellipsoid, on_side, pitch, ramp},
@@ -12,14 +12,10 @@ use super::{
     regions::Regions,
     remesh::Sizing,
     sdf::Solid,
-    shapes::{METRES_PER_UV, push_ball},
+    shapes::{METRES_PER_UV, eyes, push_ball},
     skin::Skin,
     trimesh::TriMesh,
 };
-
-fn v(x: f64, y: f64, z: f64) -> DVec3 {
-    DVec3::new(x, y, z)
-}
 
 /// The hare's body without eyes and nose.
 pub fn body() -> Body {
@@ -175,11 +171,7 @@ pub fn model() -> anyhow::Result<Model> {
     };
     let mut primitives = skin.primitives(&Regions::new(mesh), &["body"], &weights)?;
 
-    let mut eyes = Primitive::new("eyes", 1);
-    for side in [1.0, -1.0] {
-        let (centre, radii) = eye(side);
-        push_ball(&mut eyes, centre, radii, 6, hare_rig::HEAD_ONLY);
-    }
+    let eyes = eyes(1, eye, 6, hare_rig::HEAD_ONLY);
     let mut nose = Primitive::new("nose", 2);
     push_ball(&mut nose, v(0.0, 0.3005, 0.1455), v(0.0075, 0.0055, 0.0058), 4, hare_rig::HEAD_ONLY);
 

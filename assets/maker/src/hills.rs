@@ -5,7 +5,7 @@
 //! picture is taken from +z. The ridges: `near` round z = -24 up to 9 m, `middle` round z = -60 up to 24 m, `far` round z = -125 up to 46 m.
 //! Every ridge is closed and reaches below the ground.
 
-use glam::{DMat3, DVec3, DVec4};
+use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 
 use super::{
     body::{self, Body, Comb, Keep, cone, ellipsoid, ramp},
@@ -21,10 +21,6 @@ use super::{
 
 /// Metres of ground in one unit of texture coordinates.
 const METRES_PER_UV: f64 = 4.0;
-
-fn v(x: f64, y: f64, z: f64) -> DVec3 {
-    DVec3::new(x, y, z)
-}
 
 /// A ridge of peaks.
 struct Ridge {

@@ -3,15 +3,15 @@
 //!
 //! Made for ink: the outline is what tells it. Belly, dewlap and withers are heavy against thin legs, which stand apart in every view.
 
-use glam::{DMat3, DVec3, DVec4};
+use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 
 use super::{
     body::{self, Body, Comb, Keep, cone, curve, ellipsoid, on_side, pitch, ramp},
-    glb::{Material, Model, Primitive},
+    glb::{Material, Model},
     ox_rig,
     regions::Regions,
     remesh::Sizing,
-    shapes::push_ball,
+    shapes::eyes,
     skin::Skin,
     trimesh::TriMesh,
 };
@@ -23,10 +23,6 @@ const HORN: usize = 1;
 const HOOF: usize = 2;
 const MUZZLE: usize = 3;
 const EYE: usize = 4;
-
-fn v(x: f64, y: f64, z: f64) -> DVec3 {
-    DVec3::new(x, y, z)
-}
 
 /// The end of the nose, from which hair is combed away.
 const NOSE: DVec3 = DVec3::new(0.0, 0.64, 1.74);
@@ -185,16 +181,6 @@ fn hide(p: DVec3, n: DVec3) -> DVec4 {
     color.extend(length)
 }
 
-/// The eyes: balls in the head.
-pub fn eyes() -> Primitive {
-    let mut eyes = Primitive::new("eyes", EYE);
-    for side in [1.0, -1.0] {
-        let (centre, radii) = eye(side);
-        push_ball(&mut eyes, centre, radii, 5, ox_rig::HEAD_ONLY);
-    }
-    eyes
-}
-
 /// The whole model.
 pub fn model() -> anyhow::Result<Model> {
     let body = body();
@@ -207,7 +193,7 @@ pub fn model() -> anyhow::Result<Model> {
         metres_per_uv: METRES_PER_UV,
     };
     let mut primitives = skin.primitives(&regions, &["hide", "horns", "hooves", "muzzle"], &weights)?;
-    primitives.push(eyes());
+    primitives.push(eyes(EYE, eye, 5, ox_rig::HEAD_ONLY));
     let material = |name: &str, color, roughness| Material { name: name.into(), color, roughness };
     Ok(Model {
         name: "Ox".into(),

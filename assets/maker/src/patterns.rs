@@ -1,5 +1,6 @@
 //! Patterns of coats: small pictures that repeat both ways.
 
+use super::body::ramp;
 use glam::DVec2;
 use image::{Rgb, RgbImage};
 use std::f64::consts::TAU;
@@ -15,7 +16,7 @@ pub fn zebra() -> RgbImage {
             + 0.05 * libm::sin(TAU * (5.0 * p.y - p.x));
         let width = 0.10 + 0.30 * libm::sin(TAU * (p.y + 2.0 * p.x)) * libm::cos(TAU * p.x);
         let stripe = libm::sin(TAU * (5.0 * p.x + wave)) + width;
-        mix([24, 20, 18], [255, 252, 244], smooth(-0.12, 0.12, stripe))
+        mix([24, 20, 18], [255, 252, 244], ramp(-0.12, 0.12, stripe))
     })
 }
 
@@ -45,17 +46,12 @@ pub fn spots() -> RgbImage {
             let radius = radius * (1.0 + 0.14 * libm::cos(2.0 * angle) + 0.06 * libm::cos(3.0 * angle + turn));
             radius - way.length()
         });
-        mix([255, 250, 240], [52, 32, 20], smooth(-0.035, 0.035, inside.fold(f64::MIN, f64::max)))
+        mix([255, 250, 240], [52, 32, 20], ramp(-0.035, 0.035, inside.fold(f64::MIN, f64::max)))
     })
 }
 
 fn paint(color: impl Fn(DVec2) -> [u8; 3]) -> RgbImage {
     RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb(color((DVec2::new(f64::from(x), f64::from(y)) + 0.5) / f64::from(SIDE))))
-}
-
-fn smooth(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 fn mix(a: [u8; 3], b: [u8; 3], t: f64) -> [u8; 3] {

@@ -10,7 +10,7 @@ use super::{
     rig::bound_to,
 };
 
-/// Metres of skin in one unit of texture coordinates, in all three models.
+/// Metres of skin in one unit of texture coordinates: of torus, knot and hare, and of the balls of all models.
 pub const METRES_PER_UV: f64 = 0.1;
 
 /// A ring of 0.4 m with a tube of 0.16 m: 19 x 15 quads, 570 triangles.
@@ -106,6 +106,16 @@ fn even_steps(at: &dyn Fn(f64) -> DVec3, count: usize) -> (Vec<f64>, f64) {
         })
         .collect();
     (parameters, length)
+}
+
+/// Two balls of material `material` with `n` cells along an edge, for an eye on each side, which `eye` gives centre and radii of.
+pub fn eyes(material: usize, eye: impl Fn(f64) -> (DVec3, DVec3), n: u32, weights: Weights) -> Primitive {
+    let mut eyes = Primitive::new("eyes", material);
+    for side in [1.0, -1.0] {
+        let (centre, radii) = eye(side);
+        push_ball(&mut eyes, centre, radii, n, weights);
+    }
+    eyes
 }
 
 /// Adds a ball: a cube with `n` cells along an edge, blown up, so that no triangle is a sliver.

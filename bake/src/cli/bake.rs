@@ -82,9 +82,9 @@ impl RecipeArgs {
         let mut recipe = match &self.recipe {
             Some(path) => {
                 let file = path.display().to_string();
-                let bytes = io::read_file(path)?;
-                input = Some(input_record("recipe", &file, &bytes));
-                Recipe::parse(&file, &text(&file, bytes)?)?
+                let text = io::read_text(path, "a recipe in TOML")?;
+                input = Some(input_record("recipe", &file, text.as_bytes()));
+                Recipe::parse(&file, &text)?
             }
             None => Recipe::default(),
         };
@@ -164,14 +164,6 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
         }
     }
     Ok(Done { baked, stages: watch.finish(), choice })
-}
-
-fn text(file: &str, bytes: Vec<u8>) -> Result<String, BakeError> {
-    String::from_utf8(bytes).map_err(|error| BakeError::Input {
-        file: file.into(),
-        place: format!("byte {}", error.utf8_error().valid_up_to()),
-        reason: "not UTF-8, expected a TOML text".into(),
-    })
 }
 
 /// Times the stages and shows which one runs.

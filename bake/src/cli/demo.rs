@@ -3,14 +3,14 @@
 use super::bake::StageWatch;
 use super::built_in::{BuiltIn, HARE, TORUS};
 use super::exit::{Exit, Failure};
-use super::output::Output;
+use super::output::{Output, make_folder};
 use super::shoot;
 use super::staged::stage_of;
 use super::view::View;
+use pelage_bake::io;
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::{BakeError, io};
 use pelage_runtime::wgpu;
 use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Rgb, Samples, find_clip};
 use serde_json::json;
@@ -38,11 +38,7 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
     // Before anything is written: a machine that cannot draw the pictures keeps nothing of them.
     let gpu = Gpu::open()?;
     let software = gpu.info.device_type == wgpu::DeviceType::Cpu;
-    std::fs::create_dir_all(&args.output).map_err(|source| BakeError::Io {
-        path: args.output.clone(),
-        action: "create",
-        source,
-    })?;
+    make_folder(&args.output)?;
     let (mut packages, mut pictures) = (Vec::new(), Vec::new());
     for (model, moment) in &MODELS {
         let baked = bake(model, software, output)?;
@@ -87,11 +83,7 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
     let (clip, count) = GAIT;
     let package = file.open()?;
     let Some((_, seconds)) = find_clip(file, &package, Some(clip))? else { return Ok(Vec::new()) };
-    std::fs::create_dir_all(folder).map_err(|source| BakeError::Io {
-        path: folder.to_owned(),
-        action: "create",
-        source,
-    })?;
+    make_folder(folder)?;
     let view = View { clip: Some(clip.into()), ..View::sized((640, 480)) };
     let view = view.with(|look| look.picture.style = LookStyle::Ink);
     let mut scene = stage_of(file, &view, || Ok(gpu.clone()))?;

@@ -3,11 +3,10 @@
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file;
-use super::view::{View, viewpoint};
+use super::view::View;
 use pelage_bake::BakeError;
 use pelage_bake::judge::doctor::{self, PassWork, Prognosis};
-use pelage_bake::recipe::CameraView;
-use pelage_stage::{Size, Viewpoint, rest_points};
+use pelage_stage::{Size, Viewpoint};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -25,7 +24,7 @@ pub struct DoctorArgs {
     size: Size,
     /// Eye and target in metres, height of the view in degrees: ex,ey,ez/tx,ty,tz/fov; by default as `render` frames the model
     #[arg(long, value_name = "EYE/TARGET/FOV", allow_hyphen_values = true)]
-    camera: Option<CameraView>,
+    camera: Option<Viewpoint>,
     /// Copies in the picture, each seen as large
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     instances: u32,
@@ -40,11 +39,8 @@ pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
     let package = file.open()?;
     output.progress("counting pixels");
     let size = (args.size.width, args.size.height);
-    let camera = args.camera.map(viewpoint);
-    let shown = View { camera, ..View::sized(size) };
-    let animation = package.animation().map_err(|e| file.fault(e))?;
-    let points = rest_points(&file, &package, animation.as_deref())?;
-    let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&points, package.manifest().fur.height_m);
+    let shown = View { camera: args.camera, ..View::sized(size) };
+    let Viewpoint { eye, target, fov_deg } = shown.viewpoint_of(&file, &package)?;
     let (instances, shadow_map) = (args.instances, args.shadow_map);
     let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances, shadow_map };
     let fault = |source| BakeError::Package { file: file.name.clone(), source };

@@ -66,14 +66,12 @@ impl From<Exit> for ExitCode {
 pub enum Failure {
     /// Options that clap cannot judge on its own contradict each other or the package.
     #[error("{0}")]
-    #[allow(dead_code, reason = "the commands with such options need the preview feature")]
     Usage(String),
     /// The library refused.
     #[error(transparent)]
     Bake(#[from] BakeError),
     /// No graphics adapter can be used; the detail says what was tried.
     #[error("no usable graphics adapter: {0}\n{NO_ADAPTER_HELP}")]
-    #[allow(dead_code, reason = "only the preview commands draw")]
     NoAdapter(String),
     /// Writing to stdout failed.
     #[error("standard output: cannot write: {0}")]

@@ -3,8 +3,9 @@
 use super::exit::Failure;
 use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use pelage_bake::{BakeError, io};
-use pelage_params::{Control, Knob};
+use pelage_bake::BakeError;
+use pelage_bake::io::read_text;
+use pelage_params::Control;
 use pelage_stage::{Look, ParamError, SHORT_FORMS, ShortForm};
 use std::path::Path;
 
@@ -26,13 +27,13 @@ impl LookArgs {
     pub fn apply(&self, look: &mut Look) -> Result<(), Failure> {
         for word in &self.looks {
             if is_assignment(word) {
-                look.set(word).map_err(|error| input("--look", &error))?;
+                look.set(word).map_err(|error| input("--look", error))?;
             } else {
                 read(Path::new(word), look)?;
             }
         }
         for (short, word) in &self.flags {
-            short.apply(look, word).map_err(|error| input(&format!("--{}", short.flag), &error))?;
+            short.apply(look, word).map_err(|error| input(&format!("--{}", short.flag), error))?;
         }
         Ok(())
     }
@@ -54,20 +55,15 @@ impl LookArgs {
 
 /// Reads a look file over `look`.
 fn read(path: &Path, look: &mut Look) -> Result<(), Failure> {
-    look.read(&text(path)?).map_err(|error| input(&path.display().to_string(), &error).into())
+    let text = read_text(path, LOOK)?;
+    look.read(&text).map_err(|error| input(&path.display().to_string(), error).into())
 }
 
-/// The text of a look file.
-pub fn text(path: &Path) -> Result<String, BakeError> {
-    String::from_utf8(io::read_file(path)?).map_err(|error| BakeError::Input {
-        file: path.display().to_string(),
-        place: format!("byte {}", error.utf8_error().valid_up_to()),
-        reason: "is no UTF-8, expected a look in TOML".into(),
-    })
-}
+/// What a look file should be, in words.
+pub const LOOK: &str = "a look in TOML";
 
-fn input(file: &str, error: &ParamError) -> BakeError {
-    BakeError::Input { file: file.to_owned(), place: error.place(), reason: error.reason.clone() }
+fn input(file: &str, error: ParamError) -> BakeError {
+    BakeError::Input { file: file.to_owned(), place: error.place(), reason: error.reason }
 }
 
 /// `key=value`, and not the name of a file.
@@ -77,7 +73,7 @@ fn is_assignment(word: &str) -> bool {
 }
 
 /// An argument for a short form, with meaning, range and default of its knob.
-pub fn argument(short: &'static ShortForm) -> Arg {
+fn argument(short: &'static ShortForm) -> Arg {
     let arg = Arg::new(short.flag)
         .long(short.flag)
         .value_name(short.value_name)
@@ -85,14 +81,12 @@ pub fn argument(short: &'static ShortForm) -> Arg {
         .action(if short.repeats { ArgAction::Append } else { ArgAction::Set });
     let arg = if short.key.starts_with("ink.") { arg.help_heading("Ink style") } else { arg };
     let arg = if short.flag == "light" { arg.conflicts_with("point-light") } else { arg };
-    match short.knob() {
-        Some(knob) => arg.help(help(short, knob)).value_parser(parser(short, knob)),
-        None => arg,
-    }
+    arg.help(help(short)).value_parser(parser(short))
 }
 
-/// Meaning, and what clap does not say itself.
-fn help(short: &ShortForm, knob: &Knob) -> String {
+/// Meaning of a short form's knob, and what clap does not say itself.
+pub fn help(short: &ShortForm) -> String {
+    let Some(knob) = short.knob() else { return String::new() };
     let mut help = knob.doc.split_whitespace().collect::<Vec<_>>().join(" ");
     if help.ends_with('.') {
         help.pop();
@@ -119,10 +113,11 @@ fn help(short: &ShortForm, knob: &Knob) -> String {
     help
 }
 
-fn parser(short: &'static ShortForm, knob: &Knob) -> ValueParser {
-    match (knob.control)() {
-        Control::Toggle => PossibleValuesParser::new(["on", "off"]).into(),
-        Control::Choice(choices) => {
+/// Takes the words that a short form's knob can be set to.
+pub fn parser(short: &'static ShortForm) -> ValueParser {
+    match short.knob().map(|knob| (knob.control)()) {
+        Some(Control::Toggle) => PossibleValuesParser::new(["on", "off"]).into(),
+        Some(Control::Choice(choices)) => {
             let value = |choice: &pelage_params::Choice| {
                 let meaning = choice.doc.split_whitespace().collect::<Vec<_>>().join(" ");
                 PossibleValue::new(choice.word).help(meaning.trim_end_matches('.').to_owned())

@@ -149,6 +149,12 @@ pub fn require_parent(file: &Path) -> Result<(), Failure> {
     Err(BakeError::Io { path: parent.to_owned(), action: "write into", source }.into())
 }
 
+/// Makes a folder that results are put in, with those above it, unless it is there.
+pub fn make_folder(folder: &Path) -> Result<(), Failure> {
+    let fail = |source| BakeError::Io { path: folder.to_owned(), action: "create", source };
+    std::fs::create_dir_all(folder).map_err(|source| fail(source).into())
+}
+
 /// Bytes for people: `1.5 MiB`.
 pub fn human_bytes(bytes: u64) -> String {
     let mut value = bytes as f64;

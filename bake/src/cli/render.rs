@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::journal::Key;
-use super::look_args::{self, argument};
+use super::look_args;
 use super::output::Output;
 use super::package_file;
 use super::sequence::{Drawn, Sink};
@@ -10,6 +10,7 @@ use super::shoot::{Picture, Shoot};
 use super::staged::{self, crowd};
 use super::view::View;
 use super::view_args::ViewArgs;
+use pelage_bake::io::read_text;
 use pelage_formats::MAGIC;
 use pelage_stage::{Cast, Gpu, LoadedScene, Look, NamedPackage, SAMPLES, SceneFile, StageError};
 use serde_json::json;
@@ -37,8 +38,15 @@ pub struct RenderArgs {
     /// Pictures per second of the clip, with --frames [default: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     fps: Option<u32>,
-    #[command(flatten)]
-    samples: Samples,
+    // A flag of the look, which `render` alone has.
+    #[arg(
+        long,
+        value_name = SAMPLES.value_name,
+        allow_hyphen_values = true,
+        help = look_args::help(&SAMPLES),
+        value_parser = look_args::parser(&SAMPLES)
+    )]
+    samples: Option<String>,
     /// The light goes once around the vertical axis while the pictures last, with --frames
     #[arg(long)]
     turn_light: bool,
@@ -47,38 +55,6 @@ pub struct RenderArgs {
     restart: bool,
     #[command(flatten)]
     view: ViewArgs,
-}
-
-/// `--samples`, which `render` alone has: another flag of the look.
-#[derive(Clone, Debug, Default)]
-struct Samples(Option<String>);
-
-impl Samples {
-    fn apply(&self, look: &mut Look) -> Result<(), Failure> {
-        let applied = self.0.iter().try_for_each(|word| SAMPLES.apply(look, word));
-        applied.map_err(|error| Failure::Usage(format!("--{}: {}", SAMPLES.flag, error.reason)))
-    }
-}
-
-impl clap::Args for Samples {
-    fn augment_args(command: clap::Command) -> clap::Command {
-        command.arg(argument(&SAMPLES))
-    }
-
-    fn augment_args_for_update(command: clap::Command) -> clap::Command {
-        Self::augment_args(command)
-    }
-}
-
-impl clap::FromArgMatches for Samples {
-    fn from_arg_matches(matches: &clap::ArgMatches) -> Result<Self, clap::Error> {
-        Ok(Self(matches.get_one(SAMPLES.flag).cloned()))
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &clap::ArgMatches) -> Result<(), clap::Error> {
-        *self = clap::FromArgMatches::from_arg_matches(matches)?;
-        Ok(())
-    }
 }
 
 /// Refuses arguments that make no sense beside a scene.
@@ -114,7 +90,7 @@ impl Scene {
         let folder = path.parent().unwrap_or(Path::new(""));
         let look = file.look(|path| {
             let path = folder.join(path);
-            let text = look_args::text(&path).map_err(|error| error.to_string())?;
+            let text = read_text(&path, look_args::LOOK).map_err(|error| error.to_string())?;
             Ok((path.display().to_string(), text))
         })?;
         let loaded = file.load(&package_file::Folder(folder))?;
@@ -177,7 +153,9 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     let look = scene.map_or_else(Look::default, |scene| scene.look.clone());
     let mut view = View::new(&args.view, look)?;
-    args.samples.apply(&mut view.look)?;
+    if let Some(word) = &args.samples {
+        SAMPLES.apply(&mut view.look, word).map_err(|error| Failure::Usage(format!("--samples: {}", error.reason)))?;
+    }
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
     let frames = args.view.frames.or(scene.and_then(|s| s.file.frames())).filter(|_| sink.is_sequence());
     if args.turn_light && frames.is_none() {

@@ -3,13 +3,13 @@
 use super::exit::Failure;
 use super::staged::{pixels, stage_of};
 use super::truth::{self, Truth};
-use super::view::{View, viewpoint};
+use super::view::View;
 use image::RgbaImage;
 use pelage_bake::judge::chart::shells::Measured;
 use pelage_bake::judge::compare::{CompareParams, compare};
 use pelage_bake::mesh::Model;
 use pelage_bake::pipeline;
-use pelage_bake::recipe::{CameraView, Recipe};
+use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::reslice;
 use pelage_bake::stages::groom::MapImages;
 use pelage_stage::{Gpu, Meter, NamedPackage, Stage, Viewpoint, count_fragments, fastest, framing};
@@ -52,7 +52,7 @@ impl<'a> ShellJudge<'a> {
         let cameras = cameras(recipe, &truth);
         let mut views = Vec::new();
         for (i, camera) in cameras.iter().enumerate() {
-            let view = View { camera: Some(viewpoint(*camera)), ..base_view(recipe) };
+            let view = View { camera: Some(*camera), ..base_view(recipe) };
             let picture = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
                 doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
@@ -69,11 +69,7 @@ impl<'a> ShellJudge<'a> {
 
     /// The views, as arguments of `pelage render`.
     pub fn view_words(&self) -> Vec<String> {
-        let camera = |(view, _): &(View, RgbaImage)| {
-            let Viewpoint { eye, target, fov_deg } = view.camera?;
-            Some(format!("--camera {}", CameraView { eye, target, fov_deg }))
-        };
-        self.views.iter().filter_map(camera).collect()
+        self.views.iter().filter_map(|(view, _)| view.camera).map(|camera| format!("--camera {camera}")).collect()
     }
 
     /// Bakes a recipe, draws it from all views, times it and compares it with the truth.
@@ -141,13 +137,9 @@ fn base_view(recipe: &Recipe) -> View {
 }
 
 /// The recipe's views; left empty, two that frame the model.
-fn cameras(recipe: &Recipe, truth: &Truth) -> Vec<CameraView> {
+fn cameras(recipe: &Recipe, truth: &Truth) -> Vec<Viewpoint> {
     if !recipe.judge.views.is_empty() {
         return recipe.judge.views.clone();
     }
-    let camera = |towards| {
-        let Viewpoint { eye, target, fov_deg } = truth.framed(&base_view(recipe), towards);
-        CameraView { eye, target, fov_deg }
-    };
-    [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera).into()
+    [framing::TOWARDS_CAMERA, framing::BEHIND].map(|towards| truth.framed(&base_view(recipe), towards)).into()
 }

@@ -4,7 +4,7 @@ use super::exit::Failure;
 use super::view::View;
 use image::RgbaImage;
 use pelage_runtime::{Frame, InstanceDetail};
-use pelage_stage::{Cast, Gpu, NamedPackage, Shot, Stage, StageError, rest_points};
+use pelage_stage::{Cast, Gpu, NamedPackage, Shot, Stage, StageError};
 use serde_json::{Value, json};
 
 /// The model of a package, or a crowd of it, on the device that `open_gpu` gives.
@@ -35,10 +35,8 @@ pub fn pixels(stage: &Stage) -> Result<RgbaImage, Failure> {
 /// The model of one package, or a crowd of it, at the clip and from the camera of `view`. Without one, the camera frames the first.
 pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, StageError> {
     let package = file.open()?;
-    let skeleton = package.animation().map_err(|error| file.fault(error))?;
-    let points = rest_points(file, &package, skeleton.as_deref())?;
-    let camera = view.viewpoint(&points, package.manifest().fur.height_m);
-    Cast::crowd(file, view.clip.as_deref(), view.crowd, Shot::fixed(camera))
+    let camera = Shot::fixed(view.viewpoint_of(file, &package)?);
+    Cast::crowd(file, package, view.clip.as_deref(), view.crowd, camera)
 }
 
 /// What is drawn of each copy's fur, as JSON.

@@ -38,11 +38,10 @@ impl Truth {
         if view.look.picture.style == LookStyle::Bare {
             skin.materials.iter_mut().for_each(|material| material.furred = false);
         }
-        let skeleton = package.animation().map_err(|error| file.fault(error))?;
         Ok(Self {
             scene: TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?,
             report,
-            rest_points: rest_points(file, package, skeleton.as_deref())?,
+            rest_points: rest_points(file, package)?,
             height_m: manifest.fur.height_m,
         })
     }

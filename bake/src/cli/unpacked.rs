@@ -9,9 +9,10 @@ use super::mesh_glb;
 use pelage_bake::BakeError;
 use pelage_bake::stages::assemble::{Content, assemble};
 use pelage_formats::{Animation, FORMAT_VERSION, FormatError, Limits, Manifest, Package, Tag, TextureEntry};
+use pelage_params::nearest;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// The file that every unpacked folder has.
@@ -323,7 +324,9 @@ fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<(), 
     match (found, known) {
         (Value::Object(found), Value::Object(known)) => {
             if let Some(key) = found.keys().find(|k| !known.contains_key(*k)) {
-                return Err(fail(key, format!("unknown key{}", nearest(key, known))));
+                let near = nearest(key, known.keys().map(String::as_str));
+                let near = near.map(|near| format!(", did you mean {near:?}?")).unwrap_or_default();
+                return Err(fail(key, format!("unknown key{near}")));
             }
             for (key, known) in known {
                 let value = found.get(key).ok_or_else(|| fail(key, "missing".into()))?;
@@ -340,11 +343,6 @@ fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<(), 
         (_, Value::Object(_)) => Err(fail("", format!("found {found}, expected an object"))),
         _ => Ok(()),
     }
-}
-
-fn nearest(key: &str, known: &Map<String, Value>) -> String {
-    let best = known.keys().max_by(|a, b| strsim::jaro(key, a).total_cmp(&strsim::jaro(key, b)));
-    best.map(|k| format!(", did you mean {k:?}?")).unwrap_or_default()
 }
 
 /// Writes 32-bit numbers with as few digits as bring them back: 0.1, not 0.10000000149011612.

@@ -3,8 +3,8 @@
 use super::exit::Failure;
 use super::view_args::ViewArgs;
 use glam::Vec3;
-use pelage_bake::recipe::CameraView;
-use pelage_stage::{Look, Size, Viewpoint, framing};
+use pelage_formats::Package;
+use pelage_stage::{Look, NamedPackage, Size, StageError, Viewpoint, framing, rest_points};
 
 /// How a package is looked at; what the arguments that `render` and `bench` share come to.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +35,7 @@ impl View {
     /// A look file that cannot be read or says something wrong.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
-        let camera = args.camera.map(viewpoint);
-        Ok(Self { look, camera, clip: args.clip.clone(), time_s: args.time, crowd: args.crowd })
+        Ok(Self { look, camera: args.camera, clip: args.clip.clone(), time_s: args.time, crowd: args.crowd })
     }
 
     /// The same with changes to its look.
@@ -61,9 +60,10 @@ impl View {
         let framed = || framing::frame(rest_points, margin_m, self.look.aspect(), framing::TOWARDS_CAMERA);
         self.camera.unwrap_or_else(framed)
     }
-}
 
-/// A camera that a recipe or an argument names.
-pub fn viewpoint(view: CameraView) -> Viewpoint {
-    Viewpoint { eye: view.eye, target: view.target, fov_deg: view.fov_deg }
+    /// The view's own camera, or one that frames the model of a package at rest; `package` is `file` opened.
+    pub fn viewpoint_of(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Viewpoint, StageError> {
+        let points = if self.camera.is_none() { rest_points(file, package)? } else { Vec::new() };
+        Ok(self.viewpoint(&points, package.manifest().fur.height_m))
+    }
 }

@@ -1,7 +1,7 @@
 //! What `render`, `bench` and `reference` share: the look, the camera, and what is drawn when.
 
 use super::look_args::LookArgs;
-use pelage_bake::recipe::CameraView;
+use pelage_stage::Viewpoint;
 
 /// Options of `render`, `bench` and `reference`.
 #[derive(Clone, Debug, clap::Args)]
@@ -10,7 +10,7 @@ pub struct ViewArgs {
     ///
     /// Without it the camera frames the model from the front left.
     #[arg(long, value_name = "EYE/TARGET/FOV", allow_hyphen_values = true)]
-    pub camera: Option<CameraView>,
+    pub camera: Option<Viewpoint>,
     /// Time in the clip, seconds
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = parse_seconds, allow_hyphen_values = true)]
     pub time: f32,
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
     use clap::Parser;
     use glam::Vec3;
-    use pelage_stage::{Look, Viewpoint};
+    use pelage_stage::Look;
 
     #[derive(Parser)]
     struct Line {

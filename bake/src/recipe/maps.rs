@@ -3,7 +3,7 @@
 //! In a recipe a map is a constant (`0.5`, `[0, 0, 1]`, `"#8c7c6c"`), `"vertex"` for the vertex colours, or the path of an image from
 //! the recipe's folder. A channel may follow: `"vertex#a"`, `"maps/coat.png#g"`; without one it is the red.
 
-use pelage_params::{Control, Field, Range, Raw, SrgbColor};
+use pelage_params::{Field, Range, Raw, SrgbColor};
 
 /// What stands for the vertex colours.
 const VERTEX: &str = "vertex";
@@ -167,10 +167,6 @@ impl Field for ScalarMap {
         format!("{}, \"vertex\" or the relative path of an image, either with #r, #g, #b or #a", f32::expected(range))
     }
 
-    fn control(_: &Self::Range) -> Control {
-        Control::Text
-    }
-
     fn from_raw(raw: &Raw) -> Option<Self> {
         let Raw::String(text) = raw else { return f32::from_raw(raw).map(Self::Constant) };
         let (source, suffix) = split(text);
@@ -201,10 +197,6 @@ impl Field for VectorMap {
 
     fn expected((): &()) -> String {
         "[x, y, z], \"vertex\" or the relative path of an image, which may end in #uv".into()
-    }
-
-    fn control((): &()) -> Control {
-        Control::Text
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
@@ -239,10 +231,6 @@ impl Field for ColorMap {
         "\"#rrggbb\", [r, g, b] with numbers 0..=1, \"vertex\" or the relative path of an image".into()
     }
 
-    fn control((): &()) -> Control {
-        Control::Text
-    }
-
     fn from_raw(raw: &Raw) -> Option<Self> {
         match raw {
             Raw::String(text) if text == VERTEX => Some(Self::Vertex),
@@ -271,10 +259,6 @@ impl Field for ImagePath {
 
     fn expected((): &()) -> String {
         "the relative path of an image".into()
-    }
-
-    fn control((): &()) -> Control {
-        Control::Text
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {

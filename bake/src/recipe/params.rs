@@ -3,8 +3,8 @@
 use super::comb_marks::CombMarkParams;
 use super::maps::{ColorMap, ImagePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
-use super::views::CameraView;
 use pelage_params::{PowerOfTwo, SrgbColor, params, words};
+use pelage_stage::Viewpoint;
 
 params! {
     /// `[model]`: how the model is read.
@@ -350,7 +350,7 @@ params! {
     JudgeParams in judge {
         /// From where: each `"ex,ey,ez/tx,ty,tz/fov_deg"`, metres and degrees, the model at rest. Left empty, two that frame the model, from its
         /// front left and from its back right.
-        views: Vec<CameraView> = Vec::new();
+        views: Vec<Viewpoint> = Vec::new();
         /// Width of each picture, pixels.
         width: u32 = 834, in 16..=4096;
         /// Height of each picture, pixels.

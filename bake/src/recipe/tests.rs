@@ -2,6 +2,7 @@
 
 use super::*;
 use pelage_params::{Field, Raw};
+use pelage_stage::Viewpoint;
 use proptest::prelude::*;
 
 fn error(text: &str) -> String {
@@ -185,6 +186,28 @@ fn maps_are_numbers_vertex_colours_or_images() {
 }
 
 #[test]
+fn views_survive_a_recipe() {
+    let text = "[judge]\nviews = [\"0,1,-3/0.5,0.25,1e-3/40\", \"1,2,3/0,0,0/30.5\"]\n";
+    let recipe = Recipe::parse("a.toml", text).expect("a recipe");
+    assert_eq!(recipe.judge.views.len(), 2);
+    assert_eq!(recipe.judge.views[0].target, glam::Vec3::new(0.5, 0.25, 1e-3));
+    assert_eq!(Recipe::parse("a.toml", &recipe.to_toml()).expect("its own words"), recipe);
+    let mut one = Recipe::default();
+    one.set("judge.views=0,1,3/0,0,0/40").expect("a word without quotes");
+    assert_eq!(one.judge.views.len(), 1);
+}
+
+#[test]
+fn what_is_wrong_with_a_view_is_said() {
+    for (word, message) in [("0,1,3/0,0,0", "fov_deg"), ("0,1/0,0,0/40", "eye"), ("0,0,0/0,0,0/40", "same point")] {
+        let text = format!("[judge]\nviews = [\"0,1,3/0,0,0/40\", \"{word}\"]\n");
+        let error = Recipe::parse("a.toml", &text).unwrap_err().to_string();
+        assert!(error.contains("line 2, judge.views") && error.contains("entry 1"), "{error}");
+        assert!(error.contains(message), "{error}");
+    }
+}
+
+#[test]
 fn documented_toml_parses_to_the_same_recipe() {
     let mut recipe = Recipe::default();
     let text = recipe.to_documented_toml();
@@ -314,7 +337,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             base_color_max: p.3,
             bc_quality: p.4,
         });
-    let view = ([-1e3f32..=1e3, -1e3..=1e3, -1e3..=1e3], 1f32..=170.0).prop_map(|(eye, fov_deg)| CameraView {
+    let view = ([-1e3f32..=1e3, -1e3..=1e3, -1e3..=1e3], 1f32..=170.0).prop_map(|(eye, fov_deg)| Viewpoint {
         eye: eye.into(),
         target: glam::Vec3::from(eye) + 1.0,
         fov_deg,

@@ -7,13 +7,13 @@ use crate::recipe::Recipe;
 use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Coat, Colors, Lengths};
-use crate::stages::ink::{InkTextures, InkVertices};
+use crate::stages::ink::{InkFiles, SkinInk};
 use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
     AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, InkData, InkInfo,
-    InkShading, InkVertex, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading,
+    InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading,
 };
 use std::sync::Arc;
 
@@ -40,46 +40,6 @@ pub struct SkinFins<'a> {
     pub section: Option<Content<'a>>,
     /// Depth of the slab of hair that they should show where the recipe gives none, widths of the tile; `None` where the recipe says it.
     pub depth: Option<f32>,
-}
-
-/// What each vertex takes of the ink style, without its textures.
-#[derive(Clone, Debug)]
-pub struct SkinInk {
-    /// Period of the wash texture on the skin, metres.
-    pub grain_size_m: f32,
-    /// Constants for drawing.
-    pub shading: InkShading,
-    /// One per vertex of the mesh.
-    pub vertices: Vec<InkVertex>,
-    /// Where the wash begins, metres, if the recipe leaves that open; `None` where it says it.
-    pub center: Option<[f32; 3]>,
-    /// What there was to say.
-    pub warnings: Vec<String>,
-}
-
-/// The textures of the ink style.
-#[derive(Clone, Debug)]
-pub struct InkFiles<'a> {
-    /// The stroke of the sphere map.
-    pub stroke: NamedTexture<'a>,
-    /// The wash.
-    pub wash: NamedTexture<'a>,
-    /// The paper.
-    pub paper: NamedTexture<'a>,
-    /// Strokes of fur, for a model that has some.
-    pub fur: Option<NamedTexture<'a>>,
-}
-
-impl From<InkTextures> for InkFiles<'_> {
-    fn from(made: InkTextures) -> Self {
-        let named = |name: &'static str, file: Vec<u8>| (name.into(), file.into());
-        Self {
-            stroke: named("ink_stroke", made.stroke),
-            wash: named("ink_wash", made.wash),
-            paper: named("ink_paper", made.paper),
-            fur: made.fur.map(|fur| named("ink_fur", fur)),
-        }
-    }
 }
 
 /// What the stages made of a model that is to have a skin.
@@ -166,12 +126,6 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
 pub fn skin_fins(surface: &Surface, fins: &EdgeFins) -> SkinFins<'static> {
     let section = || Content::Fins(fin_data(fins, &parts(surface)));
     SkinFins { section: (!fins.fins.is_empty()).then(section), depth: Some(fins.depth) }
-}
-
-/// The ink style of a model in a package's terms.
-pub fn skin_ink(vertices: InkVertices, grain_size_m: f32, shading: InkShading, warnings: Vec<String>) -> SkinInk {
-    let InkVertices { vertices, center } = vertices;
-    SkinInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings }
 }
 
 /// What a package is made of, in its own terms.

@@ -5,7 +5,7 @@ use crate::mesh::Image;
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::textures::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
-use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed, skin_matrix, tile_axes_f64};
+use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
 use pelage_formats::{FormatError, GeometryVertex, Package, Pose, SkinVertex};
 use std::collections::HashMap;
 
@@ -86,10 +86,10 @@ impl Skin {
         let skin: Vec<SkinVertex> = mesh.skin().collect();
         let mut first_at = HashMap::new();
         let mut out = Self::default();
-        for (i, (geometry, attributes)) in mesh.geometry().zip(mesh.attributes()).enumerate() {
-            let moved_by = skin.get(i).copied();
-            let place = |v: Option<SkinVertex>| v.map(|v| (v.joints, v.weights.map(f32::to_bits)));
-            let key = (geometry.position.map(f32::to_bits), place(moved_by));
+        let vertices = mesh.geometry().zip(posed_vertices(&mesh, &pose)).zip(mesh.attributes());
+        for (i, ((stored, posed), attributes)) in vertices.enumerate() {
+            let moved_by = skin.get(i).map(|v| (v.joints, v.weights.map(f32::to_bits)));
+            let key = (stored.position.map(f32::to_bits), moved_by);
             out.same_place.push(*first_at.entry(key).or_insert(i as u32));
             let share = |byte: u8| f32::from(byte) / 255.0;
             out.vertices.push(SkinPoint {
@@ -97,7 +97,7 @@ impl Skin {
                 base_uv: attributes.base_uv.into(),
                 color: Vec4::from(attributes.color.map(share)),
                 groom: groom_of_vertex(attributes.groom),
-                ..posed_point(&geometry, moved_by.as_ref(), &pose)
+                ..point(&posed)
             });
         }
         let indices: Vec<u32> = mesh.indices().collect();
@@ -177,8 +177,7 @@ where
     a * weights.x as f32 + b * weights.y as f32 + c * weights.z as f32
 }
 
-fn posed_point(v: &GeometryVertex, moved_by: Option<&SkinVertex>, pose: &Pose) -> SkinPoint {
-    let v = moved_by.map_or(*v, |skin| posed(v, skin_matrix(pose, skin)));
+fn point(v: &GeometryVertex) -> SkinPoint {
     let [x, y, z, handedness] = v.tangent;
     let normal = Vec3::from(v.normal).as_dvec3().normalize_or(DVec3::Y);
     let [tangent_ws, bitangent_ws] = tile_axes_f64(normal, Vec3::new(x, y, z).as_dvec3(), f64::from(handedness));

@@ -381,7 +381,7 @@ fn a_unit_scales_what_stands_still() {
     assert_near(model.mesh.positions[1], [1.01, 0.0, 0.0]);
     for unit_m in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-9] {
         let refused = import("m", &doc.glb(), &mut |_| unreachable!(), &ImportOptions { unit_m });
-        assert!(refused.unwrap_err().to_string().starts_with("model.unit_m: is "));
+        assert!(refused.unwrap_err().to_string().starts_with("model.unit_m: found "));
     }
 }
 

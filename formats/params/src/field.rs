@@ -11,8 +11,11 @@ pub trait Field: Sized {
     /// Type and range in words.
     fn expected(range: &Self::Range) -> String;
 
-    /// How it is shown.
-    fn control(range: &Self::Range) -> Control;
+    /// How it is shown: as text, unless the type says otherwise.
+    fn control(range: &Self::Range) -> Control {
+        let _ = range;
+        Control::Text
+    }
 
     /// The value of that TOML, whatever its range.
     fn from_raw(raw: &Raw) -> Option<Self>;
@@ -266,6 +269,13 @@ impl Field for [f32; 3] {
     }
 }
 
+/// The three bytes of `#rrggbb`.
+pub fn hex(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
+    let [_, r, g, b] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
+    Some([r, g, b])
+}
+
 /// A colour in sRGB, each channel 0..=1. In a file `[r, g, b]` or `"#rrggbb"`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SrgbColor(pub [f32; 3]);
@@ -290,11 +300,7 @@ impl Field for SrgbColor {
 
     fn from_raw(raw: &Raw) -> Option<Self> {
         match raw {
-            Raw::String(s) => {
-                let digits =
-                    s.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
-                u32::from_str_radix(digits, 16).ok().map(Self::hex)
-            }
+            Raw::String(text) => hex(text).map(|rgb| Self(rgb.map(|byte| f32::from(byte) / 255.0))),
             _ => <[f32; 3]>::from_raw(raw).map(Self),
         }
     }
@@ -313,10 +319,6 @@ impl Field for String {
 
     fn expected((): &()) -> String {
         "a string".into()
-    }
-
-    fn control((): &()) -> Control {
-        Control::Text
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {

@@ -59,7 +59,7 @@ mod text;
 
 pub use control::{Choice, Control};
 pub use error::{OutOfRange, ParamError};
-pub use field::{Field, PowerOfTwo, Range, SrgbColor};
+pub use field::{Field, PowerOfTwo, Range, SrgbColor, hex};
 pub use knob::{Knob, Table, TableInfo, Tables, knobs, same, validate, validate_table};
 pub use list::Item;
 pub use nearest::nearest;

@@ -1,6 +1,5 @@
 //! Lists of things.
 
-use crate::control::Control;
 use crate::field::Field;
 use crate::raw::Raw;
 
@@ -36,10 +35,6 @@ impl<T: Item> Field for Vec<T> {
 
     fn expected((): &()) -> String {
         T::expected_list()
-    }
-
-    fn control((): &()) -> Control {
-        Control::Text
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {

@@ -1,7 +1,7 @@
 //! Linear blend skinning: where joints move a vertex, its normal and its tangent.
 
 use crate::sampling::Pose;
-use crate::sections::mesh::{GeometryVertex, SkinVertex};
+use crate::sections::mesh::{GeometryVertex, MeshView, SkinVertex};
 use glam::{Mat3, Mat4, Vec3, Vec4};
 
 /// One joint's share of a vertex's matrix. A joint of weight 0 counts for nothing, even where its matrix is not finite.
@@ -59,6 +59,15 @@ pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
         tangent: (linear * Vec3::new(x, y, z)).extend(handedness * handedness_of(linear)).into(),
         ..*vertex
     }
+}
+
+/// The vertices of a mesh in a pose ([`posed`]); those of a mesh without joints as they are stored.
+pub fn posed_vertices(mesh: &MeshView<'_>, pose: &Pose) -> impl Iterator<Item = GeometryVertex> {
+    let mut skin = mesh.skin();
+    mesh.geometry().map(move |vertex| match skin.next() {
+        Some(joints) => posed(&vertex, skin_matrix(pose, &joints)),
+        None => vertex,
+    })
 }
 
 #[cfg(test)]

@@ -3,14 +3,15 @@
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError};
 use glam::{Mat4, Quat, Vec3};
-use pelage_formats::meaning::skin_matrix;
-use pelage_formats::{Animation, GeometryVertex, Manifest, Package, Pose};
+use pelage_formats::meaning::posed_vertices;
+use pelage_formats::{Animation, Manifest, Package, Pose};
+use std::sync::Arc;
 
 /// Everything that a picture shows, over time.
 #[derive(Clone, Debug)]
 pub struct Cast<'a> {
-    /// The packages, each once.
-    pub packages: Vec<&'a NamedPackage<'a>>,
+    /// The packages, each once, and opened once: what a section was found to be is kept for all who look at it.
+    pub packages: Vec<(&'a NamedPackage<'a>, Arc<Package<'a>>)>,
     /// The copies of their models; at least one.
     pub actors: Vec<Actor>,
     /// From where they are seen.
@@ -81,23 +82,23 @@ impl Playing {
 
 impl<'a> Cast<'a> {
     /// Copies of one package's model, side by side on a grid, all at the same moment of the clip of that name (`None`: at rest), seen from
-    /// `camera`.
+    /// `camera`. `package` is `file` opened.
     ///
     /// # Errors
     ///
     /// [`StageError::Asked`] for a clip that is not there, [`StageError::Package`] for a damaged package.
     pub fn crowd(
         file: &'a NamedPackage<'a>,
+        package: Package<'a>,
         clip: Option<&str>,
         copies: u32,
         camera: Shot,
     ) -> Result<Self, StageError> {
-        let package = file.open()?;
         let clip = find_clip(file, &package, clip)?;
         let clip = clip.map(|(clip, duration_s)| Playing { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true });
         let actor = |place| Actor { package: 0, place: Place::fixed(place), clip };
         let actors = places(package.manifest(), copies).into_iter().map(actor).collect();
-        Ok(Self { packages: vec![file], actors, camera })
+        Ok(Self { packages: vec![(file, Arc::new(package))], actors, camera })
     }
 }
 
@@ -142,24 +143,14 @@ fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
 }
 
 /// The places of a package's vertices at rest, by which the default camera frames it.
-pub fn rest_points(
-    file: &NamedPackage<'_>,
-    package: &Package<'_>,
-    skeleton: Option<&Animation>,
-) -> Result<Vec<Vec3>, StageError> {
-    let mesh = package.mesh().map_err(|error| file.fault(error))?;
+pub fn rest_points(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<Vec3>, StageError> {
+    let skeleton = package.animation().map_err(|error| file.fault(error))?;
+    let Some(mesh) = package.mesh().map_err(|error| file.fault(error))? else { return Ok(Vec::new()) };
     let mut pose = Pose::default();
     if let Some(skeleton) = skeleton {
-        pose.sample(skeleton, None, 0.0);
+        pose.sample(&skeleton, None, 0.0);
     }
-    Ok(mesh.map_or_else(Vec::new, |mesh| {
-        let skin: Vec<_> = mesh.skin().collect();
-        let place = |(i, v): (usize, GeometryVertex)| {
-            let position = Vec3::from(v.position);
-            skin.get(i).map_or(position, |s| skin_matrix(&pose, s).transform_point3(position))
-        };
-        mesh.geometry().enumerate().map(place).collect()
-    }))
+    Ok(posed_vertices(&mesh, &pose).map(|vertex| vertex.position.into()).collect())
 }
 
 #[cfg(test)]

@@ -87,7 +87,9 @@ impl Gpu {
         );
         self.queue.submit([encoder.finish()]);
         let bytes = self.read_buffer(&buffer)?;
-        Ok(bytes.chunks_exact(padded as usize).flat_map(|row| &row[..row_bytes as usize]).copied().collect())
+        let mut texels = Vec::with_capacity(row_bytes as usize * height as usize);
+        bytes.chunks_exact(padded as usize).for_each(|row| texels.extend_from_slice(&row[..row_bytes as usize]));
+        Ok(texels)
     }
 }
 

@@ -70,11 +70,13 @@ impl Stage {
         time_s: f32,
         open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
     ) -> Result<Self, StageError> {
-        let packages =
-            cast.packages.iter().map(|file| Ok((*file, file.open()?))).collect::<Result<Vec<_>, StageError>>()?;
         check_actors(cast)?;
-        if params.style.kind() == StyleKind::Ink {
-            packages.iter().try_for_each(|(file, package)| has_ink(file, package))?;
+        for (file, package) in &cast.packages {
+            package.mesh().map_err(|error| file.fault(error))?;
+            package.animation().map_err(|error| file.fault(error))?;
+            if params.style.kind() == StyleKind::Ink {
+                has_ink(file, package)?;
+            }
         }
         let gpu = open_gpu()?;
         let limit = gpu.device.limits().max_texture_dimension_2d;
@@ -89,7 +91,7 @@ impl Stage {
         let mut renderer = renderer.map_err(|error| StageError::Internal(error.to_string()))?;
         let start = Instant::now();
         let mut models = Vec::new();
-        for (file, package) in &packages {
+        for (file, package) in &cast.packages {
             let model = renderer.load(package);
             models.push(model.map_err(|error| refused(file, error))?);
         }
@@ -281,7 +283,7 @@ mod tests {
         let bytes = PackageWriter::new(Manifest::default()).finish().unwrap();
         let file = NamedPackage::new("a.pelage", bytes);
         let camera = || Shot::fixed(Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 });
-        let crowd = |copies| Cast::crowd(&file, None, copies, camera()).unwrap();
+        let crowd = |copies| Cast::crowd(&file, file.open().unwrap(), None, copies, camera()).unwrap();
         let refused = |cast: &Cast<'_>| {
             let look = Look::default();
             let no_device = || Err(StageError::NoAdapter("asked for one".into()));

@@ -2,8 +2,11 @@
 
 use crate::track::Track;
 use glam::Vec3;
+use pelage_params::{Item, Raw};
+use std::fmt;
+use std::str::FromStr;
 
-/// From where a picture is seen.
+/// From where a picture is seen. As a word: `ex,ey,ez/tx,ty,tz/fov_deg`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
     /// Metres.
@@ -12,6 +15,76 @@ pub struct Viewpoint {
     pub target: Vec3,
     /// Height of the view, degrees, 1..=170.
     pub fov_deg: f32,
+}
+
+/// Three finite numbers, `x,y,z`, or what was expected, in words.
+fn parse_vec3(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f32>> =
+        text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect();
+    match numbers.as_deref() {
+        Some([x, y, z]) => Ok(Vec3::new(*x, *y, *z)),
+        _ => Err("expected three numbers x,y,z".into()),
+    }
+}
+
+impl FromStr for Viewpoint {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts: Vec<_> = text.split('/').collect();
+        let [eye, target, fov] = parts[..] else {
+            return Err("expected ex,ey,ez/tx,ty,tz/fov_deg, such as 0,1,3/0,0.5,0/40".into());
+        };
+        let (eye, target) = (
+            parse_vec3(eye).map_err(|e| format!("eye: {e}"))?,
+            parse_vec3(target).map_err(|e| format!("target: {e}"))?,
+        );
+        let fov_deg: f32 = fov.trim().parse().map_err(|_| "field of view: expected degrees".to_owned())?;
+        if !(1.0..=170.0).contains(&fov_deg) {
+            return Err("field of view: expected 1 to 170 degrees".into());
+        }
+        if eye == target {
+            return Err("eye and target are the same point, expected them apart".into());
+        }
+        Ok(Self { eye, target, fov_deg })
+    }
+}
+
+impl fmt::Display for Viewpoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (e, t) = (self.eye, self.target);
+        write!(f, "{},{},{}/{},{},{}/{}", e.x, e.y, e.z, t.x, t.y, t.z, self.fov_deg)
+    }
+}
+
+impl Item for Viewpoint {
+    const ALONE: bool = true;
+
+    fn expected_list() -> String {
+        "a list of views such as \"0,1,3/0,0.5,0/40\": eye, target, height of the view in degrees".into()
+    }
+
+    fn place(index: usize, raw: &Raw) -> String {
+        match raw {
+            Raw::String(word) => format!("entry {index}, {word:?}"),
+            _ => format!("entry {index}"),
+        }
+    }
+
+    fn read(raw: &Raw) -> Result<Self, Option<String>> {
+        match raw {
+            Raw::String(word) => word.parse().map_err(Some),
+            _ => Err(None),
+        }
+    }
+
+    fn in_range(&self) -> bool {
+        self.to_string().parse::<Self>().is_ok()
+    }
+
+    fn to_toml(&self) -> String {
+        format!("{:?}", self.to_string())
+    }
 }
 
 /// A camera over time.

@@ -5,8 +5,7 @@ use super::journal::Rows;
 use super::subject::{Subject, shell_word};
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::journal::Key;
-use crate::cli::output::Output;
-use pelage_bake::BakeError;
+use crate::cli::output::{Output, make_folder};
 use pelage_bake::io;
 use pelage_bake::judge::chart::{self, Cell, Chart, Panel, Row};
 use serde_json::{Map, Value, json};
@@ -76,7 +75,7 @@ pub fn run(
 ) -> Result<Exit, Failure> {
     let plan = topic.plan();
     let numbers: Vec<usize> = args.numbers(plan.rows.len())?.collect();
-    create(folder)?;
+    make_folder(folder)?;
     let mut journal = Rows::open(folder, plan.topic, &key(subject, &plan), args.restart)?;
     if journal.others() > 0 {
         output.note(&format!("{} rows of another model, recipe, tool or adapter do not count", journal.others()));
@@ -180,13 +179,4 @@ pub fn value(cell: &Cell) -> Value {
         Cell::Text(text) => json!(text),
         Cell::Empty => Value::Null,
     }
-}
-
-/// Makes the folder that tables and pictures are put in.
-pub(super) fn create(folder: &Path) -> Result<(), BakeError> {
-    std::fs::create_dir_all(folder).map_err(|source| BakeError::Io {
-        path: folder.to_owned(),
-        action: "create",
-        source,
-    })
 }

@@ -89,8 +89,7 @@ impl Shared {
             None => Source::Model { file, name, model, images }.bake(recipe)?,
         };
         let opened = file.open()?;
-        let skeleton = opened.animation().map_err(|error| file.fault(error))?;
-        let rest_points = rest_points(&file, &opened, skeleton.as_deref())?;
+        let rest_points = rest_points(&file, &opened)?;
         let lines = TrueLines::new(Skin::posed(&file.name, &opened, None)?)?;
         drop(opened);
         Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })

@@ -1,10 +1,10 @@
 //! `pelage chart stability`: the table of `bake/src/judge/stability/`, each row driven here and now.
 
 use super::args::ChartArgs;
-use super::driver::{create, value};
+use super::driver::value;
 use super::machine::processor;
 use crate::cli::exit::{Exit, Failure};
-use crate::cli::output::Output;
+use crate::cli::output::{Output, make_folder};
 use pelage_bake::io;
 use pelage_bake::judge::chart::{self, Cell};
 use pelage_bake::judge::stability::{Finding, ROWS, Row};
@@ -86,7 +86,7 @@ fn report(
 ) -> Result<(), Failure> {
     let mut files = Vec::new();
     if let Some(folder) = &args.output {
-        create(folder)?;
+        make_folder(folder)?;
         let header = rows.first().into_iter().flatten().map(|(name, _)| (*name).to_owned()).collect();
         let table =
             std::iter::once(header).chain(rows.iter().map(|row| row.iter().map(|(_, cell)| cell.text()).collect()));

@@ -12,7 +12,7 @@ pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, View};
 use crate::BakeError;
 use glam::{Mat4, Vec3, Vec4};
 use pelage_formats::meaning::{
-    fin_face, fin_opacity, fin_rows, hair_offset, layer_height, posed, row_heights, skin_matrix, tile_frame, view_axes,
+    fin_face, fin_opacity, fin_rows, hair_offset, layer_height, posed_vertices, row_heights, tile_frame, view_axes,
 };
 use pelage_formats::{FormatError, Package, Pose};
 use raster::{Covered, Draw, Raster};
@@ -157,9 +157,7 @@ fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> 
     if let Some(animation) = package.animation().map_err(fault)? {
         pose.sample(&animation, None, 0.0);
     }
-    let skin: Vec<_> = mesh.skin().collect();
-    let vertex = |(i, v): (usize, pelage_formats::GeometryVertex)| {
-        let v = skin.get(i).map_or(v, |s| posed(&v, skin_matrix(&pose, s)));
+    let vertex = |v: pelage_formats::GeometryVertex| {
         let [x, y, z, handedness] = v.tangent;
         let frame = tile_frame(v.normal.into(), Vec3::new(x, y, z), handedness);
         Vertex {
@@ -170,7 +168,7 @@ fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> 
             lean: v.lean,
         }
     };
-    Ok(mesh.geometry().enumerate().map(vertex).collect())
+    Ok(posed_vertices(&mesh, &pose).map(vertex).collect())
 }
 
 /// Fins as the runtime shows them, by the angle they are seen at: what they cover, and their quads.

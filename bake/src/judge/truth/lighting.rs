@@ -17,6 +17,7 @@ use crate::stages::hair::Strands;
 use crate::strands::Skin;
 use glam::{DVec2, DVec3, Vec3};
 use pelage_formats::Shading;
+use pelage_formats::meaning::tile_axes_f64;
 
 /// A light of the traced picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,9 +236,7 @@ fn frame(skin: &Skin, triangle: usize, weights: DVec3) -> [DVec3; 3] {
     let corners = skin.corners(triangle);
     let sum = |of: [DVec3; 3]| of[0] * weights.x + of[1] * weights.y + of[2] * weights.z;
     let normal = sum(corners.map(|c| c.normal_ws)).normalize_or(corners[0].normal_ws);
-    let along = sum(corners.map(|c| c.tangent_ws)).reject_from_normalized(normal);
-    let tangent = along.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
-    let across = normal.cross(tangent);
+    let [tangent, across] = tile_axes_f64(normal, sum(corners.map(|c| c.tangent_ws)), 1.0);
     let handed = across.dot(corners[0].bitangent_ws);
     [normal, tangent, if handed < 0.0 { -across } else { across }]
 }

@@ -22,13 +22,7 @@ fn square() -> (Mesh, Vec<Material>, RestPose) {
         positions,
         ..Mesh::default()
     };
-    let material = |name: &str| Material {
-        name: name.into(),
-        base_color: [1.0; 4],
-        base_color_image: None,
-        alpha_cutoff: None,
-        double_sided: false,
-    };
+    let material = |name: &str| Material { name: name.into(), ..Material::default() };
     let rest = RestPose::of(&mesh, None);
     (mesh, vec![material("skin"), material("Nose")], rest)
 }

@@ -35,13 +35,7 @@ fn torus() -> Model {
         has_uvs: false,
     };
     mesh.parts = vec![part(0, 0, total - bare), part(1, total - bare, bare)];
-    let material = |name: &str| Material {
-        name: name.into(),
-        base_color: [1.0; 4],
-        base_color_image: None,
-        alpha_cutoff: None,
-        double_sided: false,
-    };
+    let material = |name: &str| Material { name: name.into(), ..Material::default() };
     Model { mesh, materials: vec![material("coat"), material("bare")], ..Model::default() }
 }
 

@@ -1,20 +1,18 @@
 //! How to read a model.
 
 use crate::BakeError;
-use serde::{Deserialize, Serialize};
+use crate::recipe::ModelParams;
 
 /// How to read a model.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImportOptions {
-    /// Length of one unit of the model, metres, 1e-6..=1e6 (default 1, as glTF says; 0.01 for a model made in centimetres). OBJ has no
-    /// unit of its own.
+    /// `model.unit_m` of a recipe, with its range and default: length of one unit of the model, metres.
     pub unit_m: f32,
 }
 
 impl Default for ImportOptions {
     fn default() -> Self {
-        Self { unit_m: 1.0 }
+        Self { unit_m: ModelParams::default().unit_m }
     }
 }
 
@@ -25,10 +23,6 @@ impl ImportOptions {
     ///
     /// [`BakeError::Params`] for a unit outside its range.
     pub fn validate(&self) -> Result<(), BakeError> {
-        if (1e-6..=1e6).contains(&self.unit_m) {
-            return Ok(());
-        }
-        let reason = format!("is {}, expected 1e-6..=1e6 metres", self.unit_m);
-        Err(BakeError::Params { what: "model.unit_m", reason })
+        Ok(ModelParams { unit_m: self.unit_m, ..ModelParams::default() }.validate()?)
     }
 }

@@ -29,23 +29,39 @@ pub use wash::wash;
 use crate::BakeError;
 use crate::mesh::Image;
 use crate::recipe::{ImagePath, InkParams, PackParams, ShellFormat};
+use crate::stages::assemble::NamedTexture;
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
 use crate::stages::textures::{AlphaMode, TextureEncoder};
-use pelage_formats::{InkShading, TextureFormat};
+use pelage_formats::{InkShading, InkVertex, TextureFormat};
 use plane::{Channel, levels};
 
-/// The textures of the ink style: complete .ktx2 files.
+/// What each vertex takes of the ink style, without its textures.
+#[derive(Clone, Debug)]
+pub struct SkinInk {
+    /// Period of the wash texture on the skin, metres.
+    pub grain_size_m: f32,
+    /// Constants for drawing.
+    pub shading: InkShading,
+    /// One per vertex of the mesh.
+    pub vertices: Vec<InkVertex>,
+    /// Where the wash begins, metres, if the recipe leaves that open; `None` where it says it.
+    pub center: Option<[f32; 3]>,
+    /// What there was to say.
+    pub warnings: Vec<String>,
+}
+
+/// The textures of the ink style: names, and complete .ktx2 files.
 #[derive(Clone, Debug, PartialEq)]
-pub struct InkTextures {
+pub struct InkFiles<'a> {
     /// The stroke of the sphere map.
-    pub stroke: Vec<u8>,
+    pub stroke: NamedTexture<'a>,
     /// The wash.
-    pub wash: Vec<u8>,
+    pub wash: NamedTexture<'a>,
     /// The paper.
-    pub paper: Vec<u8>,
+    pub paper: NamedTexture<'a>,
     /// Strokes of fur, for a model that has some.
-    pub fur: Option<Vec<u8>>,
+    pub fur: Option<NamedTexture<'a>>,
 }
 
 /// Period of the wash texture on the skin where the recipe gives none, as a share of the bounding sphere's radius: the blotches on a body are
@@ -66,21 +82,19 @@ impl From<&InkParams> for InkShading {
     }
 }
 
-/// What each vertex takes of the textures, the period of the wash on the skin in metres, and the constants for drawing.
+/// What each vertex takes of the textures, with what there is to say of it.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] if an image was not read.
-pub fn on_skin(
-    params: &InkParams,
-    canvas: &Canvas<'_>,
-    warnings: &mut Vec<String>,
-) -> Result<(InkVertices, f32, InkShading), BakeError> {
+pub fn on_skin(params: &InkParams, canvas: &Canvas<'_>) -> Result<SkinInk, BakeError> {
     params.validate()?;
     let shading = InkShading::from(params);
-    let vertices = vertices(params, &shading, canvas, warnings)?;
+    let mut warnings = Vec::new();
+    let InkVertices { vertices, center } = vertices(params, &shading, canvas, &mut warnings)?;
     // A model of one point has no size to go by.
     let radius = if canvas.radius > 0.0 { canvas.radius } else { 1.0 };
-    Ok((vertices, params.grain_size_m.unwrap_or(GRAIN_PER_RADIUS * radius), shading))
+    let grain_size_m = params.grain_size_m.unwrap_or(GRAIN_PER_RADIUS * radius);
+    Ok(SkinInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings })
 }
 
 /// Paints and encodes the textures. Where there are strands, those of the tile of a furred model, their fur is painted, too.
@@ -93,7 +107,7 @@ pub fn textures(
     pack: &PackParams,
     images: &MapImages,
     strands: Option<&Strands>,
-) -> Result<InkTextures, BakeError> {
+) -> Result<InkFiles<'static>, BakeError> {
     use Channel::{Threshold, Value};
     params.validate()?;
     pack.validate()?;
@@ -128,7 +142,13 @@ pub fn textures(
             (paper, fur)
         },
     );
-    Ok(InkTextures { stroke: stroke?, wash: wash?, paper: paper?, fur: fur.transpose()? })
+    let named = |name: &'static str, file: Vec<u8>| (name.into(), file.into());
+    Ok(InkFiles {
+        stroke: named("ink_stroke", stroke?),
+        wash: named("ink_wash", wash?),
+        paper: named("ink_paper", paper?),
+        fur: fur.transpose()?.map(|fur| named("ink_fur", fur)),
+    })
 }
 
 #[cfg(test)]

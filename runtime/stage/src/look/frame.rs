@@ -10,7 +10,7 @@ use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
     Anchoring, Detail, FeatureRule, FrameParams, FurParams, InkBackground, InkParams, InkShow, Light, Lighting,
-    LineWidth, PenumbraForm, ShadowParams, SlantForm, SphereMapForm, Study, Style, StyleKind,
+    LineWidth, PenumbraForm, ShadowParams, SlantForm, SphereMapForm, Study, Style,
 };
 
 /// Any view: a stage sets its own.
@@ -21,15 +21,6 @@ impl Look {
     pub fn picture(&self) -> Picture {
         let size = self.picture.size;
         Picture { size: (size.width, size.height), samples: self.picture.samples.0, background: self.background() }
-    }
-
-    /// The style in the runtime's words.
-    pub fn style(&self) -> StyleKind {
-        match self.picture.style {
-            LookStyle::Fur => StyleKind::Fur,
-            LookStyle::Ink => StyleKind::Ink,
-            LookStyle::Bare => StyleKind::Bare,
-        }
     }
 
     /// What a frame is told of the look; its camera is any, until a [`crate::Stage`] or the application sets it.
@@ -54,7 +45,7 @@ impl Look {
     }
 
     /// How fur is drawn.
-    pub fn fur_params(&self) -> FurParams {
+    pub(crate) fn fur_params(&self) -> FurParams {
         FurParams::default().with(|fur| {
             fur.layers = self.fur.layers;
             fur.detail = match self.fur.detail {
@@ -68,7 +59,7 @@ impl Look {
     }
 
     /// How the key light's shadows are made.
-    pub fn shadow_params(&self) -> ShadowParams {
+    pub(crate) fn shadow_params(&self) -> ShadowParams {
         ShadowParams::default().with(|shadows| {
             shadows.map_size = self.shadow.map_texels;
             shadows.map_layers = self.shadow.map_layers;
@@ -79,7 +70,7 @@ impl Look {
     }
 
     /// How the style `ink` is drawn.
-    pub fn ink_params(&self) -> InkParams {
+    pub(crate) fn ink_params(&self) -> InkParams {
         let linear = |rgb: [u8; 3]| Vec3::from(rgb.map(srgb_to_linear));
         let look = &self.ink;
         InkParams::default().with(|ink| {
@@ -110,7 +101,7 @@ impl Look {
     }
 
     /// Which printed forms are studied.
-    pub fn study(&self) -> Study {
+    pub(crate) fn study(&self) -> Study {
         Study::default().with(|study| {
             study.look_slant = slant(self.fur.view_slant);
             study.light_slant = slant(self.shadow.slant);

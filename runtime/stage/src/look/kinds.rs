@@ -1,7 +1,7 @@
 //! Types of the look's knobs: words, and values that have a short form as text.
 
 use glam::Vec3;
-use pelage_params::{Control, Field, Item, Range, Raw, words};
+use pelage_params::{Control, Field, Item, Range, Raw, hex, words};
 
 words! {
     /// How models are drawn.
@@ -192,10 +192,8 @@ pub struct Rgb(pub [u8; 3]);
 
 impl Rgb {
     fn of_text(text: &str) -> Option<Self> {
-        if let Some(digits) = text.strip_prefix('#') {
-            let six = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
-            let [_, r, g, b] = u32::from_str_radix(digits, 16).ok().filter(|_| six)?.to_be_bytes();
-            return Some(Self([r, g, b]));
+        if text.starts_with('#') {
+            return hex(text).map(Self);
         }
         let numbers: Option<Vec<u8>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
         numbers.and_then(|n| <[u8; 3]>::try_from(n).ok()).map(Self)

@@ -201,7 +201,7 @@ impl Look {
     }
 
     /// Makes the key light distant, in that direction.
-    pub fn light_from(&mut self, direction: Vec3) {
+    pub(crate) fn light_from(&mut self, direction: Vec3) {
         self.light.direction = direction.to_array();
         self.light.position_m = None;
     }

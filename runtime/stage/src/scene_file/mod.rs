@@ -30,8 +30,9 @@ use crate::framing::{self, FOV_DEG};
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
 use glam::Vec3;
-use pelage_formats::Animation;
+use pelage_formats::{Animation, Package};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use text::Source;
 pub use text::{
     CameraKey, FieldOfView, Number, PlaceKey, Point, Scale, Scene, SceneCamera, SceneLight, SceneLook, SceneModel,
@@ -96,7 +97,7 @@ impl SceneFile {
             reason: "is no UTF-8, expected a scene file in TOML".into(),
         })?;
         // Some editors begin a text file with a byte order mark.
-        let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned);
+        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
         let source = Source { name, text: &text };
         let scene = source.parse()?;
         if scene.models.is_empty() {
@@ -106,7 +107,7 @@ impl SceneFile {
     }
 
     /// An error at a key such as `view.size`.
-    pub fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
+    pub(crate) fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
         self.source().fault(key, reason)
     }
 
@@ -163,22 +164,27 @@ impl LoadedScene {
     ///
     /// [`StageError::Package`] for a damaged package.
     pub fn cast(&self, camera: Option<Viewpoint>, aspect: f32, with_fur: bool) -> Result<Cast<'_>, StageError> {
+        let open = |file| Ok((file, Arc::new(NamedPackage::open(file)?)));
+        let packages = self.packages.iter().map(open).collect::<Result<Vec<_>, StageError>>()?;
         let camera = match (camera, &self.camera) {
             (Some(camera), _) => Shot::fixed(camera),
             (None, Some(shot)) => shot.clone(),
-            (None, None) => self.framing(aspect, with_fur)?,
+            (None, None) => self.framing(&packages, aspect, with_fur)?,
         };
-        Ok(Cast { packages: self.packages.iter().collect(), actors: self.actors.clone(), camera })
+        Ok(Cast { packages, actors: self.actors.clone(), camera })
     }
 
     /// A camera that sees all models at rest where they stand at time 0.
-    fn framing(&self, aspect: f32, with_fur: bool) -> Result<Shot, StageError> {
+    fn framing(
+        &self,
+        packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
+        aspect: f32,
+        with_fur: bool,
+    ) -> Result<Shot, StageError> {
         let mut points = Vec::new();
         let mut margin_m = 0.0_f32;
-        for (index, file) in self.packages.iter().enumerate() {
-            let package = file.open()?;
-            let skeleton = package.animation().map_err(|error| file.fault(error))?;
-            let rest = rest_points(file, &package, skeleton.as_deref())?;
+        for (index, (file, package)) in packages.iter().enumerate() {
+            let rest = rest_points(file, package)?;
             for actor in self.actors.iter().filter(|actor| actor.package == index) {
                 let transform = actor.place.transform(0.0);
                 points.extend(rest.iter().map(|point| transform.transform_point3(*point)));
