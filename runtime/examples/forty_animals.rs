@@ -4,8 +4,8 @@
 //! cargo run --release --example forty_animals -- [PACKAGE.pelage] [PICTURE.png]
 //! ```
 //!
-//! Without a package it makes a small furry sphere. What the application has of its own is in `support`: device and targets in
-//! `headless.rs`, the ground with its shader in `ground.rs`.
+//! Without a package it makes a small furry sphere. Device and targets are those of `pelage-stage`; what the application has of its own, the
+//! ground with its shader, is in `support/ground.rs`.
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
 

@@ -12,6 +12,6 @@ pub mod plane;
 pub mod schema;
 pub mod silhouette;
 
-/// The furry sphere and the windowless device of the runtime's examples.
+/// The furry sphere of the runtime's examples, and their ground.
 #[path = "../../runtime/examples/support/mod.rs"]
 pub mod support;

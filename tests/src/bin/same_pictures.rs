@@ -85,7 +85,64 @@ const PACKAGES: &[(&str, &str, &str)] = &[
 
 /// Scenes: name, the packages in it, and the file.
 const SCENES: &[(&str, &[&str], &str)] = &[
-    ("walk", &["ox", "hare", "crane", "hills"], include_str!("../../../assets/scenes/walk.toml")),
+    // As `assets/scenes/walk.toml`, with `[view]` for `[look]`, which older builds do not read.
+    (
+        "walk",
+        &["ox", "hare", "crane", "hills"],
+        r#"
+[view]
+size = "834x424"
+style = "ink"
+ink_width = "0.05m"
+ink_mist = "15,140"
+
+[camera]
+path = [
+    { time_s = 0.0, eye = [0.3, 1.3, 9.0], target = [-0.2, 1.9, 0.0], fov_deg = 34 },
+    { time_s = 2.0, eye = [0.9, 1.3, 9.0], target = [0.4, 1.9, 0.0], fov_deg = 34 },
+    { time_s = 4.0, eye = [1.8, 1.4, 9.0], target = [1.3, 1.9, 0.0], fov_deg = 34 },
+]
+
+[light]
+direction = [-1.0, 2.0, 1.5]
+
+[sequence]
+frames = 48
+fps = 24
+
+[[model]]
+package = "hills.pelage"
+
+[[model]]
+name = "ox"
+package = "ox.pelage"
+clip = "Walk"
+path = [
+    { time_s = 0, position = [-1.7, 0, 0.1] },
+    { time_s = 4, position = [1.05, 0, 0.1] },
+]
+
+[[model]]
+name = "hare"
+package = "hare.pelage"
+clip = "Walk"
+start_s = 0.3
+path = [
+    { time_s = 0, position = [0.45, 0, 1.2] },
+    { time_s = 2, position = [1.65, 0, 1.2] },
+    { time_s = 4, position = [2.83, 0, 1.4] },
+]
+
+[[model]]
+name = "crane"
+package = "crane.pelage"
+clip = "Walk"
+path = [
+    { time_s = 0, position = [1.4, 0, 0.6] },
+    { time_s = 4, position = [3.6, 0, 0.5] },
+]
+"#,
+    ),
     (
         "meeting",
         &["hare", "ox", "torus"],

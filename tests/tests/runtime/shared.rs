@@ -1,7 +1,8 @@
 //! Shared shader functions three ways: f64 truth, Rust twin, GPU.
 //!
-//! Tolerances: the twin does the same f32 operations as the shader, so both are held to the same distance from the truth; WGSL
-//! grants exp2, log2 and inverseSqrt a few units in the last place more than Rust's, and powers multiply that by the exponent.
+//! Tolerances: the twin does the f32 operations of the shader, of which `normalize_or` alone leaves out one, a scaling where nothing needs it. So
+//! both are held to the same distance from the truth; WGSL grants exp2, log2 and inverseSqrt a few units in the last place more than Rust's, and
+//! powers multiply that by the exponent.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 

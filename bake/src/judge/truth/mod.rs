@@ -7,7 +7,8 @@
 //! * [`TrueScene`]: the strands of [`crate::strands`], traced: what a whole picture should look like.
 //! * [`TrueLines`]: contours, creases and borders of a posed skin as edges of its mesh, hidden parts removed by rays: what ink lines should be.
 //!
-//! They share with the fast paths the strands, the layers and the mesh that both read, and no code: an error that both had would not show.
+//! They share with the fast paths the strands, the layers and the mesh that both read, and what `pelage_formats::meaning` says of them: where a
+//! posed vertex stands, and a point of its hair. Else they share no code: an error that both had would not show.
 
 mod camera;
 mod capsules;
