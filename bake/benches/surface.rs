@@ -5,7 +5,7 @@
 #![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 
 use glam::vec3;
-use pelage_bake::io::read_model;
+use pelage_bake::io::{Reach, read_model};
 use pelage_bake::judge::stability::surface::grid;
 use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::recipe;
@@ -62,7 +62,7 @@ fn main() {
         before = Some((n, seconds));
     }
     for path in std::env::args().skip(1).filter(|a| !a.starts_with("--")) {
-        match read_model(path.as_ref(), &ImportOptions::default()) {
+        match read_model(path.as_ref(), &ImportOptions::default(), Reach::Anywhere) {
             Ok(model) => drop(measure(path.rsplit('/').next().unwrap_or(&path), &model)),
             Err(error) => println!("{error}"),
         }

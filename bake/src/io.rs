@@ -7,25 +7,26 @@ use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::stages::import::{ImportOptions, import, input_record};
-use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use crate::unfinished::Unfinished;
+use std::fs::FileType;
+use std::io::{self, Read as _, Write as _};
+use std::path::{Component, Path, PathBuf};
 
 fn io_error(path: &Path, action: &'static str, source: io::Error) -> BakeError {
     BakeError::Io { path: path.to_owned(), action, source }
 }
 
-/// Reads a whole file.
+/// The largest file that is read, bytes. Packages and models that people make are far below; what is larger would not fit into memory beside what is
+/// made of it.
+pub const MAX_FILE_BYTES: u64 = 2 << 30;
+
+/// Reads a whole file that the user named. It may be a pipe, which ends when its writer says so.
 ///
 /// # Errors
 ///
-/// [`BakeError::Io`], also for a folder.
+/// [`BakeError::Io`], also for a folder, a device, and what is larger than [`MAX_FILE_BYTES`].
 pub fn read_file(path: &Path) -> Result<Vec<u8>, BakeError> {
-    // Systems differ in what reading a folder says, from a clear word to "permission denied".
-    if path.is_dir() {
-        let source = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, expected a file");
-        return Err(io_error(path, "read", source));
-    }
-    std::fs::read(path).map_err(|source| io_error(path, "read", source))
+    whole(path, |kind| kind.is_file() || is_pipe(kind))
 }
 
 /// Reads a text file; `what` says what it should be, such as `a recipe in TOML`.
@@ -41,41 +42,135 @@ pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
     })
 }
 
-/// Reads a model and the files that it names, which it looks for in its own folder.
+/// Reads a whole file that another file names. Only regular files are read: a pipe might never end, and never begin.
 ///
 /// # Errors
 ///
-/// [`BakeError::Io`] where the model itself cannot be read, else as [`import`]; a missing buffer or image is an error in the
-/// model, at the place that names it.
-pub fn read_model(path: &Path, options: &ImportOptions) -> Result<Model, BakeError> {
+/// As [`read_file`], also for a pipe.
+pub fn read_named_file(path: &Path) -> Result<Vec<u8>, BakeError> {
+    whole(path, FileType::is_file)
+}
+
+fn whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
+    let bytes = start(path, MAX_FILE_BYTES + 1, may_be)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        let text = format!("it is larger than the {MAX_FILE_BYTES} bytes that are read of a file");
+        return Err(io_error(path, "read", io::Error::new(io::ErrorKind::FileTooLarge, text)));
+    }
+    Ok(bytes)
+}
+
+/// Reads the first `most` bytes of a file.
+fn start(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
+    let fail = |source| io_error(path, "read", source);
+    // Asked by name before it is opened: opening a pipe waits for its writer.
+    let found = std::fs::metadata(path).map_err(fail)?;
+    if !may_be(&found.file_type()) {
+        // Systems differ in what reading a folder says, from a clear word to "permission denied".
+        let kind = if found.is_dir() { io::ErrorKind::IsADirectory } else { io::ErrorKind::InvalidInput };
+        let text = format!("it is {}, expected a file", kind_of(&found.file_type()));
+        return Err(fail(io::Error::new(kind, text)));
+    }
+    let mut bytes = Vec::new();
+    // What the system says of the length is a hint: files under /proc say 0, and any file may grow meanwhile.
+    bytes.reserve(found.len().min(most) as usize);
+    std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(fail)?;
+    Ok(bytes)
+}
+
+#[cfg(unix)]
+fn is_pipe(kind: &FileType) -> bool {
+    std::os::unix::fs::FileTypeExt::is_fifo(kind)
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_: &FileType) -> bool {
+    false
+}
+
+/// What is no regular file, in words.
+fn kind_of(kind: &FileType) -> &'static str {
+    if kind.is_dir() {
+        "a folder"
+    } else if is_pipe(kind) {
+        "a pipe"
+    } else {
+        "a device or a socket"
+    }
+}
+
+/// Which files a model may name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reach {
+    /// Those in its own folder and below it, wherever links lead. This is what a program wants that bakes models of people it does not know.
+    #[default]
+    OwnFolder,
+    /// Any file that can be read: `../textures/fox.png`.
+    Anywhere,
+}
+
+/// Reads a model and the files that it names, which it looks for from its own folder. All of them are regular files; of a buffer no more is read
+/// than the model declares.
+///
+/// # Errors
+///
+/// [`BakeError::Io`] where the model itself cannot be read, else as [`import`]; a buffer or image that is missing, or out of `reach`, is an error in
+/// the model, at the place that names it.
+pub fn read_model(path: &Path, options: &ImportOptions, reach: Reach) -> Result<Model, BakeError> {
     let bytes = read_file(path)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut resolve = |uri: &str| {
-        let relative = relative_path(uri).map_err(|reason| BakeError::Input {
-            file: path.display().to_string(),
-            place: uri.to_owned(),
-            reason,
-        })?;
-        read_file(&folder.join(relative))
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut resolve = |uri: &str, most: u64| {
+        let fail = |reason| BakeError::Input { file: path.display().to_string(), place: uri.to_owned(), reason };
+        let relative = relative_path(uri).map_err(fail)?;
+        if reach == Reach::OwnFolder && !stays_inside(folder, &relative) {
+            return Err(fail(
+                "it leads out of the model's folder; expected a file in that folder or below it: move it there, or, if you trust the model, \
+                 give --allow-outside"
+                    .to_owned(),
+            ));
+        }
+        start(&folder.join(relative), most, FileType::is_file)
     };
     import(&path.display().to_string(), &bytes, &mut resolve, options)
+}
+
+/// Whether `folder` joined with `relative` names a file in `folder` or below it, by its words and, where it is there, by where links lead. A path that
+/// leads out by its words is outside also where nothing is there: the answer must not tell which files a machine has.
+fn stays_inside(folder: &Path, relative: &Path) -> bool {
+    let mut depth = 0_usize;
+    for component in relative.components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+            Component::ParentDir => match depth.checked_sub(1) {
+                Some(less) => depth = less,
+                None => return false,
+            },
+            Component::RootDir | Component::Prefix(_) => return false,
+        }
+    }
+    match (folder.canonicalize(), folder.join(relative).canonicalize()) {
+        (Ok(folder), Ok(file)) => file.starts_with(folder),
+        // Nothing is there to be read.
+        _ => true,
+    }
 }
 
 /// Reads the images that a recipe names.
 ///
 /// * `file`: the recipe as the user named it, for messages
-/// * `folder`: where its paths begin
+/// * `place`: where the image of a name is
 ///
 /// # Errors
 ///
 /// [`BakeError::Input`] in the recipe, naming key and image, where one cannot be read or decoded.
-pub fn read_map_images(file: &str, folder: &Path, recipe: &Recipe) -> Result<MapImages, BakeError> {
+pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Recipe) -> Result<MapImages, BakeError> {
     let mut read = MapImages::default();
     let mut texels_left = MAX_TEXELS;
     for (key, name) in recipe.images() {
-        let path = folder.join(name);
+        let path = place(name);
         let fail = |reason: String| BakeError::Input { file: file.to_owned(), place: key.clone(), reason };
-        let bytes = read_file(&path).map_err(|error| fail(error.to_string()))?;
+        let bytes = read_named_file(&path).map_err(|error| fail(error.to_string()))?;
         let image = decode_image(&bytes, texels_left).map_err(|reason| fail(format!("{} {reason}", path.display())))?;
         texels_left -= u64::from(image.width) * u64::from(image.height);
         read.inputs.push(input_record("image", name, &bytes));
@@ -172,8 +267,10 @@ pub fn write_atomic_with(
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder).map_err(|source| io_error(folder, "create a file in", source))?;
+    let unfinished = Unfinished::new(file.path());
     let written = write(file.as_file()).and_then(|()| file.as_file().sync_all());
     written.map_err(|source| io_error(path, "write", source))?;
-    file.persist(&target).map_err(|error| io_error(path, "rename a temporary file to", error.error))?;
-    Ok(())
+    let renamed = file.persist(&target).map_err(|error| io_error(path, "rename a temporary file to", error.error));
+    drop(unfinished);
+    renamed.map(drop)
 }

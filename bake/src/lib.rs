@@ -17,10 +17,12 @@ pub(crate) mod noise;
 pub mod picture;
 pub mod pipeline;
 pub mod recipe;
+pub mod recorded;
 pub mod reslice;
 pub(crate) mod sample;
 pub mod stages;
 pub mod strands;
+pub mod unfinished;
 pub mod y4m;
 
 pub use error::BakeError;

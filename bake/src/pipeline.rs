@@ -13,6 +13,7 @@ use crate::stages::groom::{self, Atlas, Coat, Colors, GroomTextures, Lay, Length
 use crate::stages::hair::TileHair;
 use crate::stages::ink::{self, Canvas, InkFiles, SkinInk};
 use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
+use crate::stages::size;
 use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::stages::textures::{self, FinTextures, ShellTextures};
 use pelage_formats::{Bounds, Shading};
@@ -163,6 +164,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let furred = groom::furred_materials(&model.materials, &recipe.model.bare, &mut warnings);
     let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings);
     let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+    size::check(file, recipe, &bounds, &lengths)?;
     let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.lay(&model.mesh, &rest, params.comb.everywhere())?;
     if lay != Lay::default() && recipe.surface.source == SurfaceSource::Model {
@@ -171,6 +173,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let comb = lay.comb.map_or(params.comb, Comb::PerVertex);
     let params = SurfaceParams { comb, density: lay.density, ..params };
     let surface = surface::parameterize(file, model, &params)?;
+    warnings.extend(size::remarks(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
     Ok(Laid { surface, bounds, furred, lengths, maps, warnings })
 }
@@ -410,7 +413,7 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
 fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let shells = made(&outputs.shells, Shells)?;
     let ink = made(&outputs.ink, Ink)?.as_ref().zip(made(&outputs.ink_textures, InkTextures)?.as_ref());
-    let (bytes, warnings) = pack::pack(&Pieces {
+    let packed = pack::pack(&Pieces {
         recipe: told.recipe,
         skin: made(&outputs.skin, Skin)?,
         shells: &shells.dry,
@@ -418,6 +421,14 @@ fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         fins: made(&outputs.fins, Fins)?,
         fin_textures: made(&outputs.fin_textures, FinTextures)?.as_ref(),
         ink,
+    });
+    let (bytes, warnings) = packed.map_err(|error| match error {
+        BakeError::Params { what, reason } => BakeError::Input {
+            file: told.file.to_owned(),
+            place: "whole model".to_owned(),
+            reason: format!("its size decides {what}: {reason}; say it in the recipe, or see model.unit_m"),
+        },
+        other => other,
     })?;
     outputs.package = Some(Packed { bytes, warnings });
     Ok(())

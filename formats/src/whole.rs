@@ -80,6 +80,25 @@ impl<'a> Package<'a> {
         }
         faults
     }
+
+    /// What keeps the package from being drawn, as far as its bytes decide: faults of what a renderer reads. [`Self::validate`] finds these and more; what
+    /// it finds beyond lies in sections that no picture needs, or in textures that nothing uses.
+    pub fn drawing_faults(&self) -> Vec<FormatError> {
+        let mut faults = vec![
+            self.mesh().err(),
+            self.animation().err(),
+            self.fins().err(),
+            self.ink().err(),
+            self.fur_textures().err(),
+            self.wet_textures().err(),
+            self.fin_textures().err(),
+            self.ink_textures().err(),
+        ];
+        for material in 0..self.manifest().materials.len() {
+            faults.extend([self.base_color_texture(material).err(), self.groom_texture(material).err()]);
+        }
+        faults.into_iter().flatten().collect()
+    }
 }
 
 impl PackageWriter<'_> {

@@ -1,10 +1,11 @@
 //! Models whose silhouettes are measured.
 
 use crate::binary::workspace;
+use pelage_bake::io::{self, Reach};
+use pelage_bake::pipeline;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::ImportOptions;
-use pelage_bake::{io, pipeline};
 use pelage_needs::data;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +62,7 @@ pub fn bake_plain(name: &str, model: &Path, recipe: Option<&str>, set: &[&str]) 
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     plain.iter().chain(set).for_each(|assignment| parsed.set(assignment).expect("the key exists"));
     let options = ImportOptions { unit_m: parsed.model.unit_m };
-    let loaded = io::read_model(model, &options).expect("the model reads");
+    let loaded = io::read_model(model, &options, Reach::OwnFolder).expect("the model reads");
     let file = model.display().to_string();
     pipeline::bake(&file, name, &loaded, &parsed, &MapImages::default(), &mut |_| ()).expect("the model bakes").package
 }

@@ -1,5 +1,6 @@
 //! `pelage bake`: a model into a package.
 
+use super::anatomy::{self, anatomy};
 use super::exit::{Exit, Failure};
 #[cfg(feature = "preview")]
 use super::limits::choose;
@@ -7,14 +8,15 @@ use super::output::{Output, human_bytes, require_parent};
 #[cfg(feature = "preview")]
 use super::shell_judge::Source;
 use super::threads;
+use pelage_bake::BakeError;
+use pelage_bake::io::{self, Reach};
 use pelage_bake::judge::decide::Limits;
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, input_record};
 use pelage_bake::stages::pack;
-use pelage_bake::{BakeError, io};
-use pelage_formats::{Choice, InputRecord};
+use pelage_formats::{Choice, InputRecord, Limits as FormatLimits, Package};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -73,6 +75,10 @@ pub struct RecipeArgs {
     /// Change one key of the recipe, such as hair.length_m=0.02; may be given several times
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// The model may name files outside its own folder, such as ../textures/fox.png. Without it none of those is opened, whatever the model says and wherever
+    /// links in its folder lead
+    #[arg(long)]
+    pub allow_outside: bool,
 }
 
 impl RecipeArgs {
@@ -88,16 +94,77 @@ impl RecipeArgs {
             }
             None => Recipe::default(),
         };
-        self.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
+        self.apply_to(&mut recipe)?;
         Ok((recipe, input))
     }
 
-    /// The images that the recipe's maps name. Their paths begin at the recipe's folder, those of `--set` without a recipe where the
-    /// command runs.
+    /// The images that the recipe's maps name. Their paths begin at the recipe's folder; those of `--set` also where the command runs.
     pub fn images(&self, recipe: &Recipe) -> Result<MapImages, BakeError> {
         let file = self.recipe.as_ref().map_or("--set".to_owned(), |path| path.display().to_string());
         let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        io::read_map_images(&file, folder, recipe)
+        let place = |name: &str| {
+            let beside = folder.join(name);
+            let mut given = self.set.iter().filter_map(|assignment| Named::of(assignment)).filter(|n| n.name == name);
+            match given.find(|named| named.is_absolute() || !beside.exists()) {
+                Some(named) if named.path.exists() || named.is_absolute() => named.path.to_owned(),
+                _ => beside,
+            }
+        };
+        io::read_map_images(&file, &place, recipe)
+    }
+
+    /// Which files the model may name.
+    pub fn reach(&self) -> Reach {
+        if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
+    }
+
+    /// Makes the changes of `--set` to a recipe.
+    pub fn apply_to(&self, recipe: &mut Recipe) -> Result<(), BakeError> {
+        self.set.iter().try_for_each(|assignment| {
+            let Some(named) = Named::of(assignment).filter(Named::is_absolute) else { return recipe.set(assignment) };
+            let mut changed = recipe.clone();
+            let known = |recipe: &Recipe| recipe.images().iter().any(|(_, name)| *name == named.name);
+            if changed.set(&named.by_name()).is_err() || !known(&changed) {
+                // It is no image that this key takes.
+                return recipe.set(assignment);
+            }
+            if known(recipe) {
+                let reason =
+                    format!("the recipe names another image {:?}; expected a file of another name", named.name);
+                return Err(BakeError::Input { file: "--set".into(), place: named.key.into(), reason });
+            }
+            *recipe = changed;
+            Ok(())
+        })
+    }
+}
+
+/// An image that `--set key=PATH#channel` may name.
+struct Named<'a> {
+    key: &'a str,
+    path: &'a Path,
+    channel: &'a str,
+    /// As the recipe has it: an absolute path would tie the package to this machine, and stands there without its folders.
+    name: &'a str,
+}
+
+impl<'a> Named<'a> {
+    fn of(assignment: &'a str) -> Option<Self> {
+        let (key, word) = assignment.split_once('=')?;
+        let (key, word) = (key.trim(), word.trim());
+        let (path, channel) = word.split_at(word.rfind('#').unwrap_or(word.len()));
+        let named = Path::new(path);
+        let name = if named.is_absolute() { named.file_name()?.to_str()? } else { path };
+        (!name.is_empty()).then_some(Self { key, path: named, channel, name })
+    }
+
+    fn is_absolute(&self) -> bool {
+        self.path.is_absolute()
+    }
+
+    /// The assignment with the file's name alone.
+    fn by_name(&self) -> String {
+        format!("{}={}{}", self.key, self.name, self.channel)
     }
 }
 
@@ -133,7 +200,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     let mut watch = StageWatch::new(output);
     watch.begin("import");
     let images = args.recipe.images(&recipe)?;
-    let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m })?;
+    let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
     model.inputs.extend(recipe_input);
     let file = args.model.display().to_string();
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -213,6 +280,9 @@ fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result
         output.note(&format!("warning: {warning}"));
     }
     let m = &baked.measures;
+    let opened = Package::open(&baked.package, &FormatLimits::default()).and_then(|package| anatomy(&package));
+    let fault = |fault| BakeError::Internal(format!("the package that was baked does not read back: {fault}"));
+    let anatomy = opened.map_err(fault)?;
     let value = json!({
         "output": path.display().to_string(),
         "bytes": baked.package.len(),
@@ -227,10 +297,13 @@ fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result
         "seam_length_ratio": m.seam_length_ratio,
         "comb_misalignment_deg": m.comb_misalignment_deg,
         "singularities": m.singularities,
+        "model": anatomy,
         "choice": choice.as_ref().map(|(choice, _)| choice),
     });
     let size = human_bytes(baked.package.len() as u64);
     let mut text = format!("{}: {size} in {seconds:.2} s", path.display());
+    let mut said = |key: &str, value: String| text += &format!("\n{key:<14} {value}");
+    anatomy::rows(&anatomy, &mut said);
     if let Some((_, why)) = choice {
         text += &format!("\n{why}");
     }

@@ -8,9 +8,11 @@ use super::truth::Truth;
 use super::view::View;
 use super::view_args::parse_seconds;
 use pelage_bake::io::write_atomic_with;
+use pelage_bake::strands::Curves;
 use pelage_bake::strands::export::{StrandFormat, write_mtl, write_obj};
 use pelage_stage::Size;
 use serde_json::json;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Write a package's strands and its skin for other programs
@@ -25,6 +27,12 @@ pub struct ExportArgs {
     /// Where the posed skin goes: .obj, and beside it its materials as .mtl
     #[arg(long, value_name = "OBJ")]
     mesh: Option<PathBuf>,
+    /// Write only every N-th strand
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+    /// Write at most so many strands, spread evenly over the skin
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_strands: Option<u32>,
     /// Clip of the animation, by name; without it the model stands at rest
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -49,9 +57,18 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     output.progress("growing strands");
     let truth = Truth::new(&file, &view)?;
     let mut files = Vec::new();
+    let curves = args.thinned(truth.scene.curves());
     if let Some((path, format)) = strands {
         output.progress("writing strands");
-        write_atomic_with(path, |out| format.write(truth.scene.curves(), out))?;
+        let points = curves.points.len();
+        if points > MANY_POINTS {
+            output.note(&format!(
+                "note: {} strands of {points} points make a large file; --max-strands {} writes fewer",
+                curves.len(),
+                curves.len().div_ceil(10)
+            ));
+        }
+        write_atomic_with(path, |out| format.write(&curves, out))?;
         files.push(path.to_owned());
     }
     if let Some((path, materials)) = mesh {
@@ -64,8 +81,9 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
     let value = json!({
         "files": names,
-        "strands": truth.report.strands,
-        "segments": truth.report.segments,
+        "strands": curves.len(),
+        "segments": curves.segments(),
+        "of_strands": truth.report.strands,
         "groom": groom_json(&truth.report),
         "vertices": truth.scene.skin().vertices.len(),
         "triangles": truth.scene.skin().triangles.len(),
@@ -73,9 +91,27 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
         "width": args.size.width,
         "height": args.size.height,
     });
-    let count = format!("{} strands in {} pieces", truth.report.strands, truth.report.segments);
+    let of = if (curves.len() as u64) < truth.report.strands {
+        format!(" of {}", truth.report.strands)
+    } else {
+        String::new()
+    };
+    let count = format!("{}{of} strands in {} pieces", curves.len(), curves.segments());
     output.result(&format!("{}\n{count}", names.join("\n")), &value)?;
     Ok(Exit::Done)
+}
+
+/// A text of so many points has 100 MB or more.
+const MANY_POINTS: usize = 2_000_000;
+
+impl ExportArgs {
+    /// The strands that are asked for.
+    fn thinned<'a>(&self, curves: &'a Curves) -> Cow<'a, Curves> {
+        let every = self.every as usize;
+        let kept = curves.len().div_ceil(every);
+        let more = self.max_strands.map_or(1, |most| kept.div_ceil(most as usize).max(1));
+        if every * more == 1 { Cow::Borrowed(curves) } else { Cow::Owned(curves.every(every * more)) }
+    }
 }
 
 fn strand_format(path: &Path) -> Result<StrandFormat, Failure> {

@@ -1,5 +1,6 @@
 //! `pelage inspect`: what is inside a package.
 
+use super::anatomy::{self, anatomy};
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file;
@@ -50,13 +51,7 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
     gpu_bytes += fins.map_or(0, |f| f.fins.len() as u64);
     let ink = package.ink()?;
     gpu_bytes += ink.as_ref().map_or(0, |ink| ink.vertices.len() as u64);
-    let animation = package.animation()?.unwrap_or_default();
-    let clips: Vec<_> = animation.clips.iter().map(|c| json!({ "name": c.name, "seconds": c.duration_s })).collect();
-    let materials: Vec<_> = manifest
-        .materials
-        .iter()
-        .map(|m| json!({ "name": m.name, "furred": m.furred, "textured": m.base_color_texture.is_some() }))
-        .collect();
+    let mut anatomy = anatomy(package)?;
     let quality: Vec<_> =
         manifest.quality.iter().map(|q| json!({ "name": q.name, "value": q.value, "unit": q.unit })).collect();
     let inputs: Vec<_> = manifest
@@ -80,9 +75,11 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
         "tile_texels": manifest.fur.tile_texels,
         "tile_size_m": manifest.fur.tile_size_m,
         "height_m": manifest.fur.height_m,
-        "joints": animation.joints.len(),
-        "clips": clips,
-        "materials": materials,
+        "size_m": anatomy["size_m"].take(),
+        "joints": anatomy["joint_names"].as_array().map_or(0, Vec::len),
+        "joint_names": anatomy["joint_names"].take(),
+        "clips": anatomy["clips"].take(),
+        "materials": anatomy["materials"].take(),
         "gpu_bytes": gpu_bytes,
         "coat": manifest.coat,
         "detail": manifest.detail,
@@ -140,14 +137,7 @@ fn table(name: &str, object: &Value) -> String {
             object["fins"]
         )
     });
-    row("skeleton", format!("{} joints", object["joints"]));
-    for clip in list("clips") {
-        row("clip", format!("{:?}, {:.3} s", text(&clip["name"]), clip["seconds"].as_f64().unwrap_or(0.0)));
-    }
-    for material in list("materials") {
-        let furred = if material["furred"] == true { "furred" } else { "bare" };
-        row("material", format!("{:?}, {furred}", text(&material["name"])));
-    }
+    anatomy::rows(object, &mut row);
     for t in list("textures") {
         let (name, format, bytes) = (text(&t["name"]), text(&t["format"]), human_bytes(number(&t["bytes"])));
         let size = format!("{}x{}x{}, {} levels", t["width"], t["height"], t["layers"], t["levels"]);

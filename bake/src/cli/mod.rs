@@ -1,5 +1,6 @@
 //! Subcommands, one file each, and what they share: exit codes ([`exit`]) and output ([`output`]).
 
+mod anatomy;
 mod bake;
 #[cfg(feature = "preview")]
 mod bench;
@@ -44,6 +45,7 @@ use clap::CommandFactory as _;
 use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
+use pelage_bake::unfinished;
 use std::panic::{self, AssertUnwindSafe};
 
 /// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
@@ -115,6 +117,7 @@ impl Command {
 /// Runs the command line of this process.
 pub fn main() -> std::process::ExitCode {
     install_panic_hook();
+    install_signal_handler();
     let exit = match Cli::try_parse() {
         Ok(cli) => {
             let mut output = Output::new(cli.global.quiet, cli.global.json);
@@ -164,6 +167,15 @@ fn usage(error: &clap::Error) -> Exit {
         Output::new(true, true).error_object(Exit::Usage, &first_line(error));
     }
     Exit::Usage
+}
+
+/// On INT, TERM and HUP removes what is half-written and ends, as a process that such a signal killed: 128 and the number of INT.
+fn install_signal_handler() {
+    // Should the system refuse, signals end the process as they do without a handler.
+    let _ = ctrlc::set_handler(|| {
+        let _nothing_is_finished_any_more = unfinished::remove_all();
+        std::process::exit(130);
+    });
 }
 
 /// One line instead of a backtrace: where it happened and what to do about it.

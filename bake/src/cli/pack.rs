@@ -4,7 +4,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::unpacked;
 use pelage_bake::BakeError;
-use pelage_bake::io::{read_file, write_atomic};
+use pelage_bake::io::{read_named_file, write_atomic};
 use pelage_bake::recipe::Recipe;
 use pelage_formats::{Limits, Package};
 use serde_json::{Value, json};
@@ -13,7 +13,8 @@ use std::path::PathBuf;
 
 /// Put an unpacked folder together; without edits the package is the one that was unpacked, byte for byte
 ///
-/// Mesh data is taken from mesh.glb, skeleton and clips from animation.json, the recipe from recipe.toml.
+/// Mesh data is taken from mesh.glb, skeleton and clips from animation.json. The recipe in recipe.toml says how the fur was made and makes none: an edit that
+/// says another fur than the folder holds is refused.
 #[derive(Debug, clap::Args)]
 pub struct PackArgs {
     /// Folder that `pelage unpack` wrote
@@ -42,7 +43,7 @@ pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
         if !path.exists() {
             return Ok(None);
         }
-        read_file(&path).map(Some)
+        read_named_file(&path).map(Some)
     })?;
     report_leftovers(args, &bytes, output);
     write_atomic(&args.package, &bytes)?;

@@ -2,6 +2,8 @@
 
 use super::exit::Failure;
 use pelage_bake::io::read_file;
+#[cfg(feature = "preview")]
+use pelage_bake::io::read_named_file;
 use pelage_stage::NamedPackage;
 #[cfg(feature = "preview")]
 use pelage_stage::PackageSource;
@@ -21,7 +23,9 @@ pub struct Folder<'a>(pub &'a Path);
 #[cfg(feature = "preview")]
 impl PackageSource for Folder<'_> {
     fn read(&self, path: &str) -> Result<NamedPackage<'static>, String> {
-        read(&self.0.join(path)).map_err(|error| error.to_string())
+        let path = self.0.join(path);
+        let bytes = read_named_file(&path).map_err(|error| error.to_string())?;
+        Ok(NamedPackage::new(path.display().to_string(), bytes))
     }
 
     fn identity(&self, path: &str) -> PathBuf {

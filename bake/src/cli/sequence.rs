@@ -2,7 +2,7 @@
 
 use super::exit::Failure;
 use super::journal::{Entry, Journal, Key};
-use super::output::{Output, require_parent};
+use super::output::{Output, make_folder, require_parent};
 use super::shoot::{Picture, Shoot, write_png};
 use pelage_bake::io::{read_file, write_atomic_with};
 use pelage_bake::picture;
@@ -51,14 +51,24 @@ impl Sink {
         if output == Path::new("-") {
             return Ok(Self::Stdout);
         }
-        require_parent(output)?;
         if output.extension().is_some_and(|e| e.eq_ignore_ascii_case("y4m")) {
+            require_parent(output)?;
             return Ok(Self::Video(output.to_owned()));
         }
+        // What is written is PNG: under the name of another format no program would open it.
+        if let Some(other) = output.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
+            let other = other.to_string_lossy();
+            return Err(Failure::Usage(format!(
+                "-o {}: .{other} is not written, expected a name that ends in .png or .y4m",
+                output.display()
+            )));
+        }
         let pattern = output.to_string_lossy().contains('%');
-        let Some(frames) = frames.or(sequence.filter(|_| pattern)) else { return Ok(Self::Picture(output.to_owned())) };
+        let Some(frames) = frames.or(sequence.filter(|_| pattern)) else {
+            require_parent(output)?;
+            return Ok(Self::Picture(output.to_owned()));
+        };
         let names = names(output, frames)?;
-        names.iter().try_for_each(|name| require_parent(name))?;
         let mut journal = output.as_os_str().to_owned();
         journal.push(".pictures.jsonl");
         Ok(Self::Numbered { names, journal: journal.into() })
@@ -126,6 +136,12 @@ fn numbered(
     restart: bool,
     output: &mut Output,
 ) -> Result<Drawn, Failure> {
+    // A sequence may have a folder of its own, or one a picture.
+    for folder in names.iter().chain([&journal.to_owned()]).filter_map(|name| name.parent()) {
+        if !folder.as_os_str().is_empty() && !folder.is_dir() {
+            make_folder(folder)?;
+        }
+    }
     let mut journal = Journal::<Noted>::open(journal.to_owned(), &key.finish(), restart)?;
     if journal.others() > 0 {
         let what = "another scene, view, tool or adapter are drawn anew";
@@ -204,6 +220,10 @@ fn names(output: &Path, frames: u32) -> Result<Vec<PathBuf>, Failure> {
                 let expected = "expected a number pattern such as %04d after the first %";
                 return Err(Failure::Usage(format!("-o {text}: {expected}")));
             };
+            if rest.contains('%') {
+                let expected = "expected one number pattern; a picture has one number";
+                return Err(Failure::Usage(format!("-o {text}: found another % behind %{width:02}d, {expected}")));
+            }
             (head.to_owned(), width, rest.to_owned())
         }
         None => {
@@ -217,6 +237,7 @@ fn names(output: &Path, frames: u32) -> Result<Vec<PathBuf>, Failure> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     #[test]
@@ -229,6 +250,14 @@ mod tests {
         // A scene's sequence is for names with numbers; a plain name is one picture of it.
         assert_eq!(list("%1d.png", None, Some(2)).ok(), Some(vec!["0.png".to_owned(), "1.png".to_owned()]));
         assert_eq!(list("%d.png", Some(1), Some(2)).ok(), Some(vec!["0.png".to_owned()]));
+        // A picture has one number, and is a PNG.
+        let error = list("%04d/%04d.png", Some(1), None).unwrap_err().to_string();
+        assert!(error.contains("found another % behind %04d, expected one number pattern"), "{error}");
+        for name in ["a.jpg", "a.PNG.exr", "b/%04d.webp"] {
+            let error = list(name, Some(1), None).unwrap_err().to_string();
+            assert!(error.contains("is not written, expected a name that ends in .png or .y4m"), "{error}");
+        }
+        assert!(list("no-such-folder/%04d.png", Some(1), None).is_ok(), "its folder will be made");
         assert!(list("%0s.png", Some(1), None).is_err() && list("%10d.png", Some(1), None).is_err());
         assert_eq!(list("a.png", None, Some(2)).ok(), Some(vec!["a.png".to_owned()]));
     }

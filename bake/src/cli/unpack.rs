@@ -5,6 +5,7 @@ use super::output::{Output, require_parent};
 use super::package_file;
 use super::unpacked::{self, File};
 use pelage_bake::BakeError;
+use pelage_bake::unfinished::Unfinished;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io;
@@ -68,10 +69,13 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     let work = builder.tempdir_in(parent).map_err(fail(parent, "create a folder in"))?;
     let fresh = work.path().join("new");
     std::fs::create_dir(&fresh).map_err(fail(&fresh, "create"))?;
+    // Until the files are whole; then it may for a moment hold what is being replaced.
+    let unfinished = Unfinished::new(work.path());
     for (name, bytes) in files {
         let path = fresh.join(name);
         std::fs::write(&path, bytes).map_err(fail(&path, "write"))?;
     }
+    drop(unfinished);
     if !exists {
         return std::fs::rename(&fresh, &target).map_err(fail(folder, "rename a temporary folder to"));
     }

@@ -7,12 +7,15 @@
 
 use super::mesh_glb;
 use pelage_bake::BakeError;
+use pelage_bake::recipe::Recipe;
+use pelage_bake::recorded::disagreements;
 use pelage_bake::stages::assemble::{Content, assemble};
 use pelage_formats::{Animation, FORMAT_VERSION, FormatError, Limits, Manifest, Package, Tag, TextureEntry};
 use pelage_params::nearest;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
+use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
 
 /// The file that every unpacked folder has.
@@ -26,6 +29,8 @@ const INK: &str = "ink.bin";
 const FORM: (&str, u64) = ("pelage_unpacked", 3);
 /// Key of the package's version, so that a package of an older version is packed as one again.
 const VERSION: &str = "format_version";
+/// SHA-256 of recipe.toml as it was unpacked, by which `pack` knows an edited one. Folders of older versions do not have it.
+const RECIPE_DIGEST: &str = "recipe_sha256";
 
 /// A file's name and contents.
 pub type File = (String, Vec<u8>);
@@ -92,6 +97,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
     let document = json!({
         FORM.0: FORM.1,
         VERSION: package.version(),
+        RECIPE_DIGEST: digest_of(&manifest.recipe),
         "sections": list,
         "manifest": manifest_to_json(manifest).map_err(internal)?,
     });
@@ -126,9 +132,24 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         read(RECIPE)?.ok_or_else(|| fail(RECIPE, "", "missing: it holds the recipe, also when empty".into()))?;
     let recipe = String::from_utf8(recipe)
         .map_err(|e| fail(RECIPE, &format!("byte {}", e.utf8_error().valid_up_to()), "expected UTF-8".into()))?;
+    let edited = document[RECIPE_DIGEST] != digest_of(&recipe);
     let manifest = manifest_from_json(&path(MANIFEST), document["manifest"].take(), recipe)?;
+    if edited {
+        // The recipe says how the fur was made. Nothing is made here, so an edit could only make it say something else.
+        Recipe::parse(&path(RECIPE), &manifest.recipe)?;
+        if let Some(found) = disagreements(&manifest, &manifest.recipe).first() {
+            let reason = format!(
+                "{}; `pelage pack` makes no fur: take the edit back, or bake the model with this recipe",
+                found.reason
+            );
+            return Err(fail(RECIPE, found.key, reason));
+        }
+    }
     let list = document["sections"].take();
-    let expected = json!({ FORM.0: FORM.1, VERSION: FORMAT_VERSION, "sections": null, "manifest": null });
+    let mut expected = json!({ FORM.0: FORM.1, VERSION: FORMAT_VERSION, "sections": null, "manifest": null });
+    if let Some(digest) = document.get(RECIPE_DIGEST) {
+        expected[RECIPE_DIGEST] = digest.clone();
+    }
     known_keys(&path(MANIFEST), "", &document, &expected)?;
     let version =
         document[VERSION].as_u64().and_then(|v| u32::try_from(v).ok()).filter(|v| (1..=FORMAT_VERSION).contains(v));
@@ -221,6 +242,10 @@ fn check_texture(file: &str, bytes: &[u8]) -> Result<(), BakeError> {
         other => other.to_string(),
     };
     Err(BakeError::Input { file: file.to_owned(), place, reason })
+}
+
+fn digest_of(recipe: &str) -> String {
+    hex(&Sha256::digest(recipe))
 }
 
 /// The name of a section's file when its bytes are kept as they are.

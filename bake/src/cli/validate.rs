@@ -4,6 +4,7 @@ use super::exit::{Exit, Failure};
 use super::output::Output;
 use super::package_file;
 use pelage_bake::recipe::Recipe;
+use pelage_bake::recorded::disagreements;
 use pelage_formats::{FormatError, Limits, MAGIC, Package, Tag};
 use pelage_stage::NamedPackage;
 use serde_json::json;
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 
 /// Check everything in a package and list each fault with its section and byte offset
 ///
-/// Exits with 0 for a sound package, 7 where faults were found, and 3 where the file is no package or of a newer version.
+/// Says of each fault whether the runtime refuses to draw the package because of it. Exits with 0 for a sound package, 7 where faults were found, and 3 where the file is no package or of a newer version.
 #[derive(Debug, clap::Args)]
 pub struct ValidateArgs {
     /// The package
@@ -25,6 +26,8 @@ struct Fault {
     section: String,
     offset: Option<u64>,
     message: String,
+    /// Whether the runtime refuses to draw the package because of it.
+    stops_drawing: bool,
 }
 
 /// Runs the subcommand.
@@ -35,15 +38,21 @@ pub fn run(args: &ValidateArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut text = String::new();
     for fault in &faults {
         let place = fault.offset.map_or("no byte".to_owned(), |o| format!("byte {o}"));
-        let _ = writeln!(text, "{}: section {}, {place}: {}", file.name, fault.section, fault.message);
+        let word =
+            if fault.stops_drawing { "" } else { " (drawn all the same: no part of a picture is read from there)" };
+        let _ = writeln!(text, "{}: section {}, {place}: {}{word}", file.name, fault.section, fault.message);
     }
     let _ = match faults.len() {
         0 => writeln!(text, "{}: valid, {} bytes", file.name, file.bytes.len()),
         1 => writeln!(text, "{}: 1 fault", file.name),
         n => writeln!(text, "{}: {n} faults", file.name),
     };
-    let list: Vec<_> =
-        faults.iter().map(|f| json!({ "section": f.section, "offset": f.offset, "message": f.message })).collect();
+    let list: Vec<_> = faults
+        .iter()
+        .map(|f| {
+            json!({ "section": f.section, "offset": f.offset, "message": f.message, "stops_drawing": f.stops_drawing })
+        })
+        .collect();
     let object = json!({
         "package": file.name,
         "bytes": file.bytes.len(),
@@ -61,18 +70,22 @@ fn find(file: &NamedPackage<'_>) -> Result<Vec<Fault>, Failure> {
         // Not a package, or nothing that this version could judge.
         Err(e @ (FormatError::Magic { .. } | FormatError::Version { .. })) => return Err(file.fault(e).into()),
         Err(e) if file.bytes.len() < MAGIC.len() => return Err(file.fault(e).into()),
-        Err(e) => return Ok(vec![fault(&e, None)]),
+        Err(e) => return Ok(vec![fault(&e, None, true)]),
     };
-    let mut faults: Vec<_> = Package::validate(&file.bytes, &limits).iter().map(|e| fault(e, Some(&package))).collect();
+    let drawing = package.drawing_faults();
+    let mut faults: Vec<_> =
+        Package::validate(&file.bytes, &limits).iter().map(|e| fault(e, Some(&package), drawing.contains(e))).collect();
     let recipe = &package.manifest().recipe;
-    if let Err(e) = Recipe::parse("recipe", recipe) {
+    let broken = Recipe::parse("recipe", recipe).err().map(|e| e.to_string());
+    let others = disagreements(package.manifest(), recipe);
+    for message in broken.into_iter().chain(others.iter().map(|d| format!("recipe: {}: {}", d.key, d.reason))) {
         let offset = package.sections().first().map(|s| s.offset);
-        faults.push(Fault { section: Tag::MANIFEST.to_string(), offset, message: e.to_string() });
+        faults.push(Fault { section: Tag::MANIFEST.to_string(), offset, message, stops_drawing: false });
     }
     Ok(faults)
 }
 
-fn fault(error: &FormatError, package: Option<&Package<'_>>) -> Fault {
+fn fault(error: &FormatError, package: Option<&Package<'_>>, stops_drawing: bool) -> Fault {
     let offset = error.offset();
     let holds = |at: u64| {
         let sections = package.map(Package::sections).unwrap_or_default();
@@ -80,5 +93,5 @@ fn fault(error: &FormatError, package: Option<&Package<'_>>) -> Fault {
     };
     // Errors of the container carry no tag: where the byte lies in a section it is named, else it is header or table.
     let tag = error.section().or_else(|| offset.and_then(holds)).unwrap_or(Tag::HEAD);
-    Fault { section: tag.to_string(), offset, message: error.to_string() }
+    Fault { section: tag.to_string(), offset, message: error.to_string(), stops_drawing }
 }

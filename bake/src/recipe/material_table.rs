@@ -19,10 +19,7 @@ macro_rules! material_table {
             fn set(&mut self, key: &str, raw: &pelage_params::Raw) -> Result<(), String> {
                 match key {
                     $(stringify!($key) => self.$key = Some(<$ty as pelage_params::Field>::read(raw, &$range)?),)+
-                    _ => {
-                        let near = pelage_params::nearest(key, Self::KEYS.iter().copied()).unwrap_or_default();
-                        return Err(format!("unknown key; did you mean {near}?"));
-                    }
+                    _ => return Err(pelage_params::unknown_key(key, Self::KEYS)),
                 }
                 Ok(())
             }

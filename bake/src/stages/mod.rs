@@ -11,5 +11,6 @@ pub mod hair;
 pub mod import;
 pub mod ink;
 pub mod pack;
+pub mod size;
 pub mod surface;
 pub mod textures;

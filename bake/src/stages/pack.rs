@@ -150,7 +150,8 @@ pub struct Pieces<'a> {
 /// Writes the package; what comes back opens and validates. With it what all stages had to say.
 ///
 /// # Errors
-/// [`BakeError::Internal`]: the stages before have checked everything that comes from the user.
+/// [`BakeError::Params`] where what follows from the model's size is out of a recipe's range; else [`BakeError::Internal`]: the stages before have
+/// checked everything that comes from the user.
 pub fn pack(pieces: &Pieces<'_>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
     let Pieces { recipe, skin, .. } = *pieces;
     let mut textures = Textures::default();
@@ -189,8 +190,11 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
     let mut warnings = skin.manifest.warnings.clone();
     warnings.extend(pieces.ink.iter().flat_map(|(ink, _)| ink.warnings.iter().cloned()));
     let (names, files) = textures.finish();
+    // What the model's size decides may lie where no recipe may.
+    let recorded = resolved(pieces);
+    recorded.validate()?;
     let manifest = Manifest {
-        recipe: resolved(pieces),
+        recipe: recorded.to_toml(),
         fur: FurInfo {
             layers: recipe.slice.layers,
             tile_texels: recipe.slice.tile_texels,
@@ -214,8 +218,8 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }
 
-/// The recipe, TOML, with everything that was left open filled in.
-fn resolved(pieces: &Pieces<'_>) -> String {
+/// The recipe with everything that was left open filled in.
+fn resolved(pieces: &Pieces<'_>) -> Recipe {
     let mut recipe = pieces.recipe.clone();
     if let Some(lengths) = pieces.skin.lengths {
         recipe.hair.length_m = Some(lengths.length_m);
@@ -227,7 +231,7 @@ fn resolved(pieces: &Pieces<'_>) -> String {
         recipe.ink.center = Some(center);
         recipe.ink.grain_size_m = Some(ink.grain_size_m);
     }
-    recipe.to_toml()
+    recipe
 }
 
 /// The package with the evidence of how its settings were chosen.

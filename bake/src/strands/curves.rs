@@ -62,6 +62,13 @@ impl Curves {
         self.wet.push(wet);
     }
 
+    /// Every `step`-th strand, the first of them first; `step` 0 counts as 1.
+    pub fn every(&self, step: usize) -> Self {
+        let mut out = Self::default();
+        (0..self.len()).step_by(step.max(1)).for_each(|i| out.push(self.strand(i), self.wet[i]));
+        out
+    }
+
     /// Adds all strands of another list.
     pub fn append(&mut self, other: &Self) {
         (0..other.len()).for_each(|i| self.push(other.strand(i), other.wet[i]));

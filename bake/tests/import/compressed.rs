@@ -289,7 +289,7 @@ fn a_small_file_cannot_unfold_without_measure() {
 }
 
 fn survives(bytes: &[u8], folder: &Path) -> bool {
-    let mut resolve = |uri: &str| -> Result<Vec<u8>, BakeError> {
+    let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> {
         let path = folder.join(uri);
         std::fs::read(&path).map_err(|source| BakeError::Io { path, action: "read", source })
     };
@@ -355,7 +355,12 @@ fn damaged_draco() {
 fn draco_and_plain_agree() {
     let Some(data) = data("draco_and_plain_agree") else { return };
     let folder = data.join("meshes/compressed/BoxDraco");
-    let model = pelage_bake::io::read_model(&folder.join("BoxDraco.gltf"), &ImportOptions::default()).unwrap();
+    let model = pelage_bake::io::read_model(
+        &folder.join("BoxDraco.gltf"),
+        &ImportOptions::default(),
+        pelage_bake::io::Reach::OwnFolder,
+    )
+    .unwrap();
     check(&model);
     // A box of edge 1 about the origin, its normals along the axes.
     assert_eq!((model.mesh.positions.len(), model.mesh.triangles.len()), (24, 12));

@@ -4,7 +4,7 @@
 use crate::support::*;
 use glam::{Mat4, Vec2, Vec3};
 use gltf::animation::util::ReadOutputs;
-use pelage_bake::io::read_model;
+use pelage_bake::io::{Reach, read_model};
 use pelage_bake::stages::import::ImportOptions;
 use pelage_formats::Property;
 
@@ -62,7 +62,7 @@ fn both_readers_see_the_same_vertices() {
     let Some(data) = data("both_readers_see_the_same_vertices") else { return };
     for name in FILES {
         let path = data.join("meshes").join(name);
-        let model = read_model(&path, &ImportOptions::default()).unwrap();
+        let model = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
         let gltf = gltf::Gltf::from_slice_without_validation(&std::fs::read(&path).unwrap()).unwrap();
         let blob = gltf.blob.as_deref().unwrap();
         let mut seen = Seen::default();
@@ -96,7 +96,7 @@ fn both_readers_see_the_same_keys() {
     let mut compared = 0;
     for name in FILES.iter().filter(|n| n.starts_with("skinned")) {
         let path = data.join("meshes").join(name);
-        let animation = read_model(&path, &ImportOptions::default()).unwrap().animation.unwrap();
+        let animation = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap().animation.unwrap();
         let gltf = gltf::Gltf::from_slice_without_validation(&std::fs::read(&path).unwrap()).unwrap();
         let blob = gltf.blob.as_deref().unwrap();
         for (clip, expected) in animation.clips.iter().zip(gltf.animations()) {

@@ -4,7 +4,7 @@
 use crate::support::*;
 use glam::Vec3;
 use pelage_bake::BakeError;
-use pelage_bake::io::read_model;
+use pelage_bake::io::{Reach, read_model};
 use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::stages::import::ImportOptions;
 use std::collections::BTreeSet;
@@ -23,7 +23,7 @@ fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
 }
 
 fn read(data: &Path, name: &str) -> Result<Model, BakeError> {
-    read_model(&data.join("meshes").join(name), &ImportOptions::default())
+    read_model(&data.join("meshes").join(name), &ImportOptions::default(), Reach::OwnFolder)
 }
 
 fn extent(model: &Model) -> Vec3 {
@@ -193,7 +193,7 @@ fn every_file_is_read_or_refused_with_a_place() {
     }
     let (mut read, mut refused) = (0, BTreeSet::new());
     for path in &files {
-        match read_model(path, &ImportOptions::default()) {
+        match read_model(path, &ImportOptions::default(), Reach::OwnFolder) {
             Ok(model) => {
                 check(&model);
                 read += 1;
@@ -221,7 +221,8 @@ fn files_that_the_validator_accepts_are_read() {
         let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
         let triangles = report["info"]["totalTriangleCount"].as_u64().unwrap_or(0);
         if report["issues"]["numErrors"] == 0 && triangles > 0 {
-            let model = read_model(&path, &ImportOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+            let model =
+                read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(model.mesh.triangles.len() as u64, triangles, "{}", path.display());
             compared += 1;
         }

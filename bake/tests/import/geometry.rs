@@ -377,10 +377,10 @@ fn a_unit_scales_what_stands_still() {
     let node = doc.show(json!({"attributes": {"POSITION": position}}));
     doc.json["nodes"][node]["translation"] = json!([100, 0, 0]);
     let options = ImportOptions { unit_m: 0.01 };
-    let model = import("m", &doc.glb(), &mut |_| unreachable!(), &options).unwrap();
+    let model = import("m", &doc.glb(), &mut |_, _| unreachable!(), &options).unwrap();
     assert_near(model.mesh.positions[1], [1.01, 0.0, 0.0]);
     for unit_m in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-9] {
-        let refused = import("m", &doc.glb(), &mut |_| unreachable!(), &ImportOptions { unit_m });
+        let refused = import("m", &doc.glb(), &mut |_, _| unreachable!(), &ImportOptions { unit_m });
         assert!(refused.unwrap_err().to_string().starts_with("model.unit_m: found "));
     }
 }

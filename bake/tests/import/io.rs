@@ -3,7 +3,7 @@
 
 use crate::support::*;
 use pelage_bake::BakeError;
-use pelage_bake::io::{read_file, read_model, write_atomic};
+use pelage_bake::io::{Reach, read_file, read_model, write_atomic};
 use pelage_bake::stages::import::ImportOptions;
 use serde_json::json;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn buffers_are_found_beside_the_model_by_decoded_name() {
     let model = folder.path().join("hare.gltf");
     std::fs::write(&model, text).unwrap();
     std::fs::write(folder.path().join("bin/fuzzy håre.bin"), bin).unwrap();
-    let read = read_model(&model, &ImportOptions::default()).unwrap();
+    let read = read_model(&model, &ImportOptions::default(), Reach::OwnFolder).unwrap();
     let records: Vec<_> = read.inputs.iter().map(|i| (i.role.as_str(), i.name.as_str(), i.bytes)).collect();
     assert_eq!(records[0].1, "hare.gltf");
     assert_eq!(records[1], ("buffer", "fuzzy håre.bin", 36));
@@ -58,7 +58,7 @@ fn uris_that_leave_the_model_are_refused() {
         (".", "it is a folder"),
     ] {
         std::fs::write(&model, external(uri).0).unwrap();
-        let (place, found) = fault(read_model(&model, &ImportOptions::default()));
+        let (place, found) = fault(read_model(&model, &ImportOptions::default(), Reach::OwnFolder));
         assert_eq!(place, "/buffers/0/uri", "{uri}");
         assert!(found.contains(reason), "{uri}: {found}");
     }
@@ -70,7 +70,7 @@ fn what_cannot_be_read_is_named() {
     let text = read_file(folder.path()).unwrap_err().to_string();
     assert!(text.contains("cannot read: it is a folder, expected a file"), "{text}");
     let missing = folder.path().join("none.glb");
-    let error = read_model(&missing, &ImportOptions::default()).unwrap_err();
+    let error = read_model(&missing, &ImportOptions::default(), Reach::OwnFolder).unwrap_err();
     assert!(matches!(&error, BakeError::Io { path, action: "read", .. } if *path == missing), "{error}");
 }
 
@@ -109,4 +109,81 @@ fn written_files_have_ordinary_permissions_and_links_stay_links() {
     // A device is written to, not replaced.
     write_atomic(Path::new("/dev/null"), b"gone").unwrap();
     assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+}
+
+#[test]
+fn a_model_reads_nothing_outside_its_folder_unless_told() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir_all(folder.path().join("fox/bin")).unwrap();
+    let bin = external("x").1;
+    std::fs::write(folder.path().join("outside.bin"), &bin).unwrap();
+    std::fs::write(folder.path().join("fox/bin/inside.bin"), &bin).unwrap();
+    let model = folder.path().join("fox/fox.gltf");
+    let read = |uri: &str, reach| {
+        std::fs::write(&model, external(uri).0).unwrap();
+        read_model(&model, &ImportOptions::default(), reach)
+    };
+    let mut outside = vec!["../outside.bin", "%2e%2e/outside.bin", "..%2foutside.bin", "bin/../../outside.bin"];
+    if cfg!(unix) {
+        #[cfg(unix)]
+        std::os::unix::fs::symlink("../outside.bin", folder.path().join("fox/link.bin")).unwrap();
+        outside.push("link.bin");
+    }
+    for uri in outside {
+        let (place, reason) = fault(read(uri, Reach::OwnFolder));
+        assert_eq!(place, "/buffers/0/uri", "{uri}");
+        assert!(
+            reason.contains("leads out of the model's folder") && reason.contains("--allow-outside"),
+            "{uri}: {reason}"
+        );
+        assert!(read(uri, Reach::Anywhere).is_ok(), "{uri}");
+    }
+    // What is not there is refused alike, so that a model cannot ask which files a machine has.
+    let (_, reason) = fault(read("../no-such-file.bin", Reach::OwnFolder));
+    assert!(reason.contains("leads out of the model's folder"), "{reason}");
+    for uri in ["bin/inside.bin", "./bin/inside.bin", "bin/../bin/inside.bin"] {
+        assert!(read(uri, Reach::OwnFolder).is_ok(), "{uri}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn only_regular_files_are_read_and_no_more_of_them_than_is_declared() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("m.gltf");
+    let pipe = folder.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("zero")).unwrap();
+    for (uri, what) in
+        [("pipe", "it is a pipe, expected a file"), ("zero", "it is a device or a socket, expected a file")]
+    {
+        std::fs::write(&model, external(uri).0).unwrap();
+        let (place, reason) = fault(read_model(&model, &ImportOptions::default(), Reach::Anywhere));
+        assert_eq!(place, "/buffers/0/uri");
+        assert!(reason.contains(what), "{reason}");
+        // In an OBJ a missing image is a warning.
+        let obj = folder.path().join("m.obj");
+        std::fs::write(&obj, "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        std::fs::write(folder.path().join("m.mtl"), format!("newmtl a\nmap_Kd {uri}\n")).unwrap();
+        let found = read_model(&obj, &ImportOptions::default(), Reach::Anywhere).unwrap();
+        assert!(found.warnings.iter().any(|w| w.contains(what)), "{:?}", found.warnings);
+    }
+    // A terabyte of which the model declares 36 bytes.
+    let bin = external("x").1;
+    let large = std::fs::File::create(folder.path().join("large.bin")).unwrap();
+    std::io::Write::write_all(&mut &large, &bin).unwrap();
+    large.set_len(1 << 40).unwrap();
+    std::fs::write(&model, external("large.bin").0).unwrap();
+    let read = read_model(&model, &ImportOptions::default(), Reach::OwnFolder).unwrap();
+    assert_eq!((read.inputs[1].bytes, read.mesh.triangles.len()), (36, 1));
+    // One that declares a terabyte.
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    doc.show(json!({"attributes": {"POSITION": position}}));
+    doc.json["buffers"] = json!([{"byteLength": 1_u64 << 40, "uri": "large.bin"}]);
+    std::fs::write(&model, serde_json::to_vec(&doc.json).unwrap()).unwrap();
+    let (_, reason) = fault(read_model(&model, &ImportOptions::default(), Reach::OwnFolder));
+    assert!(reason.contains("declares 1099511627776 bytes"), "{reason}");
+    let error = read_file(&folder.path().join("large.bin")).unwrap_err().to_string();
+    assert!(error.contains("larger than the 2147483648 bytes"), "{error}");
 }

@@ -63,7 +63,7 @@ fn inverse_bind_matrices_undo_the_bind_pose() {
 #[test]
 fn a_unit_scales_what_moves_through_an_extra_root() {
     let doc = skinned(&ALTERNATE, &[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]);
-    let model = import("m", &doc.glb(), &mut |_| unreachable!(), &ImportOptions { unit_m: 0.5 }).unwrap();
+    let model = import("m", &doc.glb(), &mut |_, _| unreachable!(), &ImportOptions { unit_m: 0.5 }).unwrap();
     check(&model);
     assert_near(rest(&model)[2], [0.0, 0.875, 0.0]);
     assert_eq!(model.animation.as_ref().unwrap().nodes.len(), 3);

@@ -78,7 +78,7 @@ fn rich() -> Doc {
 fn survives(what: &str, bytes: &[u8], folder: &Path) -> bool {
     let folder = folder.to_owned();
     let outcome = catch_unwind(|| {
-        let mut resolve = |uri: &str| -> Result<Vec<u8>, BakeError> {
+        let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> {
             let path = folder.join(uri.replace(['/', '\\', '\0'], "_"));
             std::fs::read(&path).map_err(|source| BakeError::Io { path, action: "read", source })
         };

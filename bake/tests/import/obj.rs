@@ -4,7 +4,7 @@
 use crate::support::*;
 use glam::{Vec2, Vec3};
 use pelage_bake::BakeError;
-use pelage_bake::io::read_model;
+use pelage_bake::io::{Reach, read_model};
 use pelage_bake::mesh::Model;
 use pelage_bake::stages::import::{ImportOptions, import};
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// Imports a text, with files beside it, under a name that says nothing.
 fn with_files(text: &str, files: &[(&str, &[u8])], options: &ImportOptions) -> Result<Model, BakeError> {
     let files: BTreeMap<_, _> = files.iter().copied().collect();
-    let mut resolve = |uri: &str| {
+    let mut resolve = |uri: &str, _: u64| {
         let source = std::io::ErrorKind::NotFound.into();
         files.get(uri).map(|b| b.to_vec()).ok_or(BakeError::Io { path: uri.into(), action: "read", source })
     };
@@ -191,7 +191,7 @@ fn faults_name_the_line() {
 #[test]
 fn the_name_counts_only_where_the_contents_do_not_tell() {
     let named = |name: &str, bytes: &[u8]| {
-        let mut none = |uri: &str| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
+        let mut none = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
         import(name, bytes, &mut none, &ImportOptions::default())
     };
     let text = format!("# made by hand\n\n{SQUARE}f 1 2 3\n");
@@ -347,7 +347,7 @@ const REFUSED: &[(&str, &str, &str)] = &[
 #[test]
 fn every_obj_of_the_test_data() {
     let Some(data) = data("every_obj_of_the_test_data") else { return };
-    let read = |name: &str| read_model(&data.join("meshes").join(name), &ImportOptions::default());
+    let read = |name: &str| read_model(&data.join("meshes").join(name), &ImportOptions::default(), Reach::OwnFolder);
     let mut seen = 0;
     for (name, triangles, parts, materials) in READABLE {
         let model = read(name).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -385,7 +385,7 @@ fn tobj_agrees_on_sound_files() {
         "hard-obj/trimesh_quadknot.obj",
     ] {
         let path = data.join("meshes").join(name);
-        let ours = read_model(&path, &ImportOptions::default()).unwrap();
+        let ours = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
         let theirs = by_tobj(&path);
         // Parts may come in another order, and corners of a triangle in another rotation; neither matters.
         let mut found: Vec<_> = ours

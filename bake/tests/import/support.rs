@@ -133,7 +133,7 @@ pub fn glb(json: &[u8], bin: &[u8]) -> Vec<u8> {
 
 /// Imports bytes that name no files.
 pub fn import_bytes(bytes: &[u8]) -> Result<Model, BakeError> {
-    let mut resolve = |uri: &str| -> Result<Vec<u8>, BakeError> {
+    let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> {
         Err(BakeError::Input { file: uri.into(), place: "test".into(), reason: "no such file in this test".into() })
     };
     import("folder/model.glb", bytes, &mut resolve, &ImportOptions::default())

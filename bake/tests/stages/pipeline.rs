@@ -28,7 +28,7 @@ fn fur(name: &str) -> Recipe {
 }
 
 fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
-    let mut no_files = |uri: &str| panic!("a built-in model names the file {uri}");
+    let mut no_files = |uri: &str, _: u64| panic!("a built-in model names the file {uri}");
     let bytes = asset(&format!("models/{name}.glb"));
     let model = import(name, &bytes, &mut no_files, &ImportOptions { unit_m: recipe.model.unit_m })?;
     let mut stages = Vec::new();
@@ -333,7 +333,7 @@ fn run<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&
 fn a_step_reads_what_it_says() {
     let recipe = recipe("ox");
     let bytes = asset("models/ox.glb");
-    let model = import("ox", &bytes, &mut |_| panic!("no files"), &ImportOptions::default()).unwrap();
+    let model = import("ox", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
     let told = Told { file: "ox", name: "ox", recipe: &recipe, images: &images };
     let mut whole = Outputs { model: Some(&model), ..Outputs::default() };
@@ -381,7 +381,7 @@ fn from_here_on_is_a_whole_bake() {
     other.slice.layers = 6;
     other.slice.tile_texels = 32;
     let bytes = asset("models/torus.glb");
-    let model = import("torus", &bytes, &mut |_| panic!("no files"), &ImportOptions::default()).unwrap();
+    let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
     let told = |recipe| Told { file: "torus", name: "torus", recipe, images: &images };
     let mut outputs = Outputs { model: Some(&model), ..Outputs::default() };

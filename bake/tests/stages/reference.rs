@@ -19,8 +19,12 @@ fn a_hare_has_as_many_roots_as_its_tiles() {
     let mut recipe = Recipe::parse("hare", std::str::from_utf8(&asset("recipes/hare.toml")).unwrap()).unwrap();
     recipe.slice.layers = 4;
     recipe.fins.enabled = false;
-    let model =
-        import("hare", &asset("models/hare.glb"), &mut |_: &str| unreachable!(), &ImportOptions { unit_m: 1.0 });
+    let model = import(
+        "hare",
+        &asset("models/hare.glb"),
+        &mut |_: &str, _: u64| unreachable!(),
+        &ImportOptions { unit_m: 1.0 },
+    );
     let baked =
         pipeline::bake("hare", "hare", &model.unwrap(), &recipe, &MapImages::default(), &mut |_| ()).unwrap().package;
     let package = Package::open(&baked, &Limits::default()).unwrap();

@@ -1,13 +1,45 @@
 //! What a mistyped name was meant to be.
 
-/// The candidate most like `name`; the first of several equals, `None` where there is no candidate.
+/// A candidate that is less like the name than this by both measures is no misspelling of it: to name it would mislead.
+const LEAST_EDITS: f64 = 0.4;
+const LEAST_WINKLER: f64 = 0.85;
+
+/// The candidate most like `name`; the first of several equals, `None` where none is like it.
 pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut best: Option<(f64, &str)> = None;
     for candidate in candidates {
-        let score = strsim::jaro_winkler(name, candidate).max(strsim::normalized_damerau_levenshtein(name, candidate));
+        let (winkler, edits) =
+            (strsim::jaro_winkler(name, candidate), strsim::normalized_damerau_levenshtein(name, candidate));
+        if winkler < LEAST_WINKLER && edits < LEAST_EDITS {
+            continue;
+        }
+        let score = winkler.max(edits);
         if best.is_none_or(|(top, _)| score > top) {
             best = Some((score, candidate));
         }
     }
     best.map(|(_, candidate)| candidate)
+}
+
+/// What to say of a key that is none of `known`.
+pub fn unknown_key(key: &str, known: &[&str]) -> String {
+    match nearest(key, known.iter().copied()) {
+        Some(near) => format!("unknown key; did you mean {near}?"),
+        None => format!("unknown key, expected one of {}", known.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_unlike_everything_has_no_neighbour() {
+        let names = ["hair.seed", "hair.length_m", "hair.density"];
+        let near = |name| nearest(name, names.into_iter());
+        assert_eq!(near("a"), None);
+        assert_eq!(near("camera.fov"), None);
+        assert_eq!(near("hair.densty"), Some("hair.density"));
+        assert_eq!(near("hiar.lenght_m"), Some("hair.length_m"));
+    }
 }

@@ -172,11 +172,15 @@ fn unknown_key<S: Tables>(name: &str) -> String {
             Some(info) => nearest(key, info.knobs.iter().map(Knob::key))
                 .and_then(|near| info.knobs.iter().find(|k| k.key() == near))
                 .map(|k| k.name),
-            None => nearest(name, knobs::<S>().map(|k| k.name)),
+            // Without a table the key alone is compared as well.
+            None => nearest(name, knobs::<S>().map(|k| k.name)).or_else(|| {
+                let near = nearest(key, knobs::<S>().map(Knob::key))?;
+                knobs::<S>().find(|k| k.key() == near).map(|k| k.name)
+            }),
         }
     });
     match near {
         Some(near) => format!("unknown key; did you mean {near}?"),
-        None => "unknown key".into(),
+        None => format!("unknown key, expected one such as {}", S::EXAMPLE.split('=').next().unwrap_or_default()),
     }
 }

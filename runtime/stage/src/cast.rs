@@ -122,11 +122,22 @@ pub fn find_clip(
     })
 }
 
-/// Index and length of the named clip, or what clips there are, in words.
+/// Index and length of the named clip, or what clips there are, in words. Exporters put the skeleton's name before the clip's, as in
+/// `AnimalArmature|Walk`: `Walk` finds it where no other clip ends so.
 pub(crate) fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), String> {
     let clips = &animation.clips;
-    if let Some(index) = clips.iter().position(|clip| clip.name == name) {
-        return Ok((index, clips[index].duration_s));
+    let last = |clip: &str| clip.rsplit(['|', ':']).next().unwrap_or_default().to_owned();
+    let ways: [&dyn Fn(&str) -> bool; 3] =
+        [&|clip| clip == name, &|clip| last(clip) == name, &|clip| last(clip).eq_ignore_ascii_case(name)];
+    for is_meant in ways {
+        let mut found = (0..clips.len()).filter(|i| is_meant(&clips[*i].name));
+        match (found.next(), found.next()) {
+            (Some(index), None) => return Ok((index, clips[index].duration_s)),
+            // Of several of the same whole name the first is as good as any.
+            (Some(index), Some(_)) if clips[index].name == name => return Ok((index, clips[index].duration_s)),
+            (Some(_), Some(_)) => break,
+            (None, _) => {}
+        }
     }
     let names: Vec<_> = clips.iter().map(|c| c.name.as_str()).collect();
     Err(if names.is_empty() { "has no animation".into() } else { format!("has the clips {}", names.join(", ")) })
@@ -156,6 +167,18 @@ pub fn rest_points(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn clips_are_found_by_the_end_of_their_names() {
+        let clip = |name: &str| pelage_formats::Clip { name: name.into(), duration_s: 1.0, channels: Vec::new() };
+        let names = ["A|Walk", "A|Run", "B|Run", "Walk_Slow", "Jump", "C|Jump"];
+        let animation = Animation { clips: names.map(clip).to_vec(), ..Animation::default() };
+        let found = |name: &str| clip_named(&animation, name).map(|(index, _)| index).map_err(|has| has.len());
+        assert_eq!((found("Walk"), found("walk"), found("B|Run"), found("Jump")), (Ok(0), Ok(0), Ok(2), Ok(4)));
+        for name in ["Run", "Slow", ""] {
+            assert!(found(name).is_err(), "{name}");
+        }
+    }
 
     #[test]
     fn clips_loop_or_hold() {

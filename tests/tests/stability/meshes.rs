@@ -1,7 +1,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! Lapped patches on real meshes: every mesh of the test data, and the figures that the project promises on the well-known ones.
 
-use pelage_bake::io::read_model;
+use pelage_bake::io::{Reach, read_model};
 use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::recipe;
 use pelage_bake::stages::groom::{Lengths, bounds};
@@ -34,7 +34,7 @@ fn no_triangle_of_any_mesh_is_flipped() {
     let mut seen = 0;
     for path in models {
         let name = path.strip_prefix(&data).unwrap().display().to_string();
-        let Ok(model) = read_model(&path, &ImportOptions { unit_m: 1.0 }) else { continue };
+        let Ok(model) = read_model(&path, &ImportOptions { unit_m: 1.0 }, Reach::OwnFolder) else { continue };
         let s = surface(&model);
         seen += usize::from(!s.mesh.triangles.is_empty());
         assert_eq!(s.measures.flipped_triangles, 0, "{name}: {:?}", s.measures);
@@ -64,7 +64,7 @@ fn figures_on_well_known_meshes() {
     println!("mesh                     faces patches   angle    area    comb    seam singular");
     for path in models {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
-        let s = surface(&read_model(&path, &ImportOptions { unit_m: 1.0 }).unwrap());
+        let s = surface(&read_model(&path, &ImportOptions { unit_m: 1.0 }, Reach::OwnFolder).unwrap());
         let m = s.measures;
         let comb = m.comb_misalignment_deg.unwrap();
         println!(

@@ -199,7 +199,8 @@ fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> Measured {
         let text = std::fs::read_to_string(workspace().join(path)).unwrap();
         recipe = Recipe::parse(path, &text).unwrap();
     }
-    let model = io::read_model(&case.model, &ImportOptions { unit_m: recipe.model.unit_m }).unwrap();
+    let model =
+        io::read_model(&case.model, &ImportOptions { unit_m: recipe.model.unit_m }, io::Reach::OwnFolder).unwrap();
     let package = bake(&case.model.display().to_string(), &model, &recipe).unwrap();
     let mut draw = |drawing: &Drawing<'_>| Ok(texels(gpu, drawing));
     measure(&package, case.size, &mut draw).unwrap()

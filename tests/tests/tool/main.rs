@@ -14,3 +14,4 @@ mod models;
 mod packages;
 mod reference;
 mod sequences;
+mod strangers;

@@ -272,7 +272,12 @@ fn the_unpacked_mesh_opens_as_gltf() {
     assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder"]).code, Some(0));
     // Our own importer is the reader at hand that shares nothing with the writer; it warns about nothing it cannot use.
     let options = pelage_bake::stages::import::ImportOptions::default();
-    let model = pelage_bake::io::read_model(&sandbox.path().join("folder/mesh.glb"), &options).unwrap();
+    let model = pelage_bake::io::read_model(
+        &sandbox.path().join("folder/mesh.glb"),
+        &options,
+        pelage_bake::io::Reach::OwnFolder,
+    )
+    .unwrap();
     assert_eq!((model.mesh.triangles.len(), model.mesh.parts.len()), (4, 2));
     assert_eq!(model.mesh.colors[0], [255, 128, 64, 255]);
     assert_eq!(model.materials[1].name, "eyes");

@@ -45,7 +45,7 @@ impl Subject {
                 return Self::of_package(args, path);
             }
             let (recipe, _) = args.recipe.read()?;
-            let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m })?;
+            let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
             let mut files = format!(" {}", shell_word(&path.display().to_string()));
             if let Some(recipe) = &args.recipe.recipe {
                 files += &format!(" --recipe {}", shell_word(&recipe.display().to_string()));
@@ -59,7 +59,7 @@ impl Subject {
             return Err(Failure::Usage("--recipe needs a MODEL: the built-in hare has its own".into()));
         }
         let mut recipe = HARE.recipe()?;
-        args.recipe.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
+        args.recipe.apply_to(&mut recipe)?;
         let command = format!("pelage bake assets/models/{0}.glb --recipe assets/recipes/{0}.toml", HARE.name);
         let (file, name, images) = (HARE.file(), HARE.name.into(), args.recipe.images(&recipe)?);
         let model = HARE.import(&recipe)?;
@@ -76,14 +76,15 @@ impl Subject {
         let manifest = opened.manifest();
         let mut recipe = Recipe::parse(&format!("{file}, recipe"), &manifest.recipe)?;
         recipe.model.unit_m = 1.0;
-        args.recipe.set.iter().try_for_each(|assignment| recipe.set(assignment))?;
+        args.recipe.apply_to(&mut recipe)?;
         let mesh = opened.mesh().map_err(|error| package.fault(error))?;
         let glb = mesh.and_then(|mesh| mesh_glb::write(&mesh.to_data(), manifest)).ok_or_else(|| BakeError::Input {
             file: file.clone(),
             place: "mesh".into(),
             reason: "it has no triangles, expected at least one".into(),
         })?;
-        let mut no_files = |uri: &str| Err(BakeError::Internal(format!("the mesh of a package names the file {uri}")));
+        let mut no_files =
+            |uri: &str, _: u64| Err(BakeError::Internal(format!("the mesh of a package names the file {uri}")));
         let model = import(&file, &glb, &mut no_files, &ImportOptions { unit_m: 1.0 })?;
         let (name, word) = (manifest.model.clone(), format!(" {}", shell_word(&file)));
         let sets = args.recipe.set.clone();

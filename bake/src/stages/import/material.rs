@@ -111,7 +111,7 @@ impl Materials {
                 source.record("image", "", &bytes);
                 (bytes, view)
             }
-            (None, Some(uri)) => (source.uri(&uri, "image")?, uri),
+            (None, Some(uri)) => (source.uri(&uri, "image", None)?, uri),
             (None, None) => return Err(at.fault("has neither `bufferView` nor `uri`")),
         };
         let image = decode_image(&bytes, MAX_TEXELS - self.texels).map_err(|reason| {

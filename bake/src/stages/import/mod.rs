@@ -50,7 +50,8 @@ pub use options::ImportOptions;
 
 /// Reads a glTF 2.0 or OBJ model from `bytes`; what the file is shows in its contents, and only where they leave it open in its name.
 ///
-/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI (percent-encoded: as written in a glTF).
+/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI (percent-encoded: as written in a glTF); of a file that has more
+/// than the given number, the first so many.
 ///
 /// # Errors
 ///
@@ -59,7 +60,7 @@ pub use options::ImportOptions;
 pub fn import(
     file: &str,
     bytes: &[u8],
-    resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>, BakeError>,
+    resolve: &mut dyn FnMut(&str, u64) -> Result<Vec<u8>, BakeError>,
     options: &ImportOptions,
 ) -> Result<Model, BakeError> {
     options.validate()?;

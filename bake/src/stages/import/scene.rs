@@ -137,10 +137,12 @@ fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<(Mat4, (Vec3, Q
         let q = Quat::from_array(rotation_at.numbers()?);
         // In double precision: the squares of small numbers vanish in single.
         let length = q.to_array().iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
-        if (length - 1.0).abs() > 1e-2 {
-            source.warn(format!("{} has length {length:.3} and was normalised", rotation_at.place));
-        }
-        if length > 1e-12 {
+        if length <= 1e-12 {
+            source.warn(format!("{} is {q}, which turns to nowhere; taken as no rotation", rotation_at.place));
+        } else {
+            if (length - 1.0).abs() > 1e-2 {
+                source.warn(format!("{} has length {length:.3} and was normalised", rotation_at.place));
+            }
             rotation = Quat::from_array(q.to_array().map(|x| (f64::from(x) / length) as f32));
         }
     }

@@ -13,8 +13,23 @@ use std::collections::BTreeMap;
 /// Everything that is unpacked of a model, bytes: many views can name the same packed bytes.
 pub(super) const MAX_UNPACKED: u64 = 1 << 30;
 
-/// Fetches the bytes of a relative URI.
-pub(super) type Resolve<'r> = dyn FnMut(&str) -> Result<Vec<u8>, BakeError> + 'r;
+/// Fetches the bytes of a relative URI, the first so many where there are more.
+pub(super) type Resolve<'r> = dyn FnMut(&str, u64) -> Result<Vec<u8>, BakeError> + 'r;
+
+/// The most that is read of a file beside the model that does not say its length, bytes: an image or a material file.
+pub(super) const MAX_BESIDE: u64 = 256 << 20;
+
+/// Everything that is read from files beside a glTF, bytes: many buffers can name the same large file.
+const MAX_FILES: u64 = 2 << 30;
+
+/// Fetches a file of at most [`MAX_BESIDE`] bytes; else says why there is none, to follow its name in a sentence.
+pub(super) fn beside(uri: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
+    let bytes = resolve(uri, MAX_BESIDE + 1).map_err(why_unreadable)?;
+    if bytes.len() as u64 > MAX_BESIDE {
+        return Err(format!("it is larger than {MAX_BESIDE} bytes"));
+    }
+    Ok(bytes)
+}
 
 /// A model being read.
 pub(super) struct Source<'a, 'r> {
@@ -29,6 +44,8 @@ pub(super) struct Source<'a, 'r> {
     pub supplied: BTreeMap<usize, Elements>,
     /// Bytes of all that was unpacked.
     unpacked_bytes: u64,
+    /// Bytes of all files that were read.
+    file_bytes: u64,
     /// Warnings, and what was read.
     pub notes: Notes,
 }
@@ -44,7 +61,17 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 impl<'a, 'r> Source<'a, 'r> {
     pub fn new(root: At<'a>, bin: Option<&'a [u8]>, resolve: &'r mut Resolve<'r>, notes: Notes) -> Self {
         let (unpacked, supplied) = (BTreeMap::new(), BTreeMap::new());
-        Self { root, bin, resolve, buffers: BTreeMap::new(), unpacked, supplied, unpacked_bytes: 0, notes }
+        Self {
+            root,
+            bin,
+            resolve,
+            buffers: BTreeMap::new(),
+            unpacked,
+            supplied,
+            unpacked_bytes: 0,
+            file_bytes: 0,
+            notes,
+        }
     }
 
     /// Notes what was repaired, left out or guessed.
@@ -57,8 +84,9 @@ impl<'a, 'r> Source<'a, 'r> {
         self.notes.record(role, name, bytes);
     }
 
-    /// What `uri` stands for: the data in it, or the file it names. `role` is for the record.
-    pub fn uri(&mut self, at: &At<'a>, role: &str) -> Result<Vec<u8>, BakeError> {
+    /// What `uri` stands for: the data in it, or the file it names, of which the first `declared` bytes count where the model says how many there
+    /// are. `role` is for the record.
+    pub fn uri(&mut self, at: &At<'a>, role: &str, declared: Option<u64>) -> Result<Vec<u8>, BakeError> {
         let uri = at.string()?;
         if let Some(data) = uri.get(..5).filter(|s| s.eq_ignore_ascii_case("data:")).and_then(|_| uri.get(5..)) {
             let bytes = decode_data(data).map_err(|reason| at.fault(reason))?;
@@ -67,10 +95,19 @@ impl<'a, 'r> Source<'a, 'r> {
             }
             return Ok(bytes);
         }
-        let bytes = (self.resolve)(uri).map_err(|error| {
-            let cause = why_unreadable(error);
-            at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri)))
-        })?;
+        let left = MAX_FILES - self.file_bytes;
+        if let Some(bytes) = declared.filter(|bytes| *bytes > left) {
+            let reason = format!("declares {bytes} bytes and takes the files of the model past {MAX_FILES} bytes");
+            return Err(at.fault(reason));
+        }
+        let fetched = match declared {
+            Some(bytes) => (self.resolve)(uri, bytes).map_err(why_unreadable),
+            None => beside(uri, self.resolve),
+        };
+        let bytes =
+            fetched.map_err(|cause| at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri))))?;
+        // Images go once they are decoded; buffers stay.
+        self.file_bytes += declared.map_or(0, |_| bytes.len() as u64);
         let name = urlencoding::decode(uri).unwrap_or(Cow::Borrowed(uri));
         self.record(role, &name, &bytes);
         Ok(bytes)
@@ -83,7 +120,7 @@ impl<'a, 'r> Source<'a, 'r> {
         }
         let expected = at.require("byteLength")?.unsigned()?;
         let (bytes, origin) = match (at.get("uri"), self.bin) {
-            (Some(uri), _) => (Cow::Owned(self.uri(&uri, "buffer")?), uri),
+            (Some(uri), _) => (Cow::Owned(self.uri(&uri, "buffer", Some(expected))?), uri),
             (None, Some(bin)) if index == 0 => (Cow::Borrowed(bin), at.clone()),
             (None, _) => {
                 let only = if index == 0 { "the file has no BIN chunk" } else { "only buffer 0 can be the BIN chunk" };

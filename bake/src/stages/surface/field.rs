@@ -160,6 +160,8 @@ fn coarsen(fine: &Level) -> (Level, Vec<u32>) {
 pub(super) fn singularities(topology: &Topology, field: &[DVec3]) -> Vec<(u32, i32)> {
     let mut out = Vec::new();
     let mut done = vec![false; topology.points.len()];
+    // Half-edges from which a walk came to a border. A walk that meets one comes there too, and a fan of many triangles is walked once, not once a triangle.
+    let mut open = vec![false; 3 * topology.faces.len()];
     for start in 0..3 * topology.faces.len() as u32 {
         let point = topology.ends(start)[0];
         if done[point as usize] {
@@ -168,6 +170,9 @@ pub(super) fn singularities(topology: &Topology, field: &[DVec3]) -> Vec<(u32, i
         let (mut h, mut turned, mut angles) = (start, 0.0, 0.0);
         // Counter-clockwise about the point: out along h, back along the half-edge before it, and over to its twin.
         let closed = loop {
+            if std::mem::replace(&mut open[h as usize], true) {
+                break false;
+            }
             let back = prev(h);
             let over = topology.twins[back as usize];
             if over == NONE {
@@ -205,4 +210,41 @@ fn turn_across(topology: &Topology, field: &[DVec3], h: u32, over: u32) -> f64 {
     let angle = |f: usize| libm::atan2(field[f].dot(topology.normals[f].cross(e)), field[f].dot(e));
     let turn = angle(over as usize / 3) - angle(h as usize / 3);
     turn - std::f64::consts::TAU * (turn / std::f64::consts::TAU).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::repair::repair;
+    use super::*;
+
+    #[test]
+    fn a_border_point_of_many_triangles_is_walked_once() {
+        // A polygon cut as a fan: all its triangles meet in one point on the border. Walked once a triangle, this test would take minutes.
+        let count = 200_000;
+        let mut points = vec![DVec3::ZERO];
+        points.extend((0..=count).map(|i| {
+            let angle = f64::from(i) / f64::from(count);
+            DVec3::new(libm::cos(angle), libm::sin(angle), 0.0)
+        }));
+        let triangles: Vec<[u32; 3]> = (1..=count as u32).map(|i| [0, i, i + 1]).collect();
+        let repaired = repair(&points, &triangles);
+        let field = vec![DVec3::X; repaired.topology.faces.len()];
+        assert_eq!(repaired.topology.faces.len(), count as usize);
+        assert_eq!(singularities(&repaired.topology, &field), []);
+    }
+
+    #[test]
+    fn a_source_in_the_middle_of_a_fan_is_found() {
+        let count = 12;
+        let mut points = vec![DVec3::ZERO];
+        points.extend((0..count).map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+            DVec3::new(libm::cos(angle), libm::sin(angle), 0.0)
+        }));
+        let triangles: Vec<[u32; 3]> = (0..count as u32).map(|i| [0, 1 + i, 1 + (i + 1) % count as u32]).collect();
+        let topology = repair(&points, &triangles).topology;
+        let outwards: Vec<DVec3> = (0..topology.faces.len()).map(|f| topology.centroid(f).normalize()).collect();
+        let found = singularities(&topology, &outwards);
+        assert!(found.len() == 1 && found[0].1 == 1, "{found:?}");
+    }
 }

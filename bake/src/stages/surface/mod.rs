@@ -69,6 +69,16 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
     let rest = RestPose::of(&mesh, model.animation.as_ref());
     let positions: Vec<DVec3> = rest.positions.iter().map(|p| p.as_dvec3()).collect();
     let repaired = repair::repair(&positions, &mesh.triangles);
+    if repaired.triangles.is_empty() {
+        return Err(BakeError::Input {
+            file: file.into(),
+            place: "whole model".into(),
+            reason: format!(
+                "none of its {} triangles has an area where it stands at rest, expected at least one that has",
+                mesh.triangles.len()
+            ),
+        });
+    }
     repair::report(&mesh, &repaired.faults, &mut warnings);
     emit::keep_sound_triangles(&mut mesh, model.animation.as_ref(), &repaired);
     let furred_triangles = params.furred_triangles(&mesh);

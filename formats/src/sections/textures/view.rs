@@ -87,7 +87,8 @@ impl<'a> TextureView<'a> {
             .map_err(|e| place.fail(0, format!("{e}, expected the header of a KTX2 file")))?;
         let format = header.format.and_then(TextureFormat::from_ktx2).ok_or_else(|| {
             let names: Vec<_> = TextureFormat::ALL.iter().map(|f| f.name()).collect();
-            place.fail(12, format!("texel format is {:?}, expected one of {}", header.format, names.join(", ")))
+            let found = header.format.map_or_else(|| "undefined".to_owned(), |format| format!("{format:?}"));
+            place.fail(12, format!("texel format is {found}, expected one of {}", names.join(", ")))
         })?;
         if let Some(scheme) = header.supercompression_scheme {
             return Err(place.fail(44, format!("supercompressed with {scheme:?}, expected data ready to upload")));

@@ -3,7 +3,7 @@
 use super::SceneFile;
 use super::text::SceneLook;
 use crate::{Look, SAMPLES, SHORT_FORMS, ShortForm, StageError};
-use pelage_params::{ParamError, nearest};
+use pelage_params::{ParamError, unknown_key};
 
 /// What has another place in a scene than `[view]`, or none.
 const ELSEWHERE: [(&str, &str); 9] = [
@@ -80,7 +80,6 @@ fn short_form(name: &str) -> Result<&'static ShortForm, String> {
     let all = || SHORT_FORMS.iter().chain([&SAMPLES]);
     all().find(|short| short.flag.replace('-', "_") == name).ok_or_else(|| {
         let flags: Vec<String> = all().map(|short| short.flag.replace('-', "_")).collect();
-        let near = nearest(name, flags.iter().map(String::as_str)).unwrap_or_default();
-        format!("unknown key; did you mean {near}?")
+        unknown_key(name, &flags.iter().map(String::as_str).collect::<Vec<_>>())
     })
 }

@@ -4,8 +4,8 @@ use super::statements::{Statement, Statements, decode};
 use crate::image_file::{MAX_TEXELS, decode_image};
 use crate::mesh::{Image, Material};
 use crate::stages::import::json::shorten;
-use crate::stages::import::notes::{Notes, why_unreadable};
-use crate::stages::import::source::Resolve;
+use crate::stages::import::notes::Notes;
+use crate::stages::import::source::{self, Resolve};
 use std::collections::{BTreeMap, btree_map};
 
 /// The materials of all material files, and those that faces use.
@@ -214,7 +214,7 @@ fn fetch(path: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
         return Err("it is an absolute path; expected a relative one: put the file beside the model".to_owned());
     }
     let uri: Vec<_> = path.split('/').map(urlencoding::encode).collect();
-    resolve(&uri.join("/")).map_err(why_unreadable)
+    source::beside(&uri.join("/"), resolve)
 }
 
 #[cfg(test)]

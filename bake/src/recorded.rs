@@ -1,0 +1,47 @@
+//! The recipe that a package records, held against the fur that the package has.
+
+use crate::recipe::Recipe;
+use pelage_formats::Manifest;
+
+/// A key of a recorded recipe, and what is wrong with it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Disagreement {
+    /// As in `--set`: `hair.density`.
+    pub key: &'static str,
+    /// What the recipe says, and what was found.
+    pub reason: String,
+}
+
+/// Where a recipe says another fur than the package has: it was edited after the bake, or belongs to another package. Only keys that the text names
+/// are compared, because what a recipe leaves out had other defaults in other versions.
+///
+/// A text that is no recipe disagrees with nothing: [`Recipe::parse`] says what is wrong with it.
+pub fn disagreements(manifest: &Manifest, text: &str) -> Vec<Disagreement> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let (Ok(recipe), Ok(named)) = (Recipe::parse("recipe", text), text.parse::<toml::Table>()) else {
+        return Vec::new();
+    };
+    let fur = &manifest.fur;
+    let tile_size_m = recipe.surface.tile_size_m.unwrap_or(fur.tile_size_m);
+    let facts = [
+        ("hair.density", recipe.hair.density.to_string(), fur.strands.to_string(), "strands in the tile"),
+        ("slice.layers", recipe.slice.layers.to_string(), fur.layers.to_string(), "layers"),
+        ("slice.tile_texels", recipe.slice.tile_texels.to_string(), fur.tile_texels.to_string(), "texels each way"),
+        ("surface.tile_size_m", tile_size_m.to_string(), fur.tile_size_m.to_string(), "metres of tile"),
+    ];
+    let is_named = |key: &str| {
+        let (table, key) = key.split_once('.').unwrap_or_default();
+        named.get(table).and_then(|table| table.get(key)).is_some()
+    };
+    // Without hair on it a package says nothing of its fur.
+    let has_fur = fur.layers > 0;
+    let differs = |(key, said, found, _): &(&str, String, String, &str)| has_fur && said != found && is_named(key);
+    facts
+        .into_iter()
+        .filter(differs)
+        .map(|(key, said, found, what)| Disagreement {
+            key,
+            reason: format!("is {said}, expected {found}: the fur in the package has {found} {what}"),
+        })
+        .collect()
+}

@@ -1,0 +1,205 @@
+//! What the size, place and winding of a model say about it: a size that no coat of hair suits is refused, what is odd is told.
+
+use super::groom::Lengths;
+use crate::BakeError;
+use crate::recipe::{ModelParams, Recipe};
+use glam::{DVec3, Vec3};
+use pelage_formats::Bounds;
+
+/// A longest side outside of this, metres, is told: from a mouse to a whale all animals lie inside.
+const ANIMALS_M: std::ops::RangeInclusive<f64> = 0.01..=30.0;
+/// Radius of an animal between cat and horse, metres: what a fitting unit aims at.
+const ANIMAL_M: f64 = 0.5;
+/// Farther from the origin than this many radii a position keeps less than a thousandth of the radius: a float has 24 bits.
+const FAR_RADII: f64 = 10_000.0;
+/// A surface is closed where its area vectors cancel but for this share of its area.
+const CLOSED: f64 = 0.05;
+/// A closed surface holds less than nothing where its volume, over its area to the power of 1.5, is below this. A ball has 0.094.
+const INSIDE_OUT: f64 = -0.002;
+
+/// Lengths of the box along x, y and z, metres.
+pub fn sides_m(bounds: &Bounds) -> [f64; 3] {
+    std::array::from_fn(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]))
+}
+
+/// The same in words: `0.42 x 0.25 x 0.61 m`.
+pub fn words(sides_m: [f64; 3]) -> String {
+    format!("{} m", lengths(sides_m).join(" x "))
+}
+
+/// Lengths in metres, each with three figures that count.
+pub fn lengths(lengths_m: [f64; 3]) -> [String; 3] {
+    lengths_m.map(meters)
+}
+
+/// A length with three figures that count.
+fn meters(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        let whole = libm::floor(libm::log10(value.abs().max(1e-3))) as i32;
+        format!("{value:.*}", (2 - whole).clamp(0, 6) as usize)
+    } else {
+        format!("{value:.2e}")
+    }
+}
+
+/// Refuses a model whose size leads to lengths that no recipe may have. Only what the recipe leaves open follows from the model.
+///
+/// # Errors
+///
+/// [`BakeError::Input`] with the model's size, what would follow from it, and the unit that would make it an animal's.
+pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) -> Result<(), BakeError> {
+    let mut told = recipe.clone();
+    told.hair.length_m = Some(lengths.length_m);
+    told.surface.tile_size_m = Some(lengths.tile_size_m);
+    let Err(BakeError::Params { what, reason }) = told.validate() else { return Ok(()) };
+    let size = words(sides_m(bounds));
+    let unit_m = recipe.model.unit_m;
+    let unit = match fitting_unit_m(bounds, unit_m) {
+        Some(fitting) => format!("set model.unit_m={fitting} if it was made in another unit (now {unit_m})"),
+        None => "make the model as large as it is".to_owned(),
+    };
+    Err(BakeError::Input {
+        file: file.to_owned(),
+        place: "whole model".to_owned(),
+        reason: format!(
+            "it is {size} at rest, for which {what} cannot be chosen ({reason}); {unit}, or give hair.length_m and surface.tile_size_m"
+        ),
+    })
+}
+
+/// The power of ten by which a unit brings the model nearest to an animal's size, where a recipe may say so.
+fn fitting_unit_m(bounds: &Bounds, unit_m: f32) -> Option<f32> {
+    let radius = f64::from(bounds.radius);
+    if !(radius.is_finite() && radius > 0.0) {
+        return None;
+    }
+    // Parsed from its decimal form, so that it is written as 0.001 and not as what a product of floats came to.
+    let power = libm::round(libm::log10(ANIMAL_M * f64::from(unit_m) / radius)) as i32;
+    let unit_m: f32 = format!("1e{power}").parse().ok()?;
+    ModelParams { unit_m, ..ModelParams::default() }.validate().ok().map(|()| unit_m)
+}
+
+/// What is odd about a model: its size for an animal, a place far from the origin, triangles that face inwards.
+///
+/// * `positions`, `triangles`: the mesh at rest, metres
+pub fn remarks(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<String> {
+    let mut out = Vec::new();
+    let sides = sides_m(bounds);
+    let longest = sides.into_iter().fold(0.0, f64::max);
+    if !ANIMALS_M.contains(&longest) {
+        let unit = fitting_unit_m(bounds, recipe.model.unit_m).map_or_else(String::new, |unit_m| {
+            format!("; if it was made in another unit than metres, set model.unit_m={unit_m} or the like")
+        });
+        out.push(format!("the model is {} at rest{unit}", words(sides)));
+    }
+    let away = DVec3::from(bounds.center.map(f64::from)).length();
+    let radius = f64::from(bounds.radius);
+    if away > FAR_RADII * radius {
+        out.push(format!(
+            "the model stands {} m from the origin, {:.0} times its own radius: its positions are rounded to {} m; move it to the origin",
+            meters(away),
+            away / radius,
+            // The last of the 24 bits of a float.
+            meters(away * libm::exp2(-24.0)),
+        ));
+    }
+    if is_inside_out(bounds, positions, triangles) {
+        out.push(
+            "the triangles face inwards: the model holds less than nothing; its hair grows into it. Turn the faces in a modelling tool \
+             (Blender: Mesh, Normals, Recalculate Outside)"
+                .to_owned(),
+        );
+    }
+    out
+}
+
+/// Whether the surface is closed and faces inwards. Of an open one the sign of the volume says nothing.
+fn is_inside_out(bounds: &Bounds, positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
+    let center = DVec3::from(bounds.center.map(f64::from));
+    let (mut vector, mut area, mut volume) = (DVec3::ZERO, 0.0, 0.0);
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|v| positions[v as usize].as_dvec3() - center);
+        let normal = (b - a).cross(c - a) / 2.0;
+        vector += normal;
+        area += normal.length();
+        volume += a.dot(normal) / 3.0;
+    }
+    vector.length() < CLOSED * area && volume < INSIDE_OUT * area * area.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::RestPose;
+    use crate::stages::groom;
+
+    fn ball(radius: f32, inwards: bool) -> (Bounds, Vec<Vec3>, Vec<[u32; 3]>) {
+        let corners = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+        let positions: Vec<Vec3> = corners.iter().map(|p| *p * radius).collect();
+        let mut triangles = Vec::new();
+        for (x, y, z) in [0, 1, 2, 3, 4, 5, 6, 7].map(|i| (i & 1, i >> 1 & 1, i >> 2)) {
+            let (a, b, c) = (3 * x, 1 + 3 * y, 2 + 3 * z);
+            let outwards = (x + y + z) % 2 == 0;
+            triangles.push(if outwards == inwards { [a, c, b] } else { [a, b, c] });
+        }
+        let rest = RestPose { normals: vec![Vec3::Z; 6], positions: positions.clone() };
+        (groom::bounds(&rest), positions, triangles)
+    }
+
+    fn remarks_of((bounds, positions, triangles): (Bounds, Vec<Vec3>, Vec<[u32; 3]>)) -> Vec<String> {
+        remarks(&Recipe::default(), &bounds, &positions, &triangles)
+    }
+
+    #[test]
+    fn an_animal_of_its_size_deserves_no_remark() {
+        assert_eq!(remarks_of(ball(0.5, false)), Vec::<String>::new());
+    }
+
+    #[test]
+    fn giants_and_mites_are_told_with_the_unit_that_would_suit() {
+        let found = remarks_of(ball(70.0, false));
+        assert_eq!(
+            found,
+            [
+                "the model is 140 x 140 x 140 m at rest; if it was made in another unit than metres, set model.unit_m=0.01 or the like"
+            ]
+        );
+        assert!(
+            remarks_of(ball(0.002, false))[0].contains("4.00e-3 m")
+                || remarks_of(ball(0.002, false))[0].contains("0.00400")
+        );
+    }
+
+    #[test]
+    fn a_model_far_away_and_one_inside_out_are_told() {
+        let (_, mut positions, triangles) = ball(1.0, false);
+        positions.iter_mut().for_each(|p| p.x += 1e6);
+        let rest = RestPose { normals: vec![Vec3::Z; 6], positions: positions.clone() };
+        let found = remarks_of((groom::bounds(&rest), positions, triangles));
+        assert!(found.len() == 1 && found[0].contains("from the origin"), "{found:?}");
+        let found = remarks_of(ball(1.0, true));
+        assert!(found.len() == 1 && found[0].contains("face inwards"), "{found:?}");
+        // An open sheet that faces down holds less than nothing below its middle, and is right all the same.
+        let (bounds, positions, triangles) = ball(1.0, true);
+        assert!(remarks_of((bounds, positions, triangles[..4].to_vec())).is_empty());
+    }
+
+    #[test]
+    fn a_size_that_no_coat_suits_is_refused() {
+        let check_of = |radius: f32, recipe: &Recipe| {
+            let (bounds, ..) = ball(radius, false);
+            let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+            check("big.obj", recipe, &bounds, &lengths).map_err(|e| e.to_string())
+        };
+        let mut recipe = Recipe::default();
+        assert_eq!(check_of(1.0, &recipe), Ok(()));
+        let error = check_of(3e4, &recipe).expect_err("too large");
+        for word in ["big.obj: whole model", "60000 x 60000 x 60000 m", "surface.tile_size_m", "model.unit_m=0.00001"] {
+            assert!(error.contains(word), "{error}");
+        }
+        assert!(check_of(1e-7, &recipe).is_err());
+        assert!(check_of(1e30, &recipe).is_err());
+        (recipe.hair.length_m, recipe.surface.tile_size_m) = (Some(0.02), Some(0.1));
+        assert_eq!(check_of(3e4, &recipe), Ok(()));
+    }
+}

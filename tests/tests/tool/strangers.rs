@@ -1,0 +1,211 @@
+//! What strangers tripped over, each with what it is now: models of impossible sizes, edits that say one thing and do another.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::{Run, Sandbox, workspace};
+use serde_json::Value;
+
+const HARE: &str = "assets/models/hare.glb";
+/// Two triangles of a metre, and a third that a test adds.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+/// A bake as short as can be.
+const QUICK: [&str; 6] = ["--set", "slice.layers=4", "--set", "slice.tile_texels=16", "--set", "ink.enabled=false"];
+
+fn bake(sandbox: &Sandbox, model: &str, more: &[&str]) -> Run {
+    sandbox.run(&[&["bake", model, "-o", "out.pelage", "--json"], &QUICK[..], more].concat())
+}
+
+fn warnings(run: &Run) -> Vec<String> {
+    let object: Value = serde_json::from_str(&run.stdout).unwrap();
+    object["warnings"].as_array().unwrap().iter().map(|w| w.as_str().unwrap().to_owned()).collect()
+}
+
+#[track_caller]
+fn refuses(sandbox: &Sandbox, run: &Run, words: &[&str]) {
+    assert_eq!(run.code, Some(3), "{run:?}");
+    for word in words {
+        assert!(run.stderr.contains(word), "no {word:?} in {}", run.stderr);
+    }
+    assert!(!sandbox.path().join("out.pelage").exists(), "a package was left behind");
+}
+
+#[test]
+fn models_of_impossible_sizes_are_refused_with_the_unit_that_would_do() {
+    let sandbox = Sandbox::new();
+    let hare = workspace().join(HARE).display().to_string();
+    let run = bake(&sandbox, &hare, &["--set", "model.unit_m=100000"]);
+    refuses(&sandbox, &run, &["hare.glb: whole model: it is ", "surface.tile_size_m", "set model.unit_m=1 "]);
+    let run = bake(&sandbox, &hare, &["--set", "model.unit_m=0.00001"]);
+    refuses(&sandbox, &run, &["hare.glb: whole model: it is ", "set model.unit_m=1 "]);
+    // Where the recipe says the lengths, the size is the user's own matter; what comes out validates.
+    let lengths = ["--set", "hair.length_m=100", "--set", "surface.tile_size_m=900", "--set", "model.unit_m=100000"];
+    let run = bake(&sandbox, &hare, &lengths);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    assert!(warnings(&run).iter().any(|w| w.contains("model.unit_m=1 or the like")), "{run:?}");
+    assert_eq!(sandbox.run(&["validate", "out.pelage"]).code, Some(0));
+}
+
+#[test]
+fn positions_past_all_measure_name_the_model() {
+    let sandbox = Sandbox::new();
+    sandbox.write("huge.obj", SQUARE.replace("v 1 1 0", "v 1e30 1 0"));
+    let run = bake(&sandbox, "huge.obj", &[]);
+    refuses(&sandbox, &run, &["huge.obj: whole model", "1.00e30"]);
+}
+
+#[test]
+fn a_mesh_without_area_is_refused() {
+    let sandbox = Sandbox::new();
+    for (name, text) in
+        [("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ("point.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n")]
+    {
+        sandbox.write(name, text);
+        let run = bake(&sandbox, name, &[]);
+        refuses(&sandbox, &run, &[name, "whole model: none of its 1 triangles has an area", "at rest"]);
+    }
+    // One triangle with an area is enough.
+    sandbox.write("one.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
+    assert_eq!(bake(&sandbox, "one.obj", &[]).code, Some(0));
+}
+
+#[test]
+fn what_is_odd_about_a_model_is_told() {
+    let sandbox = Sandbox::new();
+    let cube = |offset: f64, inwards: bool| {
+        let mut text = String::new();
+        for i in 0..8 {
+            let [x, y, z] = [0, 1, 2].map(|axis| f64::from(i >> axis & 1));
+            text += &format!("v {} {y} {z}\n", x + offset);
+        }
+        for face in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
+            let mut corners = face;
+            if inwards {
+                corners.reverse();
+            }
+            text += &format!("f {}\n", corners.map(|c| c.to_string()).join(" "));
+        }
+        text
+    };
+    for (text, words) in
+        [(cube(0.0, false), &[][..]), (cube(0.0, true), &["face inwards"]), (cube(1e5, false), &["from the origin"])]
+    {
+        sandbox.write("cube.obj", text);
+        let run = bake(&sandbox, "cube.obj", &[]);
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let found = warnings(&run);
+        assert_eq!(found.len(), words.len(), "{found:?}");
+        for word in words {
+            assert!(found.iter().any(|w| w.contains(word)), "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_key_like_no_other_is_given_no_neighbour() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.obj", SQUARE);
+    let run = bake(&sandbox, "a.obj", &["--set", "a=b"]);
+    refuses(&sandbox, &run, &["--set: a: unknown key, expected one such as hair.length_m"]);
+    assert!(!run.stderr.contains("hair.seed"), "{run:?}");
+}
+
+#[test]
+fn images_of_set_are_found_from_here_and_by_absolute_path() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.obj", SQUARE);
+    sandbox.write("recipes/r.toml", "[hair]\ndensity = 50\n");
+    let mut png = Vec::new();
+    image::RgbImage::from_pixel(4, 4, image::Rgb([200, 100, 50]))
+        .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
+        .unwrap();
+    sandbox.write("here.png", &png);
+    sandbox.write("recipes/beside.png", &png);
+    let absolute = sandbox.write("elsewhere/far.png", &png);
+    let recipe = ["--recipe", "recipes/r.toml", "--set"];
+    for (path, recorded) in
+        [("here.png", "here.png"), ("beside.png", "beside.png"), (&*absolute.display().to_string(), "far.png")]
+    {
+        let assignment = format!("color.pattern={path}");
+        let run = bake(&sandbox, "a.obj", &[&recipe[..], &[&assignment]].concat());
+        assert_eq!(run.code, Some(0), "{path}: {run:?}");
+        let object: Value = serde_json::from_str(&sandbox.run(&["inspect", "out.pelage", "--json"]).stdout).unwrap();
+        let text = object["recipe"].as_str().unwrap();
+        // No path of this machine stands in the package.
+        assert!(text.contains(&format!("pattern = \"{recorded}\"")), "{text}");
+        std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
+    }
+    let run = bake(&sandbox, "a.obj", &[&recipe[..], &["color.pattern=nowhere.png"]].concat());
+    refuses(&sandbox, &run, &["color.pattern", "nowhere.png"]);
+}
+
+#[test]
+fn an_edited_recipe_is_no_new_fur() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.obj", SQUARE);
+    assert_eq!(bake(&sandbox, "a.obj", &[]).code, Some(0));
+    assert_eq!(sandbox.run(&["unpack", "out.pelage", "folder"]).code, Some(0));
+    let whole = std::fs::read(sandbox.path().join("out.pelage")).unwrap();
+    let recipe = std::fs::read_to_string(sandbox.path().join("folder/recipe.toml")).unwrap();
+    std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
+    let pack = |text: &str| {
+        sandbox.write("folder/recipe.toml", text);
+        sandbox.run(&["pack", "folder", "out.pelage"])
+    };
+    let run = pack(&recipe.replace("density = 700", "density = 5"));
+    let words =
+        ["folder/recipe.toml: hair.density: is 5, expected 700", "makes no fur", "bake the model with this recipe"];
+    refuses(&sandbox, &run, &words);
+    refuses(&sandbox, &pack("[hair\n"), &["folder/recipe.toml: line 1"]);
+    refuses(&sandbox, &pack("[hair]\ndensty = 3\n"), &["folder/recipe.toml: line 2, hair.densty"]);
+    // A comment changes nothing; the recipe as it was gives the bytes that were.
+    let run = pack(&format!("# my fox\n{recipe}"));
+    assert_eq!((run.code, sandbox.run(&["validate", "out.pelage"]).code), (Some(0), Some(0)), "{run:?}");
+    assert_eq!(pack(&recipe).code, Some(0));
+    assert_eq!(std::fs::read(sandbox.path().join("out.pelage")).unwrap(), whole);
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_in_folders_and_scenes_are_refused() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.obj", SQUARE);
+    assert_eq!(bake(&sandbox, "a.obj", &[]).code, Some(0));
+    assert_eq!(sandbox.run(&["unpack", "out.pelage", "folder"]).code, Some(0));
+    std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
+    std::fs::remove_file(sandbox.path().join("folder/mesh.glb")).unwrap();
+    for path in ["folder/mesh.glb", "pipe"] {
+        let made = std::process::Command::new("mkfifo").arg(sandbox.path().join(path)).status().unwrap();
+        assert!(made.success());
+    }
+    let run = sandbox.run(&["pack", "folder", "out.pelage"]);
+    assert!(run.code == Some(2) && run.stderr.contains("mesh.glb: cannot read: it is a pipe"), "{run:?}");
+    let run = bake(&sandbox, "a.obj", &["--set", "color.pattern=pipe"]);
+    refuses(&sandbox, &run, &["color.pattern", "it is a pipe, expected a file"]);
+    sandbox.write("scene.toml", "[[model]]\npackage = \"pipe\"\n");
+    let run = sandbox.run(&["render", "scene.toml", "-o", "out.png"]);
+    assert!(run.code == Some(3) && run.stderr.contains("it is a pipe"), "{run:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_process_told_to_stop_leaves_nothing_half_written() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.obj", SQUARE);
+    // The text of 400 tiles of strands takes a second or more.
+    let set = ["--set", "hair.length_m=0.05", "--set", "surface.tile_size_m=0.05"];
+    assert_eq!(bake(&sandbox, "a.obj", &set).code, Some(0));
+    let before = sandbox.files();
+    for signal in ["INT", "TERM"] {
+        let mut child =
+            sandbox.command(&["export", "out.pelage", "--strands", "strands.txt", "--quiet"]).spawn().unwrap();
+        // Until it writes.
+        while sandbox.files() == before && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let writing = sandbox.files();
+        assert!(writing.iter().any(|name| name.ends_with(".tmp")), "{writing:?}");
+        let told = std::process::Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+        assert!(told.success());
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
+        assert_eq!(sandbox.files(), before, "{signal}");
+    }
+}
