@@ -1,10 +1,13 @@
-//! A package sliced anew: other layers, tile, filter, formats or fins of the same strands on the same skin, without the model that it was baked from.
+//! The same strands on the same skin, sliced anew: other layers, tile, filter, formats or fins.
 //!
-//! Skin, materials and motions stay byte for byte; the strands grow again from the package's own recipe. With these the pipeline runs from
-//! `slice` on.
+//! [`reslice`] has a package and not the model that it was baked from. Skin, materials and motions stay byte for byte; the strands grow again from the
+//! package's own recipe. With these the pipeline runs from `slice` on.
+//!
+//! A [`Slicer`] has the model, and keeps what a bake made of it.
 
 use crate::BakeError;
-use crate::pipeline::{Outputs, Told, run};
+use crate::mesh::Model;
+use crate::pipeline::{Output, Outputs, Told, run};
 use crate::recipe::Recipe;
 use crate::stages::assemble::{carried, kept_texture};
 use crate::stages::groom::MapImages;
@@ -101,6 +104,59 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
     };
     let told = Told { file, name: &manifest.model, recipe, images: &MapImages::default() };
     run(&told, &mut outputs, &mut |_| ())?;
+    finished(outputs)
+}
+
+fn finished(outputs: Outputs<'_>) -> Result<Vec<u8>, BakeError> {
     let packed = outputs.package.map(|packed| packed.bytes);
     packed.ok_or_else(|| BakeError::Internal("the pipeline ended without a package".into()))
+}
+
+/// A model that is baked once and sliced many times: what no layer, tile or fin changes (parameterization, strands, groom, where fins stand, ink, skin)
+/// is made once.
+#[derive(Clone, Debug)]
+pub struct Slicer<'a> {
+    told: Told<'a>,
+    /// All that is made before the strands are sliced.
+    outputs: Outputs<'a>,
+}
+
+impl<'a> Slicer<'a> {
+    /// Bakes the model as [`crate::pipeline::bake`] does, and keeps what slicing does not change.
+    ///
+    /// # Errors
+    ///
+    /// As [`crate::pipeline::bake`].
+    pub fn new(
+        file: &'a str,
+        name: &'a str,
+        model: &'a Model,
+        recipe: &'a Recipe,
+        images: &'a MapImages,
+    ) -> Result<Self, BakeError> {
+        let told = Told { file, name, recipe, images };
+        let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
+        run(&told, &mut outputs, &mut |_| ())?;
+        outputs.forget(Output::Shells);
+        outputs.forget(Output::FinTextures);
+        Ok(Self { told, outputs })
+    }
+
+    /// The package that a whole bake by `recipe` gives, byte for byte. What differs from the recipe of the first bake outside `[slice]` and `[fins]`
+    /// takes a whole bake.
+    ///
+    /// # Errors
+    ///
+    /// As [`crate::pipeline::bake`].
+    pub fn slice(&self, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
+        let own = self.told.recipe;
+        let sliced = Recipe { slice: recipe.slice.clone(), fins: recipe.fins.clone(), ..own.clone() };
+        let mut outputs = if sliced == *recipe {
+            self.outputs.clone()
+        } else {
+            Outputs { model: self.outputs.model, ..Outputs::default() }
+        };
+        run(&Told { recipe, ..self.told }, &mut outputs, &mut |_| ())?;
+        finished(outputs)
+    }
 }

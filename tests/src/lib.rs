@@ -5,6 +5,7 @@ pub mod chores;
 pub mod compute;
 pub mod documents;
 pub mod gpu;
+pub mod likeness;
 pub mod packages;
 pub mod pages;
 pub mod pictures;

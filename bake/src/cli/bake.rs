@@ -13,11 +13,13 @@ use pelage_bake::io::{self, Reach};
 use pelage_bake::judge::decide::Limits;
 use pelage_bake::pipeline::{self, Baked};
 use pelage_bake::recipe::Recipe;
+#[cfg(feature = "preview")]
+use pelage_bake::reslice::Slicer;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, input_record};
 use pelage_bake::stages::pack;
 use pelage_formats::{Choice, InputRecord, Limits as FormatLimits, Package};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -42,7 +44,8 @@ pub struct BakeArgs {
 /// Limits of a bake: with any of them, layers, tile and fins are chosen by measuring instead of taken from the recipe.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 struct LimitArgs {
-    /// Choose the cheapest layers, tile and fins whose mean FLIP against the true pictures is at most this, 0 to 1
+    /// Choose the cheapest layers, tile and fins whose error against the true pictures is at most this: mean FLIP, lost outline and lost contrast, weighed
+    /// so that a picture that has all its hair has about its mean FLIP, 0.01 to 0.1
     #[arg(long, value_name = "E", value_parser = positive, allow_hyphen_values = true)]
     max_error: Option<f64>,
     /// Choose among those whose frame takes at most so many milliseconds on this machine's adapter
@@ -191,7 +194,7 @@ struct Done {
     baked: Baked,
     stages: Vec<Stage>,
     /// How its settings were chosen, for scripts and for people.
-    choice: Option<(Choice, String)>,
+    choice: Option<(Choice, Vec<Value>, String)>,
 }
 
 fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Done, Failure> {
@@ -205,15 +208,18 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     let file = args.model.display().to_string();
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     #[cfg_attr(not(feature = "preview"), expect(unused_mut, reason = "only what draws can choose"))]
-    let mut choice: Option<(Choice, String)> = None;
+    let mut choice: Option<(Choice, Vec<Value>, String)> = None;
     if !limits.is_empty() {
         #[cfg(feature = "preview")]
         {
-            let source = Source::Model { file: &file, name: &name, model: &model, images: &images };
             watch.begin("choose");
-            let chosen = choose(&file, source, &recipe, limits, args.limits.exhaustive, watch.output())?;
+            let chosen = {
+                let slicer = Slicer::new(&file, &name, &model, &recipe, &images)?;
+                let source = Source::Baked { name: &name, slicer: &slicer };
+                choose(&file, source, &recipe, limits, args.limits.exhaustive, watch.output())?
+            };
             recipe = chosen.recipe;
-            choice = Some((chosen.choice, chosen.text));
+            choice = Some((chosen.choice, chosen.judged, chosen.text));
         }
         #[cfg(not(feature = "preview"))]
         return Err(Failure::Usage(
@@ -221,7 +227,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
         ));
     }
     let mut baked = pipeline::bake(&file, &name, &model, &recipe, &images, &mut |stage| watch.begin(stage))?;
-    if let Some((choice, _)) = &choice {
+    if let Some((choice, ..)) = &choice {
         baked.package = pack::with_choice(&baked.package, choice.clone())?;
         let bytes = baked.package.len() as u64;
         if let Some(limit) = limits.max_bytes.filter(|limit| bytes > *limit) {
@@ -298,13 +304,14 @@ fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result
         "comb_misalignment_deg": m.comb_misalignment_deg,
         "singularities": m.singularities,
         "model": anatomy,
-        "choice": choice.as_ref().map(|(choice, _)| choice),
+        "choice": choice.as_ref().map(|(choice, ..)| choice),
+        "judged": choice.as_ref().map(|(_, judged, _)| judged),
     });
     let size = human_bytes(baked.package.len() as u64);
     let mut text = format!("{}: {size} in {seconds:.2} s", path.display());
     let mut said = |key: &str, value: String| text += &format!("\n{key:<14} {value}");
     anatomy::rows(&anatomy, &mut said);
-    if let Some((_, why)) = choice {
+    if let Some((.., why)) = choice {
         text += &format!("\n{why}");
     }
     output.result(&text, &value)

@@ -1,5 +1,7 @@
 //! `pelage doctor`: what a package will cost on a screen, and what to change.
 
+#[cfg(feature = "preview")]
+use super::doctor_trial::try_advice;
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file;
@@ -13,7 +15,8 @@ use std::path::PathBuf;
 
 /// Predict what a package costs on a screen, without a GPU, and say which recipe line to change
 ///
-/// Every layer of the model at rest is rasterised and counted. `pelage bench` measures what that takes on an adapter.
+/// Every layer of the model at rest is rasterised and counted. `pelage bench` measures what that takes on an adapter. Where there is an adapter,
+/// advice is tried: what makes the picture less like the true one is left out.
 #[derive(Clone, Debug, clap::Args)]
 pub struct DoctorArgs {
     /// The package
@@ -44,7 +47,13 @@ pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
     let (instances, shadow_map) = (args.instances, args.shadow_map);
     let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances, shadow_map };
     let fault = |source| BakeError::Package { file: file.name.clone(), source };
-    let found = doctor::diagnose(&package, &view, &fault)?;
+    #[cfg_attr(not(feature = "preview"), expect(unused_mut, reason = "only what draws can try advice"))]
+    let mut found = doctor::diagnose(&package, &view, &fault)?;
+    #[cfg(feature = "preview")]
+    {
+        let shown = View { camera: Some(Viewpoint { eye, target, fov_deg }), ..shown };
+        found.advice = try_advice(&file, &shown, found.advice, output)?;
+    }
     let camera = json!({ "eye": eye.to_array(), "target": target.to_array(), "fov_deg": fov_deg });
     output.result(&text(&found), &object(args, camera, &found))?;
     Ok(Exit::Done)
@@ -86,6 +95,9 @@ fn text(p: &Prognosis) -> String {
         line(format!("advice: {}", advice.change));
         line(format!("  {}", advice.found));
         line(format!("  saves {}; costs {}", advice.saves, advice.costs));
+        if let Some([before, after]) = advice.measured {
+            line(format!("  measured: error {before:.4} without it, {after:.4} with it and all above"));
+        }
     }
     out
 }
@@ -103,7 +115,20 @@ fn object(args: &DoctorArgs, camera: Value, p: &Prognosis) -> Value {
     };
     let m = &p.memory;
     let advice = p.advice.iter();
-    let advice = advice.map(|a| json!({ "change": a.change, "found": a.found, "saves": a.saves, "costs": a.costs }));
+    let advice = advice.map(|a| {
+        json!({
+            "change": a.change,
+            "found": a.found,
+            "saves": a.saves,
+            "costs": a.costs,
+            "saved": a.saved.map(|saved| json!({
+                "fragments": saved.fragments,
+                "vertices": saved.vertices,
+                "bytes": saved.bytes,
+            })),
+            "error": a.measured.map(|[before, after]| json!({ "before": before, "after": after })),
+        })
+    });
     json!({
         "package": args.package.display().to_string(),
         "width": args.size.width,
@@ -117,6 +142,7 @@ fn object(args: &DoctorArgs, camera: Value, p: &Prognosis) -> Value {
             "texel_px": p.on_screen.texel_px,
             "layer_gap_px": p.on_screen.layer_gap_px,
             "height_px": p.on_screen.height_px,
+            "near_m": p.on_screen.near_m,
             "triangle_px": p.on_screen.triangle_px,
             "small_triangles": p.on_screen.small_triangles,
             "triangles": p.on_screen.triangles,

@@ -5,10 +5,12 @@ use super::exit::Failure;
 use super::output::{Output, human_bytes};
 use super::shell_judge::{ShellJudge, Source};
 use pelage_bake::BakeError;
-use pelage_bake::judge::decide::{self, Decision, Judge, Limits, Measured, Setting, Space, Trial};
+use pelage_bake::judge::decide::{self, Decision, FrameTime, Judge, Limits, Measured, Setting, Space, Trial};
+use pelage_bake::judge::likeness::Likeness;
 use pelage_bake::recipe::Recipe;
 use pelage_formats::Choice;
 use pelage_stage::Gpu;
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// What the evidence may add to a package, bytes: part of every measured size, so that a package with it keeps its limit.
@@ -20,6 +22,8 @@ pub struct Chosen {
     pub recipe: Recipe,
     /// For the manifest.
     pub choice: Choice,
+    /// What the package does not keep of the trials, for scripts: one of each, in their order.
+    pub judged: Vec<Value>,
     /// For people.
     pub text: String,
 }
@@ -43,13 +47,15 @@ pub fn choose(
     let adapter = measured_on(&gpu.info.name);
     let judge = ShellJudge::new(source, recipe, &gpu, &mut |what| output.progress(what))?;
     let space = Space::around(recipe);
-    let mut counted = Counted { judge: &judge, recipe, output };
+    let mut counted = Counted { judge: &judge, recipe, output, likenesses: Vec::new() };
     let decision = if exhaustive {
         decide::exhaustive(&space, limits, &mut counted)?
     } else {
         decide::decide(&space, limits, &mut counted)?
     };
-    let text = describe(&decision, limits, &adapter, space.settings().len());
+    // Trials are in the order in which they were measured.
+    let likenesses = counted.likenesses;
+    let text = describe(&decision, &likenesses, limits, &adapter, space.settings().len());
     if !decision.meets {
         return Err(BakeError::Input { file: file.into(), place: asked(limits), reason: text }.into());
     }
@@ -64,6 +70,7 @@ pub fn choose(
     Ok(Chosen {
         recipe: decision.chosen().setting.applied_to(recipe),
         choice: decision.evidence(limits, evidence),
+        judged: decision.trials.iter().zip(&likenesses).map(judged).collect(),
         text,
     })
 }
@@ -73,6 +80,8 @@ struct Counted<'a, 'o> {
     judge: &'a ShellJudge<'a>,
     recipe: &'a Recipe,
     output: &'o mut Output,
+    /// Of what was measured, in its order.
+    likenesses: Vec<Likeness>,
 }
 
 impl Judge for Counted<'_, '_> {
@@ -80,9 +89,28 @@ impl Judge for Counted<'_, '_> {
 
     fn measure(&mut self, setting: &Setting) -> Result<Measured, Failure> {
         self.output.progress(&setting.to_string());
-        let m = self.judge.measure(&setting.applied_to(self.recipe))?;
-        Ok(Measured { error: m.flip, frame_ms: m.frame_ms, bytes: m.package_bytes + EVIDENCE_BYTES })
+        let (m, likeness) = self.judge.measure(&setting.applied_to(self.recipe))?;
+        self.likenesses.push(likeness);
+        let frame = FrameTime::exactly(m.frame_ms);
+        Ok(Measured { error: likeness.error, frame, bytes: m.package_bytes + EVIDENCE_BYTES })
     }
+
+    fn time_again(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Failure> {
+        self.output.progress(&format!("timing {} settings again", settings.len()));
+        let recipes: Vec<Recipe> = settings.iter().map(|setting| setting.applied_to(self.recipe)).collect();
+        self.judge.time_in_turns(&recipes)
+    }
+}
+
+/// What was found of a trial beyond what the package keeps.
+fn judged((trial, likeness): (&Trial, &Likeness)) -> Value {
+    let FrameTime { low, high, .. } = trial.measured.frame;
+    json!({
+        "flip": likeness.flip,
+        "outline": likeness.outline,
+        "contrast": likeness.contrast,
+        "frame_ms_quartiles": [low, high],
+    })
 }
 
 /// The limits as they were given.
@@ -91,18 +119,29 @@ fn asked(limits: &Limits) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-fn describe(decision: &Decision, limits: &Limits, adapter: &str, settings: usize) -> String {
-    let trial = |t: &Trial| {
-        let m = &t.measured;
-        let size = human_bytes(m.bytes);
-        format!("{}: error {:.4}, frame {:.1} ms, at most {size}", t.setting, m.error, m.frame_ms)
+fn describe(
+    decision: &Decision,
+    likenesses: &[Likeness],
+    limits: &Limits,
+    adapter: &str,
+    settings: usize,
+) -> String {
+    let trial = |i: usize| {
+        let (t, likeness) = (&decision.trials[i], likenesses.get(i).copied().unwrap_or(Likeness::SAME));
+        let (m, size) = (&t.measured, human_bytes(t.measured.bytes));
+        let FrameTime { ms, low, high } = m.frame;
+        let spread = if high > low { format!(" ({low:.1} to {high:.1})") } else { String::new() };
+        format!(
+            "{}: error {:.4} (FLIP {:.4}, outline off by {:.3}, contrast {:.2} of the truth's), frame {ms:.1} ms{spread}, at most {size}",
+            t.setting, m.error, likeness.flip, likeness.outline, likeness.contrast
+        )
     };
     let mut text = String::new();
     let mut line = |args: std::fmt::Arguments<'_>| {
         let _ = writeln!(text, "{args}");
     };
     let word = if decision.meets { "chosen" } else { "found no setting within the limits, nearest" };
-    line(format_args!("{word}: {}", trial(decision.chosen())));
+    line(format_args!("{word}: {}", trial(decision.chosen)));
     line(format_args!("  (--set {})", decision.chosen().setting.words().join(" --set ")));
     match decision.binding {
         Some(figure) if decision.meets => line(format_args!("{} binds", figure.option())),
@@ -111,8 +150,8 @@ fn describe(decision: &Decision, limits: &Limits, adapter: &str, settings: usize
     }
     let neighbours = [("next better", decision.next_better), ("next cheaper", decision.next_cheaper)];
     for (what, index) in neighbours {
-        match index.map(|i| &decision.trials[i]) {
-            Some(t) => line(format_args!("{what}: {}", trial(t))),
+        match index {
+            Some(i) => line(format_args!("{what}: {}", trial(i))),
             None => line(format_args!("{what}: none")),
         }
     }

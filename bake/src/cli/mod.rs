@@ -11,6 +11,8 @@ mod compare;
 #[cfg(feature = "preview")]
 mod demo;
 mod doctor;
+#[cfg(feature = "preview")]
+mod doctor_trial;
 mod exit;
 mod export;
 mod inspect;

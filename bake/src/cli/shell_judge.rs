@@ -7,10 +7,13 @@ use super::view::View;
 use image::RgbaImage;
 use pelage_bake::judge::chart::shells::Measured;
 use pelage_bake::judge::compare::{CompareParams, compare};
+use pelage_bake::judge::decide::FrameTime;
+use pelage_bake::judge::likeness::Likeness;
 use pelage_bake::mesh::Model;
 use pelage_bake::pipeline;
+use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
-use pelage_bake::reslice::reslice;
+use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
 use pelage_stage::{Gpu, Meter, NamedPackage, Stage, Viewpoint, count_fragments, fastest, framing};
 use std::time::Instant;
@@ -29,15 +32,29 @@ pub enum Source<'a> {
         /// The images that the recipe names.
         images: &'a MapImages,
     },
+    /// A model that was baked once, to be sliced anew: other layers, tiles and fins of it are quick.
+    Baked {
+        /// Its name in the package.
+        name: &'a str,
+        /// The bake.
+        slicer: &'a Slicer<'a>,
+    },
     /// A package, to be sliced anew.
     Package(&'a NamedPackage<'static>),
+}
+
+/// A view with its true picture.
+struct TrueView {
+    view: View,
+    picture: RgbaImage,
+    /// Height of the fur in it, pixels.
+    fur_px: f64,
 }
 
 /// Bakes settings of one model, draws them and compares them with the truth.
 pub struct ShellJudge<'a> {
     source: Source<'a>,
-    /// Each with its true picture.
-    views: Vec<(View, RgbaImage)>,
+    views: Vec<TrueView>,
     gpu: Gpu,
     meter: Meter,
 }
@@ -57,7 +74,8 @@ impl<'a> ShellJudge<'a> {
                 doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
             let picture = truth::encode(&picture, view.look.background());
-            views.push((view, picture));
+            let fur_px = truth.fur_px(&view);
+            views.push(TrueView { view, picture, fur_px });
         }
         Ok(Self { source, views, gpu: gpu.clone(), meter: Meter::new(gpu) })
     }
@@ -69,17 +87,17 @@ impl<'a> ShellJudge<'a> {
 
     /// The views, as arguments of `pelage render`.
     pub fn view_words(&self) -> Vec<String> {
-        self.views.iter().filter_map(|(view, _)| view.camera).map(|camera| format!("--camera {camera}")).collect()
+        self.views.iter().filter_map(|of| of.view.camera).map(|camera| format!("--camera {camera}")).collect()
     }
 
     /// Bakes a recipe, draws it from all views, times it and compares it with the truth.
-    pub fn measure(&self, recipe: &Recipe) -> Result<Measured, Failure> {
+    pub fn measure(&self, recipe: &Recipe) -> Result<(Measured, Likeness), Failure> {
         let begun = Instant::now();
         let file = self.source.bake(recipe)?;
         let bake_s = begun.elapsed().as_secs_f64();
         let mut scene: Option<Stage> = None;
-        let mut sum = Measured::default();
-        for (view, truth) in &self.views {
+        let (mut sum, mut likenesses) = (Measured::default(), Vec::new());
+        for TrueView { view, picture: truth, fur_px } in &self.views {
             let scene = match &mut scene {
                 Some(scene) => {
                     view.camera.into_iter().for_each(|camera| scene.look_from(camera));
@@ -90,6 +108,7 @@ impl<'a> ShellJudge<'a> {
             scene.draw()?;
             let drawn = pixels(scene)?;
             let (difference, _) = compare(&drawn, truth, CompareParams::default().over)?;
+            likenesses.push(Likeness::of(&Picture::from(&drawn), &Picture::from(truth), *fur_px)?);
             sum.flip += difference.flip.mean;
             sum.flip_covered += difference.flip.covered;
             sum.rmse += difference.rmse.powi(2);
@@ -103,7 +122,7 @@ impl<'a> ShellJudge<'a> {
             sum.gpu_bytes = model.gpu_bytes() + scene.copies_bytes() + scene.shadow_bytes();
         }
         let count = self.views.len() as f64;
-        Ok(Measured {
+        let measured = Measured {
             flip: sum.flip / count,
             flip_covered: sum.flip_covered / count,
             rmse: (sum.rmse / count).sqrt(),
@@ -111,9 +130,43 @@ impl<'a> ShellJudge<'a> {
             package_bytes: file.bytes.len() as u64,
             bake_s,
             ..sum
-        })
+        };
+        Ok((measured, Likeness::mean(&likenesses)))
+    }
+
+    /// Times recipes in turns: [`ROUNDS`] times each of them from all views, the slowest view counts.
+    pub fn time_in_turns(&self, recipes: &[Recipe]) -> Result<Vec<FrameTime>, Failure> {
+        let Some(first) = self.views.first() else { return Ok(vec![FrameTime::default(); recipes.len()]) };
+        let stage = |recipe: &Recipe| -> Result<Stage, Failure> {
+            let file = self.source.bake(recipe)?;
+            Ok(stage_of(&file, &first.view, || Ok(self.gpu.clone()))?)
+        };
+        let mut stages = recipes.iter().map(stage).collect::<Result<Vec<_>, _>>()?;
+        let mut rounds = vec![Vec::new(); recipes.len()];
+        for _ in 0..ROUNDS {
+            for (stage, times) in stages.iter_mut().zip(&mut rounds) {
+                let mut slowest = 0.0_f64;
+                for TrueView { view, .. } in &self.views {
+                    view.camera.into_iter().for_each(|camera| stage.look_from(camera));
+                    // What the frame before left in the caches is another setting's.
+                    self.meter.frame(stage)?;
+                    let mut fastest = f64::INFINITY;
+                    for _ in 0..FRAMES {
+                        fastest = fastest.min(self.meter.frame(stage)?);
+                    }
+                    slowest = slowest.max(fastest);
+                }
+                times.push(slowest);
+            }
+        }
+        Ok(rounds.into_iter().map(FrameTime::of).collect())
     }
 }
+
+/// Turns in which settings are timed: enough for quartiles.
+const ROUNDS: usize = 7;
+/// Frames of a view in a turn, of which the fastest counts: what else the machine does only adds.
+const FRAMES: usize = 2;
 
 impl Source<'_> {
     /// A package by `recipe`.
@@ -122,6 +175,9 @@ impl Source<'_> {
             Self::Model { file, name, model, images } => {
                 let baked = pipeline::bake(file, name, model, recipe, images, &mut |_| ())?;
                 Ok(NamedPackage { name: name.into(), bytes: baked.package.into() })
+            }
+            Self::Baked { name, slicer } => {
+                Ok(NamedPackage { name: name.into(), bytes: slicer.slice(recipe)?.into() })
             }
             Self::Package(package) => {
                 let bytes = reslice(&package.name, &package.open()?, recipe)?;

@@ -52,6 +52,19 @@ impl Truth {
         pelage_stage::framing::frame(&self.rest_points, self.height_m, view.look.aspect(), towards)
     }
 
+    /// Height of the fur in the picture of that view, pixels: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
+    #[cfg(feature = "preview")]
+    pub fn fur_px(&self, view: &View) -> f64 {
+        let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.rest_points, self.height_m);
+        let forward = (target - eye).normalize_or_zero();
+        let mut depths: Vec<f32> = self.rest_points.iter().map(|p| (*p - eye).dot(forward)).collect();
+        depths.retain(|depth| *depth > 0.0);
+        depths.sort_by(f32::total_cmp);
+        let Some(depth) = depths.get(depths.len() / 2) else { return 0.0 };
+        let view_m = 2.0 * f64::from(*depth) * (0.5 * f64::from(fov_deg).to_radians()).tan();
+        f64::from(self.height_m) / view_m * f64::from(view.size().1)
+    }
+
     /// The camera that `render` has for that view.
     pub fn camera(&self, view: &View) -> TrueCamera {
         true_camera(view.viewpoint(&self.rest_points, self.height_m))

@@ -13,6 +13,8 @@ pub mod decide;
 #[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod doctor;
 #[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
+pub mod likeness;
+#[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod stability;
 #[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod truth;

@@ -9,6 +9,7 @@ mod chart;
 mod compare;
 mod doctor;
 mod groom;
+mod likeness;
 mod limits;
 mod models;
 mod packages;

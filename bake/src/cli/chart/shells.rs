@@ -54,7 +54,7 @@ impl Topic for ShellsTopic<'_> {
         let judge = once(&mut self.judge, || ShellJudge::new(source, recipe, gpu, doing))?;
         let configuration = &self.configurations[index];
         doing("baking and drawing");
-        let measured = judge.measure(&configuration.recipe)?;
+        let (measured, _) = judge.measure(&configuration.recipe)?;
         Ok(shells::cells(&configuration.recipe, &measured, judge.timing()))
     }
 }

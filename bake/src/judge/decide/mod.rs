@@ -7,6 +7,9 @@
 //!
 //! Frames that take as long as each other are told apart by the size of their packages.
 //!
+//! Times are noisy. What may be chosen is timed once more, in turns ([`Judge::time_again`]), before the choice; and what is chosen is on the front: of
+//! the measured settings within the limits none is both truer and faster.
+//!
 //! What is measured, and how, is the caller's matter ([`Judge`]): this module neither draws nor reads files.
 
 mod model;
@@ -21,7 +24,7 @@ use pelage_formats as formats;
 /// What a picture may cost and how far it may be from the truth; `None` where it does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Largest mean FLIP against the true pictures, 0..=1.
+    /// Largest error against the true pictures, as the judge measures it; above 0.
     pub max_error: Option<f64>,
     /// Longest frame, milliseconds.
     pub max_frame_ms: Option<f64>,
@@ -32,7 +35,7 @@ pub struct Limits {
 /// What a limit is about. The order is that of [`Measured`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
-    /// Mean FLIP against the true pictures.
+    /// The judge's error against the true pictures.
     Error,
     /// Milliseconds of a frame.
     FrameMs,
@@ -186,10 +189,10 @@ impl Space {
 /// What a setting turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// Mean FLIP against the true pictures, 0..=1.
+    /// How far its pictures are from the true ones, 0 for none; of `pelage bake` it is [`super::likeness`].
     pub error: f64,
-    /// Median frame, milliseconds.
-    pub frame_ms: f64,
+    /// How long a frame takes.
+    pub frame: FrameTime,
     /// Size of the package, bytes.
     pub bytes: u64,
 }
@@ -197,7 +200,33 @@ pub struct Measured {
 impl Measured {
     /// In the order of [`Figure::ALL`].
     fn figures(&self) -> [f64; 3] {
-        [self.error, self.frame_ms, self.bytes as f64]
+        [self.error, self.frame.ms, self.bytes as f64]
+    }
+}
+
+/// Milliseconds of a frame, and how far measurements of it lie apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameTime {
+    /// The median, which counts.
+    pub ms: f64,
+    /// Lower quartile.
+    pub low: f64,
+    /// Upper quartile.
+    pub high: f64,
+}
+
+impl FrameTime {
+    /// A time that is known without a spread.
+    pub const fn exactly(ms: f64) -> Self {
+        Self { ms, low: ms, high: ms }
+    }
+
+    /// Median and quartiles of measurements, milliseconds; 0 without any.
+    pub fn of(mut samples: Vec<f64>) -> Self {
+        samples.sort_by(f64::total_cmp);
+        let last = samples.len().saturating_sub(1);
+        let at = |quarters: usize| samples.get((quarters * last + 2) / 4).copied().unwrap_or_default();
+        Self { ms: at(2), low: at(1), high: at(3) }
     }
 }
 
@@ -212,6 +241,14 @@ pub trait Judge {
     ///
     /// As the judge says; the search ends with it.
     fn measure(&mut self, setting: &Setting) -> Result<Measured, Self::Error>;
+
+    /// Times the frames of settings once more, in turns, so that whatever else the machine does falls on all of them alike: one time for each of
+    /// `settings`, in their order.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::measure`].
+    fn time_again(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Self::Error>;
 }
 
 /// A setting that was measured.
@@ -232,9 +269,9 @@ pub struct Decision {
     pub chosen: usize,
     /// Whether it meets all limits.
     pub meets: bool,
-    /// The cheapest of the measured settings that are better than the chosen one.
+    /// The cheapest of the measured settings that are better than the chosen one; none that is faster too.
     pub next_better: Option<usize>,
-    /// The best of the measured settings that are cheaper.
+    /// The best of the measured settings that are cheaper; none that is better too.
     pub next_cheaper: Option<usize>,
     /// The limit without which another setting had been chosen: the one that the nearest better (or, where the error is limited, cheaper) setting
     /// breaks. `None` where nothing was found beyond the limits that would be better or cheaper.
@@ -255,7 +292,7 @@ impl Decision {
         let trial = |t: &Trial| formats::Trial {
             settings: t.setting.words(),
             error: Some(t.measured.error),
-            frame_ms: Some(t.measured.frame_ms),
+            frame_ms: Some(t.measured.frame.ms),
             bytes: t.measured.bytes,
             predicted: false,
         };

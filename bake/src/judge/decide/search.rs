@@ -11,6 +11,14 @@ const WORTH: f64 = 0.02;
 const FRAME_TIE: f64 = 0.08;
 const ERROR_TIE: f64 = 0.01;
 
+/// Times that differ by less than this share are not told apart, however narrow their spread is.
+const LEAST_NOISE: f64 = 0.03;
+/// So far a time of a setting that was measured by itself may be off, as a share: settings of which this decides are timed again. On a machine that does
+/// nothing else two times of one frame are apart by a tenth.
+const NOISE: f64 = 0.15;
+/// So many are timed again at once: the likeliest.
+const MOST_AGAIN: usize = 6;
+
 /// Looks for the setting that the limits ask for: the cheapest frame where the error is limited, else the least error. Returns the best that
 /// meets all limits, or the nearest to them where none does.
 ///
@@ -23,7 +31,7 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
     while let Some(setting) = search.next() {
         search.measure(setting, judge)?;
     }
-    while let Some(setting) = search.smaller() {
+    while let Some(setting) = search.smaller().or_else(|| search.fewer()) {
         search.measure(setting, judge)?;
     }
     let chosen = search.best();
@@ -35,6 +43,7 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
             search.measure(setting, judge)?;
         }
     }
+    search.time_again(judge)?;
     Ok(search.decision())
 }
 
@@ -46,6 +55,7 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
 pub fn exhaustive<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
     let mut search = Search { space, limits, trials: Vec::new(), models: models() };
     space.settings.iter().try_for_each(|setting| search.measure(*setting, judge))?;
+    search.time_again(judge)?;
     Ok(search.decision())
 }
 
@@ -66,7 +76,7 @@ struct Search<'a> {
 impl Search<'_> {
     fn measure<J: Judge>(&mut self, setting: Setting, judge: &mut J) -> Result<(), J::Error> {
         self.trials.push((setting, judge.measure(&setting)?));
-        let figures: [fn(&Measured) -> f64; 3] = [|m| m.error, |m| m.frame_ms, |m| m.bytes as f64];
+        let figures: [fn(&Measured) -> f64; 3] = [|m| m.error, |m| m.frame.ms, |m| m.bytes as f64];
         for (model, figure) in self.models.iter_mut().zip(figures) {
             model.fit(&self.trials, figure);
         }
@@ -86,21 +96,76 @@ impl Search<'_> {
         self.trials[trial].1.figures()[self.limits.objective() as usize]
     }
 
-    /// The best trial that meets the limits, or the nearest.
+    /// Times what may be chosen again, and its neighbours, until the choice rests on such times alone.
+    fn time_again<J: Judge>(&mut self, judge: &mut J) -> Result<(), J::Error> {
+        let mut timed: Vec<usize> = Vec::new();
+        loop {
+            let chosen = self.best();
+            let sides = [Side::Better, Side::Cheaper].map(|side| self.neighbour(chosen, side));
+            let mut again = self.contenders();
+            again.extend(sides.into_iter().flatten().chain([chosen]));
+            again.sort_unstable();
+            again.dedup();
+            if again.iter().all(|i| timed.contains(i)) {
+                return Ok(());
+            }
+            // The chosen one comes along, so that times of different turns have something in common.
+            again.retain(|i| *i == chosen || !timed.contains(i));
+            let settings: Vec<Setting> = again.iter().map(|i| self.trials[*i].0).collect();
+            for (i, frame) in again.iter().zip(judge.time_again(&settings)?) {
+                self.trials[*i].1.frame = frame;
+            }
+            timed.extend(again);
+        }
+    }
+
+    /// The trials that may turn out to be the best if times are off by [`NOISE`], the likeliest first.
+    fn contenders(&self) -> Vec<usize> {
+        let off = |i: usize, by: f64| {
+            let mut figures = self.trials[i].1.figures();
+            figures[Figure::FrameMs as usize] *= by;
+            figures
+        };
+        let (fast, slow) = (|i: usize| off(i, 1.0 - NOISE), |i: usize| off(i, 1.0 + NOISE));
+        let objective = self.limits.objective() as usize;
+        let all = || 0..self.trials.len();
+        let sure = || all().filter(|i| self.limits.excess(slow(*i)) <= 0.0);
+        let least = sure().map(|i| slow(i)[objective]).fold(f64::INFINITY, f64::min);
+        let may = |i: &usize| {
+            let at_best = fast(*i);
+            let beaten = |j: usize| slow(j)[0] <= at_best[0] && slow(j)[1] < at_best[1];
+            self.limits.excess(at_best) <= 0.0 && at_best[objective] <= (1.0 + self.tie()) * least && !sure().any(beaten)
+        };
+        let mut found: Vec<usize> = all().filter(may).collect();
+        found.sort_by(|a, b| self.objective(*a).total_cmp(&self.objective(*b)));
+        found.truncate(MOST_AGAIN);
+        found
+    }
+
+    /// Share of the objective within which settings count as equal.
+    fn tie(&self) -> f64 {
+        if self.limits.objective() == Figure::Error { ERROR_TIE } else { FRAME_TIE }
+    }
+
+    /// Whether a trial is better than another in error and time, in one of the two beyond doubt.
+    fn beats(&self, i: usize, other: usize) -> bool {
+        let (own, other) = (self.trials[i].1, self.trials[other].1);
+        let faster = own.frame.high < (1.0 - LEAST_NOISE) * other.frame.low;
+        let better = own.error < (1.0 - ERROR_TIE) * other.error;
+        faster && own.error <= other.error || better && own.frame.ms <= other.frame.ms
+    }
+
+    /// The best trial that meets the limits and is on the front of those that do, or the nearest to the limits.
     fn best(&self) -> usize {
-        let meets = |i: &usize| self.excess(*i) <= 0.0;
-        let least = (0..self.trials.len()).filter(meets).map(|i| self.objective(i)).fold(f64::INFINITY, f64::min);
-        let tie = if self.limits.objective() == Figure::Error { ERROR_TIE } else { FRAME_TIE };
-        let rank = |i: &usize| match self.excess(*i) {
-            excess if excess > 0.0 => (excess, 0.0),
-            _ if self.objective(*i) <= (1.0 + tie) * least => (-1.0, self.trials[*i].1.bytes as f64),
-            _ => (0.0, self.objective(*i)),
-        };
-        let order = |a: &usize, b: &usize| {
-            let (a, b) = (rank(a), rank(b));
-            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
-        };
-        (0..self.trials.len()).min_by(order).unwrap_or_default()
+        let within: Vec<usize> = (0..self.trials.len()).filter(|i| self.excess(*i) <= 0.0).collect();
+        let on_front = |i: &usize| !within.iter().any(|j| self.beats(*j, *i));
+        let front: Vec<usize> = within.iter().copied().filter(on_front).collect();
+        let least = front.iter().map(|i| self.objective(*i)).fold(f64::INFINITY, f64::min);
+        let as_good = |i: &usize| self.objective(*i) <= (1.0 + self.tie()) * least;
+        let size = |i: &usize| self.trials[*i].1.bytes;
+        let smallest = front.into_iter().filter(as_good).min_by_key(size);
+        let nearest = || (0..self.trials.len()).min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)));
+        smallest.or_else(nearest).unwrap_or_default()
     }
 
     /// What the best one is to be held against before it is chosen: as many layers of the next coarser tile, which take as long and less memory.
@@ -110,6 +175,15 @@ impl Search<'_> {
         let next = self.space.settings.iter().filter(coarser).max_by_key(|s| s.tile_texels)?;
         let optimistic = self.models.each_ref().map(|model| model.optimistic(next, true));
         (!self.is_measured(next) && self.limits.excess(optimistic) <= 0.0).then_some(*next)
+    }
+
+    /// What the truest one is also held against: the next fewer layers of its tile. More layers of the same strands blur each other, so that the error need
+    /// not fall with their number, as the model has it.
+    fn fewer(&self) -> Option<Setting> {
+        let best = self.trials[self.best()].0;
+        let below = |s: &&Setting| s.is_beside(&best) && s.layers < best.layers;
+        let next = self.space.settings.iter().filter(below).max_by_key(|s| s.layers)?;
+        (self.limits.objective() == Figure::Error && !self.is_measured(next)).then_some(*next)
     }
 
     fn is_measured(&self, setting: &Setting) -> bool {
@@ -168,14 +242,24 @@ impl Search<'_> {
         unmeasured().filter(nearer).min_by(order).copied()
     }
 
-    /// Whether one trial lies on that side of another.
-    fn is_beyond(&self, i: usize, chosen: usize, side: Side) -> bool {
+    /// Whether one trial has more of what that side is about than another.
+    fn gains(&self, i: usize, chosen: usize, side: Side) -> bool {
         let (other, own) = (self.trials[i].1, self.trials[chosen].1);
         match side {
             Side::Better => other.error < own.error,
             // What takes as long and is larger was left out on purpose.
-            Side::Cheaper => other.frame_ms < own.frame_ms && other.bytes <= own.bytes,
+            Side::Cheaper => other.frame.ms < own.frame.ms && other.bytes <= own.bytes,
         }
+    }
+
+    /// Whether one trial lies on that side of another along the front: what it gains on one side, it pays for on the other.
+    fn is_beyond(&self, i: usize, chosen: usize, side: Side) -> bool {
+        let (other, own) = (self.trials[i].1, self.trials[chosen].1);
+        let pays = match side {
+            Side::Better => other.frame.ms >= own.frame.ms,
+            Side::Cheaper => other.error >= own.error,
+        };
+        pays && self.gains(i, chosen, side)
     }
 
     /// The nearest measured setting on one side of `chosen` that nothing measured beats.
@@ -183,7 +267,7 @@ impl Search<'_> {
         let of = |i: usize| self.trials[i].1;
         let beyond = |i: &usize| self.is_beyond(*i, chosen, side);
         let order = |a: &usize, b: &usize| match side {
-            Side::Better => of(*a).frame_ms.total_cmp(&of(*b).frame_ms),
+            Side::Better => of(*a).frame.ms.total_cmp(&of(*b).frame.ms),
             Side::Cheaper => of(*a).error.total_cmp(&of(*b).error),
         };
         (0..self.trials.len()).filter(beyond).min_by(order)
@@ -197,7 +281,7 @@ impl Search<'_> {
         let room = if side == Side::Better { f64::INFINITY } else { here[Figure::Bytes as usize] };
         let beyond = |s: &&Setting| {
             let predicted = self.predict(s);
-            let gains = predicted[figure] < (1.0 - WORTH) * here[figure];
+            let gains = predicted[figure] < (1.0 - WORTH) * here[figure] && predicted[other] >= here[other];
             !self.is_measured(s) && gains && predicted[Figure::Bytes as usize] <= room
         };
         let order = |a: &&Setting, b: &&Setting| self.predict(a)[other].total_cmp(&self.predict(b)[other]);
@@ -210,7 +294,7 @@ impl Search<'_> {
         let (next_better, next_cheaper) = (self.neighbour(chosen, Side::Better), self.neighbour(chosen, Side::Cheaper));
         // The nearest of those that would have been chosen but for a limit.
         let side = if self.limits.objective() == Figure::Error { Side::Better } else { Side::Cheaper };
-        let kept_out = |i: &usize| self.is_beyond(*i, chosen, side) && self.excess(*i) > 0.0;
+        let kept_out = |i: &usize| self.gains(*i, chosen, side) && self.excess(*i) > 0.0;
         let beyond = (0..self.trials.len()).filter(kept_out).min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)));
         let subject = if meets { beyond } else { Some(chosen) };
         let worst = |a: &Figure, b: &Figure| {

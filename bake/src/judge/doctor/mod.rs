@@ -2,12 +2,16 @@
 //!
 //! Every skin triangle, layer and fin is rasterised as the runtime would draw it at rest ([`raster`]), and counted. What is
 //! predicted is work: fragments, vertices, bytes. What that takes in time depends on the adapter, which `pelage bench` measures.
+//!
+//! Advice is what saves some of that and does no harm, and what mends a look that comes too near. What does no harm is found by sizes on the screen alone
+//! here; a caller with an adapter draws the picture with and without the change, beside the true one, and drops what [`is_harmless`] denies.
 
 mod advice;
 mod prognosis;
 pub mod raster;
 
-pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, View};
+pub use advice::is_harmless;
+pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, Saved, View};
 
 use crate::BakeError;
 use glam::{Mat4, Vec3, Vec4};
@@ -235,6 +239,7 @@ fn sizes(
         texel_px: f64::from(fur.tile_size_m) * px_per_m / f64::from(fur.tile_texels.max(1)),
         layer_gap_px: height_px / f64::from(fur.layers.max(2) - 1),
         height_px,
+        near_m: if near.is_finite() { f64::from(near) } else { 0.0 },
         triangle_px: areas.get(areas.len() / 2).map_or(0.0, |area| area.abs()),
         small_triangles: areas.iter().filter(|area| area.abs() < SMALL_PX).count() as f64 / areas.len().max(1) as f64,
         triangles: areas.len() as u64,

@@ -65,6 +65,8 @@ pub struct OnScreen {
     pub layer_gap_px: f64,
     /// Height of the fur, pixels, likewise.
     pub height_px: f64,
+    /// How far before the eye that is, metres; 0 where nothing is in sight.
+    pub near_m: f64,
     /// Median area of the triangles of the skin that are seen, pixels.
     pub triangle_px: f64,
     /// Share of them that are smaller than 4 by 4 pixels.
@@ -90,8 +92,8 @@ pub struct Prognosis {
     pub advice: Vec<Advice>,
 }
 
-/// A line of the recipe to change.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// What to change, and what for.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
     /// The change, as `--set` takes it; or, where no recipe can change it, what to do.
     pub change: String,
@@ -101,4 +103,21 @@ pub struct Advice {
     pub saves: String,
     /// What it would cost.
     pub costs: String,
+    /// The savings as figures; `None` of what mends the look and saves nothing.
+    pub saved: Option<Saved>,
+    /// Whether pictures of the package with and without it can be compared: slicing it anew makes the change.
+    pub can_be_tried: bool,
+    /// The error ([`crate::judge::likeness`]) of the picture before and after, once somebody has drawn both.
+    pub measured: Option<[f64; 2]>,
+}
+
+/// What a change saves in a frame and on the device. The order is that of advice: work before memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Saved {
+    /// Fragments of a frame, all copies.
+    pub fragments: u64,
+    /// Vertices of a frame, all copies.
+    pub vertices: u64,
+    /// Bytes on the device.
+    pub bytes: u64,
 }

@@ -59,8 +59,6 @@ fn each_advice_is_earned() {
     for (name, sets, pixels, distance_m, texels) in [
         ("slice.layers", &["slice.layers=64"][..], pixels, 12.0, 0),
         ("slice.tile_texels", &["slice.tile_texels=256"], pixels, near, 0),
-        ("hair.root_radius", &["hair.root_radius=0.002", "hair.tip_radius=0.001"], pixels, near, 0),
-        ("hair.density", &["hair.density=30000", "hair.length_variation=0"], pixels, near, 0),
         ("fins.enabled", &[], pixels, 600.0, 0),
         ("pack.shell_format", &["pack.shell_format=rgba8"], pixels, near, 0),
         ("pack.base_color_max", &[], pixels, 60.0, 512),
@@ -69,10 +67,64 @@ fn each_advice_is_earned() {
         let found = advised(sets, pixels, distance_m, texels);
         assert!(found.iter().any(|change| change == name), "{name} is missing: {found:?}");
     }
+    // Hair that fades, and layers that hide others, cost what other hair would: to change the coat saves nothing.
+    for sets in
+        [["hair.root_radius=0.002", "hair.tip_radius=0.001"], ["hair.density=30000", "hair.length_variation=0"]]
+    {
+        assert_eq!(advised(&sets, pixels, near, 0), Vec::<String>::new(), "{sets:?}");
+    }
+    // However small its texels are on the screen: in half of them no hair would be a texel wide.
+    let small = prognosis(&model(0), &[], 120, 12.0, 1);
+    assert!(small.on_screen.texel_px < 0.25, "{:?}", small.on_screen);
+    assert!(!changes(&small).contains(&"slice.tile_texels"), "{:?}", small.advice);
+    assert!(advised(&["hair.root_radius=0.016"], 120, 12.0, 0).contains(&"slice.tile_texels".to_owned()));
     // The change that is named is enough.
     let few = prognosis(&model(0), &["slice.layers=64"], pixels, 12.0, 1);
     let change = few.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap().change.clone();
     assert!(!changes(&prognosis(&model(0), &[&change], pixels, 12.0, 1)).contains(&"slice.layers"), "{change}");
+}
+
+/// All advice saves something, the most of it first, and what mends the look comes before it.
+#[test]
+fn advice_is_in_the_order_of_what_it_saves() {
+    let found = prognosis(&model(512), &["slice.layers=64", "slice.tile_texels=256", "pack.shell_format=rgba8"], 300, 20.0, 3);
+    let saved: Vec<Saved> = found.advice.iter().filter_map(|a| a.saved).collect();
+    assert!(saved.len() == found.advice.len() && saved.len() >= 4, "{:?}", found.advice);
+    assert!(saved.iter().all(|saved| *saved > Saved::default()), "{saved:?}");
+    assert!(saved.is_sorted_by(|a, b| a >= b), "{saved:?}");
+    // The figures are those of the same package with the change.
+    let fragments = |p: &Prognosis| p.passes.iter().filter_map(|pass| pass.fragments).sum::<u64>() as f64;
+    let layers = found.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap();
+    let sets = [&layers.change, "slice.tile_texels=256", "pack.shell_format=rgba8"];
+    let fewer = prognosis(&model(512), &sets, 300, 20.0, 3);
+    let ratio = layers.saved.unwrap().fragments as f64 / (fragments(&found) - fragments(&fewer));
+    assert!((0.95..1.05).contains(&ratio), "{ratio}");
+}
+
+/// Close by, layers stand apart: more of them, or, where 64 would not do, more distance; and what is advised is enough.
+#[test]
+fn close_ups_need_more_layers_or_more_distance() {
+    let (distance_m, layers) = (6.0, 16.0);
+    let height = prognosis(&model(0), &[], 600, distance_m, 1).on_screen.height_px;
+    let at_gap = |gap: f64, sets: &[&str], distance_m| {
+        let pixels = (600.0 * gap * (layers - 1.0) / height).round() as u32;
+        prognosis(&model(0), sets, pixels, distance_m, 1)
+    };
+    let look = |p: &Prognosis| p.advice.iter().find(|a| a.saved.is_none()).cloned();
+    assert_eq!(look(&at_gap(2.5, &[], distance_m)), None);
+    let near = at_gap(9.0, &[], distance_m);
+    let more = look(&near).unwrap();
+    assert_eq!(near.advice[0], more, "what mends the look comes first");
+    assert!(more.change.starts_with("slice.layers=4") && more.found.contains("9.0 pixels"), "{more:?}");
+    assert_eq!(look(&at_gap(9.0, &[&more.change], distance_m)), None, "{more:?}");
+    let nearer = at_gap(20.0, &[], distance_m);
+    let away = look(&nearer).unwrap();
+    assert!(away.found.starts_with("too near for shells") && away.change.contains("slice.layers=64"), "{away:?}");
+    let fine_m: f32 = away.change.split(' ').nth(2).unwrap().parse().unwrap();
+    let further = distance_m + 1.01 * fine_m - nearer.on_screen.near_m as f32;
+    assert_eq!(look(&at_gap(20.0, &["slice.layers=64"], further)), None, "{away:?}");
+    let not_far_enough = distance_m + 0.9 * fine_m - nearer.on_screen.near_m as f32;
+    assert!(look(&at_gap(20.0, &["slice.layers=64"], not_far_enough)).is_some(), "{away:?}");
 }
 
 /// A look nearly straight down is where two rules of what is up would part: what is predicted then is another picture than what is drawn.

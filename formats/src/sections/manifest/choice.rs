@@ -35,7 +35,7 @@ pub struct Choice {
 /// Limits of a [`Choice`]; `None` was not given. Each is at least 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChoiceLimits {
-    /// Greatest mean difference from the true pictures (FLIP, 0..=1).
+    /// Greatest error against the true pictures, of the kind of [`Trial::error`].
     pub max_error: Option<f64>,
     /// Longest time of a frame, milliseconds.
     pub max_frame_ms: Option<f64>,
@@ -48,7 +48,8 @@ pub struct ChoiceLimits {
 pub struct Trial {
     /// What it set in the recipe, `key=value` each, as for `pelage bake --set`.
     pub settings: Vec<String>,
-    /// Mean difference from the true pictures (FLIP, 0..=1); `None` where nothing was compared.
+    /// How far the pictures are from the true ones, 0 for equal ones: mean FLIP, lost outline and lost contrast weighed by the tool that baked; the first
+    /// tools had mean FLIP alone. `None` where nothing was compared.
     pub error: Option<f64>,
     /// Time of a frame, milliseconds, at least 0; `None` where nothing was timed.
     pub frame_ms: Option<f64>,
