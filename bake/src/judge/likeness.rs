@@ -12,17 +12,17 @@
 //! The error is the mean over all pixels of the picture of what each adds:
 //!
 //! ```text
-//! error = flip / 2 + 2 · ring · outline + covered / 8 · (1 − min(contrast, 1 / contrast))
+//! error = 0.4 · flip + 1.6 · ring · outline + 0.2 · covered · (1 − min(contrast, 1 / contrast))
 //! ```
 //!
 //! with `ring` and `covered` the shares of the picture, 0..=1, that the ring has and that both cover by half. It has no unit and lies within
-//! 0..=2.625; faithful pictures of a whole animal have 0.01 to 0.1. Like mean FLIP it falls with the share of the picture that the animal covers.
+//! 0..=2.2; faithful pictures of a whole animal have 0.01 to 0.06. Like mean FLIP it falls with the share of the picture that the animal covers.
 //!
-//! The weights are calibrated on pairs of pictures that a person ranks at a glance (`tests/golden/likeness/pairs.txt`): a missing pixel of outline
-//! has to outweigh four of the largest FLIP, because the truth's own strands leave a mean of 0.1 to 0.2 in the ring, and what tells hair from a ghost
-//! is a third of that; contrast decides between pictures with the same outline. Any weights of outline from 1.5 to 4 and of contrast from 0.05 to 0.25
-//! rank all pairs. As a whole they are scaled so that the built-in hare with its recipe has the same error as mean FLIP, 0.018: limits that were
-//! found with mean FLIP still ask for what they did where no hair is lost.
+//! The weights are calibrated on pairs of pictures that a person ranks at a glance (`tests/golden/likeness/pairs.txt`). A missing pixel of outline weighs
+//! as much as four of the largest FLIP: strands that are all there, but not in the same pixels, leave 0.02 to 0.1 in the ring, and a ghost only a third
+//! more than that, while FLIP can be a sixth smaller for it. Contrast is what is left to tell a blurred coat from a crisp one with the same outline, and
+//! may not make up for a lost outline: few layers of a fine tile are crisp. As a whole the weights are scaled so that the built-in hare with its recipe
+//! has the same error as mean FLIP, 0.018: a limit that was found with mean FLIP asks for much the same where no hair is lost.
 
 use super::compare::{CompareParams, compare_pictures};
 use crate::BakeError;
@@ -30,11 +30,11 @@ use crate::mask::Mask;
 use crate::picture::Picture;
 
 /// Weight of mean FLIP.
-const FLIP: f64 = 0.5;
+const FLIP: f64 = 0.4;
 /// Weight of a pixel of the ring.
-const OUTLINE: f64 = 2.0;
+const OUTLINE: f64 = 1.6;
 /// Weight of contrast in a pixel that both cover.
-const CONTRAST: f64 = 0.125;
+const CONTRAST: f64 = 0.2;
 
 /// Pixels from the middle of a window to its edge.
 const REACH: usize = 4;
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn every_part_sees_its_own_loss() {
         let bald = against_fur(|i, r| (fur(i, r).0, if r < 18.0 { 1.0 } else { 0.0 }));
-        assert!(bald.outline > 0.3 && (bald.contrast - 1.0).abs() < 0.05, "{bald:?}");
+        assert!(bald.outline > 0.15 && (bald.contrast - 1.0).abs() < 0.05, "{bald:?}");
         let flat = against_fur(|i, r| (0.3, hairs(i, r)));
         assert!(flat.outline == 0.0 && flat.contrast < 0.2, "{flat:?}");
         let noisy = against_fur(|i, r| (0.1 + 0.4 * uniform(1, i), hairs(i, r)));
@@ -214,19 +214,23 @@ mod tests {
         };
         let covered = share(&|p| p[3] >= 0.5);
         for (name, found, lost) in [("flat", flat, 1.0 - flat.contrast), ("noisy", noisy, 1.0 - 1.0 / noisy.contrast)] {
-            let expected = 0.5 * found.flip + 0.125 * covered * lost;
+            let expected = 0.4 * found.flip + 0.2 * covered * lost;
             assert!((found.error - expected).abs() < 1e-12, "{name}: {found:?}, {expected}");
         }
-        let missing = share(&|p| p[3] >= 0.5) - disc(|_, r| (0.0, if r < 18.0 { 1.0 } else { 0.0 })).pixels.iter().filter(|p| p[3] > 0.0).count() as f64 / 4096.0;
-        assert!((bald.error - 0.5 * bald.flip - 2.0 * missing).abs() < 0.003, "{bald:?}, {missing}");
+        let skin = disc(|_, r| (0.0, if r < 18.0 { 1.0 } else { 0.0 }));
+        let missing = covered - skin.pixels.iter().filter(|p| p[3] > 0.0).count() as f64 / skin.pixels.len() as f64;
+        // The ring ends eight pixels within the outline of single hairs: all of the missing hair is in it.
+        let expected = 0.4 * bald.flip + 1.6 * missing;
+        assert!((bald.error - expected).abs() < 0.003, "{bald:?}, {expected}");
     }
 
-    /// A ghost: skin, a gap, and a closed line where the tips end, which covers as much as the hair did. As fur that is too thick a little it is not.
+    /// A ghost: skin, a gap, and a closed line where the tips end, beside hair that is all there and soft.
     #[test]
-    fn a_detached_outline_is_worse_than_blurred_hair() {
-        let ghost = against_fur(|i, r| (0.3, if !(18.0..22.0).contains(&r) && r < 26.0 { 1.0 } else { hairs(i, r) * 0.0 }));
-        let blurred = against_fur(|_, r| (0.3, if r < 18.0 { 1.0 } else if r < 26.0 { 0.6 } else { 0.0 }));
-        assert!(ghost.error > 1.1 * blurred.error, "{ghost:?}, {blurred:?}");
+    fn a_detached_outline_is_worse_than_soft_hair() {
+        let ghost = against_fur(|_, r| (0.3, if (18.0..22.0).contains(&r) || r >= 26.0 { 0.0 } else { 1.0 }));
+        let soft = |i, r: f64| if (18.0..26.0).contains(&r) { 0.25 + 0.5 * hairs(i, r) } else { hairs(i, r) };
+        let soft = against_fur(|i, r| (0.3, soft(i, r)));
+        assert!(ghost.error > 1.3 * soft.error, "{ghost:?}, {soft:?}");
     }
 
     /// The ring has the fur's height on both sides of the outline, and two pixels at least.

@@ -31,7 +31,7 @@ pub fn decide<J: Judge>(space: &Space, limits: &Limits, judge: &mut J) -> Result
     while let Some(setting) = search.next() {
         search.measure(setting, judge)?;
     }
-    while let Some(setting) = search.smaller().or_else(|| search.fewer()) {
+    while let Some(setting) = search.smaller().or_else(|| search.beside()) {
         search.measure(setting, judge)?;
     }
     let chosen = search.best();
@@ -177,13 +177,23 @@ impl Search<'_> {
         (!self.is_measured(next) && self.limits.excess(optimistic) <= 0.0).then_some(*next)
     }
 
-    /// What the truest one is also held against: the next fewer layers of its tile. More layers of the same strands blur each other, so that the error need
-    /// not fall with their number, as the model has it.
-    fn fewer(&self) -> Option<Setting> {
+    /// What the truest one is also held against: the next fewer and the next more layers of its tile. More layers of the same strands blur each other, so
+    /// that the error need not fall with their number, as the model has it.
+    fn beside(&self) -> Option<Setting> {
+        if self.limits.objective() != Figure::Error {
+            return None;
+        }
         let best = self.trials[self.best()].0;
-        let below = |s: &&Setting| s.is_beside(&best) && s.layers < best.layers;
-        let next = self.space.settings.iter().filter(below).max_by_key(|s| s.layers)?;
-        (self.limits.objective() == Figure::Error && !self.is_measured(next)).then_some(*next)
+        let of_tile = || self.space.settings.iter().filter(|s| s.is_beside(&best));
+        let fewer = of_tile().filter(|s| s.layers < best.layers).max_by_key(|s| s.layers);
+        let more = of_tile().filter(|s| s.layers > best.layers).min_by_key(|s| s.layers);
+        let within = |s: &&&Setting| {
+            let mut optimistic = self.models.each_ref().map(|model| model.optimistic(s, true));
+            // How wrong it is, is the question.
+            optimistic[Figure::Error as usize] = 0.0;
+            self.limits.excess(optimistic) <= 0.0
+        };
+        [fewer, more].iter().flatten().filter(within).find(|s| !self.is_measured(s)).map(|s| **s)
     }
 
     fn is_measured(&self, setting: &Setting) -> bool {
