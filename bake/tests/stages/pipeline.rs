@@ -4,7 +4,7 @@
 use pelage_bake::BakeError;
 use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, Told};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::reslice::reslice;
+use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_formats::{Limits, Package};
@@ -394,4 +394,29 @@ fn from_here_on_is_a_whole_bake() {
     // What nothing makes must be given.
     let error = run(&told(&first), &mut Outputs::default()).unwrap_err();
     assert!(matches!(&error, BakeError::Internal(reason) if reason.contains("Model is not there")), "{error}");
+}
+
+/// A model that is baked once and sliced gives the bytes of whole bakes: with other layers, tiles, filters and fins, and whatever else changes.
+#[test]
+fn sliced_again_is_baked_again() {
+    let first = recipe("torus");
+    let bytes = asset("models/torus.glb");
+    let model = import("torus", &bytes, &mut |_| panic!("no files"), &ImportOptions::default()).unwrap();
+    let images = MapImages::default();
+    let slicer = Slicer::new("torus", "torus", &model, &first, &images).unwrap();
+    for sets in [
+        &[][..],
+        &["slice.layers=6", "slice.tile_texels=32"],
+        &["slice.layers=24", "fins.enabled=false"],
+        &["slice.filter_width=1.5", "fins.depth=0.5"],
+        &["hair.density=300"],
+        &["slice.layers=5", "pack.shell_format=rgba8", "ink.enabled=false"],
+    ] {
+        let mut other = first.clone();
+        sets.iter().for_each(|set| other.set(set).unwrap());
+        assert!(slicer.slice(&other).unwrap() == bake("torus", &other).unwrap().package, "{sets:?}");
+    }
+    let mut wrong = first.clone();
+    wrong.slice.layers = 1;
+    assert!(slicer.slice(&wrong).is_err());
 }
