@@ -119,13 +119,7 @@ fn asked(limits: &Limits) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-fn describe(
-    decision: &Decision,
-    likenesses: &[Likeness],
-    limits: &Limits,
-    adapter: &str,
-    settings: usize,
-) -> String {
+fn describe(decision: &Decision, likenesses: &[Likeness], limits: &Limits, adapter: &str, settings: usize) -> String {
     let trial = |i: usize| {
         let (t, likeness) = (&decision.trials[i], likenesses.get(i).copied().unwrap_or(Likeness::SAME));
         let (m, size) = (&t.measured, human_bytes(t.measured.bytes));

@@ -10,8 +10,8 @@ use pelage_bake::judge::compare::{CompareParams, compare};
 use pelage_bake::judge::decide::FrameTime;
 use pelage_bake::judge::likeness::Likeness;
 use pelage_bake::mesh::Model;
-use pelage_bake::pipeline;
 use pelage_bake::picture::Picture;
+use pelage_bake::pipeline;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
@@ -176,9 +176,7 @@ impl Source<'_> {
                 let baked = pipeline::bake(file, name, model, recipe, images, &mut |_| ())?;
                 Ok(NamedPackage { name: name.into(), bytes: baked.package.into() })
             }
-            Self::Baked { name, slicer } => {
-                Ok(NamedPackage { name: name.into(), bytes: slicer.slice(recipe)?.into() })
-            }
+            Self::Baked { name, slicer } => Ok(NamedPackage { name: name.into(), bytes: slicer.slice(recipe)?.into() }),
             Self::Package(package) => {
                 let bytes = reslice(&package.name, &package.open()?, recipe)?;
                 Ok(NamedPackage { name: package.name.clone(), bytes: bytes.into() })

@@ -78,8 +78,7 @@ impl Likeness {
         let ring_pixels = ring.iter().filter(|inside| **inside).count();
 
         let solid = |p: &[f32; 4]| p[3] >= COVERED;
-        let both: Vec<bool> =
-            picture.pixels.iter().zip(&truth.pixels).map(|(p, t)| solid(p) && solid(t)).collect();
+        let both: Vec<bool> = picture.pixels.iter().zip(&truth.pixels).map(|(p, t)| solid(p) && solid(t)).collect();
         let covered = both.iter().filter(|inside| **inside).count() as f64 / pixels;
         let contrast = ratio(local_contrast(picture, &both), local_contrast(truth, &both));
         let lost = 1.0 - contrast.min(1.0 / contrast);
@@ -152,9 +151,8 @@ fn window_sums(values: &[[f64; 3]], width: usize, height: usize) -> Vec<[f64; 3]
     let add = |a: [f64; 3], b: &[f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
     let window = |at: usize, length: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(length);
     let places = || (0..values.len()).map(|i| (i % width, i / width));
-    let rows: Vec<[f64; 3]> = places()
-        .map(|(x, y)| values[y * width..][window(x, width)].iter().fold([0.0; 3], add))
-        .collect();
+    let rows: Vec<[f64; 3]> =
+        places().map(|(x, y)| values[y * width..][window(x, width)].iter().fold([0.0; 3], add)).collect();
     places().map(|(x, y)| window(y, height).map(|y| &rows[y * width + x]).fold([0.0; 3], add)).collect()
 }
 

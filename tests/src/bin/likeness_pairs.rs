@@ -46,10 +46,7 @@ fn main() -> anyhow::Result<()> {
     for (animal, ..) in ANIMALS {
         for setting in settings(animal) {
             let l = picture_of(&to, animal, &setting, scale);
-            println!(
-                "{animal:8} {setting:10} {:7.4} {:7.4} {:8.4} {:8.3}",
-                l.error, l.flip, l.outline, l.contrast
-            );
+            println!("{animal:8} {setting:10} {:7.4} {:7.4} {:8.4} {:8.3}", l.error, l.flip, l.outline, l.contrast);
         }
     }
     for pair in pairs() {

@@ -22,7 +22,7 @@ fn pairs_are_ranked_as_a_person_does() {
     }
     assert!(all.len() >= 25, "{}", all.len());
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert!(flip_fails >= 3, "mean FLIP alone ranks all but {flip_fails}: the pairs ask for nothing");
+    assert!(flip_fails >= 10, "mean FLIP alone ranks all but {flip_fails}: the pairs ask for nothing");
 }
 
 /// A pair drawn now: long hair in four coarse layers, which mean FLIP was content with, beside the usual layers with fins.

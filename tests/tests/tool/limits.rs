@@ -140,9 +140,16 @@ fn costs_have_limits_too() {
     assert!(low < high && (low..=high).contains(&ms(chosen)), "{spread}, {chosen}");
     // A person reads the same.
     let run = bake(&sandbox, &["--max-bytes", &bytes]);
-    for word in
-        ["chosen:", "--max-bytes binds", "next better:", "next cheaper:", "measured ", "outline off by", "contrast", " to "]
-    {
+    for word in [
+        "chosen:",
+        "--max-bytes binds",
+        "next better:",
+        "next cheaper:",
+        "measured ",
+        "outline off by",
+        "contrast",
+        " to ",
+    ] {
         assert!(run.stdout.contains(word), "{word}: {run:?}");
     }
 }

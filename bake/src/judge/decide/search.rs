@@ -134,7 +134,9 @@ impl Search<'_> {
         let may = |i: &usize| {
             let at_best = fast(*i);
             let beaten = |j: usize| slow(j)[0] <= at_best[0] && slow(j)[1] < at_best[1];
-            self.limits.excess(at_best) <= 0.0 && at_best[objective] <= (1.0 + self.tie()) * least && !sure().any(beaten)
+            self.limits.excess(at_best) <= 0.0
+                && at_best[objective] <= (1.0 + self.tie()) * least
+                && !sure().any(beaten)
         };
         let mut found: Vec<usize> = all().filter(may).collect();
         found.sort_by(|a, b| self.objective(*a).total_cmp(&self.objective(*b)));

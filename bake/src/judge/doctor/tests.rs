@@ -68,8 +68,7 @@ fn each_advice_is_earned() {
         assert!(found.iter().any(|change| change == name), "{name} is missing: {found:?}");
     }
     // Hair that fades, and layers that hide others, cost what other hair would: to change the coat saves nothing.
-    for sets in
-        [["hair.root_radius=0.002", "hair.tip_radius=0.001"], ["hair.density=30000", "hair.length_variation=0"]]
+    for sets in [["hair.root_radius=0.002", "hair.tip_radius=0.001"], ["hair.density=30000", "hair.length_variation=0"]]
     {
         assert_eq!(advised(&sets, pixels, near, 0), Vec::<String>::new(), "{sets:?}");
     }
@@ -87,7 +86,8 @@ fn each_advice_is_earned() {
 /// All advice saves something, the most of it first, and what mends the look comes before it.
 #[test]
 fn advice_is_in_the_order_of_what_it_saves() {
-    let found = prognosis(&model(512), &["slice.layers=64", "slice.tile_texels=256", "pack.shell_format=rgba8"], 300, 20.0, 3);
+    let found =
+        prognosis(&model(512), &["slice.layers=64", "slice.tile_texels=256", "pack.shell_format=rgba8"], 300, 20.0, 3);
     let saved: Vec<Saved> = found.advice.iter().filter_map(|a| a.saved).collect();
     assert!(saved.len() == found.advice.len() && saved.len() >= 4, "{:?}", found.advice);
     assert!(saved.iter().all(|saved| *saved > Saved::default()), "{saved:?}");
