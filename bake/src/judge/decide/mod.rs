@@ -269,7 +269,7 @@ pub struct Decision {
     pub chosen: usize,
     /// Whether it meets all limits.
     pub meets: bool,
-    /// The cheapest of the measured settings that are better than the chosen one; none that is faster too.
+    /// The cheapest of the measured settings that are better than the chosen one by more than a hundredth of its error; none that is faster too.
     pub next_better: Option<usize>,
     /// The best of the measured settings that are cheaper; none that is better too.
     pub next_cheaper: Option<usize>,

@@ -268,7 +268,8 @@ impl Search<'_> {
     fn is_beyond(&self, i: usize, chosen: usize, side: Side) -> bool {
         let (other, own) = (self.trials[i].1, self.trials[chosen].1);
         let pays = match side {
-            Side::Better => other.frame.ms >= own.frame.ms,
+            // Nor is a difference that nobody sees worth a look.
+            Side::Better => other.frame.ms >= own.frame.ms && other.error < (1.0 - ERROR_TIE) * own.error,
             Side::Cheaper => other.error >= own.error,
         };
         pays && self.gains(i, chosen, side)
