@@ -1,5 +1,6 @@
 //! `pelage doctor`: what a package will cost on a screen, and what to change.
 
+use super::camera_args::CameraArgs;
 #[cfg(feature = "preview")]
 use super::doctor_trial::try_advice;
 use super::exit::{Exit, Failure};
@@ -25,9 +26,8 @@ pub struct DoctorArgs {
     /// Size of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "834x424")]
     size: Size,
-    /// Eye and target in metres, height of the view in degrees: ex,ey,ez/tx,ty,tz/fov; by default as `render` frames the model
-    #[arg(long, value_name = "EYE/TARGET/FOV", allow_hyphen_values = true)]
-    camera: Option<Viewpoint>,
+    #[command(flatten)]
+    camera: CameraArgs,
     /// Copies in the picture, each seen as large
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     instances: u32,
@@ -42,8 +42,9 @@ pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
     let package = file.open()?;
     output.progress("counting pixels");
     let size = (args.size.width, args.size.height);
-    let shown = View { camera: args.camera, ..View::sized(size) };
-    let Viewpoint { eye, target, fov_deg } = shown.viewpoint_of(&file, &package)?;
+    let shown = args.camera.of(View::sized(size));
+    let outline = if shown.camera.is_none() { shown.outline(&file, &package)? } else { Vec::new() };
+    let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&outline, package.manifest().fur.height_m);
     let (instances, shadow_map) = (args.instances, args.shadow_map);
     let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances, shadow_map };
     let fault = |source| BakeError::Package { file: file.name.clone(), source };

@@ -5,6 +5,7 @@ mod bake;
 #[cfg(feature = "preview")]
 mod bench;
 mod built_in;
+mod camera_args;
 mod chart;
 mod commands_page;
 mod compare;

@@ -50,6 +50,12 @@ pub struct RenderArgs {
     /// The light goes once around the vertical axis while the pictures last, with --frames
     #[arg(long)]
     turn_light: bool,
+    /// The camera goes once around the vertical axis through its target while the pictures last, with --frames
+    ///
+    /// Where no camera is given, it stands so far off that nothing leaves the picture from any side. With --turn-light the light goes along, as though the model
+    /// stood on a turntable before both.
+    #[arg(long)]
+    auto_rotate: bool,
     /// Draws all numbered pictures, also those that are there from a run that was interrupted
     #[arg(long)]
     restart: bool,
@@ -133,7 +139,7 @@ impl Subject {
     fn cast(&self, view: &View) -> Result<Cast<'_>, StageError> {
         match self {
             Self::Package(file) => crowd(file, view),
-            Self::Scene(scene) => scene.loaded.cast(view.camera, view.look.aspect(), view.look.has_fur()),
+            Self::Scene(scene) => scene.loaded.cast(view.camera, view.look.aspect(), &view.framing),
         }
     }
 }
@@ -158,16 +164,23 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
     let frames = args.view.frames.or(scene.and_then(|s| s.file.frames())).filter(|_| sink.is_sequence());
-    if args.turn_light && frames.is_none() {
-        return Err(Failure::Usage(
-            "--turn-light: expected --frames beside it, or a sequence in the scene file".into(),
-        ));
+    for (name, given) in [("--turn-light", args.turn_light), ("--auto-rotate", args.auto_rotate)] {
+        if given && frames.is_none() {
+            let text = format!("{name}: expected --frames beside it, or a sequence in the scene file");
+            return Err(Failure::Usage(text));
+        }
     }
+    view.framing.all_around = args.auto_rotate;
     let count = frames.unwrap_or(1) as usize;
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
-    let stage = staged::stage(&subject.cast(&view)?, &view, Gpu::open)?;
-    let light = stage.params.light;
-    let mut shoot = Shoot { scene: stage, view, light, count, fps, turn_light: args.turn_light };
+    let cast = subject.cast(&view)?;
+    let stage = staged::stage(&cast, &view, Gpu::open)?;
+    let (light, shot) = (stage.params.light, cast.camera);
+    let (turn_light, auto_rotate) = (args.turn_light, args.auto_rotate);
+    if view.camera.is_none() {
+        output.note(&format!("camera: --camera={}", shot.at(view.time_s)));
+    }
+    let mut shoot = Shoot { scene: stage, view, shot, light, count, fps, turn_light, auto_rotate };
     let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
     if sink == Sink::Stdout {
@@ -202,6 +215,7 @@ fn report(
         "fps": shoot.fps,
         "skipped": skipped,
         "scene": scene,
+        "camera": shoot.shot.at(shoot.view.time_s).to_string(),
         "covered_pixels": covered(&pictures[0]),
         "covered_pixels_per_picture": pictures.iter().map(covered).collect::<Vec<_>>(),
         "mean_luminance_per_picture": pictures.iter().map(|p| p.mean_luminance).collect::<Vec<_>>(),

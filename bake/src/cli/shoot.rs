@@ -11,7 +11,7 @@ use pelage_bake::io;
 use pelage_bake::picture::encode_png;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{Frame, Light};
-use pelage_stage::Stage;
+use pelage_stage::{Shot, Stage, Viewpoint};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -37,10 +37,14 @@ pub struct Shoot {
     pub scene: Stage,
     /// How it is looked at.
     pub view: View,
+    /// From where, before the camera goes around.
+    pub shot: Shot,
     /// The key light as it stands.
     pub light: Light,
     /// The light goes once around while the pictures last.
     pub turn_light: bool,
+    /// The camera goes once around the vertical axis through its target while the pictures last.
+    pub auto_rotate: bool,
     /// Pictures.
     pub count: usize,
     /// Of them a second.
@@ -65,9 +69,15 @@ impl Shoot {
         } else {
             output.progress("drawing");
         }
-        self.scene.set_time(self.view.time_s + index as f32 / self.fps as f32);
+        let time_s = self.view.time_s + index as f32 / self.fps as f32;
+        self.scene.set_time(time_s);
+        let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
+        if self.auto_rotate {
+            let Viewpoint { eye, target, fov_deg } = self.shot.at(time_s);
+            let eye = target + Quat::from_rotation_y(angle_rad) * (eye - target);
+            self.scene.look_from(Viewpoint { eye, target, fov_deg });
+        }
         if self.turn_light {
-            let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
             self.scene.params.light = turned(self.light, angle_rad);
         }
         let (drawn, pixels) = picture(&mut self.scene)?;
@@ -83,7 +93,10 @@ impl Shoot {
             .and(format!("{:?} {} {} {}", info.backend, info.name, info.driver, info.driver_info))
             .and(format!("{:?}", self.view))
             .and(self.fps.to_le_bytes());
-        if self.turn_light { key.and(self.count.to_le_bytes()) } else { key }
+        match (self.turn_light, self.auto_rotate) {
+            (false, false) => key,
+            (light, camera) => key.and(self.count.to_le_bytes()).and([u8::from(light), u8::from(camera)]),
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::exit::Failure;
 use super::view::View;
 use image::RgbaImage;
 use pelage_runtime::{Frame, InstanceDetail};
-use pelage_stage::{Cast, Gpu, NamedPackage, Shot, Stage, StageError};
+use pelage_stage::{Cast, Gpu, NamedPackage, Stage, StageError};
 use serde_json::{Value, json};
 
 /// The model of a package, or a crowd of it, on the device that `open_gpu` gives.
@@ -32,11 +32,11 @@ pub fn pixels(stage: &Stage) -> Result<RgbaImage, Failure> {
         .ok_or_else(|| StageError::Device("the canvas was read back short".into()).into())
 }
 
-/// The model of one package, or a crowd of it, at the clip and from the camera of `view`. Without one, the camera frames the first.
+/// The model of one package, or a crowd of it, at the clip and from the camera of `view`. Without one, the camera frames all of it.
 pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, StageError> {
     let package = file.open()?;
-    let camera = Shot::fixed(view.viewpoint_of(file, &package)?);
-    Cast::crowd(file, package, view.clip.as_deref(), view.crowd, camera)
+    let framing = (&view.framing, view.look.aspect());
+    Cast::crowd(file, package, view.clip.as_deref(), view.crowd, view.camera, framing)
 }
 
 /// What is drawn of each copy's fur, as JSON.

@@ -7,7 +7,7 @@ use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, True
 use pelage_bake::strands::{GroomReport, Skin, grow_on, tile_hair};
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_stage::{KeyLight, LookStyle, NamedPackage, Viewpoint, find_clip, rest_points, within};
+use pelage_stage::{KeyLight, LookStyle, NamedPackage, Viewpoint, find_clip, within};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -15,7 +15,7 @@ pub struct Truth {
     pub scene: TrueScene,
     /// What became of the tile's strands.
     pub report: GroomReport,
-    rest_points: Vec<Vec3>,
+    outline: Vec<Vec3>,
     height_m: f32,
 }
 
@@ -41,7 +41,7 @@ impl Truth {
         Ok(Self {
             scene: TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?,
             report,
-            rest_points: rest_points(file, package)?,
+            outline: view.outline(file, package)?,
             height_m: manifest.fur.height_m,
         })
     }
@@ -49,7 +49,7 @@ impl Truth {
     /// Eye, target and height of the view in degrees that frame the model from the direction `towards`, in a picture of the view's size.
     #[cfg(feature = "preview")]
     pub fn framed(&self, view: &View, towards: Vec3) -> Viewpoint {
-        pelage_stage::framing::frame(&self.rest_points, self.height_m, view.look.aspect(), towards)
+        pelage_stage::framing::frame(&self.outline, self.height_m, view.look.aspect(), towards)
     }
 
     /// Height of the fur in the picture of that view, pixels: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
@@ -67,7 +67,7 @@ impl Truth {
 
     /// The camera that `render` has for that view.
     pub fn camera(&self, view: &View) -> TrueCamera {
-        true_camera(view.viewpoint(&self.rest_points, self.height_m))
+        true_camera(view.viewpoint(&self.outline, self.height_m))
     }
 
     /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made

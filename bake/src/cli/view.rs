@@ -4,15 +4,17 @@ use super::exit::Failure;
 use super::view_args::ViewArgs;
 use glam::Vec3;
 use pelage_formats::Package;
-use pelage_stage::{Look, NamedPackage, Size, StageError, Viewpoint, framing, rest_points};
+use pelage_stage::{Framing, Look, NamedPackage, Size, StageError, Viewpoint, find_clip, nothing_named, outline};
 
 /// How a package is looked at; what the arguments that `render` and `bench` share come to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// Picture, light and style.
     pub look: Look,
-    /// From where; `None` frames the model from its front left.
+    /// From where; `None` frames what is drawn.
     pub camera: Option<Viewpoint>,
+    /// How it is framed.
+    pub framing: Framing,
     /// Name of the clip; `None` shows the rest pose.
     pub clip: Option<String>,
     /// Moment of the clip, seconds; clips loop.
@@ -23,7 +25,7 @@ pub struct View {
 
 impl Default for View {
     fn default() -> Self {
-        Self { look: Look::default(), camera: None, clip: None, time_s: 0.0, crowd: 1 }
+        Self { look: Look::default(), camera: None, framing: Framing::default(), clip: None, time_s: 0.0, crowd: 1 }
     }
 }
 
@@ -35,7 +37,8 @@ impl View {
     /// A look file that cannot be read or says something wrong.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
-        Ok(Self { look, camera: args.camera, clip: args.clip.clone(), time_s: args.time, crowd: args.crowd })
+        let view = Self { look, clip: args.clip.clone(), time_s: args.time, crowd: args.crowd, ..Self::default() };
+        Ok(args.camera.of(view))
     }
 
     /// The same with changes to its look.
@@ -54,16 +57,22 @@ impl View {
         (self.look.picture.size.width, self.look.picture.size.height)
     }
 
-    /// The view's own camera, or one that frames `rest_points` with hair of `height_m`.
-    pub fn viewpoint(&self, rest_points: &[Vec3], height_m: f32) -> Viewpoint {
-        let margin_m = if self.look.has_fur() { height_m } else { 0.0 };
-        let framed = || framing::frame(rest_points, margin_m, self.look.aspect(), framing::TOWARDS_CAMERA);
-        self.camera.unwrap_or_else(framed)
+    /// The view's own camera, or one that frames the `outline` of a model with hair of `height_m`.
+    pub fn viewpoint(&self, outline: &[Vec3], height_m: f32) -> Viewpoint {
+        self.camera.unwrap_or_else(|| self.framing.view(outline, height_m, self.look.aspect()))
     }
 
-    /// The view's own camera, or one that frames the model of a package at rest; `package` is `file` opened.
-    pub fn viewpoint_of(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Viewpoint, StageError> {
-        let points = if self.camera.is_none() { rest_points(file, package)? } else { Vec::new() };
-        Ok(self.viewpoint(&points, package.manifest().fur.height_m))
+    /// What of one model the view frames; `package` is `file` opened.
+    ///
+    /// # Errors
+    ///
+    /// A clip or a part that is not there, a damaged package.
+    pub fn outline(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<Vec3>, StageError> {
+        let (clip, part) = (find_clip(file, package, self.clip.as_deref())?, self.framing.look_at.as_deref());
+        let points = outline(file, package, clip, part)?;
+        match part {
+            Some(part) if points.is_empty() => Err(nothing_named([(file, package)].into_iter(), part)),
+            _ => Ok(points),
+        }
     }
 }

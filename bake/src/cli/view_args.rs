@@ -1,16 +1,13 @@
 //! What `render`, `bench` and `reference` share: the look, the camera, and what is drawn when.
 
+use super::camera_args::CameraArgs;
 use super::look_args::LookArgs;
-use pelage_stage::Viewpoint;
 
 /// Options of `render`, `bench` and `reference`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ViewArgs {
-    /// Eye and target in metres, height of the view in degrees: ex,ey,ez/tx,ty,tz/fov
-    ///
-    /// Without it the camera frames the model from the front left.
-    #[arg(long, value_name = "EYE/TARGET/FOV", allow_hyphen_values = true)]
-    pub camera: Option<Viewpoint>,
+    #[command(flatten)]
+    pub camera: CameraArgs,
     /// Time in the clip, seconds
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = parse_seconds, allow_hyphen_values = true)]
     pub time: f32,
@@ -39,7 +36,7 @@ mod tests {
     use super::*;
     use clap::Parser;
     use glam::Vec3;
-    use pelage_stage::Look;
+    use pelage_stage::{Look, Orbit, Viewpoint};
 
     #[derive(Parser)]
     struct Line {
@@ -68,6 +65,9 @@ mod tests {
         assert_eq!(view.camera, Some(Viewpoint { eye, target, fov_deg: 45.0 }));
         assert_eq!((view.time_s, view.clip.as_deref(), view.crowd, args.frames), (0.25, Some("Walk"), 100, Some(3)));
         assert_eq!(view.look.fur.layers, Some(8));
+        let view = View::new(&parse("--orbit -90,20.5,2 --look-at Ey*").unwrap(), Look::default()).unwrap();
+        let orbit = Orbit { azimuth_deg: -90.0, elevation_deg: 20.5, zoom: 2.0 };
+        assert_eq!((view.framing.orbit, view.framing.look_at.as_deref()), (Some(orbit), Some("Ey*")));
     }
 
     #[test]
@@ -77,6 +77,13 @@ mod tests {
             ("--camera 0,0,1/0,0,0", "ex,ey,ez/tx,ty,tz/fov_deg"),
             ("--camera 0,0/0,0,0/40", "eye: expected three numbers"),
             ("--camera 0,0,1/0,0,0/180", "1 to 170 degrees"),
+            ("--camera 0,0,1/0,0,0/40 --orbit 1,2", "cannot be used with"),
+            ("--camera 0,0,1/0,0,0/40 --look-at Head", "cannot be used with"),
+            ("--orbit 1", "azimuth and elevation in degrees"),
+            ("--orbit 1,2,3,4", "such as 45,20,1.5"),
+            ("--orbit 1,nan", "azimuth and elevation"),
+            ("--orbit 0,91", "elevation: found 91, expected -90 to 90 degrees"),
+            ("--orbit 0,0,0", "zoom: found 0, expected 0.01 to 100"),
             ("--frames 0", "0 is not in 1.."),
             ("--time inf", "number of seconds"),
             ("--crowd 0", "0 is not in 1..=10000"),

@@ -49,6 +49,7 @@
 mod control;
 mod error;
 mod field;
+mod glob;
 mod knob;
 mod list;
 mod macros;
@@ -60,6 +61,7 @@ mod text;
 pub use control::{Choice, Control};
 pub use error::{OutOfRange, ParamError};
 pub use field::{Field, PowerOfTwo, Range, SrgbColor, hex};
+pub use glob::glob;
 pub use knob::{Knob, Table, TableInfo, Tables, knobs, same, validate, validate_table};
 pub use list::Item;
 pub use nearest::{nearest, unknown_key};

@@ -1,7 +1,7 @@
 //! Loads a scene file, changes it, and draws it: `cargo run --release -p pelage-stage --features draw --example change_a_scene`
 //! `SCENE.toml PICTURE.png [SECONDS]`. The first model comes twice, the copy beside it and facing the other way, in the light of a lamp.
 
-use pelage_stage::{Gpu, NamedPackage, Number, Point, SceneFile, Stage};
+use pelage_stage::{Framing, Gpu, NamedPackage, Number, Point, SceneFile, Stage};
 use std::error::Error;
 use std::path::Path;
 
@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Draw: the scene's camera, or one that frames everybody; four samples a pixel, and the light is a lamp.
     look.set("picture.samples=4")?;
     look.set("light.position_m=[2, 4, 3]")?;
-    let cast = loaded.cast(None, look.aspect(), look.has_fur())?;
+    let cast = loaded.cast(None, look.aspect(), &Framing::default())?;
     let mut stage = Stage::new(&cast, &look.picture(), look.frame_params(), time_s, Gpu::open)?;
     stage.draw()?;
     let (width, height) = stage.canvas.size();

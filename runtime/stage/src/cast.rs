@@ -1,10 +1,11 @@
 //! Who is in the picture, and where each of them and the camera are at what time, without a device.
 
+use crate::extent::framed;
+use crate::framing::Framing;
 use crate::track::Track;
-use crate::{NamedPackage, Shot, StageError};
+use crate::{NamedPackage, Shot, StageError, Viewpoint};
 use glam::{Mat4, Quat, Vec3};
-use pelage_formats::meaning::posed_vertices;
-use pelage_formats::{Animation, Manifest, Package, Pose};
+use pelage_formats::{Animation, Manifest, Package};
 use std::sync::Arc;
 
 /// Everything that a picture shows, over time.
@@ -82,23 +83,30 @@ impl Playing {
 
 impl<'a> Cast<'a> {
     /// Copies of one package's model, side by side on a grid, all at the same moment of the clip of that name (`None`: at rest), seen from
-    /// `camera`. `package` is `file` opened.
+    /// `camera`, else from where all of them are in a picture of that width over height, [`framed`] so. `package` is `file` opened.
     ///
     /// # Errors
     ///
-    /// [`StageError::Asked`] for a clip that is not there, [`StageError::Package`] for a damaged package.
+    /// [`StageError::Asked`] for a clip that is not there or nothing of the name that is to be looked at, [`StageError::Package`] for a damaged
+    /// package.
     pub fn crowd(
         file: &'a NamedPackage<'a>,
         package: Package<'a>,
         clip: Option<&str>,
         copies: u32,
-        camera: Shot,
+        camera: Option<Viewpoint>,
+        (framing, aspect): (&Framing, f32),
     ) -> Result<Self, StageError> {
         let clip = find_clip(file, &package, clip)?;
         let clip = clip.map(|(clip, duration_s)| Playing { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true });
         let actor = |place| Actor { package: 0, place: Place::fixed(place), clip };
-        let actors = places(package.manifest(), copies).into_iter().map(actor).collect();
-        Ok(Self { packages: vec![(file, Arc::new(package))], actors, camera })
+        let actors: Vec<Actor> = places(package.manifest(), copies).into_iter().map(actor).collect();
+        let packages = vec![(file, Arc::new(package))];
+        let camera = match camera {
+            Some(camera) => camera,
+            None => framed(&packages, &actors, aspect, framing)?,
+        };
+        Ok(Self { packages, actors, camera: Shot::fixed(camera) })
     }
 }
 
@@ -151,17 +159,6 @@ fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
     let columns = f64::from(crowd).sqrt().ceil() as u32;
     let place = |i: u32| Vec3::new((i % columns) as f32 * width, 0.0, -((i / columns) as f32) * depth);
     (0..crowd).map(place).collect()
-}
-
-/// The places of a package's vertices at rest, by which the default camera frames it.
-pub fn rest_points(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<Vec3>, StageError> {
-    let skeleton = package.animation().map_err(|error| file.fault(error))?;
-    let Some(mesh) = package.mesh().map_err(|error| file.fault(error))? else { return Ok(Vec::new()) };
-    let mut pose = Pose::default();
-    if let Some(skeleton) = skeleton {
-        pose.sample(&skeleton, None, 0.0);
-    }
-    Ok(posed_vertices(&mesh, &pose).map(|vertex| vertex.position.into()).collect())
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! The camera and light a picture gets when the command line names none.
 
 use crate::Viewpoint;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use pelage_formats::meaning::view_from_world;
+use std::str::FromStr;
 
 /// Vertical field of view of the default camera, degrees: a portrait lens.
 pub const FOV_DEG: f32 = 30.0;
@@ -15,20 +16,144 @@ pub const TOWARDS_LIGHT: Vec3 = Vec3::new(-0.25, 0.75, 0.6);
 /// Share of the picture that the model fills at most.
 const FILL: f32 = 0.9;
 
+/// Sides from which a thing is framed that the camera goes around. Between two of them it reaches 0.5 % further out, 1 / cos(180° / 32).
+const SIDES: u16 = 32;
+
+/// From where a thing is framed. As a word: `AZ,EL` or `AZ,EL,ZOOM`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orbit {
+    /// Degrees about the vertical axis: 0 in front (+z), 90 at the model's left (+x).
+    pub azimuth_deg: f32,
+    /// Degrees above the horizon, -90..=90.
+    pub elevation_deg: f32,
+    /// How many times as large the side that is nearest stands in the picture, [`Self::ZOOM`]: above 1 the camera goes nearer, below 1 away.
+    pub zoom: f32,
+}
+
+impl Orbit {
+    /// Least and greatest zoom.
+    pub const ZOOM: [f32; 2] = [0.01, 100.0];
+
+    /// Unit vector from the thing to the camera.
+    pub fn towards(&self) -> Vec3 {
+        let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
+        let (up, along) = self.elevation_deg.to_radians().sin_cos();
+        Vec3::new(sin * along, up, cos * along)
+    }
+}
+
+impl FromStr for Orbit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<f32>> =
+            text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect();
+        let (azimuth_deg, elevation_deg, zoom) = match numbers.as_deref() {
+            Some([azimuth, elevation]) => (*azimuth, *elevation, 1.0),
+            Some([azimuth, elevation, zoom]) => (*azimuth, *elevation, *zoom),
+            _ => return Err("expected azimuth and elevation in degrees, and perhaps a zoom, such as 45,20,1.5".into()),
+        };
+        if !(-90.0..=90.0).contains(&elevation_deg) {
+            return Err(format!("elevation: found {elevation_deg}, expected -90 to 90 degrees"));
+        }
+        let [least, greatest] = Self::ZOOM;
+        if !(least..=greatest).contains(&zoom) {
+            return Err(format!("zoom: found {zoom}, expected {least} to {greatest}"));
+        }
+        Ok(Self { azimuth_deg, elevation_deg, zoom })
+    }
+}
+
+/// How a camera without a place of its own finds one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Framing {
+    /// From where; `None` from [`TOWARDS_CAMERA`].
+    pub orbit: Option<Orbit>,
+    /// Name of a material or a joint; frames what belongs to it ([`crate::outline`]). `None` frames all there is.
+    pub look_at: Option<String>,
+    /// The camera goes around: what is framed stays in the picture from all sides, and the target lies on the axis.
+    pub all_around: bool,
+}
+
+impl Framing {
+    fn towards(&self) -> Vec3 {
+        self.orbit.map_or(TOWARDS_CAMERA, |orbit| orbit.towards())
+    }
+
+    /// The camera that frames `points` so, with `margin_m` of fur about them, in a picture of the given width over height.
+    pub fn view(&self, points: &[Vec3], margin_m: f32, aspect: f32) -> Viewpoint {
+        let zoom = self.orbit.map_or(1.0, |orbit| orbit.zoom);
+        if !self.all_around {
+            return frame_nearer(points, margin_m, aspect, self.towards(), zoom);
+        }
+        let (min, max) = points.iter().fold((Vec3::MAX, Vec3::MIN), |(min, max), p| (min.min(*p), max.max(*p)));
+        let axis = if points.is_empty() { Vec3::ZERO } else { (min + max) / 2.0 };
+        let outer = outermost(points, self.edges(aspect).into_iter());
+        let around = |turn: Quat| outer.iter().map(move |i| axis + turn * (points[*i] - axis));
+        let all: Vec<Vec3> = turns().flat_map(around).collect();
+        let view = frame_nearer(&all, margin_m, aspect, self.towards(), zoom);
+        // By symmetry the middle of the picture passes the axis; the target is put there.
+        let way = (view.target - view.eye).normalize_or(-self.towards());
+        let (flat, off) = (way.with_y(0.0), (axis - view.eye).with_y(0.0));
+        let flat_length = flat.length();
+        let target = if flat_length > 1e-3 { view.eye + way * (off.length() / flat_length) } else { view.target };
+        Viewpoint { target: if target == view.eye { view.target } else { target }, ..view }
+    }
+
+    /// Directions in world space: what lies outermost along them decides about [`Self::view`].
+    pub(crate) fn edges(&self, aspect: f32) -> Vec<Vec3> {
+        let world = view_from_world(Vec3::ZERO, -self.towards().normalize()).inverse();
+        let [tan_x, tan_y] = slopes(aspect);
+        let edges = [(1.0, 0.0, tan_x), (-1.0, 0.0, tan_x), (0.0, 1.0, tan_y), (0.0, -1.0, tan_y), (0.0, 0.0, 1.0)];
+        let edges = edges.map(|edge| world.transform_vector3(Vec3::from(edge)));
+        if !self.all_around {
+            return edges.to_vec();
+        }
+        // To turn the points is to turn the edges the other way; all of them are turned all the way around.
+        turns().flat_map(|turn| edges.map(|edge| turn * edge)).collect()
+    }
+}
+
+/// All the way around the vertical axis.
+fn turns() -> impl Iterator<Item = Quat> {
+    (0..SIDES).map(|i| Quat::from_rotation_y(std::f32::consts::TAU * f32::from(i) / f32::from(SIDES)))
+}
+
+/// Indices of the points that lie outermost in the given directions, of any length; each once, in rising order.
+pub(crate) fn outermost(points: &[Vec3], directions: impl Iterator<Item = Vec3>) -> Vec<usize> {
+    let farthest = |direction: Vec3| {
+        let along = points.iter().map(|point| direction.dot(*point)).enumerate();
+        along.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(i, _)| i)
+    };
+    let mut outer: Vec<usize> = directions.filter_map(farthest).collect();
+    outer.sort_unstable();
+    outer.dedup();
+    outer
+}
+
+/// How far the picture's filled part reaches to the right and up, a metre in front of the eye.
+fn slopes(aspect: f32) -> [f32; 2] {
+    let tan_y = (FOV_DEG.to_radians() / 2.0).tan() * FILL;
+    [tan_y * aspect, tan_y]
+}
+
 /// The view that shows all `points`, with `margin_m` of fur about them, in a picture of the given width over height, from the direction
 /// `towards` of any length.
 ///
 /// The model stands as large in the picture as it can; where there is no point, the origin is looked at from a metre away.
 pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) -> Viewpoint {
-    let (eye, target) = eye_and_target(points, margin_m, aspect, towards);
+    frame_nearer(points, margin_m, aspect, towards, 1.0)
+}
+
+fn frame_nearer(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3, zoom: f32) -> Viewpoint {
+    let (eye, target) = eye_and_target(points, margin_m, aspect, towards, zoom);
     Viewpoint { eye, target, fov_deg: FOV_DEG }
 }
 
-fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) -> (Vec3, Vec3) {
+fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3, zoom: f32) -> (Vec3, Vec3) {
     let towards = towards.normalize();
     let view = view_from_world(Vec3::ZERO, -towards);
-    let tan_y = (FOV_DEG.to_radians() / 2.0).tan() * FILL;
-    let tan_x = tan_y * aspect;
+    let [tan_x, tan_y] = slopes(aspect);
     // A point is inside the right edge of a camera at (x0, y0, z0) where x − x0 <= tan_x (z0 − z). So each edge of the picture
     // asks for tan_x z0 ± x0 to be at least some value, which only the outermost point along that edge's plane decides.
     let mut need = [f32::NEG_INFINITY; 4];
@@ -45,6 +170,12 @@ fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) ->
     if z0 - nearest <= 1e-6 * (1.0 + z0.abs()) {
         // All points are one, and no fur about it: any distance is as good.
         z0 = nearest + 1.0;
+    }
+    if zoom != 1.0 {
+        // Towards the nearest hair, and never into it.
+        let front = (nearest + margin_m).min(z0);
+        let front = if z0 - front > 1e-6 * (1.0 + z0.abs()) { front } else { nearest };
+        z0 = front + (z0 - front) / zoom;
     }
     let eye = Vec3::new((right - left) / 2.0, (top - bottom) / 2.0, z0);
     let middle = in_view.iter().map(|p| p.z).sum::<f32>() / in_view.len() as f32;

@@ -11,6 +11,7 @@
 mod canvas;
 mod cast;
 mod error;
+mod extent;
 pub mod framing;
 #[cfg(feature = "draw")]
 mod gpu;
@@ -26,8 +27,10 @@ mod viewpoint;
 
 #[cfg(feature = "draw")]
 pub use canvas::{COLOR_FORMAT, Canvas, CanvasOptions, DEPTH_FORMAT};
-pub use cast::{Actor, Cast, Place, Playing, find_clip, rest_points, within};
+pub use cast::{Actor, Cast, Place, Playing, find_clip, within};
 pub use error::StageError;
+pub use extent::{framed, nothing_named, outline};
+pub use framing::{Framing, Orbit};
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;
 pub use look::{

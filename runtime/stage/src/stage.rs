@@ -275,15 +275,14 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
     use crate::Look;
-    use glam::Vec3;
     use pelage_formats::{Manifest, PackageWriter};
 
     #[test]
     fn a_cast_without_its_models_is_refused_before_a_device_is_opened() {
         let bytes = PackageWriter::new(Manifest::default()).finish().unwrap();
         let file = NamedPackage::new("a.pelage", bytes);
-        let camera = || Shot::fixed(Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 });
-        let crowd = |copies| Cast::crowd(&file, file.open().unwrap(), None, copies, camera()).unwrap();
+        let framing = crate::Framing::default();
+        let crowd = |copies| Cast::crowd(&file, file.open().unwrap(), None, copies, None, (&framing, 1.0)).unwrap();
         let refused = |cast: &Cast<'_>| {
             let look = Look::default();
             let no_device = || Err(StageError::NoAdapter("asked for one".into()));

@@ -45,6 +45,11 @@ impl<T: Value> Track<T> {
         }
     }
 
+    /// Seconds at which the keys are, in rising order; at least one.
+    pub fn times(&self) -> impl Iterator<Item = f32> {
+        self.keys.iter().map(|key| key.0)
+    }
+
     /// The value at `time_s`.
     pub fn at(&self, time_s: f32) -> T {
         let after = self.keys.partition_point(|key| key.0 <= time_s);

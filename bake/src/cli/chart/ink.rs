@@ -17,7 +17,7 @@ use pelage_bake::judge::truth::{LineParams, TrueLines};
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::Skin;
 use pelage_runtime::{InkParams, InkShow, Style};
-use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, Viewpoint, fastest, framing, rest_points};
+use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, Viewpoint, fastest, framing, outline};
 
 /// Frames of the slow turn whose flicker is taken, and the degrees between them.
 const TURN: (u32, f32) = (4, 1.0);
@@ -89,7 +89,7 @@ impl Shared {
             None => Source::Model { file, name, model, images }.bake(recipe)?,
         };
         let opened = file.open()?;
-        let rest_points = rest_points(&file, &opened)?;
+        let rest_points = outline(&file, &opened, None, None)?;
         let lines = TrueLines::new(Skin::posed(&file.name, &opened, None)?)?;
         drop(opened);
         Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })

@@ -179,11 +179,6 @@ impl Look {
         self.picture.background.and_then(Background::color)
     }
 
-    /// Whether fur is drawn.
-    pub fn has_fur(&self) -> bool {
-        self.picture.style == LookStyle::Fur
-    }
-
     /// The key light.
     pub fn key_light(&self) -> KeyLight {
         match self.light.position_m {

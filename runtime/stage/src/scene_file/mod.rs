@@ -25,12 +25,13 @@
 mod look;
 mod text;
 
-use crate::cast::{Actor, Cast, Place, Playing, clip_named, rest_points};
-use crate::framing::{self, FOV_DEG};
+use crate::cast::{Actor, Cast, Place, Playing, clip_named};
+use crate::extent::framed;
+use crate::framing::{FOV_DEG, Framing};
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
 use glam::Vec3;
-use pelage_formats::{Animation, Package};
+use pelage_formats::Animation;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use text::Source;
@@ -157,42 +158,22 @@ impl SceneFile {
 }
 
 impl LoadedScene {
-    /// Who plays, seen from `camera`, else the scene's, else one that frames all of them in a picture of that width over height, with their fur
-    /// if it is drawn.
+    /// Who plays, seen from `camera`, else as `framing` says if it says so, else by the scene's camera, else from where all of them are in a
+    /// picture of that width over height ([`framed`]).
     ///
     /// # Errors
     ///
-    /// [`StageError::Package`] for a damaged package.
-    pub fn cast(&self, camera: Option<Viewpoint>, aspect: f32, with_fur: bool) -> Result<Cast<'_>, StageError> {
+    /// [`StageError::Package`] for a damaged package, [`StageError::Asked`] where nothing has the name that is to be looked at.
+    pub fn cast(&self, camera: Option<Viewpoint>, aspect: f32, framing: &Framing) -> Result<Cast<'_>, StageError> {
         let open = |file| Ok((file, Arc::new(NamedPackage::open(file)?)));
         let packages = self.packages.iter().map(open).collect::<Result<Vec<_>, StageError>>()?;
-        let camera = match (camera, &self.camera) {
+        let asked = framing.orbit.is_some() || framing.look_at.is_some();
+        let camera = match (camera, self.camera.as_ref().filter(|_| !asked)) {
             (Some(camera), _) => Shot::fixed(camera),
             (None, Some(shot)) => shot.clone(),
-            (None, None) => self.framing(&packages, aspect, with_fur)?,
+            (None, None) => Shot::fixed(framed(&packages, &self.actors, aspect, framing)?),
         };
         Ok(Cast { packages, actors: self.actors.clone(), camera })
-    }
-
-    /// A camera that sees all models at rest where they stand at time 0.
-    fn framing(
-        &self,
-        packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
-        aspect: f32,
-        with_fur: bool,
-    ) -> Result<Shot, StageError> {
-        let mut points = Vec::new();
-        let mut margin_m = 0.0_f32;
-        for (index, (file, package)) in packages.iter().enumerate() {
-            let rest = rest_points(file, package)?;
-            for actor in self.actors.iter().filter(|actor| actor.package == index) {
-                let transform = actor.place.transform(0.0);
-                points.extend(rest.iter().map(|point| transform.transform_point3(*point)));
-                margin_m = margin_m.max(package.manifest().fur.height_m * actor.place.scale);
-            }
-        }
-        let margin_m = if with_fur { margin_m } else { 0.0 };
-        Ok(Shot::fixed(framing::frame(&points, margin_m, aspect, framing::TOWARDS_CAMERA)))
     }
 }
 

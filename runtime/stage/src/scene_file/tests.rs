@@ -122,7 +122,7 @@ fn a_scene_is_changed_between_reading_and_loading() {
     assert_eq!(*asked.borrow(), ["no.pelage"], "one package of two models is read once");
     assert_eq!(loaded.names, ["no", "back"]);
     assert_eq!(loaded.actors[0].place.transform(0.0).w_axis.z, 7.0);
-    let cast = loaded.cast(None, 2.0, true).unwrap();
+    let cast = loaded.cast(None, 2.0, &crate::Framing::default()).unwrap();
     assert_eq!((cast.packages.len(), cast.actors.len()), (1, 2));
     file.scene.models.clear();
     assert!(file.load(&source).unwrap_err().to_string().contains("found none"));

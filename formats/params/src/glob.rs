@@ -1,0 +1,53 @@
+//! Names that a pattern stands for.
+
+/// Whether a pattern matches a name: `*` stands for any run of characters and `?` for one; case does not matter.
+pub fn glob(pattern: &str, name: &str) -> bool {
+    let [pattern, name] = [pattern, name].map(|text| text.to_lowercase().chars().collect::<Vec<_>>());
+    // Where the last `*` stands, and how much of the name it has swallowed so far: a mismatch goes back there and lets it
+    // swallow one more. Going back to earlier ones never helps.
+    let (mut p, mut n, mut star) = (0, 0, None);
+    while n < name.len() {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(c) if *c == '?' || *c == name[n] => (p, n) = (p + 1, n + 1),
+            _ => {
+                let Some((at, swallowed)) = star else { return false };
+                star = Some((at, swallowed + 1));
+                (p, n) = (at + 1, swallowed + 1);
+            }
+        }
+    }
+    pattern[p..].iter().all(|c| *c == '*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn globs_match_as_shells_do() {
+        for (pattern, name, expected) in [
+            ("Eye", "eye", true),
+            ("Eye", "Eyes", false),
+            ("eye*", "Eye_L", true),
+            ("*", "", true),
+            ("*hoof*", "front hoof L", true),
+            ("a*b", "ab", true),
+            ("a*b*", "axxbyy", true),
+            ("a*b", "abc", false),
+            ("a*a", "a", false),
+            ("a*ab", "aaab", true),
+            ("Eye?", "eyeL", true),
+            ("Eye?", "eye", false),
+            ("?*", "", false),
+            ("*é?", "Öéx", true),
+            ("", "", true),
+            ("", "x", false),
+        ] {
+            assert_eq!(glob(pattern, name), expected, "{pattern:?} on {name:?}");
+        }
+    }
+}

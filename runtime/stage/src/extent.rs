@@ -1,0 +1,199 @@
+//! What a picture shows, as points: what a camera without a place of its own has to frame.
+
+use crate::cast::{Actor, Place};
+use crate::framing::{Framing, outermost};
+use crate::{NamedPackage, StageError, Viewpoint};
+use glam::{Mat3, Mat4, Vec3};
+use pelage_formats::meaning::{posed, skin_matrix};
+use pelage_formats::{Animation, GeometryVertex, MeshView, Package, Pose, SkinVertex};
+use pelage_params::glob;
+use std::sync::Arc;
+
+/// Moments of a clip that are looked at in a second of it. A trot takes half a second, so that each swing of a leg is seen five times.
+const MOMENTS_PER_S: f32 = 20.0;
+/// The fewest moments of a clip, and the most: half a minute of a clip is looked at as closely as a second of it.
+const MOMENTS: [f32; 2] = [16.0, 600.0];
+/// Moments between two keys of a path. Its curve may swing past them.
+const MOMENTS_PER_KEY: usize = 8;
+/// A joint has a vertex where it has this share of the vertex's weights.
+const OWNED: f32 = 0.5;
+
+/// Points that hold one model: its vertices at rest, or those of a clip's whole length.
+///
+/// Of a clip, the outermost vertices of each joint are posed at [`MOMENTS_PER_S`] moments a second of it; those between them lie between their
+/// poses, too, but for the bend of the skin at a joint.
+///
+/// * `package`: `file` opened
+/// * `clip`: index and length in seconds, as [`crate::find_clip`] gives them
+/// * `look_at`: keeps only what belongs to a material or a joint of such a name; empty where none does. `*` stands for any run of characters
+///   and `?` for one, case does not matter. What hangs on a joint belongs to it.
+///
+/// # Errors
+///
+/// [`StageError::Package`] for a damaged package.
+pub fn outline(
+    file: &NamedPackage<'_>,
+    package: &Package<'_>,
+    clip: Option<(usize, f32)>,
+    look_at: Option<&str>,
+) -> Result<Vec<Vec3>, StageError> {
+    let animation = package.animation().map_err(|error| file.fault(error))?.unwrap_or_default();
+    let Some(mesh) = package.mesh().map_err(|error| file.fault(error))? else { return Ok(Vec::new()) };
+    let kept = look_at.map(|pattern| belonging(package, &mesh, &animation, pattern));
+    let is_kept = |i: usize| kept.as_ref().is_none_or(|kept| kept.get(i).is_some_and(|kept| *kept));
+    let mut pose = Pose::default();
+    let mut skin = mesh.skin();
+    let vertices = mesh.geometry().map(|vertex| (vertex, skin.next()));
+    let vertices: Vec<_> = vertices.enumerate().filter(|(i, _)| is_kept(*i)).map(|(_, vertex)| vertex).collect();
+    let place = |pose: &Pose, (vertex, skin): &(GeometryVertex, Option<SkinVertex>)| match skin {
+        Some(skin) => Vec3::from(posed(vertex, skin_matrix(pose, skin)).position),
+        None => Vec3::from(vertex.position),
+    };
+    let Some((clip, duration_s)) = clip.filter(|_| mesh.skin().next().is_some()) else {
+        pose.sample(&animation, None, 0.0);
+        return Ok(vertices.iter().map(|vertex| place(&pose, vertex)).collect());
+    };
+    let outer = outer_of_joints(&vertices, animation.joints.len());
+    let steps = (duration_s * MOMENTS_PER_S).ceil().clamp(MOMENTS[0], MOMENTS[1]) as usize;
+    let mut points = Vec::with_capacity(outer.len() * (steps + 1));
+    for step in 0..=steps {
+        pose.sample(&animation, Some(clip), duration_s * step as f32 / steps as f32);
+        points.extend(outer.iter().map(|i| place(&pose, &vertices[*i])));
+    }
+    Ok(points)
+}
+
+/// Of the vertices that each joint moves most, those that lie outermost as the mesh is stored, in 26 directions.
+fn outer_of_joints(vertices: &[(GeometryVertex, Option<SkinVertex>)], joints: usize) -> Vec<usize> {
+    let mut of_joint = vec![Vec::new(); joints + 1];
+    for (i, (_, skin)) in vertices.iter().enumerate() {
+        let first = |skin: &SkinVertex| (0..4).max_by(|a, b| skin.weights[*a].total_cmp(&skin.weights[*b]));
+        let joint = skin.as_ref().and_then(|skin| first(skin).map(|k| usize::from(skin.joints[k])));
+        of_joint[joint.unwrap_or(joints).min(joints)].push(i);
+    }
+    let sides = [-1.0, 0.0, 1.0];
+    let directions: Vec<Vec3> = (0..27).map(|i| Vec3::new(sides[i / 9], sides[i / 3 % 3], sides[i % 3])).collect();
+    let mut outer = Vec::new();
+    for owned in of_joint {
+        let points: Vec<Vec3> = owned.iter().map(|i| Vec3::from(vertices[*i].0.position)).collect();
+        outer.extend(outermost(&points, directions.iter().copied()).into_iter().map(|k| owned[k]));
+    }
+    outer
+}
+
+/// Of each vertex, whether it belongs to a material or a joint whose name the pattern matches.
+fn belonging(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Animation, pattern: &str) -> Vec<bool> {
+    let manifest = package.manifest();
+    let mut nodes: Vec<bool> = Vec::with_capacity(animation.nodes.len());
+    for node in &animation.nodes {
+        // Parents stand before their children.
+        let hangs = node.parent.and_then(|parent| nodes.get(parent as usize).copied()).unwrap_or(false);
+        nodes.push(hangs || glob(pattern, &node.name));
+    }
+    let joints: Vec<bool> =
+        animation.joints.iter().map(|joint| nodes.get(joint.node as usize).copied().unwrap_or(false)).collect();
+    let share = |skin: SkinVertex| -> f32 {
+        let has = |k: &usize| joints.get(usize::from(skin.joints[*k])).copied().unwrap_or(false);
+        (0..4).filter(has).map(|k| skin.weights[k]).sum()
+    };
+    let mut kept: Vec<bool> = mesh.skin().map(|skin| share(skin) >= OWNED).collect();
+    kept.resize(mesh.geometry().count(), false);
+    for part in &manifest.parts {
+        let named = manifest.materials.get(part.material as usize).is_some_and(|m| glob(pattern, &m.name));
+        for index in mesh.indices().skip(part.first_index as usize).take(part.index_count as usize).filter(|_| named) {
+            if let Some(kept) = kept.get_mut(index as usize) {
+                *kept = true;
+            }
+        }
+    }
+    kept
+}
+
+/// The camera that shows all actors wherever they get to, with their fur: [`outline`] of each, at rest or over its clip, along its whole path.
+///
+/// * `packages`: whose models the actors are copies of, with what they are opened
+/// * `aspect`: width of the picture over its height
+///
+/// # Errors
+///
+/// [`StageError::Asked`] where nothing of that name is to be looked at, with the names there are; [`StageError::Package`] for a damaged package.
+pub fn framed(
+    packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
+    actors: &[Actor],
+    aspect: f32,
+    framing: &Framing,
+) -> Result<Viewpoint, StageError> {
+    let (mut points, mut margin_m) = (Vec::new(), 0.0_f32);
+    let mut known: Vec<(usize, Option<usize>, Vec<Vec3>)> = Vec::new();
+    // Of a model that stands so: copies of a crowd differ in where they stand alone.
+    let mut edge: Option<(usize, Mat3, Vec<Vec3>)> = None;
+    for actor in actors {
+        let Some((file, package)) = packages.get(actor.package) else { continue };
+        let clip = actor.clip.map(|playing| playing.clip);
+        let of = match known.iter().position(|(whose, playing, _)| (*whose, *playing) == (actor.package, clip)) {
+            Some(of) => of,
+            None => {
+                let playing = actor.clip.map(|playing| (playing.clip, playing.duration_s));
+                known.push((actor.package, clip, outline(file, package, playing, framing.look_at.as_deref())?));
+                known.len() - 1
+            }
+        };
+        let model = &known[of].2;
+        if model.is_empty() {
+            continue;
+        }
+        margin_m = margin_m.max(package.manifest().fur.height_m * actor.place.scale);
+        for transform in transforms(&actor.place) {
+            if actors.len() == 1 && edge.is_none() && transform == Mat4::IDENTITY {
+                points.extend(model);
+                continue;
+            }
+            let turn = Mat3::from_mat4(transform);
+            if edge.as_ref().is_none_or(|(whose, how, _)| (*whose, *how) != (of, turn)) {
+                let turned: Vec<Vec3> = model.iter().map(|point| turn * *point).collect();
+                let kept = outermost(&turned, framing.edges(aspect).into_iter());
+                edge = Some((of, turn, kept.into_iter().map(|i| turned[i]).collect()));
+            }
+            let place = transform.w_axis.truncate();
+            points.extend(edge.iter().flat_map(|(.., points)| points).map(|point| *point + place));
+        }
+    }
+    if let (true, Some(part)) = (points.is_empty(), &framing.look_at) {
+        return Err(nothing_named(packages.iter().map(|(file, package)| (*file, &**package)), part));
+    }
+    Ok(framing.view(&points, margin_m, aspect))
+}
+
+/// Where a model stands along its way.
+fn transforms(place: &Place) -> Vec<Mat4> {
+    let mut times: Vec<f32> = place.position.times().collect();
+    times.extend(place.heading_deg.iter().flat_map(|heading| heading.times()));
+    times.sort_by(f32::total_cmp);
+    times.dedup();
+    let between = |pair: &[f32]| {
+        let (from, to) = (pair[0], pair[1]);
+        (1..MOMENTS_PER_KEY).map(move |k| from + (to - from) * k as f32 / MOMENTS_PER_KEY as f32)
+    };
+    let within: Vec<f32> = times.windows(2).flat_map(between).collect();
+    times.into_iter().chain(within).map(|time_s| place.transform(time_s)).collect()
+}
+
+/// What there is to look at, where nothing has the name that was asked for.
+pub fn nothing_named<'a>(
+    packages: impl Iterator<Item = (&'a NamedPackage<'a>, &'a Package<'a>)>,
+    part: &str,
+) -> StageError {
+    let mut has = Vec::new();
+    for (file, package) in packages {
+        let list = |names: Vec<String>| if names.is_empty() { "none".into() } else { names.join(", ") };
+        let materials = package.manifest().materials.iter().map(|material| format!("{:?}", material.name)).collect();
+        let animation = package.animation().ok().flatten().unwrap_or_default();
+        let named = |joint: &pelage_formats::Joint| animation.nodes.get(joint.node as usize).map(|n| n.name.clone());
+        let joints = animation.joints.iter().filter_map(named).map(|name| format!("{name:?}")).collect();
+        has.push(format!("{} has the materials {} and the joints {}", file.name, list(materials), list(joints)));
+    }
+    StageError::Asked {
+        what: format!("look-at {part:?}"),
+        reason: format!("no material and no joint with vertices of that name; {}", has.join("; ")),
+    }
+}
