@@ -55,13 +55,14 @@ impl Truth {
     /// Height of the fur in the picture of that view, pixels: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
     #[cfg(feature = "preview")]
     pub fn fur_px(&self, view: &View) -> f64 {
-        let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.rest_points, self.height_m);
-        let forward = (target - eye).normalize_or_zero();
-        let mut depths: Vec<f32> = self.rest_points.iter().map(|p| (*p - eye).dot(forward)).collect();
+        let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.outline, self.height_m);
+        let (eye, forward) = (eye.as_dvec3(), (target - eye).normalize_or_zero().as_dvec3());
+        let skin = self.scene.skin();
+        let mut depths: Vec<f64> = skin.vertices.iter().map(|p| (p.position_ws - eye).dot(forward)).collect();
         depths.retain(|depth| *depth > 0.0);
-        depths.sort_by(f32::total_cmp);
+        depths.sort_by(f64::total_cmp);
         let Some(depth) = depths.get(depths.len() / 2) else { return 0.0 };
-        let view_m = 2.0 * f64::from(*depth) * (0.5 * f64::from(fov_deg).to_radians()).tan();
+        let view_m = 2.0 * *depth * (0.5 * f64::from(fov_deg).to_radians()).tan();
         f64::from(self.height_m) / view_m * f64::from(view.size().1)
     }
 
@@ -86,6 +87,7 @@ impl Truth {
             back_attenuation: look.fur.back_attenuation,
             hair_shadows: look.shadow.self_shadow,
             skin_shadows: look.shadow.soft_shadow,
+            rolled_off: look.picture.style == LookStyle::Bare,
         };
         self.scene.picture(&self.camera(view), &lighting, view.size(), spp, progress)
     }

@@ -9,7 +9,7 @@ use super::ink::InkParams;
 pub enum Style {
     /// With the models' fur.
     Fur(FurParams),
-    /// The skin alone, in its base colour.
+    /// The skin alone, in its base colour. Its light is rolled off towards the sum of all lights, so that white skin shows its form.
     Bare,
     /// As an ink-wash painting (Fang 2006), for packages that have the style. There is no light in it: lights, shadows and casters have no
     /// effect. The paper is that of the first instance.

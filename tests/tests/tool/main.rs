@@ -8,6 +8,7 @@ mod bad_input;
 mod chart;
 mod compare;
 mod doctor;
+mod framing;
 mod groom;
 mod likeness;
 mod limits;

@@ -77,6 +77,9 @@ pub struct TrueLighting {
     pub hair_shadows: bool,
     /// The skin throws shadows.
     pub skin_shadows: bool,
+    /// Nothing but bare skin is shown, whose light is rolled off: with L its strongest channel and F that of all lights from straight above, it is
+    /// divided by 1 + L (F − 1) / F where F is more than 1, so that white skin is at most 1.
+    pub rolled_off: bool,
 }
 
 /// Constants and the tile's roots: what lights need to know besides the scene.
@@ -201,13 +204,17 @@ impl Sample<'_> {
     fn bare(&self, color: DVec3, normal: DVec3, place_ws: DVec3, visible: f64) -> DVec3 {
         let k = &self.material.dry;
         let key = self.lighting.key;
-        let mut sum = vector(k.ambient) * color * key.color();
+        let mut sum = vector(k.ambient) * key.color();
+        let mut full = sum;
         let lights = std::iter::once((&key, visible)).chain(self.lighting.fill.iter().map(|l| (l, 1.0)));
         for (light, visible) in lights {
             let cosine = normal.dot(light.seen_from(place_ws).0).max(0.0);
-            sum += vector(k.diffuse) * color * cosine * visible * light.color();
+            sum += vector(k.diffuse) * cosine * visible * light.color();
+            full += vector(k.diffuse) * light.color();
         }
-        sum
+        let full = full.max_element();
+        let rolled = if self.lighting.rolled_off && full > 1.0 { sum.max_element() * (full - 1.0) / full } else { 0.0 };
+        color * sum / (1.0 + rolled)
     }
 
     /// Whether the key light's point of this sample is seen: 1 or 0.

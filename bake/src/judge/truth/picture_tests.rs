@@ -39,6 +39,7 @@ fn lighting() -> TrueLighting {
         back_attenuation: true,
         hair_shadows: true,
         skin_shadows: true,
+        rolled_off: false,
     }
 }
 

@@ -34,6 +34,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part, furred: bool) -> Render
     constants.extend(look.lights());
     let sides = [look.mirrored, part.double_sided];
     if !furred {
+        constants.push(on("ROLL_OFF", frame.params.style.kind() == StyleKind::Bare));
         let mut spec = frame.picture_spec(SHADER, ["vs_bare", "fs_bare"], constants, sides, false);
         // A bare skin has no hair textures to bind.
         spec.groups.truncate(2);

@@ -1,5 +1,8 @@
 // The skin: the opaque base mesh. Furred parts carry the innermost layer of hair, bare parts (eyes, hooves) plain diffuse light.
 
+// The style shows nothing but bare skin: its light is rolled off, so that white is no more than white.
+override ROLL_OFF: bool = false;
+
 struct SkinVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) tint: vec4<f32>,
@@ -71,7 +74,30 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     let side = side_of(front);
     let n_dot_l = in.light_ts.z * side;
     let visible = visible_on_bare(Receiver(in.place, 0.0, false, n_dot_l));
-    return vec4(bare_color(base.rgb, n_dot_l, visible, Spot(in.position_ws, in.normal_ws, in.tangent), side), 1.0);
+    let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
+    if ROLL_OFF {
+        return vec4(base.rgb * rolled_off(bare_color(vec3(1.0), n_dot_l, visible, spot, side), full_light()), 1.0);
+    }
+    return vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0);
+}
+
+// The most light that bare skin can get: all lights from straight above.
+fn full_light() -> vec3<f32> {
+    var full = instance.ambient + instance.diffuse;
+    if FILL_LIGHTS {
+        for (var i = 0u; i < frame.fill_lights; i++) {
+            full += instance.diffuse_constant * fill_lights[i].color.rgb;
+        }
+    }
+    return full;
+}
+
+// Light in 0..=full as what is at most 1 in its strongest channel: L / (1 + L (F - 1) / F) with L and F of that channel, where F
+// is more than 1. Dim light stays, full light becomes 1, and the hue stays.
+fn rolled_off(light: vec3<f32>, full: vec3<f32>) -> vec3<f32> {
+    let most = max(full.r, max(full.g, full.b));
+    let here = max(light.r, max(light.g, light.b));
+    return light / (1.0 + here * max(most - 1.0, 0.0) / max(most, 1.0));
 }
 
 @fragment

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | `[look]` or `look` | the default look | how the picture looks: tables of a [`crate::Look`] such as `[look.shadow]`, or the path of a look file from the scene file's folder |
 //! | `[view]` | | the same in words of the command line, with `_` for `-`: `size = "834x424"`, `style = "ink"`, `ink_mist = "5,60"`; `look` goes before it |
-//! | `camera.eye`, `.target`, `.fov_deg` | frames all models as they stand at time 0; 30 | from where, to where, and the height of the view |
+//! | `camera.eye`, `.target`, `.fov_deg` | frames all models along their paths and over their clips; 30 | from where, to where, and the height of the view |
 //! | `camera.path` | | instead of them: a list of `{ time_s, eye, target, fov_deg }`, see [`crate::Track`] |
 //! | `light.direction` or `.position` | the default light | towards a distant light, or the place of a near one |
 //! | `sequence.frames`, `.fps` | , 24 | how many pictures where they are numbered or a video, and how many a second |

@@ -18,7 +18,7 @@ pub struct Scene {
     /// How the picture looks in words of the command line, with `_` for `-`: `self_shadow = "off"`. What `look` says goes before it.
     #[serde(default)]
     pub view: toml::Table,
-    /// From where it is seen; left out, all models are framed.
+    /// From where it is seen; left out, all models are framed, along their paths and over their clips.
     pub camera: Option<SceneCamera>,
     /// The key light; left out, the default one.
     pub light: Option<SceneLight>,

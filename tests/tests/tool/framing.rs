@@ -1,0 +1,184 @@
+//! What the camera frames where none is given, and how white skin is lit, through the real binary.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::{Sandbox, workspace};
+use pelage_tests::gpu::gpu;
+use pelage_tests::schema;
+use serde_json::Value;
+
+/// Small, and in formats that an adapter in software need not decode.
+const SMALL: &str = "--set slice.tile_texels=32 --set slice.layers=4 --set hair.density=60 --set pack.shell_format=rgba8 \
+    --set pack.direction_format=rg8 --set pack.base_color_format=rgba8";
+
+/// A sandbox with `hare.pelage`.
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    let model = workspace().join("assets/models/hare.glb");
+    let bake: Vec<&str> = ["bake", model.to_str().unwrap(), "-o", "hare.pelage"].into_iter().collect();
+    let run = sandbox.run(&[bake, SMALL.split_whitespace().collect()].concat());
+    assert_eq!(run.code, Some(0), "{run:?}");
+    sandbox
+}
+
+#[track_caller]
+fn rendered(sandbox: &Sandbox, line: &str) -> Value {
+    let args: Vec<&str> = ["render", "--json", "hare.pelage", "--size", "160x120"].into_iter().collect();
+    let run = sandbox.run(&[args, line.split_whitespace().collect()].concat());
+    assert_eq!(run.code, Some(0), "{line}: {run:?}");
+    schema::answer(&run, "render")
+}
+
+fn camera(sandbox: &Sandbox, line: &str) -> String {
+    rendered(sandbox, &format!("{line} -o a.png"))["camera"].as_str().unwrap().to_owned()
+}
+
+/// Eye, target and height of the view.
+fn numbers(camera: &str) -> Vec<f32> {
+    camera.split(['/', ',']).map(|n| n.parse().unwrap()).collect()
+}
+
+fn open(sandbox: &Sandbox, name: &str) -> image::RgbaImage {
+    image::open(sandbox.path().join(name)).unwrap().to_rgba8()
+}
+
+/// Whether nothing touches the picture's border, and something is in it.
+fn is_whole(picture: &image::RgbaImage) -> bool {
+    let (w, h) = picture.dimensions();
+    let covered =
+        |(x, y, p): &(u32, u32, &image::Rgba<u8>)| p.0[3] > 0 && (*x == 0 || *y == 0 || x + 1 == w || y + 1 == h);
+    picture.pixels().any(|p| p.0[3] > 0) && !picture.enumerate_pixels().any(|pixel| covered(&pixel))
+}
+
+#[test]
+fn the_camera_that_render_says_draws_the_same_picture() {
+    let Some(_) = gpu("the_camera_that_render_says_draws_the_same_picture") else { return };
+    let sandbox = sandbox();
+    for line in [
+        "",
+        "--crowd 12",
+        "--clip Walk --time 0.2",
+        "--orbit=-35,20,1.7",
+        "--look-at head --orbit 20,5",
+        "--crowd 3 --clip Walk",
+    ] {
+        let camera = camera(&sandbox, line);
+        let line: String = line.split_whitespace().filter(|_| !line.contains("orbit")).collect::<Vec<_>>().join(" ");
+        rendered(&sandbox, &format!("{line} --camera={camera} -o b.png"));
+        let bytes = |name: &str| std::fs::read(sandbox.path().join(name)).unwrap();
+        assert!(bytes("a.png") == bytes("b.png"), "{line}: {camera}");
+    }
+}
+
+#[test]
+fn fur_ink_and_bare_are_seen_from_one_place() {
+    let Some(_) = gpu("fur_ink_and_bare_are_seen_from_one_place") else { return };
+    let sandbox = sandbox();
+    let fur = camera(&sandbox, "");
+    assert_eq!(camera(&sandbox, "--style bare"), fur);
+    assert_eq!(camera(&sandbox, "--style ink"), fur);
+}
+
+#[test]
+fn crowds_clips_and_turntables_stay_in_the_picture() {
+    let Some(_) = gpu("crowds_clips_and_turntables_stay_in_the_picture") else { return };
+    let sandbox = sandbox();
+    for line in ["--crowd 12", "--crowd 5 --orbit 180,60", "--clip Walk --crowd 2"] {
+        rendered(&sandbox, &format!("{line} -o a.png"));
+        assert!(is_whole(&open(&sandbox, "a.png")), "{line}");
+    }
+    for line in ["--clip Walk", "--auto-rotate", "--auto-rotate --turn-light --orbit 0,70", "--auto-rotate --clip Walk"]
+    {
+        rendered(&sandbox, &format!("{line} --frames 7 --fps 7 -o a_%d.png"));
+        let pictures: Vec<_> = (0..7).map(|i| open(&sandbox, &format!("a_{i}.png"))).collect();
+        assert!(pictures.iter().all(is_whole), "{line}");
+        assert!(pictures[1..].iter().all(|picture| *picture != pictures[0]), "{line}: nothing moves");
+    }
+}
+
+#[test]
+fn orbits_go_around_and_nearer() {
+    let Some(_) = gpu("orbits_go_around_and_nearer") else { return };
+    let sandbox = sandbox();
+    let way = |line: &str| {
+        let n = numbers(&camera(&sandbox, line));
+        [n[0] - n[3], n[1] - n[4], n[2] - n[5]]
+    };
+    let [x, y, z] = way("--orbit 0,0");
+    assert!(x.abs() < 1e-3 && y.abs() < 1e-3 && z > 0.1, "in front: {x} {y} {z}");
+    let [x, _, z] = way("--orbit 90,0");
+    assert!(x > 0.1 && z.abs() < 1e-3, "at the left: {x} {z}");
+    let [x, y, z] = way("--orbit 0,90");
+    assert!(x.abs() < 1e-3 && y > 0.1 && z.abs() < 1e-3, "above: {x} {y} {z}");
+    let pixels = |line: &str| rendered(&sandbox, &format!("{line} -o a.png"))["covered_pixels"].as_u64().unwrap();
+    let (far, plain, near) = (pixels("--orbit 40,10,0.5"), pixels("--orbit 40,10"), pixels("--orbit 40,10,1.5"));
+    assert!(2 * far < plain && plain < near, "{far} {plain} {near}");
+    assert!(camera(&sandbox, "--look-at head") != camera(&sandbox, ""));
+}
+
+#[test]
+fn what_is_asked_wrongly_of_the_camera_is_said() {
+    let sandbox = sandbox();
+    let run = |line: &str| {
+        let args: Vec<&str> = line.split_whitespace().collect();
+        sandbox.run(&args)
+    };
+    for (line, words) in [
+        ("render hare.pelage -o a.png --camera 0,1,2/0,0,0/30 --orbit 1,2", "--orbit"),
+        ("render hare.pelage -o a.png --camera 0,1,2/0,0,0/30 --look-at Head", "--look-at"),
+        ("render hare.pelage -o a.png --auto-rotate", "--auto-rotate: expected --frames"),
+        ("doctor hare.pelage --camera 0,1,2/0,0,0/30 --orbit 1,2", "--orbit"),
+        ("doctor hare.pelage --look-at Trunk", "look-at \"Trunk\": no material and no joint"),
+        ("reference hare.pelage -o a.png --size 8x8 --look-at Trunk", "has the materials"),
+    ] {
+        let run = run(line);
+        assert_eq!(run.code, Some(1), "{line}: {run:?}");
+        assert!(run.stderr.contains(words), "{line}: {}", run.stderr);
+    }
+    assert!(run("doctor hare.pelage --look-at Trunk").stderr.contains("and the joints \""));
+}
+
+/// A white sphere of a metre, without materials.
+fn sphere() -> String {
+    use std::fmt::Write as _;
+    let (rings, sides) = (16u32, 32u32);
+    let mut text = String::new();
+    for ring in 0..=rings {
+        for side in 0..sides {
+            let (a, b) =
+                (std::f32::consts::PI * ring as f32 / rings as f32, std::f32::consts::TAU * side as f32 / sides as f32);
+            let (x, y, z) = (a.sin() * b.sin(), a.cos(), a.sin() * b.cos());
+            writeln!(text, "v {x} {y} {z}\nvn {x} {y} {z}").unwrap();
+        }
+    }
+    for ring in 0..rings {
+        for side in 0..sides {
+            let at = |r: u32, s: u32| (ring + r) * sides + (side + s) % sides + 1;
+            let [a, b, c, d] = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+            writeln!(text, "f {a}//{a} {b}//{b} {c}//{c} {d}//{d}").unwrap();
+        }
+    }
+    text
+}
+
+#[test]
+fn a_white_sphere_without_fur_shows_its_form() {
+    let Some(_) = gpu("a_white_sphere_without_fur_shows_its_form") else { return };
+    let sandbox = Sandbox::new();
+    std::fs::write(sandbox.path().join("sphere.obj"), sphere()).unwrap();
+    let bake: Vec<&str> = "bake sphere.obj -o hare.pelage".split(' ').collect();
+    let run = sandbox.run(&[bake, SMALL.split_whitespace().collect()].concat());
+    assert_eq!(run.code, Some(0), "{run:?}");
+    for light in ["", "--fill-light -1,0.2,1/0.5"] {
+        rendered(&sandbox, &format!("--style bare {light} -o a.png"));
+        let picture = open(&sandbox, "a.png");
+        let covered: Vec<[u8; 4]> = picture.pixels().map(|p| p.0).filter(|p| p[3] == 255).collect();
+        let clipped = covered.iter().filter(|p| p[..3] == [255; 3]).count() as f64 / covered.len() as f64;
+        let mut greens: Vec<u8> = covered.iter().map(|p| p[1]).collect();
+        greens.sort_unstable();
+        let spread = greens[greens.len() * 9 / 10] - greens[greens.len() / 10];
+        // Half of it was clipped, when the sum of the lights went up to 1.55; the highlight alone may be white now.
+        assert!(clipped < 0.02, "{light}: {clipped} of the pixels are white");
+        assert!(spread > 60, "{light}: nine tenths of the pixels lie within {spread} of 255");
+        assert!(greens[greens.len() - 1] > 235, "{light}: the brightest is {}", greens[greens.len() - 1]);
+    }
+}
