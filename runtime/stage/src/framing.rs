@@ -217,6 +217,55 @@ mod tests {
     }
 
     #[test]
+    fn a_camera_that_goes_around_keeps_every_point_and_turns_about_its_target() {
+        let points: Vec<Vec3> = (0..200)
+            .map(|i| Vec3::new(3.0 + (i as f32).sin(), (i as f32 * 0.7).cos(), 2.0 * (i as f32 * 1.9).sin()))
+            .collect();
+        for (elevation_deg, aspect) in [(0.0, 1.0), (40.0, 2.0), (-20.0, 0.5), (90.0, 1.0)] {
+            let orbit = Some(Orbit { azimuth_deg: 30.0, elevation_deg, zoom: 1.0 });
+            let framing = Framing { orbit, look_at: None, all_around: true };
+            let Viewpoint { eye, target, fov_deg } = framing.view(&points, 0.1, aspect);
+            let tan_y = (fov_deg.to_radians() / 2.0).tan();
+            let mut widest = 0.0_f32;
+            for step in 0..90 {
+                let turned = target + Quat::from_rotation_y((4.0 * step as f32).to_radians()) * (eye - target);
+                let view = view_from_world(turned, target);
+                for point in &points {
+                    let p = view.transform_point3(*point);
+                    widest = widest.max((p.x / (tan_y * aspect)).abs().max((p.y / tan_y).abs()) / -p.z);
+                }
+            }
+            assert!((0.7..0.93).contains(&widest), "elevation {elevation_deg}: the widest lies at {widest}");
+        }
+    }
+
+    #[test]
+    fn a_zoom_brings_the_nearest_side_nearer_and_never_behind_the_eye() {
+        let points = [Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, 0.5, 0.0)];
+        let view = |zoom| {
+            let orbit = Some(Orbit { azimuth_deg: 0.0, elevation_deg: 0.0, zoom });
+            Framing { orbit, ..Framing::default() }.view(&points, 0.0, 1.0)
+        };
+        let distance = |zoom| view(zoom).eye.z - 3.0;
+        for zoom in [0.01, 0.5, 2.0, 100.0] {
+            assert!((distance(zoom) * zoom / distance(1.0) - 1.0).abs() < 1e-2, "zoom {zoom}: {}", distance(zoom));
+        }
+        assert!(distance(100.0) > 0.0);
+        assert_eq!(view(1.0), frame(&points, 0.0, 1.0, Vec3::Z), "to the last bit");
+    }
+
+    #[test]
+    fn outermost_points_frame_as_all_do() {
+        let points: Vec<Vec3> =
+            (0..500).map(|i| Vec3::new((i as f32).sin(), (i as f32 * 0.7).cos(), (i as f32 * 1.9).sin())).collect();
+        let framing = Framing::default();
+        let outer: Vec<Vec3> = outermost(&points, framing.edges(1.5).into_iter()).iter().map(|i| points[*i]).collect();
+        assert!(outer.len() <= 5);
+        let (few, all) = (framing.view(&outer, 0.1, 1.5), framing.view(&points, 0.1, 1.5));
+        assert!(few.eye.distance(all.eye) < 1e-4, "{} is not {}", few.eye, all.eye);
+    }
+
+    #[test]
     fn nothing_and_a_point_are_framed_too() {
         for points in [&[][..], &[Vec3::ONE]] {
             let Viewpoint { eye, target, .. } = frame(points, 0.0, 1.0, TOWARDS_CAMERA);

@@ -53,16 +53,10 @@ fn is_whole(picture: &image::RgbaImage) -> bool {
 fn the_camera_that_render_says_draws_the_same_picture() {
     let Some(_) = gpu("the_camera_that_render_says_draws_the_same_picture") else { return };
     let sandbox = sandbox();
-    for line in [
-        "",
-        "--crowd 12",
-        "--clip Walk --time 0.2",
-        "--orbit=-35,20,1.7",
-        "--look-at head --orbit 20,5",
-        "--crowd 3 --clip Walk",
-    ] {
+    for line in ["--crowd 12 --clip Walk --time 0.2", "--orbit=-35,20,1.7", "--look-at head --orbit 20,5"] {
         let camera = camera(&sandbox, line);
-        let line: String = line.split_whitespace().filter(|_| !line.contains("orbit")).collect::<Vec<_>>().join(" ");
+        // What frames is left out beside a camera.
+        let line = if line.contains("orbit") { "" } else { line };
         rendered(&sandbox, &format!("{line} --camera={camera} -o b.png"));
         let bytes = |name: &str| std::fs::read(sandbox.path().join(name)).unwrap();
         assert!(bytes("a.png") == bytes("b.png"), "{line}: {camera}");
@@ -82,12 +76,11 @@ fn fur_ink_and_bare_are_seen_from_one_place() {
 fn crowds_clips_and_turntables_stay_in_the_picture() {
     let Some(_) = gpu("crowds_clips_and_turntables_stay_in_the_picture") else { return };
     let sandbox = sandbox();
-    for line in ["--crowd 12", "--crowd 5 --orbit 180,60", "--clip Walk --crowd 2"] {
+    for line in ["--crowd 12", "--crowd 5 --orbit 180,60 --clip Walk"] {
         rendered(&sandbox, &format!("{line} -o a.png"));
         assert!(is_whole(&open(&sandbox, "a.png")), "{line}");
     }
-    for line in ["--clip Walk", "--auto-rotate", "--auto-rotate --turn-light --orbit 0,70", "--auto-rotate --clip Walk"]
-    {
+    for line in ["--clip Walk", "--auto-rotate --turn-light --orbit 0,70", "--auto-rotate --clip Walk"] {
         rendered(&sandbox, &format!("{line} --frames 7 --fps 7 -o a_%d.png"));
         let pictures: Vec<_> = (0..7).map(|i| open(&sandbox, &format!("a_{i}.png"))).collect();
         assert!(pictures.iter().all(is_whole), "{line}");
