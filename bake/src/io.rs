@@ -71,9 +71,8 @@ fn start(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8
         let text = format!("it is {}, expected a file", kind_of(&found.file_type()));
         return Err(fail(io::Error::new(kind, text)));
     }
-    let mut bytes = Vec::new();
     // What the system says of the length is a hint: files under /proc say 0, and any file may grow meanwhile.
-    bytes.reserve(found.len().min(most) as usize);
+    let mut bytes = Vec::with_capacity(found.len().min(most) as usize);
     std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(fail)?;
     Ok(bytes)
 }

@@ -22,7 +22,7 @@ pub fn anatomy(package: &Package<'_>) -> Result<Value, FormatError> {
     }
     let mesh = package.mesh()?;
     let positions: Vec<Vec3> = mesh.iter().flat_map(|m| posed_vertices(m, &pose)).map(|v| v.position.into()).collect();
-    let indices: Vec<u32> = mesh.iter().flat_map(|m| m.indices()).collect();
+    let indices: Vec<u32> = mesh.iter().flat_map(pelage_formats::MeshView::indices).collect();
     let mut found: Vec<Found> = manifest.materials.iter().map(|_| Found::default()).collect();
     for part in &manifest.parts {
         let corners = indices.get(part.first_index as usize..(part.first_index + part.index_count) as usize);

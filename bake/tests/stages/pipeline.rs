@@ -401,7 +401,7 @@ fn from_here_on_is_a_whole_bake() {
 fn sliced_again_is_baked_again() {
     let first = recipe("torus");
     let bytes = asset("models/torus.glb");
-    let model = import("torus", &bytes, &mut |_| panic!("no files"), &ImportOptions::default()).unwrap();
+    let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
     let slicer = Slicer::new("torus", "torus", &model, &first, &images).unwrap();
     for sets in [

@@ -47,6 +47,7 @@ use source::Source;
 
 pub use notes::input_record;
 pub use options::ImportOptions;
+pub use source::Resolve;
 
 /// Reads a glTF 2.0 or OBJ model from `bytes`; what the file is shows in its contents, and only where they leave it open in its name.
 ///
@@ -57,10 +58,10 @@ pub use options::ImportOptions;
 ///
 /// [`BakeError::Input`] with byte offset, JSON pointer or line for everything wrong with the model or a file that it names,
 /// [`BakeError::Params`] for options outside their range.
-pub fn import(
+pub fn import<'r>(
     file: &str,
     bytes: &[u8],
-    resolve: &mut dyn FnMut(&str, u64) -> Result<Vec<u8>, BakeError>,
+    resolve: &'r mut Resolve<'r>,
     options: &ImportOptions,
 ) -> Result<Model, BakeError> {
     options.validate()?;

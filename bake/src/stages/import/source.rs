@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 pub(super) const MAX_UNPACKED: u64 = 1 << 30;
 
 /// Fetches the bytes of a relative URI, the first so many where there are more.
-pub(super) type Resolve<'r> = dyn FnMut(&str, u64) -> Result<Vec<u8>, BakeError> + 'r;
+pub type Resolve<'r> = dyn FnMut(&str, u64) -> Result<Vec<u8>, BakeError> + 'r;
 
 /// The most that is read of a file beside the model that does not say its length, bytes: an image or a material file.
 pub(super) const MAX_BESIDE: u64 = 256 << 20;
