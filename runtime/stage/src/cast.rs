@@ -1,12 +1,15 @@
 //! Who is in the picture, and where each of them and the camera are at what time, without a device.
 
-use crate::extent::framed;
-use crate::framing::Framing;
+use crate::extent::{nothing_named, outline};
+use crate::framing::{Framing, outermost};
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
-use glam::{Mat4, Quat, Vec3};
+use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::{Animation, Manifest, Package};
 use std::sync::Arc;
+
+/// Moments between two keys of a path. Its curve may swing past them.
+const MOMENTS_PER_KEY: usize = 8;
 
 /// Everything that a picture shows, over time.
 #[derive(Clone, Debug)]
@@ -159,6 +162,75 @@ fn places(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
     let columns = f64::from(crowd).sqrt().ceil() as u32;
     let place = |i: u32| Vec3::new((i % columns) as f32 * width, 0.0, -((i / columns) as f32) * depth);
     (0..crowd).map(place).collect()
+}
+
+/// The camera that shows all actors wherever they get to, with their fur: [`outline`] of each, at rest or over its clip, along its whole path.
+///
+/// * `packages`: whose models the actors are copies of, with what they are opened
+/// * `aspect`: width of the picture over its height
+///
+/// # Errors
+///
+/// [`StageError::Asked`] where nothing of that name is to be looked at, with the names there are; [`StageError::Package`] for a damaged package.
+pub fn framed(
+    packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
+    actors: &[Actor],
+    aspect: f32,
+    framing: &Framing,
+) -> Result<Viewpoint, StageError> {
+    let (mut points, mut margin_m) = (Vec::new(), 0.0_f32);
+    let mut known: Vec<(usize, Option<usize>, Vec<Vec3>)> = Vec::new();
+    // Of a model that stands so: copies of a crowd differ in where they stand alone.
+    let mut edge: Option<(usize, Mat3, Vec<Vec3>)> = None;
+    for actor in actors {
+        let Some((file, package)) = packages.get(actor.package) else { continue };
+        let clip = actor.clip.map(|playing| playing.clip);
+        let of = match known.iter().position(|(whose, playing, _)| (*whose, *playing) == (actor.package, clip)) {
+            Some(of) => of,
+            None => {
+                let playing = actor.clip.map(|playing| (playing.clip, playing.duration_s));
+                known.push((actor.package, clip, outline(file, package, playing, framing.look_at.as_deref())?));
+                known.len() - 1
+            }
+        };
+        let model = &known[of].2;
+        if model.is_empty() {
+            continue;
+        }
+        margin_m = margin_m.max(package.manifest().fur.height_m * actor.place.scale);
+        for transform in transforms(&actor.place) {
+            if actors.len() == 1 && edge.is_none() && transform == Mat4::IDENTITY {
+                points.extend(model);
+                continue;
+            }
+            let turn = Mat3::from_mat4(transform);
+            if edge.as_ref().is_none_or(|(whose, how, _)| (*whose, *how) != (of, turn)) {
+                let turned: Vec<Vec3> = model.iter().map(|point| turn * *point).collect();
+                let kept = outermost(&turned, framing.edges(aspect).into_iter());
+                edge = Some((of, turn, kept.into_iter().map(|i| turned[i]).collect()));
+            }
+            let place = transform.w_axis.truncate();
+            points.extend(edge.iter().flat_map(|(.., points)| points).map(|point| *point + place));
+        }
+    }
+    if let (true, Some(part)) = (points.is_empty(), &framing.look_at) {
+        return Err(nothing_named(packages.iter().map(|(file, package)| (*file, &**package)), part));
+    }
+    Ok(framing.view(&points, margin_m, aspect))
+}
+
+/// Where a model stands along its way.
+fn transforms(place: &Place) -> Vec<Mat4> {
+    let mut times: Vec<f32> = place.position.times().collect();
+    times.extend(place.heading_deg.iter().flat_map(|heading| heading.times()));
+    times.sort_by(f32::total_cmp);
+    times.dedup();
+    let between = |pair: &[f32]| {
+        let (from, to) = (pair[0], pair[1]);
+        (1..MOMENTS_PER_KEY).map(move |k| from + (to - from) * k as f32 / MOMENTS_PER_KEY as f32)
+    };
+    let within: Vec<f32> = times.windows(2).flat_map(between).collect();
+    times.into_iter().chain(within).map(|time_s| place.transform(time_s)).collect()
 }
 
 #[cfg(test)]

@@ -1,20 +1,16 @@
-//! What a picture shows, as points: what a camera without a place of its own has to frame.
+//! What a model fills, as points: what a camera without a place of its own has to frame.
 
-use crate::cast::{Actor, Place};
-use crate::framing::{Framing, outermost};
-use crate::{NamedPackage, StageError, Viewpoint};
-use glam::{Mat3, Mat4, Vec3};
+use crate::framing::outermost;
+use crate::{NamedPackage, StageError};
+use glam::Vec3;
 use pelage_formats::meaning::{posed, skin_matrix};
 use pelage_formats::{Animation, GeometryVertex, MeshView, Package, Pose, SkinVertex};
 use pelage_params::glob;
-use std::sync::Arc;
 
 /// Moments of a clip that are looked at in a second of it. A trot takes half a second, so that each swing of a leg is seen five times.
 const MOMENTS_PER_S: f32 = 20.0;
 /// The fewest moments of a clip, and the most: half a minute of a clip is looked at as closely as a second of it.
 const MOMENTS: [f32; 2] = [16.0, 600.0];
-/// Moments between two keys of a path. Its curve may swing past them.
-const MOMENTS_PER_KEY: usize = 8;
 /// A joint has a vertex where it has this share of the vertex's weights.
 const OWNED: f32 = 0.5;
 
@@ -107,75 +103,6 @@ fn belonging(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Animation, 
         }
     }
     kept
-}
-
-/// The camera that shows all actors wherever they get to, with their fur: [`outline`] of each, at rest or over its clip, along its whole path.
-///
-/// * `packages`: whose models the actors are copies of, with what they are opened
-/// * `aspect`: width of the picture over its height
-///
-/// # Errors
-///
-/// [`StageError::Asked`] where nothing of that name is to be looked at, with the names there are; [`StageError::Package`] for a damaged package.
-pub fn framed(
-    packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
-    actors: &[Actor],
-    aspect: f32,
-    framing: &Framing,
-) -> Result<Viewpoint, StageError> {
-    let (mut points, mut margin_m) = (Vec::new(), 0.0_f32);
-    let mut known: Vec<(usize, Option<usize>, Vec<Vec3>)> = Vec::new();
-    // Of a model that stands so: copies of a crowd differ in where they stand alone.
-    let mut edge: Option<(usize, Mat3, Vec<Vec3>)> = None;
-    for actor in actors {
-        let Some((file, package)) = packages.get(actor.package) else { continue };
-        let clip = actor.clip.map(|playing| playing.clip);
-        let of = match known.iter().position(|(whose, playing, _)| (*whose, *playing) == (actor.package, clip)) {
-            Some(of) => of,
-            None => {
-                let playing = actor.clip.map(|playing| (playing.clip, playing.duration_s));
-                known.push((actor.package, clip, outline(file, package, playing, framing.look_at.as_deref())?));
-                known.len() - 1
-            }
-        };
-        let model = &known[of].2;
-        if model.is_empty() {
-            continue;
-        }
-        margin_m = margin_m.max(package.manifest().fur.height_m * actor.place.scale);
-        for transform in transforms(&actor.place) {
-            if actors.len() == 1 && edge.is_none() && transform == Mat4::IDENTITY {
-                points.extend(model);
-                continue;
-            }
-            let turn = Mat3::from_mat4(transform);
-            if edge.as_ref().is_none_or(|(whose, how, _)| (*whose, *how) != (of, turn)) {
-                let turned: Vec<Vec3> = model.iter().map(|point| turn * *point).collect();
-                let kept = outermost(&turned, framing.edges(aspect).into_iter());
-                edge = Some((of, turn, kept.into_iter().map(|i| turned[i]).collect()));
-            }
-            let place = transform.w_axis.truncate();
-            points.extend(edge.iter().flat_map(|(.., points)| points).map(|point| *point + place));
-        }
-    }
-    if let (true, Some(part)) = (points.is_empty(), &framing.look_at) {
-        return Err(nothing_named(packages.iter().map(|(file, package)| (*file, &**package)), part));
-    }
-    Ok(framing.view(&points, margin_m, aspect))
-}
-
-/// Where a model stands along its way.
-fn transforms(place: &Place) -> Vec<Mat4> {
-    let mut times: Vec<f32> = place.position.times().collect();
-    times.extend(place.heading_deg.iter().flat_map(crate::track::Track::times));
-    times.sort_by(f32::total_cmp);
-    times.dedup();
-    let between = |pair: &[f32]| {
-        let (from, to) = (pair[0], pair[1]);
-        (1..MOMENTS_PER_KEY).map(move |k| from + (to - from) * k as f32 / MOMENTS_PER_KEY as f32)
-    };
-    let within: Vec<f32> = times.windows(2).flat_map(between).collect();
-    times.into_iter().chain(within).map(|time_s| place.transform(time_s)).collect()
 }
 
 /// What there is to look at, where nothing has the name that was asked for.

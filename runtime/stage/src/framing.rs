@@ -1,6 +1,7 @@
 //! The camera and light a picture gets when the command line names none.
 
 use crate::Viewpoint;
+use crate::viewpoint::numbers;
 use glam::{Quat, Vec3};
 use pelage_formats::meaning::view_from_world;
 use std::str::FromStr;
@@ -46,9 +47,7 @@ impl FromStr for Orbit {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Option<Vec<f32>> =
-            text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect();
-        let (azimuth_deg, elevation_deg, zoom) = match numbers.as_deref() {
+        let (azimuth_deg, elevation_deg, zoom) = match numbers(text).as_deref() {
             Some([azimuth, elevation]) => (*azimuth, *elevation, 1.0),
             Some([azimuth, elevation, zoom]) => (*azimuth, *elevation, *zoom),
             _ => return Err("expected azimuth and elevation in degrees, and perhaps a zoom, such as 45,20,1.5".into()),

@@ -27,9 +27,9 @@ mod viewpoint;
 
 #[cfg(feature = "draw")]
 pub use canvas::{COLOR_FORMAT, Canvas, CanvasOptions, DEPTH_FORMAT};
-pub use cast::{Actor, Cast, Place, Playing, find_clip, within};
+pub use cast::{Actor, Cast, Place, Playing, find_clip, framed, within};
 pub use error::StageError;
-pub use extent::{framed, nothing_named, outline};
+pub use extent::{nothing_named, outline};
 pub use framing::{Framing, Orbit};
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;

@@ -17,11 +17,14 @@ pub struct Viewpoint {
     pub fov_deg: f32,
 }
 
+/// Finite numbers with commas between them.
+pub(crate) fn numbers(text: &str) -> Option<Vec<f32>> {
+    text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect()
+}
+
 /// Three finite numbers, `x,y,z`, or what was expected, in words.
 fn parse_vec3(text: &str) -> Result<Vec3, String> {
-    let numbers: Option<Vec<f32>> =
-        text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect();
-    match numbers.as_deref() {
+    match numbers(text).as_deref() {
         Some([x, y, z]) => Ok(Vec3::new(*x, *y, *z)),
         _ => Err("expected three numbers x,y,z".into()),
     }

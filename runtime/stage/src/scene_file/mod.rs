@@ -25,8 +25,7 @@
 mod look;
 mod text;
 
-use crate::cast::{Actor, Cast, Place, Playing, clip_named};
-use crate::extent::framed;
+use crate::cast::{Actor, Cast, Place, Playing, clip_named, framed};
 use crate::framing::{FOV_DEG, Framing};
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
