@@ -222,7 +222,7 @@ pub fn framed(
 /// Where a model stands along its way.
 fn transforms(place: &Place) -> Vec<Mat4> {
     let mut times: Vec<f32> = place.position.times().collect();
-    times.extend(place.heading_deg.iter().flat_map(|heading| heading.times()));
+    times.extend(place.heading_deg.iter().flat_map(Track::times));
     times.sort_by(f32::total_cmp);
     times.dedup();
     let between = |pair: &[f32]| {
