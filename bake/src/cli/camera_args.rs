@@ -1,6 +1,5 @@
 //! From where a picture is seen: the arguments of `render`, `bench`, `reference` and `doctor`.
 
-use super::view::View;
 use pelage_stage::{Framing, Orbit, Viewpoint};
 
 /// Options of whatever looks at a model.
@@ -26,10 +25,5 @@ impl CameraArgs {
     /// What a camera is that is not given.
     pub fn framing(&self) -> Framing {
         Framing { orbit: self.orbit, look_at: self.look_at.clone(), all_around: false }
-    }
-
-    /// A view from there.
-    pub fn of(&self, view: View) -> View {
-        View { camera: self.camera, framing: self.framing(), ..view }
     }
 }

@@ -42,7 +42,7 @@ pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
     let package = file.open()?;
     output.progress("counting pixels");
     let size = (args.size.width, args.size.height);
-    let shown = args.camera.of(View::sized(size));
+    let shown = View::sized(size).seen_from(&args.camera);
     let outline = if shown.camera.is_none() { shown.outline(&file, &package)? } else { Vec::new() };
     let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&outline, package.manifest().fur.height_m);
     let (instances, shadow_map) = (args.instances, args.shadow_map);

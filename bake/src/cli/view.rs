@@ -1,5 +1,6 @@
 //! How a package or a scene is looked at: what the arguments of `render` and `bench` come to.
 
+use super::camera_args::CameraArgs;
 use super::exit::Failure;
 use super::view_args::ViewArgs;
 use glam::Vec3;
@@ -38,7 +39,12 @@ impl View {
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
         let view = Self { look, clip: args.clip.clone(), time_s: args.time, crowd: args.crowd, ..Self::default() };
-        Ok(args.camera.of(view))
+        Ok(view.seen_from(&args.camera))
+    }
+
+    /// The same from where the arguments say.
+    pub fn seen_from(self, args: &CameraArgs) -> Self {
+        Self { camera: args.camera, framing: args.framing(), ..self }
     }
 
     /// The same with changes to its look.
