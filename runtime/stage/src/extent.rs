@@ -16,7 +16,7 @@ const OWNED: f32 = 0.5;
 
 /// Points that hold one model: its vertices at rest, or those of a clip's whole length.
 ///
-/// Of a clip, the outermost vertices of each joint are posed at [`MOMENTS_PER_S`] moments a second of it; those between them lie between their
+/// Of a clip, the outermost vertices of each joint are posed at twenty moments a second of it; those between them lie between their
 /// poses, too, but for the bend of the skin at a joint.
 ///
 /// * `package`: `file` opened
