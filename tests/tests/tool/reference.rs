@@ -122,10 +122,13 @@ fn what_is_wrong_is_said() {
     // A package whose recipe was changed grows other strands than it was sliced from.
     assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
     let recipe = std::fs::read_to_string(sandbox.path().join("folder/recipe.toml")).unwrap();
-    let wrong: Vec<String> = recipe
-        .lines()
-        .map(|line| if line.starts_with("density = ") { "density = 3".into() } else { line.to_owned() })
-        .collect();
+    let wrong: Vec<String> =
+        recipe
+            .lines()
+            .map(|line| {
+                if line.starts_with("length_variation = ") { "length_variation = 1.0".into() } else { line.to_owned() }
+            })
+            .collect();
     sandbox.write("folder/recipe.toml", wrong.join("\n"));
     assert_eq!(sandbox.run(&["pack", "folder", "b.pelage", "-q"]).code, Some(0));
     let run = sandbox.run(&["reference", "b.pelage", "-o", "b.png"]);
