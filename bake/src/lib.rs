@@ -21,6 +21,7 @@ pub mod recorded;
 pub mod reslice;
 pub(crate) mod sample;
 pub mod stages;
+pub mod steps;
 pub mod strands;
 pub mod unfinished;
 pub mod y4m;

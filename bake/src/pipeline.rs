@@ -16,6 +16,7 @@ use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
 use crate::stages::size;
 use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::stages::textures::{self, FinTextures, ShellTextures};
+use crate::steps::Steps;
 use pelage_formats::{Bounds, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.
@@ -32,6 +33,15 @@ pub struct Told<'a> {
     pub recipe: &'a Recipe,
     /// The images that the recipe names.
     pub images: &'a MapImages,
+    /// Where long stages count their steps.
+    pub steps: &'a Steps,
+}
+
+impl<'a> Told<'a> {
+    /// What nobody waits for. Arguments as the fields.
+    pub fn new(file: &'a str, name: &'a str, recipe: &'a Recipe, images: &'a MapImages) -> Self {
+        Self { file, name, recipe, images, steps: Steps::unseen() }
+    }
 }
 
 /// Declares what is kept of the steps: a field of [`Outputs`] and its name in [`Output`].
@@ -152,7 +162,7 @@ pub struct Laid<'a> {
     pub warnings: Vec<String>,
 }
 
-/// The first stage alone: lays the hair's tile on a model. Arguments as for [`bake`].
+/// The first stage alone: lays the hair's tile on a model. Arguments as in [`Told`].
 ///
 /// # Errors
 ///
@@ -216,25 +226,15 @@ pub struct Baked {
 
 /// Bakes an imported model.
 ///
-/// * `file`: the model as the user named it, for messages
-/// * `name`: its name in the package
-/// * `images`: the images that the recipe names
 /// * `on_stage`: called with the name of each of [`STAGES`] as it begins
 ///
 /// # Errors
 ///
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] where model and recipe do not go together,
 /// [`BakeError::Internal`] for a fault of this code.
-pub fn bake(
-    file: &str,
-    name: &str,
-    model: &Model,
-    recipe: &Recipe,
-    images: &MapImages,
-    on_stage: &mut dyn FnMut(&'static str),
-) -> Result<Baked, BakeError> {
+pub fn bake(told: &Told<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
-    run(&Told { file, name, recipe, images }, &mut outputs, on_stage)?;
+    run(told, &mut outputs, on_stage)?;
     let measures = made(&outputs.groomed, Output::Groomed)?.surface.measures;
     let Packed { bytes, warnings } = outputs.package.ok_or_else(|| missing(Package))?;
     Ok(Baked { package: bytes, measures, warnings })
@@ -263,6 +263,7 @@ pub fn run<'a>(
     for step in steps.into_iter().rev() {
         if step.stage != stage {
             stage = step.stage;
+            told.steps.begin(0);
             on_stage(stage);
         }
         step.run(told, outputs)?;
@@ -317,7 +318,10 @@ fn simulate(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError>
 fn slice(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (hair, recipe) = (made(&outputs.hair, Hair)?, told.recipe);
     let with_coat = detail::has_coat(recipe);
-    let slice = |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat);
+    let volumes = 1 + u64::from(hair.wet.is_some());
+    told.steps.begin(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
+    let slice =
+        |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat, &mut || told.steps.step());
     let shells = self::Shells { dry: slice(&hair.strands)?, wet: hair.wet.as_ref().map(slice).transpose()? };
     outputs.shells = Some(shells);
     Ok(())
@@ -376,7 +380,7 @@ fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
 fn ink_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (laid, hair, recipe) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?, told.recipe);
     let coated = laid.furred.contains(&true).then_some(&hair.strands);
-    let paint = || ink::textures(&recipe.ink, &recipe.pack, told.images, coated);
+    let paint = || ink::textures(&recipe.ink, &recipe.pack, told.images, coated, told.steps);
     outputs.ink_textures = Some(recipe.ink.enabled.then(paint).transpose()?);
     Ok(())
 }

@@ -14,6 +14,7 @@ use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
 use crate::stages::ink::{self, InkFiles, SkinInk};
 use crate::stages::pack::{Skin, SkinFins};
+use crate::steps::Steps;
 use crate::strands::tile_hair;
 use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
 
@@ -48,7 +49,7 @@ fn ink_files<'a>(
     let scanned = own.ink.stroke_image.is_some() || own.ink.wash_image.is_some();
     if !scanned && format(&own) != format(recipe) {
         let strands = info.fur_texture.and(Some(strands));
-        return ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands);
+        return ink::textures(&own.ink, &recipe.pack, &MapImages::default(), strands, Steps::unseen());
     }
     let keep = |index| kept_texture(package, index).map_err(|source| fault(file, source));
     Ok(InkFiles {
@@ -102,7 +103,8 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         skin: Some(skin(package).map_err(fault)?),
         ..Outputs::default()
     };
-    let told = Told { file, name: &manifest.model, recipe, images: &MapImages::default() };
+    let images = MapImages::default();
+    let told = Told::new(file, &manifest.model, recipe, &images);
     run(&told, &mut outputs, &mut |_| ())?;
     finished(outputs)
 }
@@ -127,14 +129,7 @@ impl<'a> Slicer<'a> {
     /// # Errors
     ///
     /// As [`crate::pipeline::bake`].
-    pub fn new(
-        file: &'a str,
-        name: &'a str,
-        model: &'a Model,
-        recipe: &'a Recipe,
-        images: &'a MapImages,
-    ) -> Result<Self, BakeError> {
-        let told = Told { file, name, recipe, images };
+    pub fn new(told: Told<'a>, model: &'a Model) -> Result<Self, BakeError> {
         let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
         run(&told, &mut outputs, &mut |_| ())?;
         outputs.forget(Output::Shells);

@@ -19,21 +19,6 @@ pub enum RuntimeError {
         /// What was found and what was expected.
         reason: String,
     },
-    /// The device was made without a feature that the package's textures need.
-    #[error(
-        "package {package:?}: texture {texture:?} is {format}, which needs the device feature {feature}: request it when the \
-         device is made, or where the adapter lacks it bake the package with format rgba8"
-    )]
-    MissingFeature {
-        /// Name of the model in the package.
-        package: String,
-        /// Name of the texture in the package.
-        texture: String,
-        /// Its format, in WebGPU's words.
-        format: &'static str,
-        /// Name of the `wgpu::Features` flag.
-        feature: &'static str,
-    },
     /// Something is larger than the device's limits allow.
     #[error(
         "{what} is {found}, above the device's {limit} of {allowed}: request a higher limit when the device is made"

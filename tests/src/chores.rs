@@ -38,7 +38,7 @@ impl Workshop {
         Ok(run)
     }
 
-    /// Bakes a model with options of `pelage bake`, as plain texels: a software rasteriser reads them many times faster than blocks.
+    /// Bakes a model with options of `pelage bake`, as plain texels, which need no encoder.
     ///
     /// # Errors
     ///

@@ -2,7 +2,7 @@
 
 use crate::binary::workspace;
 use pelage_bake::io::{self, Reach};
-use pelage_bake::pipeline;
+use pelage_bake::pipeline::{self, Told};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::ImportOptions;
@@ -49,7 +49,7 @@ pub fn cases(test: &str) -> Vec<Case> {
     cases
 }
 
-/// Bakes a model with textures that a software rasteriser reads quickly.
+/// Bakes a model in plain texels.
 ///
 /// `recipe`: path from the workspace's root; `set`: assignments to its keys.
 pub fn bake_plain(name: &str, model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
@@ -58,11 +58,13 @@ pub fn bake_plain(name: &str, model: &Path, recipe: Option<&str>, set: &[&str]) 
         let text = std::fs::read_to_string(workspace().join(path)).expect("the recipe is there");
         parsed = Recipe::parse(path, &text).expect("the recipe reads");
     }
-    // Plain texels: a software rasteriser decodes blocks at every read.
+    // Plain texels, so that no error of blocks is counted.
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     plain.iter().chain(set).for_each(|assignment| parsed.set(assignment).expect("the key exists"));
     let options = ImportOptions { unit_m: parsed.model.unit_m };
     let loaded = io::read_model(model, &options, Reach::OwnFolder).expect("the model reads");
     let file = model.display().to_string();
-    pipeline::bake(&file, name, &loaded, &parsed, &MapImages::default(), &mut |_| ()).expect("the model bakes").package
+    pipeline::bake(&Told::new(&file, name, &parsed, &MapImages::default()), &loaded, &mut |_| ())
+        .expect("the model bakes")
+        .package
 }

@@ -11,16 +11,20 @@ use super::threads;
 use pelage_bake::BakeError;
 use pelage_bake::io::{self, Reach};
 use pelage_bake::judge::decide::Limits;
-use pelage_bake::pipeline::{self, Baked};
-use pelage_bake::recipe::Recipe;
+use pelage_bake::pipeline::{self, Baked, Told};
+use pelage_bake::recipe::{Recipe, SliceParams};
 #[cfg(feature = "preview")]
 use pelage_bake::reslice::Slicer;
+use pelage_bake::stages::detail::has_coat;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, input_record};
 use pelage_bake::stages::pack;
-use pelage_formats::{Choice, InputRecord, Limits as FormatLimits, Package};
+use pelage_bake::stages::textures::shell_bytes;
+use pelage_bake::steps::Steps;
+use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Bake a glTF or OBJ model into a package
@@ -195,6 +199,8 @@ struct Done {
     stages: Vec<Stage>,
     /// How its settings were chosen, for scripts and for people.
     choice: Option<(Choice, Vec<Value>, String)>,
+    /// Whether it was said before the work that the package will be large.
+    told_size: bool,
 }
 
 fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Done, Failure> {
@@ -214,7 +220,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
         {
             watch.begin("choose");
             let chosen = {
-                let slicer = Slicer::new(&file, &name, &model, &recipe, &images)?;
+                let slicer = Slicer::new(Told::new(&file, &name, &recipe, &images), &model)?;
                 let source = Source::Baked { name: &name, slicer: &slicer };
                 choose(&file, source, &recipe, limits, args.limits.exhaustive, watch.output())?
             };
@@ -226,7 +232,11 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
             "limits are kept by drawing, and this build is without the runtime (feature `preview`)".into(),
         ));
     }
-    let mut baked = pipeline::bake(&file, &name, &model, &recipe, &images, &mut |stage| watch.begin(stage))?;
+    let steps = watch.steps();
+    let told = Told { steps: &steps, ..Told::new(&file, &name, &recipe, &images) };
+    let large = large_layers(&recipe);
+    large.iter().for_each(|note| watch.output.note(note));
+    let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage))?;
     if let Some((choice, ..)) = &choice {
         baked.package = pack::with_choice(&baked.package, choice.clone())?;
         let bytes = baked.package.len() as u64;
@@ -236,7 +246,41 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
             );
         }
     }
-    Ok(Done { baked, stages: watch.finish(), choice })
+    Ok(Done { baked, stages: watch.finish(), choice, told_size: large.is_some() })
+}
+
+/// Packages of more bytes than this are told: an application loads them for a while, and a page for longer.
+const LARGE: u64 = 32 << 20;
+
+/// Says before the work if the layers alone will make a large package.
+fn large_layers(recipe: &Recipe) -> Option<String> {
+    let SliceParams { layers, tile_texels: n, .. } = recipe.slice;
+    let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_coat(recipe));
+    (bytes > LARGE).then(|| {
+        format!(
+            "note: {layers} layers of {n} x {n} texels will have {} in the package and take their time; slice.layers and slice.tile_texels decide it",
+            human_bytes(bytes)
+        )
+    })
+}
+
+/// Says of what most of a large package consists.
+fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
+    let all = package.bytes().len() as u64;
+    if all <= LARGE {
+        return Ok(None);
+    }
+    let mut parts = vec![("mesh".to_owned(), package.mesh()?.map_or(0, |mesh| mesh.bytes()))];
+    for (index, entry) in package.manifest().textures.iter().enumerate() {
+        parts.push((format!("texture {:?}", entry.name), package.texture(index as u32)?.gpu_bytes()));
+    }
+    let largest = parts.into_iter().max_by_key(|(_, bytes)| *bytes).unwrap_or_default();
+    Ok(Some(format!(
+        "note: the package has {}, of which the {} has {}",
+        human_bytes(all),
+        largest.0,
+        human_bytes(largest.1)
+    )))
 }
 
 /// Times the stages and shows which one runs.
@@ -251,6 +295,11 @@ impl<'a> StageWatch<'a> {
     /// Before the first stage.
     pub fn new(output: &'a mut Output) -> Self {
         Self { output, stages: Vec::new(), begun: Instant::now() }
+    }
+
+    /// Where the stages count, for the display.
+    pub fn steps(&self) -> Arc<Steps> {
+        self.output.steps()
     }
 
     /// Where a stage shows its own progress.
@@ -281,14 +330,17 @@ impl<'a> StageWatch<'a> {
 }
 
 fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result<(), Failure> {
-    let Done { baked, stages, choice } = done;
+    let Done { baked, stages, choice, told_size } = done;
     for warning in &baked.warnings {
         output.note(&format!("warning: {warning}"));
     }
     let m = &baked.measures;
-    let opened = Package::open(&baked.package, &FormatLimits::default()).and_then(|package| anatomy(&package));
     let fault = |fault| BakeError::Internal(format!("the package that was baked does not read back: {fault}"));
-    let anatomy = opened.map_err(fault)?;
+    let package = Package::open(&baked.package, &FormatLimits::default()).map_err(fault)?;
+    let anatomy = anatomy(&package).map_err(fault)?;
+    if !told_size {
+        large_package(&package).map_err(fault)?.iter().for_each(|note| output.note(note));
+    }
     let value = json!({
         "output": path.display().to_string(),
         "bytes": baked.package.len(),

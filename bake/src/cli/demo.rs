@@ -8,10 +8,8 @@ use super::shoot;
 use super::staged::stage_of;
 use super::view::View;
 use pelage_bake::io;
-use pelage_bake::pipeline::{self, Baked};
-use pelage_bake::recipe::{DirectionFormat, ShellFormat};
+use pelage_bake::pipeline::{self, Baked, Told};
 use pelage_bake::stages::groom::MapImages;
-use pelage_runtime::wgpu;
 use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Rgb, Samples, find_clip};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -37,11 +35,10 @@ const BACKGROUND: [u8; 3] = [204, 209, 217];
 pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
     // Before anything is written: a machine that cannot draw the pictures keeps nothing of them.
     let gpu = Gpu::open()?;
-    let software = gpu.info.device_type == wgpu::DeviceType::Cpu;
     make_folder(&args.output)?;
     let (mut packages, mut pictures) = (Vec::new(), Vec::new());
     for (model, moment) in &MODELS {
-        let baked = bake(model, software, output)?;
+        let baked = bake(model, output)?;
         let path = args.output.join(format!("{}.pelage", model.name));
         io::write_atomic(&path, &baked.package)?;
         packages.push(path.display().to_string());
@@ -61,19 +58,15 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Bakes a built-in model; for a software adapter with plain texels, which it reads seven times faster than blocks.
-fn bake(model: &BuiltIn, software: bool, output: &mut Output) -> Result<Baked, Failure> {
-    let mut recipe = model.recipe()?;
-    if software {
-        recipe.pack.shell_format = ShellFormat::Rgba8;
-        recipe.pack.direction_format = DirectionFormat::Rg8;
-    }
+/// Bakes a built-in model.
+fn bake(model: &BuiltIn, output: &mut Output) -> Result<Baked, Failure> {
+    let recipe = model.recipe()?;
     let mut watch = StageWatch::new(output);
     watch.begin("import");
     let imported = model.import(&recipe)?;
-    let baked = pipeline::bake(&model.file(), model.name, &imported, &recipe, &MapImages::default(), &mut |stage| {
-        watch.begin(stage);
-    })?;
+    let (file, images, steps) = (model.file(), MapImages::default(), watch.steps());
+    let told = Told { steps: &steps, ..Told::new(&file, model.name, &recipe, &images) };
+    let baked = pipeline::bake(&told, &imported, &mut |stage| watch.begin(stage))?;
     watch.finish();
     Ok(baked)
 }

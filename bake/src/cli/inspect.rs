@@ -46,7 +46,7 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
         }));
     }
     let mesh = package.mesh()?;
-    gpu_bytes += mesh.map_or(0, |m| (m.geometry.len() + m.attributes.len() + m.skin.len() + m.indices.len()) as u64);
+    gpu_bytes += mesh.map_or(0, |m| m.bytes());
     let fins = package.fins()?;
     gpu_bytes += fins.map_or(0, |f| f.fins.len() as u64);
     let ink = package.ink()?;

@@ -43,6 +43,7 @@ mod unpacked;
 mod validate;
 mod view;
 mod view_args;
+mod work;
 
 use clap::CommandFactory as _;
 use clap::{Args, Parser, Subcommand};

@@ -1,11 +1,15 @@
 //! Results on stdout, progress and notes on stderr.
 
 use super::exit::{Exit, Failure};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use super::work::{Herald, Work};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use pelage_bake::BakeError;
+use pelage_bake::steps::Steps;
+use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Where a subcommand's words go.
 #[derive(Debug)]
@@ -14,19 +18,33 @@ pub struct Output {
     json: bool,
     /// A whole result was written: then a later failure must not add a second JSON object.
     done: bool,
-    /// With the template that it has.
-    bar: Option<(ProgressBar, &'static str)>,
+    /// What is being done.
+    work: Arc<Mutex<Work>>,
+    /// Where stages count their steps.
+    steps: Arc<Steps>,
+    /// Who shows the work.
+    shown: Option<Shown>,
+}
+
+#[derive(Debug)]
+enum Shown {
+    /// A terminal; with the template that the bar has.
+    Bar(ProgressBar, &'static str),
+    /// Lines on what is no terminal.
+    Lines(#[expect(dead_code, reason = "it tells until it is dropped")] Herald),
 }
 
 /// Templates of the progress: without known steps; with them, before the first is done and after.
-const DOING: &str = "{spinner} {msg} {elapsed}";
+const DOING: &str = "{spinner} {msg} {elapsed}{left}";
 const BEGUN: &str = "{bar:30} {pos}/{len} {msg} {elapsed}";
 const STEPS: &str = "{bar:30} {pos}/{len} {msg} {elapsed}, {eta} left";
 
 impl Output {
     /// `quiet` silences notes and progress, `json` makes stdout one JSON object.
     pub fn new(quiet: bool, json: bool) -> Self {
-        Self { quiet, json, done: false, bar: None }
+        let steps = Arc::new(Steps::new());
+        let work = Arc::new(Mutex::new(Work::new(steps.clone())));
+        Self { quiet, json, done: false, work, steps, shown: None }
     }
 
     /// Whether stdout is one JSON object.
@@ -51,38 +69,54 @@ impl Output {
     pub fn note(&self, text: &str) {
         if !self.quiet {
             let line = || to_stderr(&format!("{text}\n"));
-            match &self.bar {
-                Some((bar, _)) => bar.suspend(line),
-                None => line(),
+            match &self.shown {
+                Some(Shown::Bar(bar, _)) => bar.suspend(line),
+                _ => line(),
             }
         }
     }
 
-    /// Shows what is being done, on a terminal only.
+    /// Where stages count their steps, so that [`Self::progress`] shows how far they are.
+    pub fn steps(&self) -> Arc<Steps> {
+        self.steps.clone()
+    }
+
+    /// Shows what is being done: on a terminal as it goes, else a line now and then.
     pub fn progress(&mut self, doing: &str) {
+        self.work().begin(doing);
         self.show(doing, DOING, None);
     }
 
     /// As [`Self::progress`], that `done` of `total` steps are over, and how long the others may take: as long as those since the first call.
     pub fn progress_of(&mut self, done: usize, total: usize, doing: &str) {
-        let done = done as u64;
-        let timed = self.bar.as_ref().is_some_and(|(bar, shown)| match *shown {
-            STEPS => true,
-            BEGUN => bar.position() < done,
+        let (done, total) = (done as u64, total as u64);
+        self.work().count(done, total, doing);
+        let timed = match &self.shown {
+            Some(Shown::Bar(_, STEPS)) => true,
+            Some(Shown::Bar(bar, BEGUN)) => bar.position() < done,
             _ => false,
-        });
-        self.show(doing, if timed { STEPS } else { BEGUN }, Some((done, total as u64)));
+        };
+        self.show(doing, if timed { STEPS } else { BEGUN }, Some((done, total)));
+    }
+
+    fn work(&self) -> MutexGuard<'_, Work> {
+        self.work.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn show(&mut self, doing: &str, template: &'static str, steps: Option<(u64, u64)>) {
-        if self.quiet || !io::stderr().is_terminal() {
+        if self.quiet {
             return;
         }
-        let (bar, shown) = self.bar.get_or_insert_with(|| {
+        let work = &self.work;
+        let shown = self.shown.get_or_insert_with(|| {
+            if !io::stderr().is_terminal() {
+                return Shown::Lines(Herald::new(work.clone()));
+            }
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             bar.enable_steady_tick(Duration::from_millis(100));
-            (bar, "")
+            Shown::Bar(bar, "")
         });
+        let Shown::Bar(bar, shown) = shown else { return };
         let (done, total) = steps.unwrap_or_default();
         if steps.is_some() {
             bar.set_length(total);
@@ -91,7 +125,14 @@ impl Output {
         if *shown != template {
             *shown = template;
             // The templates are constants; should indicatif refuse one, its default will do.
-            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner()));
+            let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner());
+            let work = work.clone();
+            let left = move |_: &ProgressState, out: &mut dyn fmt::Write| {
+                let left = work.lock().unwrap_or_else(PoisonError::into_inner).left(Instant::now());
+                // Onto the display's own buffer, which takes all.
+                let _ = out.write_str(&left);
+            };
+            bar.set_style(style.with_key("left", left));
             if template == BEGUN {
                 // Steps that an earlier run has done took no time of this one.
                 bar.reset_eta();
@@ -100,9 +141,9 @@ impl Output {
         bar.set_message(doing.to_owned());
     }
 
-    /// Takes the progress off the terminal, as [`Self::result`] does.
+    /// Ends the progress, as [`Self::result`] does: nothing of it stays on a terminal.
     pub fn end_progress(&mut self) {
-        if let Some((bar, _)) = self.bar.take() {
+        if let Some(Shown::Bar(bar, _)) = self.shown.take() {
             bar.finish_and_clear();
         }
     }

@@ -4,14 +4,13 @@ use super::exit::Failure;
 use super::staged::{pixels, stage_of};
 use super::truth::{self, Truth};
 use super::view::View;
-use image::RgbaImage;
 use pelage_bake::judge::chart::shells::Measured;
-use pelage_bake::judge::compare::{CompareParams, compare};
+use pelage_bake::judge::compare::{CompareParams, compare_pictures};
 use pelage_bake::judge::decide::FrameTime;
 use pelage_bake::judge::likeness::Likeness;
 use pelage_bake::mesh::Model;
 use pelage_bake::picture::Picture;
-use pelage_bake::pipeline;
+use pelage_bake::pipeline::{self, Told};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
@@ -46,7 +45,7 @@ pub enum Source<'a> {
 /// A view with its true picture.
 struct TrueView {
     view: View,
-    picture: RgbaImage,
+    picture: Picture,
     /// Height of the fur in it, pixels.
     fur_px: f64,
 }
@@ -73,7 +72,8 @@ impl<'a> ShellJudge<'a> {
             let picture = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
                 doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
-            let picture = truth::encode(&picture, view.look.background());
+            // Through bytes, as the pictures that it is compared with.
+            let picture = Picture::from(&truth::encode(&picture, view.look.background()));
             let fur_px = truth.fur_px(&view);
             views.push(TrueView { view, picture, fur_px });
         }
@@ -106,9 +106,9 @@ impl<'a> ShellJudge<'a> {
                 None => scene.insert(stage_of(&file, view, || Ok(self.gpu.clone()))?),
             };
             scene.draw()?;
-            let drawn = pixels(scene)?;
-            let (difference, _) = compare(&drawn, truth, CompareParams::default().over)?;
-            likenesses.push(Likeness::of(&Picture::from(&drawn), &Picture::from(truth), *fur_px)?);
+            let drawn = Picture::from(&pixels(scene)?);
+            let (difference, _) = compare_pictures(&drawn, truth, &CompareParams::default())?;
+            likenesses.push(Likeness::of_compared(&difference, &drawn, truth, *fur_px));
             sum.flip += difference.flip.mean;
             sum.flip_covered += difference.flip.covered;
             sum.rmse += difference.rmse.powi(2);
@@ -173,7 +173,7 @@ impl Source<'_> {
     pub fn bake(&self, recipe: &Recipe) -> Result<NamedPackage<'static>, Failure> {
         match *self {
             Self::Model { file, name, model, images } => {
-                let baked = pipeline::bake(file, name, model, recipe, images, &mut |_| ())?;
+                let baked = pipeline::bake(&Told::new(file, name, recipe, images), model, &mut |_| ())?;
                 Ok(NamedPackage { name: name.into(), bytes: baked.package.into() })
             }
             Self::Baked { name, slicer } => Ok(NamedPackage { name: name.into(), bytes: slicer.slice(recipe)?.into() }),

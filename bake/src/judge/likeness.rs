@@ -24,7 +24,7 @@
 //! may not make up for a lost outline: few layers of a fine tile are crisp. As a whole the weights are scaled so that the built-in hare with its recipe
 //! has the same error as mean FLIP, 0.018: a limit that was found with mean FLIP asks for much the same where no hair is lost.
 
-use super::compare::{CompareParams, compare_pictures};
+use super::compare::{CompareParams, Comparison, compare_pictures};
 use crate::BakeError;
 use crate::mask::Mask;
 use crate::picture::Picture;
@@ -69,6 +69,11 @@ impl Likeness {
     /// [`BakeError::Params`] where their sizes differ, or they have no pixels.
     pub fn of(picture: &Picture, truth: &Picture, fur_px: f64) -> Result<Self, BakeError> {
         let (compared, _) = compare_pictures(picture, truth, &CompareParams::default())?;
+        Ok(Self::of_compared(&compared, picture, truth, fur_px))
+    }
+
+    /// [`Self::of`] two pictures whose comparison, with [`CompareParams::default`], is known already: FLIP takes longest.
+    pub fn of_compared(compared: &Comparison, picture: &Picture, truth: &Picture, fur_px: f64) -> Self {
         let flip = compared.flip.mean;
         let pixels = truth.pixels.len() as f64;
 
@@ -82,12 +87,12 @@ impl Likeness {
         let covered = both.iter().filter(|inside| **inside).count() as f64 / pixels;
         let contrast = ratio(local_contrast(picture, &both), local_contrast(truth, &both));
         let lost = 1.0 - contrast.min(1.0 / contrast);
-        Ok(Self {
+        Self {
             error: FLIP * flip + OUTLINE * missing / pixels + CONTRAST * covered * lost,
             flip,
             outline: missing / ring_pixels.max(1) as f64,
             contrast,
-        })
+        }
     }
 
     /// The mean of several views; [`Self::SAME`] of none.

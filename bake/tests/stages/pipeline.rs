@@ -32,7 +32,8 @@ fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
     let bytes = asset(&format!("models/{name}.glb"));
     let model = import(name, &bytes, &mut no_files, &ImportOptions { unit_m: recipe.model.unit_m })?;
     let mut stages = Vec::new();
-    let baked = pipeline::bake(name, name, &model, recipe, &MapImages::default(), &mut |stage| stages.push(stage));
+    let baked =
+        pipeline::bake(&Told::new(name, name, recipe, &MapImages::default()), &model, &mut |stage| stages.push(stage));
     assert!(STAGES.starts_with(&stages), "{stages:?}");
     baked
 }
@@ -335,7 +336,7 @@ fn a_step_reads_what_it_says() {
     let bytes = asset("models/ox.glb");
     let model = import("ox", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
-    let told = Told { file: "ox", name: "ox", recipe: &recipe, images: &images };
+    let told = Told::new("ox", "ox", &recipe, &images);
     let mut whole = Outputs { model: Some(&model), ..Outputs::default() };
     let (package, stages) = run(&told, &mut whole).unwrap();
     assert_eq!(stages, STAGES);
@@ -383,7 +384,7 @@ fn from_here_on_is_a_whole_bake() {
     let bytes = asset("models/torus.glb");
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
-    let told = |recipe| Told { file: "torus", name: "torus", recipe, images: &images };
+    let told = |recipe| Told::new("torus", "torus", recipe, &images);
     let mut outputs = Outputs { model: Some(&model), ..Outputs::default() };
     run(&told(&first), &mut outputs).unwrap();
     outputs.forget(Output::Shells);
@@ -403,7 +404,7 @@ fn sliced_again_is_baked_again() {
     let bytes = asset("models/torus.glb");
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
-    let slicer = Slicer::new("torus", "torus", &model, &first, &images).unwrap();
+    let slicer = Slicer::new(Told::new("torus", "torus", &first, &images), &model).unwrap();
     for sets in [
         &[][..],
         &["slice.layers=6", "slice.tile_texels=32"],

@@ -1,7 +1,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! The strands of a whole animal.
 
-use pelage_bake::pipeline;
+use pelage_bake::pipeline::{self, Told};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, import};
@@ -26,7 +26,9 @@ fn a_hare_has_as_many_roots_as_its_tiles() {
         &ImportOptions { unit_m: 1.0 },
     );
     let baked =
-        pipeline::bake("hare", "hare", &model.unwrap(), &recipe, &MapImages::default(), &mut |_| ()).unwrap().package;
+        pipeline::bake(&Told::new("hare", "hare", &recipe, &MapImages::default()), &model.unwrap(), &mut |_| ())
+            .unwrap()
+            .package;
     let package = Package::open(&baked, &Limits::default()).unwrap();
     let skin = Skin::posed("hare", &package, None).unwrap();
     let hair = tile_hair("hare", package.manifest()).unwrap().unwrap();

@@ -158,6 +158,13 @@ pub struct MeshView<'a> {
     pub indices: &'a [u8],
 }
 
+impl MeshView<'_> {
+    /// Bytes of all vertices and indices.
+    pub fn bytes(&self) -> u64 {
+        (self.geometry.len() + self.attributes.len() + self.skin.len() + self.indices.len()) as u64
+    }
+}
+
 impl fmt::Debug for MeshView<'_> {
     /// Says what the mesh is, not its megabytes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -100,7 +100,7 @@ pub(crate) fn load(
             if let Some(Some(shared)) = uploaded.get(index as usize) {
                 return Ok(wgpu::TextureView::clone(shared));
             }
-            gpu_bytes += texture.gpu_bytes();
+            gpu_bytes += uploader.bytes_here(&texture);
             let made = uploader.texture(index, &texture)?.create_view(&wgpu::TextureViewDescriptor::default());
             uploaded[index as usize] = Some(made.clone());
             Ok::<_, RuntimeError>(made)

@@ -49,16 +49,29 @@ impl Uploader<'_> {
         Ok(self.gpu.buffer_of(&label, contents, usage))
     }
 
-    /// Whether texels of two bytes travel as four: software rasterisers fetch those eight at a time and these one by one, which
-    /// makes reading directions a quarter dearer.
-    fn widens(&self, format: TextureFormat) -> bool {
-        format == TextureFormat::Rg8Unorm && self.gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu
+    /// The format that texels have on the device. Blocks are decoded once, here, where the device cannot sample them, or is a software rasteriser, which
+    /// would decode them for every texel that it reads. Texels of two bytes become four there: it fetches those eight at a time and these one by one,
+    /// which makes reading directions a quarter dearer.
+    fn format_here(&self, format: TextureFormat) -> TextureFormat {
+        let software = self.gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let samples_blocks = self.gpu.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC);
+        let plain = format.block_size() == 1;
+        if software || !(plain || samples_blocks) { format.decoded() } else { format }
+    }
+
+    /// Bytes of a texture on the device.
+    pub(super) fn bytes_here(&self, view: &TextureView<'_>) -> u64 {
+        let format = self.format_here(view.format);
+        let level = |level| {
+            let (width, height) = view.level_size(level);
+            format.layer_bytes(width, height).saturating_mul(view.layers.into())
+        };
+        (0..view.levels).map(level).fold(0, u64::saturating_add)
     }
 
     /// Bytes of colours and directions on the device.
     pub(super) fn hair_bytes(&self, textures: &FurTextures<'_>) -> u64 {
-        let bytes = |view: &TextureView<'_>| view.gpu_bytes().saturating_mul(1 + u64::from(self.widens(view.format)));
-        bytes(&textures.color) + bytes(&textures.direction)
+        self.bytes_here(&textures.color).saturating_add(self.bytes_here(&textures.direction))
     }
 
     /// Colours and directions of hair, as array textures.
@@ -87,28 +100,17 @@ impl Uploader<'_> {
         )?;
         let (layers, allowed) = (view.layers.into(), limits.max_texture_array_layers.into());
         self.within(|| what("array layers"), layers, "max_texture_array_layers", allowed)?;
-        let block = view.format.block_size();
-        if block > 1 {
-            if !self.gpu.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC) {
-                return Err(RuntimeError::MissingFeature {
-                    package: self.package.manifest().model.clone(),
-                    texture: name.into(),
-                    format: view.format.name(),
-                    feature: "TEXTURE_COMPRESSION_BC",
-                });
-            }
-            if !view.width.is_multiple_of(block) || !view.height.is_multiple_of(block) {
-                let reason = format!(
-                    "{} x {} texels of {}, expected multiples of {block}: WebGPU has no partial blocks",
-                    view.width,
-                    view.height,
-                    view.format.name()
-                );
-                return Err(self.content(format!("texture {name:?}"), reason));
-            }
+        let format = self.format_here(view.format);
+        let block = format.block_size();
+        if !view.width.is_multiple_of(block) || !view.height.is_multiple_of(block) {
+            let reason = format!(
+                "{} x {} texels of {}, expected multiples of {block}: WebGPU has no partial blocks",
+                view.width,
+                view.height,
+                view.format.name()
+            );
+            return Err(self.content(format!("texture {name:?}"), reason));
         }
-        let widens = self.widens(view.format);
-        let format = if widens { TextureFormat::Rgba8Unorm } else { view.format };
         let texture = self.gpu.texture(&wgpu::TextureDescriptor {
             label: Some(name),
             size: wgpu::Extent3d { width: view.width, height: view.height, depth_or_array_layers: view.layers },
@@ -122,12 +124,14 @@ impl Uploader<'_> {
         for level in 0..view.levels {
             let (width, height) = view.level_size(level);
             let (columns, rows) = (width.div_ceil(block), height.div_ceil(block));
-            let wide: Vec<u8>;
-            let texels = if widens {
-                wide = view.level(level).chunks_exact(2).flat_map(|t| [t[0], t[1], 0, 255]).collect();
-                &wide
-            } else {
+            let decoded: Vec<u8>;
+            let texels = if format == view.format {
                 view.level(level)
+            } else {
+                let layers: Option<Vec<_>> = (0..view.layers).map(|layer| view.rgba8(level, layer)).collect();
+                let fault = || self.content(format!("texture {name:?}"), format!("level {level} cannot be decoded"));
+                decoded = layers.ok_or_else(fault)?.concat();
+                &decoded
             };
             self.gpu.queue.write_texture(
                 wgpu::TexelCopyTextureInfo {

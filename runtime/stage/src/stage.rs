@@ -250,10 +250,8 @@ fn has_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), StageEr
 fn refused(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
     match error {
         RuntimeError::Package(source) => file.fault(source),
-        // Another adapter, or other texture formats, would do.
-        RuntimeError::MissingFeature { .. } | RuntimeError::DeviceLimit { .. } => {
-            StageError::NoAdapter(format!("{}: {error}", file.name))
-        }
+        // Another adapter would do.
+        RuntimeError::DeviceLimit { .. } => StageError::NoAdapter(format!("{}: {error}", file.name)),
         RuntimeError::Content { what, reason, .. } => {
             StageError::Input { file: file.name.clone(), place: what, reason }
         }

@@ -651,8 +651,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// Bakes with one of the binaries into a folder of OUT; plain texels where the list does not say otherwise, because a software
-    /// rasteriser reads them many times faster than blocks.
+    /// Bakes with one of the binaries into a folder of OUT; plain texels where the list does not say otherwise: no encoder needs to
+    /// run, and binaries before and after the decoding at load draw them alike.
     fn bake(&self, binary: &Binary, folder: &str, name: &str) -> anyhow::Result<PathBuf> {
         let (_, model, options) =
             PACKAGES.iter().find(|p| p.0 == name).with_context(|| format!("no package {name}"))?;

@@ -23,7 +23,7 @@ const RUNTIME: [&[&str]; 12] = [
 /// Floors of bake: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, what runs a part of it, what judges a
 /// bake, and the command. Strands never see who judges by them, and no stage sees either.
 const BAKE: [&[&str]; 11] = [
-    &["error", "noise", "angle", "unfinished"],
+    &["error", "noise", "angle", "steps", "unfinished"],
     &["mesh", "mask"],
     &["image_file", "sample"],
     &["picture", "y4m"],

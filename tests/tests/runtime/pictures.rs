@@ -9,8 +9,10 @@ use pelage_runtime::{
     wgpu,
 };
 use pelage_stage::Gpu;
+use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, compare_golden, difference, draw};
+use pelage_tests::silhouette::bake_plain;
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: (u32, u32) = (128, 128);
@@ -125,6 +127,31 @@ fn both_direction_formats_draw_the_same_fur() {
     let three = sphere_picture(gpu, &RendererOptions::default(), &front(), &three);
     let found = difference(&default_picture(gpu), &three);
     assert!(found.mean > 0.0 && found.mean < 1.5, "{found:?}");
+}
+
+/// A package in blocks draws on a device that cannot sample them as one in plain texels does, and takes as much memory.
+#[test]
+fn blocks_are_decoded_where_they_cannot_be_sampled() {
+    let Some(_) = gpu("blocks_are_decoded_where_they_cannot_be_sampled") else { return };
+    let gpu = &Gpu::with(wgpu::Features::empty(), Some(wgpu::Limits::default())).unwrap();
+    let drawn = |formats: &[&str]| {
+        let small = ["slice.layers=6", "slice.tile_texels=32", "ink.enabled=false"];
+        let torus = workspace().join("assets/models/torus.glb");
+        let package = bake_plain("torus", &torus, None, &[&small[..], formats].concat());
+        let mut renderer = renderer(gpu, &RendererOptions::default());
+        let model = renderer.load_bytes(&package).unwrap();
+        let bounds = model.manifest().bounds;
+        let camera = Camera::framing(Vec3::from(bounds.center), bounds.radius, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0);
+        let params = FrameParams::new(camera, SIZE.into());
+        (draw(gpu, &mut renderer, &params, &[&Instance::new(0, &model)]), model.gpu_bytes(), package.len())
+    };
+    let blocks = ["pack.shell_format=bc7", "pack.direction_format=bc5", "pack.base_color_format=bc7"];
+    let (blocks, block_bytes, small) = drawn(&blocks);
+    let (plain, plain_bytes, large) = drawn(&["pack.direction_format=rgba8"]);
+    assert!(small < large, "{small} and {large} bytes: there are no blocks");
+    assert_eq!(block_bytes, plain_bytes);
+    let found = difference(&blocks, &plain);
+    assert!(found.mean > 0.0 && found.mean < 1.0, "{found:?}");
 }
 
 #[test]

@@ -24,8 +24,9 @@ fn predictions_are_what_an_adapter_counts() {
     let Some(gpu) = gpu("predictions_are_what_an_adapter_counts") else { return };
     let software = gpu.info.device_type == pelage_runtime::wgpu::DeviceType::Cpu;
     let sandbox = Sandbox::new();
-    // Formats that an adapter in software stores as they are.
-    let plain = ["pack.shell_format=rgba8", "pack.direction_format=rgba8", "pack.base_color_format=rgba8"];
+    // Formats that a software adapter holds as they are.
+    let plain =
+        ["pack.shell_format=rgba8", "pack.direction_format=rgba8", "pack.base_color_format=rgba8", "ink.enabled=false"];
     for (name, view) in [
         ("hare", &["--size", "500x300"][..]),
         ("knot", &["--size", "300x300"]),

@@ -6,7 +6,7 @@ use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
 
-/// Small, and in formats that an adapter in software need not decode.
+/// Small, and in formats that need no encoder.
 const SMALL: &str = "--set slice.tile_texels=32 --set slice.layers=4 --set hair.density=60 --set pack.shell_format=rgba8 \
     --set pack.direction_format=rg8 --set pack.base_color_format=rgba8";
 

@@ -4,13 +4,13 @@
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;
 
-/// A folder with the built-in torus as `torus.pelage`.
+/// A folder with the built-in torus as `torus.pelage`, without ink, which no strand knows.
 fn torus(settings: &[&str]) -> Sandbox {
     let sandbox = Sandbox::new();
     let model = workspace().join("assets/models/torus.glb");
     let recipe = workspace().join("assets/recipes/torus.toml");
     let (model, recipe) = (model.to_str().unwrap(), recipe.to_str().unwrap());
-    let mut args = vec!["bake", model, "--recipe", recipe, "-o", "torus.pelage", "-q"];
+    let mut args = vec!["bake", model, "--recipe", recipe, "-o", "torus.pelage", "-q", "--set", "ink.enabled=false"];
     args.extend(settings.iter().flat_map(|s| ["--set", s]));
     let run = sandbox.run(&args);
     assert_eq!(run.code, Some(0), "{run:?}");

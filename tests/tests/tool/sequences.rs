@@ -9,7 +9,7 @@ use std::io::Read as _;
 use std::process::Stdio;
 use std::time::Duration;
 
-/// Small, and in formats that an adapter in software need not decode.
+/// Small, and in formats that need no encoder.
 const SMALL: [&str; 12] = [
     "--set",
     "slice.tile_texels=32",

@@ -3,6 +3,8 @@
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
 use serde_json::Value;
+use std::io::{BufRead as _, BufReader};
+use std::process::Stdio;
 
 const HARE: &str = "assets/models/hare.glb";
 /// Two triangles of a metre, and a third that a test adds.
@@ -190,8 +192,8 @@ fn pipes_in_folders_and_scenes_are_refused() {
 fn a_process_told_to_stop_leaves_nothing_half_written() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
-    // The text of 400 tiles of strands takes a second or more.
-    let set = ["--set", "hair.length_m=0.05", "--set", "surface.tile_size_m=0.05"];
+    // The text of 100 tiles of strands takes long enough to be met half-written.
+    let set = ["--set", "hair.length_m=0.05", "--set", "surface.tile_size_m=0.1"];
     assert_eq!(bake(&sandbox, "a.obj", &set).code, Some(0));
     let before = sandbox.files();
     for signal in ["INT", "TERM"] {
@@ -208,4 +210,55 @@ fn a_process_told_to_stop_leaves_nothing_half_written() {
         assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
         assert_eq!(sandbox.files(), before, "{signal}");
     }
+}
+
+/// Where stderr is no terminal, a line now and then says how far long work is and how long it may take; before it, what it will come to.
+#[test]
+fn long_work_is_told_before_and_while_it_runs() {
+    let sandbox = Sandbox::new();
+    let hare = workspace().join(HARE).display().to_string();
+    let large = ["--set", "slice.layers=256", "--set", "slice.tile_texels=2048"];
+    let mut child = sandbox
+        .command(&[&["bake", &hare, "-o", "out.pelage"], &large[..]].concat())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = Vec::new();
+    // Without the line that is looked for it ends with the bake, minutes later.
+    for line in BufReader::new(child.stderr.take().unwrap()).lines() {
+        said.push(line.unwrap());
+        if said.last().is_some_and(|line| line.contains("s: slice, ")) {
+            break;
+        }
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(said[0].starts_with("note: 256 layers of 2048 x 2048 texels will have 2.7 GiB"), "{said:?}");
+    let last = said.last().unwrap();
+    assert!(last.contains(" of 256"), "{said:?}");
+}
+
+#[test]
+fn an_export_is_thinned_as_it_was_asked() {
+    let sandbox = Sandbox::new();
+    let hare = workspace().join(HARE).display().to_string();
+    assert_eq!(bake(&sandbox, &hare, &["--set", "hair.density=100"]).code, Some(0));
+    let export = |more: &[&str]| {
+        let run = sandbox.run(&[&["export", "out.pelage", "--strands", "strands.txt", "--json"], more].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let object: Value = serde_json::from_str(&run.stdout).unwrap();
+        let number = |key: &str| object[key].as_u64().unwrap();
+        let points = std::fs::read_to_string(sandbox.path().join("strands.txt")).unwrap();
+        // A strand is a block of lines; blank lines stand between.
+        assert_eq!(points.split("\n\n").filter(|s| !s.trim().is_empty()).count() as u64, number("strands"));
+        (number("strands"), number("of_strands"))
+    };
+    let (all, of) = export(&[]);
+    assert!(all == of && all > 1000, "{all} of {of}");
+    let (third, of) = export(&["--every", "3"]);
+    assert_eq!((third, of), (all.div_ceil(3), all));
+    let (few, of) = export(&["--max-strands", "50"]);
+    assert!((25..=50).contains(&few) && of == all, "{few} of {of}");
+    let (fewer, _) = export(&["--every", "3", "--max-strands", "50"]);
+    assert!((25..=50).contains(&fewer), "{fewer}");
 }

@@ -8,7 +8,7 @@ use crate::cli::staged::stage_of;
 use crate::cli::view::View;
 use pelage_bake::judge::chart::{Cell, lighting};
 use pelage_bake::mesh::RestPose;
-use pelage_bake::pipeline;
+use pelage_bake::pipeline::{self, Told};
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_runtime::{Lighting, PassId};
 use pelage_stage::{Gpu, LookLighting, Meter, NamedPackage, Spread};
@@ -58,7 +58,7 @@ impl Topic for LightingTopic<'_> {
         let configuration = &self.configurations[index];
         let Subject { file, name, model, images, .. } = self.subject;
         doing("baking");
-        let baked = pipeline::bake(file, name, model, &configuration.recipe, images, &mut |_| ())?;
+        let baked = pipeline::bake(&Told::new(file, name, &configuration.recipe, images), model, &mut |_| ())?;
         let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
         // Shadows cost the same whatever direction the light is computed with.
         let view = View::default().with(|look| {

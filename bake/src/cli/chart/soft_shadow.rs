@@ -9,7 +9,7 @@ use pelage_bake::judge::chart::Cell;
 use pelage_bake::judge::chart::soft_shadow::{
     COLUMNS, Configuration, Measured, Method, PANELS, Skin, cells, configurations, lights, runtime_settings,
 };
-use pelage_bake::pipeline;
+use pelage_bake::pipeline::{self, Told};
 use pelage_bake::recipe::{DirectionFormat, ShellFormat};
 use pelage_runtime::PassId;
 use pelage_stage::{Gpu, Spread};
@@ -63,7 +63,7 @@ impl Topic for SoftShadowTopic<'_> {
             // Formats that every adapter reads; shadows of the skin do not depend on them.
             recipe.pack.shell_format = ShellFormat::Rgba8;
             recipe.pack.direction_format = DirectionFormat::Rg8;
-            let baked = pipeline::bake(file, name, model, &recipe, images, &mut |_| ())?;
+            let baked = pipeline::bake(&Told::new(file, name, &recipe, images), model, &mut |_| ())?;
             Ok((Skin::new(model)?, LightBench::new(name, &baked.package, &self.gpu)?))
         })?;
         let configuration = &self.configurations[index];

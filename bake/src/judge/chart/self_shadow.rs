@@ -10,7 +10,7 @@ use super::{Cell, Panel};
 use crate::BakeError;
 use crate::judge::truth::{SampledVolume, StrandField};
 use crate::mesh::{Material, Mesh, MeshPart, Model};
-use crate::pipeline;
+use crate::pipeline::{self, Told};
 use crate::recipe::{DirectionFormat, FinParams, PackParams, Recipe, ShellFormat, SurfaceParams, SurfaceSource};
 use crate::stages::groom::{Lengths, MapImages};
 use crate::stages::hair::{Strands, VolumeParams, simulate};
@@ -193,7 +193,7 @@ impl Sheet {
         // The middle tile, and on each side as much as the rays run over that end on it. More would only make the maps coarser.
         let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
         let model = sheet_model(tiles * lengths.tile_size_m, tiles);
-        let baked = pipeline::bake("sheet", "sheet", &model, &recipe, &MapImages::default(), &mut |_| ())?;
+        let baked = pipeline::bake(&Told::new("sheet", "sheet", &recipe, &MapImages::default()), &model, &mut |_| ())?;
         let strands = strands_of(&recipe, lengths)?;
         let format = TextureFormat::from(recipe.pack.direction_format);
         let set = collect_layers(&strands, &recipe.slice, format)?;

@@ -223,8 +223,7 @@ fn formats(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> R
         change: keys.join(" --set "),
         found: format!("{} KiB of textures are not compressed", bytes >> 10),
         saves: format!("{:.0} KiB on the device, and as much to read", saved / 1024.0),
-        costs: "a little noise in colour and direction; on a software rasteriser the shells take several times as long"
-            .into(),
+        costs: "a little noise in colour and direction".into(),
         saved: Some(Saved { bytes: saved as u64, ..Saved::default() }),
         // Colours of the skin are as they were imported, and a package sliced anew keeps them.
         can_be_tried: !keys.contains(&"pack.base_color_format=bc7"),

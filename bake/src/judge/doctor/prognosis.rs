@@ -39,7 +39,7 @@ pub struct PassWork {
 /// Bytes on the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Memory {
-    /// All textures as they are stored. An adapter in software widens directions of two bytes to four.
+    /// All textures as they are stored. A software adapter holds four bytes a texel of any format.
     pub textures: u64,
     /// Vertices, indices and fins.
     pub buffers: u64,

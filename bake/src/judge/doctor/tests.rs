@@ -3,7 +3,7 @@
 use super::*;
 use crate::judge::stability::surface::torus;
 use crate::mesh::{Image, Model};
-use crate::pipeline;
+use crate::pipeline::{self, Told};
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use glam::Vec2;
@@ -33,7 +33,8 @@ fn prognosis(model: &Model, sets: &[&str], pixels: u32, distance_m: f32, instanc
     let mut recipe = Recipe::default();
     // Of ink there is nothing to foretell, and its textures take most of a bake.
     ["ink.enabled=false"].iter().chain(sets).for_each(|set| recipe.set(set).unwrap());
-    let baked = pipeline::bake("torus", "torus", model, &recipe, &MapImages::default(), &mut |_| ()).unwrap();
+    let baked =
+        pipeline::bake(&Told::new("torus", "torus", &recipe, &MapImages::default()), model, &mut |_| ()).unwrap();
     let package = Package::open(&baked.package, &Limits::default()).unwrap();
     let eye = Vec3::new(0.3, 0.8, 1.0).normalize() * distance_m;
     let view = View { eye, target: Vec3::ZERO, fov_y_rad: 0.6, size: (pixels, pixels), instances, shadow_map: 512 };
@@ -180,7 +181,9 @@ fn work_grows_as_it_must() {
 fn what_is_behind_the_eye_is_not_drawn() {
     let baked = {
         let recipe = Recipe::default();
-        pipeline::bake("torus", "torus", &model(0), &recipe, &MapImages::default(), &mut |_| ()).unwrap().package
+        pipeline::bake(&Told::new("torus", "torus", &recipe, &MapImages::default()), &model(0), &mut |_| ())
+            .unwrap()
+            .package
     };
     let package = Package::open(&baked, &Limits::default()).unwrap();
     let fault = |source| BakeError::Package { file: "torus".into(), source };

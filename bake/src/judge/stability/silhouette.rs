@@ -9,7 +9,7 @@ use crate::BakeError;
 use crate::judge::truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScene};
 use crate::mask::Mask;
 use crate::mesh::Model;
-use crate::pipeline;
+use crate::pipeline::{self, Told};
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::strands::{Curves, Skin, grow_on, tile_hair};
@@ -131,7 +131,7 @@ impl Measured {
     }
 }
 
-/// Bakes a model in plain texels: a software rasteriser decodes blocks at every read.
+/// Bakes a model in plain texels, so that no error of blocks is counted.
 ///
 /// # Errors
 ///
@@ -140,7 +140,7 @@ pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeE
     let mut recipe = recipe.clone();
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     plain.iter().try_for_each(|set| recipe.set(set))?;
-    let baked = pipeline::bake(file, "silhouette", model, &recipe, &MapImages::default(), &mut |_| ())?;
+    let baked = pipeline::bake(&Told::new(file, "silhouette", &recipe, &MapImages::default()), model, &mut |_| ())?;
     Ok(baked.package)
 }
 

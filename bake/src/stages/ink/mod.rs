@@ -33,6 +33,7 @@ use crate::stages::assemble::NamedTexture;
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
 use crate::stages::textures::{AlphaMode, TextureEncoder};
+use crate::steps::Steps;
 use pelage_formats::{InkShading, InkVertex, TextureFormat};
 use plane::{Channel, levels};
 
@@ -97,7 +98,8 @@ pub fn on_skin(params: &InkParams, canvas: &Canvas<'_>) -> Result<SkinInk, BakeE
     Ok(SkinInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings })
 }
 
-/// Paints and encodes the textures. Where there are strands, those of the tile of a furred model, their fur is painted, too.
+/// Paints and encodes the textures. Where there are strands, those of the tile of a furred model, their fur is painted, too. `steps` counts textures
+/// that are painted and such that are encoded.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used, [`BakeError::Internal`] if the encoder
@@ -107,6 +109,7 @@ pub fn textures(
     pack: &PackParams,
     images: &MapImages,
     strands: Option<&Strands>,
+    steps: &Steps,
 ) -> Result<InkFiles<'static>, BakeError> {
     use Channel::{Threshold, Value};
     params.validate()?;
@@ -116,13 +119,18 @@ pub fn textures(
         ShellFormat::Bc7 => TextureFormat::Bc7Unorm,
         ShellFormat::Rgba8 => TextureFormat::Rgba8Unorm,
     };
+    let strands = strands.filter(|strands| !strands.is_empty());
+    steps.begin(2 * (3 + u64::from(strands.is_some())));
     let encode = |layers: Vec<[Plane; 4]>, channels, alpha, format| {
+        steps.step();
         let mut encoder = TextureEncoder::new(format, alpha, pack.bc_quality);
         for planes in layers {
             let side = planes[0].side as u32;
             encoder.push_square_layer(side, &levels(planes, channels))?;
         }
-        encoder.finish()
+        let file = encoder.finish();
+        steps.step();
+        file
     };
     let scan = |path: &Option<ImagePath>, read: fn(&str, &Image) -> Result<Plane, BakeError>| {
         path.as_ref().map(|path| read(&path.0, images.get(&path.0)?)).transpose()
@@ -136,7 +144,7 @@ pub fn textures(
         || {
             // Blocks hold four unrelated components badly: on blank paper their errors are dashes that everyone sees.
             let paper = encode(vec![paper(params)], dry, AlphaMode::Straight, TextureFormat::Rgba8Unorm);
-            let fur = strands.filter(|strands| !strands.is_empty()).map(|strands| {
+            let fur = strands.map(|strands| {
                 encode(fur(strands, params.fur_texels, params.seed).to_vec(), [Value; 4], AlphaMode::Straight, packed)
             });
             (paper, fur)

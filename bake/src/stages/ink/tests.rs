@@ -126,7 +126,9 @@ fn the_same_seed_paints_the_same_on_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let params = InkParams { seed, ..small() };
         let strands = strands();
-        pool.install(|| textures(&params, &PackParams::default(), &MapImages::default(), Some(&strands)).unwrap())
+        pool.install(|| {
+            textures(&params, &PackParams::default(), &MapImages::default(), Some(&strands), Steps::unseen()).unwrap()
+        })
     };
     let one = paint(1, 1);
     assert_eq!(one, paint(3, 1));
@@ -145,7 +147,7 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
     let (params, strands) = (small(), strands());
     for shell_format in [ShellFormat::Bc7, ShellFormat::Rgba8] {
         let pack = PackParams { shell_format, ..PackParams::default() };
-        let encoded = textures(&params, &pack, &MapImages::default(), Some(&strands)).unwrap();
+        let encoded = textures(&params, &pack, &MapImages::default(), Some(&strands), Steps::unseen()).unwrap();
         let painted = [
             vec![stroke(&params, None)],
             vec![wash(&params, None)],
@@ -172,13 +174,21 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
             });
         }
     }
-    assert!(textures(&params, &PackParams::default(), &MapImages::default(), None).unwrap().fur.is_none());
+    assert!(
+        textures(&params, &PackParams::default(), &MapImages::default(), None, Steps::unseen()).unwrap().fur.is_none()
+    );
 }
 
 #[test]
 fn textures_of_the_default_sizes_stay_small() {
-    let encoded =
-        textures(&InkParams::default(), &PackParams::default(), &MapImages::default(), Some(&strands())).unwrap();
+    let encoded = textures(
+        &InkParams::default(),
+        &PackParams::default(),
+        &MapImages::default(),
+        Some(&strands()),
+        Steps::unseen(),
+    )
+    .unwrap();
     let files = [encoded.stroke, encoded.wash, encoded.paper, encoded.fur.unwrap()];
     let bytes: usize = files.iter().map(|(_, file)| file.len()).sum();
     assert!(bytes < 900_000, "{bytes}");

@@ -16,7 +16,7 @@ mod splat;
 pub use coat::Coat;
 pub use decode::decode_texture;
 pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_groom};
-pub use shells::{ShellTextures, shell_textures};
+pub use shells::{ShellTextures, shell_bytes, shell_textures};
 pub use slab::{FinTextures, SLABS, Slab, fin_textures, slab_along};
 pub use slice::{Layer, ShellSet, collect_layers, slice, slice_with_coat};
 pub use splat::extinction;

@@ -38,9 +38,21 @@ impl From<DirectionFormat> for TextureFormat {
     }
 }
 
+/// Bytes of texels that the shell textures of one volume will have, with their mip levels: what [`shell_textures`] makes, but for the heads of its files.
+///
+/// * `with_coat`: whether the far coat follows as the last array layer
+pub fn shell_bytes(slice_params: &SliceParams, pack: &PackParams, with_coat: bool) -> u64 {
+    let n = slice_params.tile_texels;
+    let of =
+        |format: TextureFormat| (0..=n.ilog2()).map(|level| format.layer_bytes(n >> level, n >> level)).sum::<u64>();
+    let layer = of(pack.shell_format.into()) + of(pack.direction_format.into());
+    layer * u64::from(slice_params.layers + u32::from(with_coat))
+}
+
 /// Slices `strands` and encodes the layers one by one.
 ///
 /// * `with_coat`: whether the far coat follows as the last array layer
+/// * `on_layer`: called when a layer is done
 ///
 /// # Errors
 /// As [`slice()`], and [`BakeError::Internal`] if the encoder fails.
@@ -49,6 +61,7 @@ pub fn shell_textures(
     slice_params: &SliceParams,
     pack: &PackParams,
     with_coat: bool,
+    on_layer: &mut dyn FnMut(),
 ) -> Result<ShellTextures, BakeError> {
     pack.validate()?;
     let direction_format = TextureFormat::from(pack.direction_format);
@@ -56,7 +69,9 @@ pub fn shell_textures(
     let mut direction = TextureEncoder::new(direction_format, AlphaMode::Straight, pack.bc_quality);
     let sink = |layer: Layer| {
         color.push_square_layer(slice_params.tile_texels, &layer.color)?;
-        direction.push_square_layer(slice_params.tile_texels, &layer.direction)
+        direction.push_square_layer(slice_params.tile_texels, &layer.direction)?;
+        on_layer();
+        Ok(())
     };
     if with_coat {
         let coat = slice_with_coat(strands, slice_params, direction_format, sink)?;

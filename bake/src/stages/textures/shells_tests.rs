@@ -19,7 +19,7 @@ fn pack(shell_format: ShellFormat, direction_format: DirectionFormat) -> PackPar
 
 /// RGBA8 of one level of one layer.
 fn decode(format: TextureFormat, data: &[u8], width: u32, height: u32) -> Vec<u8> {
-    crate::stages::textures::decode::decode_texels(format, data, width, height).unwrap()
+    format.to_rgba8(data, width, height).unwrap()
 }
 
 fn in_package(files: &[&[u8]], check: impl Fn(&Package<'_>)) {
@@ -41,8 +41,10 @@ fn every_format_reads_back_layer_by_layer() {
         (ShellFormat::Rgba8, DirectionFormat::Bc5, TextureFormat::Rgba8Srgb, TextureFormat::Bc5Unorm, 12.0),
     ] {
         let set = collect_layers(&strands, &SLICE, direction_format).unwrap();
-        let files = shell_textures(&strands, &SLICE, &pack(shell, direction), false).unwrap();
+        let files = shell_textures(&strands, &SLICE, &pack(shell, direction), false, &mut || ()).unwrap();
         in_package(&[&files.color, &files.direction], |package| {
+            let bytes: u64 = (0..2).map(|i| package.texture(i).unwrap().gpu_bytes()).sum();
+            assert_eq!(bytes, shell_bytes(&SLICE, &pack(shell, direction), false));
             for (i, format) in [color_format, direction_format].into_iter().enumerate() {
                 let view = package.texture(i as u32).unwrap();
                 assert_eq!((view.format, view.width, view.height), (format, 32, 32));
@@ -74,7 +76,7 @@ fn every_format_reads_back_layer_by_layer() {
 fn same_files_on_any_number_of_threads() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| shell_textures(&strands(), &SLICE, &PackParams::default(), true).unwrap())
+        pool.install(|| shell_textures(&strands(), &SLICE, &PackParams::default(), true, &mut || ()).unwrap())
     };
     assert!(on(1) == on(3));
 }

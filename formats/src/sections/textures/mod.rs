@@ -1,5 +1,6 @@
 //! `KTX2` sections: complete .ktx2 files, one for each texture of the manifest, and what they must be for their use.
 
+mod decode;
 mod format;
 mod view;
 

@@ -1,0 +1,140 @@
+//! What is being done, how far it is, and how long it may still take; told a line now and then where no terminal shows it.
+
+use super::output::to_stderr;
+use pelage_bake::steps::Steps;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Silence before the first line: most commands are done by then.
+const FIRST_LINE: Duration = Duration::from_secs(5);
+/// Between two lines.
+const NEXT_LINE: Duration = Duration::from_secs(15);
+
+/// The work that runs.
+#[derive(Debug)]
+pub struct Work {
+    /// When the command began.
+    since: Instant,
+    doing: String,
+    /// When this began.
+    begun: Instant,
+    /// Steps that were over when the work began (an earlier run did them), those that are over now, and all.
+    counted: Option<(u64, u64, u64)>,
+    /// Counted by the stage itself; used where `counted` is not.
+    steps: Arc<Steps>,
+}
+
+impl Work {
+    /// Before any work; `steps` is what stages count with.
+    pub fn new(steps: Arc<Steps>) -> Self {
+        let now = Instant::now();
+        Self { since: now, doing: String::new(), begun: now, counted: None, steps }
+    }
+
+    /// Other work begins, of which nobody knows how long it is unless it counts steps.
+    pub fn begin(&mut self, doing: &str) {
+        self.steps.begin(0);
+        (self.doing, self.begun, self.counted) = (doing.to_owned(), Instant::now(), None);
+    }
+
+    /// `done` of `total` steps are over.
+    pub fn count(&mut self, done: u64, total: u64, doing: &str) {
+        match &mut self.counted {
+            Some((_, now, all)) if *all == total => *now = done,
+            _ => (self.begun, self.counted) = (Instant::now(), Some((done, done, total))),
+        }
+        self.doing = doing.to_owned();
+    }
+
+    /// `, 12 of 64, 8 s left`; empty where nobody counts, and without the time until one step is over.
+    pub fn left(&self, now: Instant) -> String {
+        let counted = self.counted.or_else(|| self.steps.so_far().map(|(done, total)| (0, done, total)));
+        let Some((first, done, total)) = counted else { return String::new() };
+        let own = done.saturating_sub(first);
+        if own == 0 {
+            return format!(", {done} of {total}");
+        }
+        let rest =
+            now.saturating_duration_since(self.begun).as_secs_f64() / own as f64 * (total - done.min(total)) as f64;
+        format!(", {done} of {total}, about {} left", span(rest))
+    }
+
+    /// The whole line, with the time since the command began: `20 s: slice, 12 of 64, about 8 s left`.
+    pub fn line(&self, now: Instant) -> String {
+        let spent = now.saturating_duration_since(self.since).as_secs_f64();
+        format!("{}: {}{}", span(spent), self.doing, self.left(now))
+    }
+}
+
+/// Seconds for people: `8 s`, `12 min`.
+fn span(seconds: f64) -> String {
+    if seconds < 120.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
+}
+
+/// Writes the work's line to stderr after [`FIRST_LINE`] and every [`NEXT_LINE`], until it is dropped.
+#[derive(Debug)]
+pub struct Herald {
+    /// Dropped first: that ends the thread.
+    end: Option<mpsc::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Herald {
+    /// Begins to tell of `work`. A machine that cannot start another thread is not told.
+    pub fn new(work: Arc<Mutex<Work>>) -> Self {
+        let (end, ended) = mpsc::channel();
+        let tell = move || {
+            let mut wait = FIRST_LINE;
+            while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
+                let line = work.lock().unwrap_or_else(PoisonError::into_inner).line(Instant::now());
+                to_stderr(&format!("{line}\n"));
+                wait = NEXT_LINE;
+            }
+        };
+        Self { end: Some(end), thread: std::thread::Builder::new().spawn(tell).ok() }
+    }
+}
+
+impl Drop for Herald {
+    fn drop(&mut self) {
+        drop(self.end.take());
+        if let Some(thread) = self.thread.take() {
+            // It only waits and writes; should it have panicked, the work goes on.
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_says_how_far_it_is_and_what_is_left() {
+        let steps = Arc::new(Steps::new());
+        let mut work = Work::new(steps.clone());
+        work.begin("slice");
+        work.since = work.begun - Duration::from_secs(3);
+        let after = |work: &Work, seconds: u64| work.line(work.begun + Duration::from_secs(seconds));
+        assert_eq!(after(&work, 7), "10 s: slice");
+        steps.begin(64);
+        assert_eq!(after(&work, 7), "10 s: slice, 0 of 64");
+        (0..16).for_each(|_| steps.step());
+        assert_eq!(after(&work, 20), "23 s: slice, 16 of 64, about 60 s left");
+        assert_eq!(after(&work, 200), "3 min: slice, 16 of 64, about 10 min left");
+        work.begin("pack");
+        assert_eq!(work.left(Instant::now()), "", "the count was the stage's before");
+    }
+
+    #[test]
+    fn steps_of_an_earlier_run_took_no_time_of_this_one() {
+        let mut work = Work::new(Arc::new(Steps::new()));
+        work.count(10, 20, "row 11");
+        let after = |work: &Work, seconds: u64| work.left(work.begun + Duration::from_secs(seconds));
+        assert_eq!(after(&work, 4), ", 10 of 20");
+        work.count(12, 20, "row 13");
+        assert_eq!(after(&work, 4), ", 12 of 20, about 16 s left");
+    }
+}
