@@ -325,11 +325,14 @@ pub fn glb(document: &Value, bin: &[u8]) -> Vec<u8> {
     container(document, bin).unwrap_or_else(|e| panic!("a small model: {e}"))
 }
 
-/// Eight texels each way, none like its neighbour.
+/// Texels of colours that vary, with a dark stroke from left to right: as small as a scanned stroke may be.
 fn picture(format: ImageFormat) -> anyhow::Result<Vec<u8>> {
-    let texel =
-        |x: u32, y: u32| image::Rgba([(32 * x) as u8, (32 * y) as u8, (16 * (x ^ y)) as u8, 255 - (8 * x) as u8]);
-    let picture = DynamicImage::from(RgbaImage::from_fn(8, 8, texel));
+    const SIZE: u32 = 48;
+    let texel = |x: u32, y: u32| {
+        let grey = if (20..28).contains(&y) { 0 } else { 255 - (x ^ y) as u8 };
+        image::Rgba([grey, grey.saturating_sub(x as u8), grey.saturating_sub(y as u8), 255 - (4 * x) as u8])
+    };
+    let picture = DynamicImage::from(RgbaImage::from_fn(SIZE, SIZE, texel));
     let picture = if format == ImageFormat::Jpeg { picture.to_rgb8().into() } else { picture };
     let mut out = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut out, format)?;

@@ -271,7 +271,15 @@ pub fn toml(text: &str, turn: u64, random: &mut Random) -> (String, String) {
     let line = lines[at].clone();
     let (key, value) = line.split_once('=').unwrap_or((&line, ""));
     let (key, value) = (key.trim(), value.trim());
-    let changed = match random.below(16) {
+    let number: Option<f64> = value.parse().ok();
+    let changed = match random.below(20) {
+        // Numbers near the one that stands there, which are mostly in its range.
+        16.. if number.is_some_and(|number| number != 0.0) => {
+            let factor = *random.pick(&[0.1, 0.5, 2.0, 3.0, 10.0, -1.0]);
+            let whole = value.parse::<i64>().is_ok();
+            let new = number.unwrap_or_default() * factor;
+            format!("{key} = {}", if whole { format!("{:.0}", new.trunc()) } else { format!("{new:?}") })
+        }
         0 => String::new(),
         1 => format!("{line}\n{line}"),
         2 if value.is_empty() => key.replace(']', "x]"),

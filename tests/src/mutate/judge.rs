@@ -191,7 +191,7 @@ impl Bench {
         let after = files(&folder);
         let made =
             |name: &String| step.makes.is_some_and(|output| name == output || name.starts_with(&format!("{output}/")));
-        let new: Vec<&String> = after.iter().filter(|name| !before.contains(name) && !(done && made(name))).collect();
+        let new: Vec<&String> = after.iter().filter(|name| !(before.contains(name) || done && made(name))).collect();
         if !new.is_empty() {
             outcome.fault(step, format!("exit code {code}, and left {new:?} behind"));
         }
@@ -260,9 +260,11 @@ fn within(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader>) -> Vec<
     if let (Some(drawable), Some(loader)) = (drawable, loader) {
         match (drawable, loader.load(bytes)) {
             (true, Err(why)) => {
-                faults.push(format!("runtime: `validate` found nothing that stops drawing, but: {why}"))
+                faults.push(format!("runtime: `validate` found nothing that stops drawing, but: {why}"));
             }
-            (false, Ok(())) => faults.push("runtime: loads what `validate` says it cannot draw".into()),
+            (false, Ok(())) => {
+                faults.push("runtime: loads what `validate` says it cannot draw".into());
+            }
             _ => {}
         }
     }

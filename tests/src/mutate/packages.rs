@@ -46,7 +46,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
 }
 
 /// A field of the header or of an entry of the table.
-fn head(bytes: &mut Vec<u8>, random: &mut Random) -> String {
+fn head(bytes: &mut [u8], random: &mut Random) -> String {
     let count = bytes.get(12).copied().unwrap_or(0);
     let at = 8 + 4 * random.below(6 + 8 * usize::from(count));
     let Some(field) = bytes.get_mut(at..at + 4) else { return "nothing".into() };
