@@ -3,7 +3,7 @@
 //!
 //! Prints how the commands ended, and every fault with the case that shows it; exits with 1 where there is one. The defaults are 24 000 cases of seed 1,
 //! two at a time, which takes a quarter of an hour. `--only models` runs the cases of one kind, `--only models:17` a single one; `--out` keeps what shows
-//! faults. Packages are also loaded in the runtime, on the device that wgpu prefers; `--no-gpu` leaves that out. `pelage_tests::mutate` says what counts as
+//! faults. Packages are also loaded in the runtime, on the device that wgpu prefers; `--no-gpu` leaves that out, and all drawing. `pelage_tests::mutate` says what counts as
 //! a fault. Temporary files are many: with `TMPDIR` in memory it is faster.
 
 use anyhow::{Context as _, bail};

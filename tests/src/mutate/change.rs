@@ -53,8 +53,9 @@ pub fn bytes(bytes: &mut Vec<u8>, random: &mut Random) -> String {
             format!("byte {at} is {}", bytes[at])
         }
         3..=5 => {
-            // Fields stand at multiples of four, mostly.
-            let (at, number, width) = (at & !3, *random.pick(&NUMBERS), *random.pick(&[4, 8]));
+            // Fields stand at multiples of four in what is read in place, and anywhere in what is encoded.
+            let at = if random.below(2) == 0 { at & !3 } else { at };
+            let (number, width) = (*random.pick(&NUMBERS), *random.pick(&[4, 8]));
             for (byte, new) in bytes[at..].iter_mut().zip(&number.to_le_bytes()[..width]) {
                 *byte = *new;
             }

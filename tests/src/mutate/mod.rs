@@ -168,7 +168,7 @@ impl Report {
 
 /// Runs the cases of a plan.
 ///
-/// * `loader`: the runtime that packages must load in; `None` leaves that out
+/// * `loader`: the runtime that packages must load in; `None` leaves that out, and all drawing
 /// * `keep`: where inputs that show a fault are kept, each in a folder with the commands
 ///
 /// # Errors
@@ -192,7 +192,14 @@ pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow:
     let outcomes = Mutex::new(Vec::new());
     let work = || -> anyhow::Result<()> {
         let bench = Bench::new()?;
-        while let Some((kind, index)) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            let Some((kind, index)) = cases.get(at) else { break };
+            if at > 0 && at.is_multiple_of(2000) {
+                let seconds = begun.elapsed().as_secs();
+                // Whoever waits for a quarter of an hour wants to see it pass.
+                eprintln!("{at} of {} cases after {seconds} s, now {}", cases.len(), KINDS[*kind].name);
+            }
             let case = make(plan.seed, *kind, *index, &bases);
             let outcome = bench.judge(&case, loader)?;
             let mut outcomes = outcomes.lock().unwrap_or_else(PoisonError::into_inner);

@@ -5,9 +5,14 @@ use super::case::{Case, Entry, Step, Then};
 use super::change;
 use super::lay_out::{lay_out, reseal, sections};
 use super::random::Random;
+use pelage_formats::{Animation, Limits, Manifest, Package, Tag};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// Of so many cases one is drawn: a frame takes as long as many of the other commands.
-const DRAWN: u64 = 40;
+const DRAWN: u64 = 8;
+/// How often a field is changed anew that no longer fits its type. What never fits is left to changes of bytes.
+const TRIES: u64 = 12;
 
 /// Makes a case.
 pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
@@ -25,6 +30,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
             (format!("{how}, checksums right"), bytes)
         }
         3 => table(base, random),
+        4..=6 => fields(base, turn, random),
         _ => contents(base, random),
     };
     let mut steps = vec![
@@ -99,6 +105,35 @@ fn table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
         }
     };
     (how, lay_out(version, &list))
+}
+
+/// A field of the manifest or of the animation, with a value of its type that need not make sense.
+fn fields(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
+    let (version, mut list) = sections(base);
+    let package = Package::open(base, &Limits::default());
+    // The manifests of older versions have other fields.
+    let Some(package) = package.ok().filter(|package| package.version() == 3) else { return contents(base, random) };
+    let animation = package.animation().ok().flatten().filter(|_| random.below(4) == 0);
+    let (tag, changed) = match animation {
+        Some(animation) => (Tag::ANIMATION, field::<Animation>(&animation, turn, random)),
+        None => (Tag::MANIFEST, field::<Manifest>(package.manifest(), turn, random)),
+    };
+    let place = list.iter_mut().find(|(found, _)| *found == tag.0);
+    let (Some((how, bytes)), Some(place)) = (changed, place) else { return contents(base, random) };
+    place.1 = bytes;
+    (format!("{tag}: {how}"), lay_out(version, &list))
+}
+
+/// The value with one field changed, in the encoding of a section.
+fn field<T: Serialize + DeserializeOwned>(value: &T, turn: u64, random: &mut Random) -> Option<(String, Vec<u8>)> {
+    let document = serde_json::to_value(value).ok()?;
+    // Fixed width, little end first: what `FORMAT.md` says of encoding.
+    let config = bincode::config::standard().with_little_endian().with_fixed_int_encoding();
+    (0..TRIES).find_map(|_| {
+        let (how, text) = change::json(&document, turn, random);
+        let changed: T = serde_json::from_str(&text).ok()?;
+        Some((how, bincode::serde::encode_to_vec(changed, config).ok()?))
+    })
 }
 
 /// One section's bytes, laid out anew whatever their length, so that what reads sections sees them.

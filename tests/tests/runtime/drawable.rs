@@ -102,7 +102,7 @@ fn what_validate_lets_pass_the_runtime_loads() {
         ("an index out of reach", damaged(Tag::MESH, 0, true), 7, false),
         ("a damaged animation", damaged(Tag::ANIMATION, 0, false), 7, false),
         ("damaged ink", damaged(Tag::INK, 0, false), 7, false),
-        ("ink of another size", damaged(Tag::INK, 0, true), 7, false),
+        ("ink with a reserved byte set", damaged(Tag::INK, 0, true), 7, false),
     ];
     let sandbox = Sandbox::new();
     for (name, bytes, code, drawn) in table {

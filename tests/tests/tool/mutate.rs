@@ -3,7 +3,7 @@
 
 use pelage_tests::mutate::{KINDS, Plan, run};
 
-/// Cases of each kind, in the order of [`KINDS`]: those that bake or draw take longer.
+/// Cases of each kind, in the order of [`KINDS`]: those that bake take longer.
 const CASES: [u64; KINDS.len()] = [40, 24, 12, 8, 8, 8];
 
 #[test]
