@@ -81,23 +81,64 @@ impl<'a> Package<'a> {
         faults
     }
 
-    /// What keeps the package from being drawn, as far as its bytes decide: faults of what a renderer reads. [`Self::validate`] finds these and more; what
-    /// it finds beyond lies in sections that no picture needs, or in textures that nothing uses.
+    /// What keeps the package from being drawn, as far as its bytes decide: faults of what a renderer reads. Most of these [`Self::validate`] finds as
+    /// well; what it finds beyond lies in sections that no picture needs, or in textures that nothing uses. It does not find what is no fault of the
+    /// format: that there is nothing to draw, or that dry and wet hair have directions in formats of different components.
     pub fn drawing_faults(&self) -> Vec<FormatError> {
         let mut faults = vec![
-            self.mesh().err(),
+            self.triangles().err(),
             self.animation().err(),
             self.fins().err(),
             self.ink().err(),
             self.fur_textures().err(),
             self.wet_textures().err(),
+            self.wet_like_dry().err(),
             self.fin_textures().err(),
             self.ink_textures().err(),
         ];
         for material in 0..self.manifest().materials.len() {
             faults.extend([self.base_color_texture(material).err(), self.groom_texture(material).err()]);
         }
-        faults.into_iter().flatten().collect()
+        let mut found: Vec<FormatError> = Vec::new();
+        for fault in faults.into_iter().flatten() {
+            // A damaged texture fails again in each check that uses it.
+            if !found.contains(&fault) {
+                found.push(fault);
+            }
+        }
+        found
+    }
+
+    /// Fails where the mesh is damaged, or there is nothing of it to draw.
+    fn triangles(&self) -> Result<(), FormatError> {
+        let offset = self.find(Tag::MESH, 0).map_or(0, |(_, section)| section.offset);
+        match self.mesh()? {
+            None => {
+                let reason = "there is nothing to draw".into();
+                Err(FormatError::MissingSection { tag: Tag::MESH, index: 0, reason })
+            }
+            Some(mesh) if mesh.index_count == 0 => {
+                let reason = "no triangles, expected at least one to draw".into();
+                Err(FormatError::Content { tag: Tag::MESH, offset, reason })
+            }
+            Some(_) => Ok(()),
+        }
+    }
+
+    /// Fails where dry and wet hair do not mix: a shader reads the directions of both in one way. What else is wrong with them, others say.
+    fn wet_like_dry(&self) -> Result<(), FormatError> {
+        let (Ok(Some(dry)), Ok(Some(wet)), Some(info)) =
+            (self.fur_textures(), self.wet_textures(), &self.manifest().fur.wet)
+        else {
+            return Ok(());
+        };
+        let (dry, wet) = (dry.direction.format, wet.direction.format);
+        if (dry.components() == 2) == (wet.components() == 2) {
+            return Ok(());
+        }
+        let reason =
+            format!("is {}, expected as many components as {}, the directions of dry hair", wet.name(), dry.name());
+        Err(self.texture_fault(info.direction_texture, &reason))
     }
 }
 

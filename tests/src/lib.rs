@@ -6,6 +6,7 @@ pub mod compute;
 pub mod documents;
 pub mod gpu;
 pub mod likeness;
+pub mod mutate;
 pub mod packages;
 pub mod pages;
 pub mod pictures;

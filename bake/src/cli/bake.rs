@@ -120,6 +120,18 @@ impl RecipeArgs {
         io::read_map_images(&file, &place, recipe)
     }
 
+    /// An error with where its value stands: stages name the key of a recipe alone. Without a recipe the value follows from the model.
+    fn placed(&self, model: &str, error: BakeError) -> BakeError {
+        let BakeError::Params { what, reason } = error else { return error };
+        let set = self.set.iter().any(|assignment| assignment.split('=').next().is_some_and(|key| key.trim() == what));
+        let file = match &self.recipe {
+            Some(path) if !set => path.display().to_string(),
+            None if self.set.is_empty() => model.to_owned(),
+            _ => "--set".to_owned(),
+        };
+        BakeError::Input { file, place: what.to_owned(), reason }
+    }
+
     /// Which files the model may name.
     pub fn reach(&self) -> Reach {
         if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
@@ -220,7 +232,8 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
         {
             watch.begin("choose");
             let chosen = {
-                let slicer = Slicer::new(Told::new(&file, &name, &recipe, &images), &model)?;
+                let slicer = Slicer::new(Told::new(&file, &name, &recipe, &images), &model)
+                    .map_err(|error| args.recipe.placed(&file, error))?;
                 let source = Source::Baked { name: &name, slicer: &slicer };
                 choose(&file, source, &recipe, limits, args.limits.exhaustive, watch.output())?
             };
@@ -236,7 +249,8 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     let told = Told { steps: &steps, ..Told::new(&file, &name, &recipe, &images) };
     let large = large_layers(&recipe);
     large.iter().for_each(|note| watch.output.note(note));
-    let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage))?;
+    let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage))
+        .map_err(|error| args.recipe.placed(&file, error))?;
     if let Some((choice, ..)) = &choice {
         baked.package = pack::with_choice(&baked.package, choice.clone())?;
         let bytes = baked.package.len() as u64;

@@ -8,7 +8,7 @@
 use super::mesh_glb;
 use pelage_bake::BakeError;
 use pelage_bake::recipe::Recipe;
-use pelage_bake::recorded::disagreements;
+use pelage_bake::recorded::{Disagreement, disagreements};
 use pelage_bake::stages::assemble::{Content, assemble};
 use pelage_formats::{Animation, FORMAT_VERSION, FormatError, Limits, Manifest, Package, Tag, TextureEntry};
 use pelage_params::nearest;
@@ -31,6 +31,8 @@ const FORM: (&str, u64) = ("pelage_unpacked", 3);
 const VERSION: &str = "format_version";
 /// SHA-256 of recipe.toml as it was unpacked, by which `pack` knows an edited one. Folders of older versions do not have it.
 const RECIPE_DIGEST: &str = "recipe_sha256";
+/// Where the recipe said another fur than the package has when it was unpacked: that may stay so. Folders of older versions do not have it.
+const RECIPE_DISAGREES: &str = "recipe_disagrees";
 
 /// A file's name and contents.
 pub type File = (String, Vec<u8>);
@@ -98,6 +100,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
         FORM.0: FORM.1,
         VERSION: package.version(),
         RECIPE_DIGEST: digest_of(&manifest.recipe),
+        RECIPE_DISAGREES: disagreements(manifest, &manifest.recipe).iter().map(in_words).collect::<Vec<_>>(),
         "sections": list,
         "manifest": manifest_to_json(manifest).map_err(internal)?,
     });
@@ -137,18 +140,27 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     if edited {
         // The recipe says how the fur was made. Nothing is made here, so an edit could only make it say something else.
         Recipe::parse(&path(RECIPE), &manifest.recipe)?;
-        if let Some(found) = disagreements(&manifest, &manifest.recipe).first() {
-            let reason = format!(
-                "{}; `pelage pack` makes no fur: take the edit back, or bake the model with this recipe",
-                found.reason
-            );
-            return Err(fail(RECIPE, found.key, reason));
+    }
+    let advice = "`pelage pack` makes no fur: take the edit back, or bake the model with this recipe";
+    let known = document.get(RECIPE_DISAGREES).cloned().unwrap_or_default();
+    if !(known.is_array() || document.get(RECIPE_DISAGREES).is_none()) {
+        return Err(fail(MANIFEST, &format!("/{RECIPE_DISAGREES}"), format!("found {known}, expected a list")));
+    }
+    for found in disagreements(&manifest, &manifest.recipe) {
+        if edited {
+            return Err(fail(RECIPE, found.key, format!("{}; {advice}", found.reason)));
+        }
+        let was_there = known.as_array().is_none_or(|known| known.contains(&in_words(&found).into()));
+        if !was_there {
+            return Err(fail(MANIFEST, "/manifest/fur", format!("{RECIPE}: {}; {advice}", in_words(&found))));
         }
     }
     let list = document["sections"].take();
     let mut expected = json!({ FORM.0: FORM.1, VERSION: FORMAT_VERSION, "sections": null, "manifest": null });
-    if let Some(digest) = document.get(RECIPE_DIGEST) {
-        expected[RECIPE_DIGEST] = digest.clone();
+    for key in [RECIPE_DIGEST, RECIPE_DISAGREES] {
+        if let Some(there) = document.get(key) {
+            expected[key] = there.clone();
+        }
     }
     known_keys(&path(MANIFEST), "", &document, &expected)?;
     let version =
@@ -242,6 +254,10 @@ fn check_texture(file: &str, bytes: &[u8]) -> Result<(), BakeError> {
         other => other.to_string(),
     };
     Err(BakeError::Input { file: file.to_owned(), place, reason })
+}
+
+fn in_words(found: &Disagreement) -> String {
+    format!("{} {}", found.key, found.reason)
 }
 
 fn digest_of(recipe: &str) -> String {

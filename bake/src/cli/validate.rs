@@ -73,8 +73,10 @@ fn find(file: &NamedPackage<'_>) -> Result<Vec<Fault>, Failure> {
         Err(e) => return Ok(vec![fault(&e, None, true)]),
     };
     let drawing = package.drawing_faults();
-    let mut faults: Vec<_> =
-        Package::validate(&file.bytes, &limits).iter().map(|e| fault(e, Some(&package), drawing.contains(e))).collect();
+    let mut found = Package::validate(&file.bytes, &limits);
+    // What no renderer can draw, though the format allows it.
+    found.extend(drawing.iter().filter(|e| !found.contains(e)).cloned().collect::<Vec<_>>());
+    let mut faults: Vec<_> = found.iter().map(|e| fault(e, Some(&package), drawing.contains(e))).collect();
     let recipe = &package.manifest().recipe;
     let broken = Recipe::parse("recipe", recipe).err().map(|e| e.to_string());
     let others = disagreements(package.manifest(), recipe);

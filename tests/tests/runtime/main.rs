@@ -2,6 +2,7 @@
 //! All tests share one device (`pelage_tests::gpu`).
 
 mod detail;
+mod drawable;
 mod fins;
 mod frames;
 mod groom;

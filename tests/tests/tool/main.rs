@@ -13,6 +13,7 @@ mod groom;
 mod likeness;
 mod limits;
 mod models;
+mod mutate;
 mod packages;
 mod reference;
 mod sequences;

@@ -165,6 +165,42 @@ fn an_edited_recipe_is_no_new_fur() {
     assert_eq!(std::fs::read(sandbox.path().join("out.pelage")).unwrap(), whole);
 }
 
+#[test]
+fn an_edited_manifest_says_no_other_fur_than_the_recipe() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.obj", SQUARE);
+    assert_eq!(bake(&sandbox, "a.obj", &[]).code, Some(0));
+    assert_eq!(sandbox.run(&["unpack", "out.pelage", "folder"]).code, Some(0));
+    let whole = std::fs::read(sandbox.path().join("out.pelage")).unwrap();
+    std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
+    let text = std::fs::read(sandbox.path().join("folder/manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_slice(&text).unwrap();
+    let pack = |change: &dyn Fn(&mut Value)| {
+        let mut manifest = manifest.clone();
+        change(&mut manifest);
+        sandbox.write("folder/manifest.json", manifest.to_string());
+        sandbox.run(&["pack", "folder", "out.pelage"])
+    };
+    let run = pack(&|manifest| manifest["manifest"]["fur"]["strands"] = 19.into());
+    let words =
+        ["folder/manifest.json: /manifest/fur: recipe.toml: hair.density is 700, expected 19", "take the edit back"];
+    refuses(&sandbox, &run, &words);
+    refuses(&sandbox, &pack(&|manifest| manifest["recipe_disagrees"] = 3.into()), &["/recipe_disagrees", "a list"]);
+    assert_eq!(pack(&|_| ()).code, Some(0));
+    assert_eq!(std::fs::read(sandbox.path().join("out.pelage")).unwrap(), whole);
+}
+
+#[test]
+fn a_value_that_a_stage_refuses_is_placed() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.obj", SQUARE);
+    sandbox.write("r.toml", "[hair]\nlength_m = 1000\n[surface]\ntile_size_m = 0.2\n");
+    let run = bake(&sandbox, "a.obj", &["--recipe", "r.toml"]);
+    refuses(&sandbox, &run, &["r.toml: hair.length_m: the hair is 5000 times as long as its tile is wide"]);
+    let set = ["--set", "hair.length_m=1000", "--set", "surface.tile_size_m=0.2"];
+    refuses(&sandbox, &bake(&sandbox, "a.obj", &set), &["--set: hair.length_m: the hair is 5000 times"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn pipes_in_folders_and_scenes_are_refused() {

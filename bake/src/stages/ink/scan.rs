@@ -12,6 +12,10 @@ use glam::Vec2;
 
 /// Fewer texels a side hold no brushwork.
 const LEAST_SIDE: u32 = 48;
+/// More texels a side than the largest texture made of it has are put together: what is done to a scan takes time and memory by their square.
+const MOST_SIDE: usize = 2048;
+/// The ground is looked for in at most so many texels a side: it is smooth, and has no details.
+const GROUND_SIDE: usize = 256;
 /// Grey levels, 0..=1, that darkest and lightest hundredth must lie apart.
 const LEAST_CONTRAST: f32 = 0.02;
 /// Width over which the ground is looked for, as a share of the side.
@@ -24,19 +28,32 @@ struct Grey {
     values: Vec<f32>,
 }
 
-/// Luma as a display shows it, which is how ink is judged.
-fn grey(image: &Image) -> Grey {
-    let luma = |t: &[u8]| {
+/// Luma as a display shows it, which is how ink is judged, in at most `width` by `height` texels: means over the picture's own.
+fn grey(image: &Image, width: usize, height: usize) -> Grey {
+    let (columns, rows) = (image.width as usize, image.height as usize);
+    let (width, height) = (width.min(columns), height.min(rows));
+    let luma = |x: usize, y: usize| {
+        let t = &image.rgba[4 * (y * columns + x)..][..4];
         let share = |i: usize| f32::from(t[i]) / 255.0;
         // Where nothing is painted there is paper.
         let ink = 0.2126 * share(0) + 0.7152 * share(1) + 0.0722 * share(2);
         1.0 - (1.0 - ink) * share(3)
     };
-    Grey {
-        width: image.width as usize,
-        height: image.height as usize,
-        values: image.rgba.chunks_exact(4).map(luma).collect(),
-    }
+    let values = mean_texels((columns, rows), (width, height), luma);
+    Grey { width, height, values }
+}
+
+/// What `value` gives at each of `from` texels, columns and rows, as the means that fewer texels have. As many texels are the values themselves.
+fn mean_texels(from: (usize, usize), to: (usize, usize), value: impl Fn(usize, usize) -> f32) -> Vec<f32> {
+    let part = |i: usize, to: usize, from: usize| i * from / to..(i + 1) * from / to;
+    let mean = |i: usize| {
+        let (columns, rows) = (part(i % to.0, to.0, from.0), part(i / to.0, to.1, from.1));
+        let count = columns.len() * rows.len();
+        let sum: f64 =
+            rows.flat_map(|y| columns.clone().map(move |x| (x, y))).map(|(x, y)| f64::from(value(x, y))).sum();
+        (sum / count as f64) as f32
+    };
+    (0..to.0 * to.1).map(mean).collect()
 }
 
 /// Checks that a picture can be used; `key` and `path` are the recipe's.
@@ -73,40 +90,50 @@ fn square(grey: &Grey) -> Plane {
 fn without_ground(plane: &Plane) -> Plane {
     // Bright parts count many times more than dark ones: a soft maximum.
     let sharp = 24.0;
-    let sigma = GROUND * plane.side as f32;
-    let mirrored = Plane::from_fn(2 * plane.side, |uv| {
+    let n = plane.side;
+    let side = n.min(GROUND_SIDE);
+    let small = Plane { side, values: mean_texels((n, n), (side, side), |x, y| plane.values[y * n + x]) };
+    let sigma = GROUND * side as f32;
+    let mirrored = Plane::from_fn(2 * side, |uv| {
         // The ground goes on beyond the border as it came; the tile of four has none.
         let p = (uv * 2.0 - 1.0).abs();
-        plane.sample(p.min(Vec2::splat(1.0 - 0.5 / plane.side as f32)))
+        small.sample(p.min(Vec2::splat(1.0 - 0.5 / side as f32)))
     });
     let weights = mirrored.map(|v| libm::expf(sharp * (v - 1.0)));
     let sums = weights.with(&mirrored, |w, v| w * v).blurred(sigma);
     let ground = sums.with(&weights.blurred(sigma), |sum, w| sum / w.max(1e-12));
-    let half = plane.side;
-    let values = (0..plane.side * plane.side).map(|i| {
-        let ground = ground.at((half + i % half) as i64, (half + i / half) as i64);
+    let values = (0..n * n).map(|i| {
+        let (x, y) = (i % n, i / n);
+        let ground = if side == n {
+            ground.at((n + x) as i64, (n + y) as i64)
+        } else {
+            ground.sample((Vec2::new(x as f32, y as f32) + 0.5) / (2 * n) as f32 + 0.5)
+        };
         (plane.values[i] / ground.max(1e-3)).min(1.0)
     });
-    Plane { side: plane.side, values: values.collect() }
+    Plane { side: n, values: values.collect() }
 }
 
-/// A scanned wash as a tile that repeats, as large as the picture's shorter side; greys of mean 0.5.
+/// A scanned wash as a tile that repeats, as large as the picture's shorter side, at most 2048 texels; greys of mean 0.5.
 ///
 /// # Errors
 /// [`BakeError::Input`], naming file, key, what was found and what was expected, for a picture that is too small or has no contrast.
 pub fn wash_tile(path: &str, image: &Image) -> Result<Plane, BakeError> {
-    let grey = grey(image);
+    let (width, height) = (image.width as usize, image.height as usize);
+    let shorter = width.min(height).max(1);
+    let most = shorter.min(MOST_SIDE);
+    let grey = grey(image, width * most / shorter, height * most / shorter);
     check("ink.wash_image", path, image, &grey)?;
     let level = without_ground(&square(&grey));
     Ok(tile(&level, [true, true]).balanced(0.15))
 }
 
-/// A scanned stroke as grey along it (u, which repeats) and across it (v, 0 the outer edge, 1 the inner), 0 ink to 1 paper.
+/// A scanned stroke as grey along it (u, which repeats) and across it (v, 0 the outer edge, 1 the inner), 0 ink to 1 paper; at most 2048 texels each way.
 ///
 /// # Errors
 /// As [`wash_tile`].
 pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
-    let grey = grey(image);
+    let grey = grey(image, MOST_SIDE, MOST_SIDE);
     check("ink.stroke_image", path, image, &grey)?;
     // The rows that the stroke takes.
     let (dark, light) = ends(&grey.values);

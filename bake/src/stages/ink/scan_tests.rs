@@ -42,7 +42,7 @@ fn a_painting_becomes_a_tile_without_its_silk() {
 
 #[test]
 fn tiling_keeps_every_grey() {
-    let grey = grey(&painting(90, 90));
+    let grey = grey(&painting(90, 90), 90, 90);
     let plane = square(&grey);
     let tiled = tile(&plane, [true, true]);
     let sorted = |plane: &Plane| {
@@ -74,6 +74,39 @@ fn a_stroke_goes_round_and_keeps_its_edges() {
     let wet =
         crate::stages::ink::stroke(&crate::recipe::InkParams { stroke_texels: 64, ..Default::default() }, Some(&band));
     assert!(wet[0].at(0, 32) < 0.2 && wet[0].at(32, 32) > 0.95, "{} {}", wet[0].at(0, 32), wet[0].at(32, 32));
+}
+
+#[test]
+fn a_large_scan_costs_no_more_than_the_largest_texture() {
+    // A few kilobytes of JPEG may say that they are as wide as this.
+    let wide = painting(16_384, 48);
+    let band = stroke_band("s.png", &wide).unwrap();
+    assert_eq!(band.side, MOST_SIDE);
+    assert_eq!(wash_tile("p.png", &wide).unwrap().side, 48);
+    let large = wash_tile("p.png", &painting(2200, 2100)).unwrap();
+    assert_eq!(large.side, MOST_SIDE);
+    assert!((large.mean() - 0.5).abs() < 0.01 && large.deviation() > 0.1, "{} {}", large.mean(), large.deviation());
+}
+
+#[test]
+fn the_ground_of_a_large_scan_is_that_of_a_small_one() {
+    // The same texels, and each of them three times as wide and high: one is looked at as it is, the other in fewer texels.
+    let small = painting(200, 200);
+    let texel = |i: usize| small.rgba[4 * ((i / 1800) * 200 + i % 600 / 3)..][..4].to_vec();
+    let large = Image { width: 600, height: 600, rgba: (0..600 * 600).flat_map(texel).collect() };
+    let level = |image: &Image, side: usize| without_ground(&square(&grey(image, side, side)));
+    let (small, large) = (level(&small, 200), level(&large, 600));
+    let error = |i: usize| (large.values[i] - small.values[(i / 1800) * 200 + i % 600 / 3]).abs();
+    let (worst, sum) = (0..600 * 600).map(error).fold((0.0_f32, 0.0_f64), |(w, s), e| (w.max(e), s + f64::from(e)));
+    assert!(worst < 0.05 && sum / 360_000.0 < 0.01, "{worst}, on average {}", sum / 360_000.0);
+}
+
+#[test]
+fn means_of_texels_are_the_texels_where_none_are_put_together() {
+    let value = |x: usize, y: usize| (x + 10 * y) as f32;
+    assert_eq!(mean_texels((3, 2), (3, 2), value), [0.0, 1.0, 2.0, 10.0, 11.0, 12.0]);
+    assert_eq!(mean_texels((4, 2), (2, 1), value), [5.5, 7.5]);
+    assert_eq!(mean_texels((3, 1), (2, 1), value), [0.0, 1.5]);
 }
 
 #[test]

@@ -1,0 +1,412 @@
+//! What is done to bytes, to JSON and to TOML: the tables of changes.
+
+use super::random::Random;
+use serde_json::Value;
+
+/// Numbers that a field of 4 or 8 bytes is replaced by: the ends of the integers, and floats that are none, too large or too small.
+const NUMBERS: [u64; 24] = [
+    0,
+    1,
+    2,
+    3,
+    0x7f,
+    0xff,
+    0xffff,
+    0x0001_0000,
+    0x0100_0000,
+    0x7fff_ffff,
+    0x8000_0000, // -0 as a float
+    0xffff_ffff,
+    0x0000_0001_0000_0000,
+    0x7fff_ffff_ffff_ffff,
+    0x8000_0000_0000_0000,
+    0xffff_ffff_ffff_ffff,
+    0x7f80_0000,           // infinity
+    0xff80_0000,           // -infinity
+    0x7fc0_0000,           // NaN
+    0x7f7f_ffff,           // the largest float
+    0x0000_0800,           // the smallest floats
+    0x7149_f2ca,           // 1e30
+    0xbf80_0000,           // -1
+    0x7ff8_0000_0000_0000, // NaN of 64 bits
+];
+
+/// Changes some bytes; says how.
+pub fn bytes(bytes: &mut Vec<u8>, random: &mut Random) -> String {
+    if bytes.is_empty() {
+        bytes.push(random.next_u64() as u8);
+        return "a byte added".into();
+    }
+    // Half of the changes lie where most files have their headers.
+    let reach = if random.below(2) == 0 { bytes.len() } else { bytes.len().min(128) };
+    let at = random.below(reach);
+    let most = *random.pick(&[4, 64, 1024]);
+    let count = random.below(most).min(bytes.len() - at);
+    match random.below(10) {
+        0 | 1 => {
+            let bit = random.below(8);
+            bytes[at] ^= 1 << bit;
+            format!("bit {bit} of byte {at} flipped")
+        }
+        2 => {
+            bytes[at] = random.next_u64() as u8;
+            format!("byte {at} is {}", bytes[at])
+        }
+        3..=5 => {
+            // Fields stand at multiples of four in what is read in place, and anywhere in what is encoded.
+            let at = if random.below(2) == 0 { at & !3 } else { at };
+            let (number, width) = (*random.pick(&NUMBERS), *random.pick(&[4, 8]));
+            for (byte, new) in bytes[at..].iter_mut().zip(&number.to_le_bytes()[..width]) {
+                *byte = *new;
+            }
+            format!("{width} bytes at {at} are {number:#x}")
+        }
+        6 => {
+            bytes[at..at + count].fill(0);
+            format!("{count} bytes at {at} zeroed")
+        }
+        7 => {
+            bytes.drain(at..at + count);
+            format!("{count} bytes at {at} cut out")
+        }
+        8 => {
+            let piece = bytes[at..at + count].to_vec();
+            bytes.splice(at..at, piece);
+            format!("{count} bytes at {at} doubled")
+        }
+        _ => {
+            bytes.truncate(at);
+            format!("cut off at byte {at}")
+        }
+    }
+}
+
+/// What a JSON value is replaced by; not all of it is JSON.
+const JSON: [&str; 44] = [
+    "null",
+    "true",
+    "false",
+    "-1",
+    "0",
+    "1",
+    "2",
+    "3",
+    "7",
+    "0.5",
+    "-0.0",
+    "1e-45",
+    "255",
+    "256",
+    "65535",
+    "65536",
+    "2147483648",
+    "4294967295",
+    "4294967296",
+    "9007199254740993",
+    "18446744073709551615",
+    "18446744073709551616",
+    "1e30",
+    "-1e30",
+    "1e39",
+    "1e300",
+    "1e999",
+    "NaN",
+    "Infinity",
+    "01",
+    "\"\"",
+    "\"x\"",
+    "\"NaN\"",
+    "\"..\"",
+    "\"../x.bin\"",
+    "\"/dev/zero\"",
+    "\"a\\u0000b\"",
+    "\"\\ud800\"",
+    "[]",
+    "[0]",
+    "[0, 0, 0]",
+    "[1e38, 1e38, 1e38, 1e38]",
+    "{}",
+    "{\"a\": 1}",
+];
+
+/// Stands for a value that is put in as text. No base has it.
+const MARK: &str = "\u{fffd}changed\u{fffd}";
+
+/// Every place of a document but the whole, as pointers.
+fn places(value: &Value, here: &str, out: &mut Vec<String>) {
+    let mut add = |key: &str, value: &Value| {
+        let key = key.replace('~', "~0").replace('/', "~1");
+        let place = format!("{here}/{key}");
+        places(value, &place, out);
+        out.push(place);
+    };
+    match value {
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| add(&i.to_string(), v)),
+        Value::Object(map) => map.iter().for_each(|(k, v)| add(k, v)),
+        _ => {}
+    }
+}
+
+/// A number near the one that stands there, or of its size: what indices, counts and offsets go wrong by.
+fn near(value: &Value, random: &mut Random) -> Option<String> {
+    let number = value.as_f64()?;
+    let whole = |x: f64| if number.fract() == 0.0 && x.fract() == 0.0 { format!("{x:.0}") } else { format!("{x:e}") };
+    Some(whole(*random.pick(&[number + 1.0, number - 1.0, number * 2.0, -number, number / 2.0, number * 1e6])))
+}
+
+/// The document's text with one value changed. Cases that follow each other take place after place, so that a run of many cases leaves none out.
+pub fn json(document: &Value, turn: u64, random: &mut Random) -> (String, String) {
+    let mut all = Vec::new();
+    places(document, "", &mut all);
+    if all.is_empty() {
+        return ("nothing to change".into(), document.to_string());
+    }
+    let place = &all[(turn % all.len() as u64) as usize];
+    let (parent, key) = place.rsplit_once('/').unwrap_or(("", place));
+    let mut changed = document.clone();
+    let old = document.pointer(place).cloned().unwrap_or_default();
+    // What is put in as text, beyond what a tree can hold.
+    let text = match random.below(10) {
+        0 => {
+            match changed.pointer_mut(parent) {
+                Some(Value::Object(map)) => drop(map.shift_remove(key)),
+                Some(Value::Array(list)) => drop(list.remove(key.parse().unwrap_or(0))),
+                _ => {}
+            }
+            return (format!("{place} removed"), changed.to_string());
+        }
+        1 => match changed.pointer_mut(parent) {
+            Some(Value::Object(map)) => {
+                map.shift_remove(key);
+                map.insert(format!("{key}s"), old);
+                return (format!("{place} renamed"), changed.to_string());
+            }
+            Some(Value::Array(list)) => {
+                list.push(old);
+                return (format!("{place} doubled at the end"), changed.to_string());
+            }
+            _ => old.to_string(),
+        },
+        // The same key twice, in an object; in a list an element more.
+        2 => format!("{old}, {}{}", if key.parse::<usize>().is_ok() { "" } else { "@" }, random.pick(&JSON)),
+        3 => {
+            let other = random.pick(&all);
+            document.pointer(other).cloned().unwrap_or_default().to_string()
+        }
+        4 if random.below(4) == 0 => {
+            let depth = *random.pick(&[64, 200, 100_000]);
+            format!("{}{}", "[".repeat(depth), "]".repeat(depth))
+        }
+        4 if random.below(4) == 0 => format!("\"{}\"", "long ".repeat(20_000)),
+        4..=6 => near(&old, random).unwrap_or_else(|| (*random.pick(&JSON)).to_owned()),
+        _ => (*random.pick(&JSON)).to_owned(),
+    };
+    let text = text.replacen('@', &format!("{}: ", Value::from(key)), 1);
+    if let Some(slot) = changed.pointer_mut(place) {
+        *slot = MARK.into();
+    }
+    let short: String = text.chars().take(60).collect();
+    (format!("{place} = {short}"), changed.to_string().replacen(&Value::from(MARK).to_string(), &text, 1))
+}
+
+/// What a value of a TOML file is replaced by; not all of it is TOML.
+const TOML: [&str; 50] = [
+    "nan",
+    "-nan",
+    "inf",
+    "-inf",
+    "-1",
+    "0",
+    "1",
+    "2",
+    "3",
+    "0.5",
+    "1.0",
+    "-0.0",
+    "1e-45",
+    "1e30",
+    "1e39",
+    "1e999",
+    "255",
+    "4294967296",
+    "9223372036854775807",
+    "-9223372036854775808",
+    "99999999999999999999",
+    "0x7f",
+    "1_000",
+    "true",
+    "false",
+    "\"\"",
+    "\"x\"",
+    "\"vertex\"",
+    "\"vertex#g\"",
+    "\"a.png\"",
+    "\"a.png#q\"",
+    "\"../x.png\"",
+    "\"/dev/zero\"",
+    "\".\"",
+    "\"#12\"",
+    "\"#ffffff\"",
+    "\"*\"",
+    "\"\\u0000\"",
+    "\"\\ud800\"",
+    "[]",
+    "[0]",
+    "[0, 0, 0]",
+    "[nan, 0, 0]",
+    "[1e38, 1e38, 1e38]",
+    "[\"\"]",
+    "{}",
+    "{ a = 1 }",
+    "1979-05-27",
+    "'''",
+    "",
+];
+
+/// The text with one line changed, line after line as in [`json`]. A value must end on the line that it begins on.
+pub fn toml(text: &str, turn: u64, random: &mut Random) -> (String, String) {
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let with_words = |line: &String| !line.trim().is_empty() && !line.starts_with('#');
+    let places: Vec<usize> = (0..lines.len()).filter(|i| with_words(&lines[*i])).collect();
+    let at = places[(turn % places.len() as u64) as usize];
+    let line = lines[at].clone();
+    let (key, value) = line.split_once('=').unwrap_or((&line, ""));
+    let (key, value) = (key.trim(), value.trim());
+    let number: Option<f64> = value.parse().ok();
+    let changed = match random.below(20) {
+        // Numbers near the one that stands there, which are mostly in its range.
+        16.. if number.is_some_and(|number| number != 0.0) => {
+            let factor = *random.pick(&[0.1, 0.5, 2.0, 3.0, 10.0, -1.0]);
+            let whole = value.parse::<i64>().is_ok();
+            let new = number.unwrap_or_default() * factor;
+            format!("{key} = {}", if whole { format!("{:.0}", new.trunc()) } else { format!("{new:?}") })
+        }
+        0 => String::new(),
+        1 => format!("{line}\n{line}"),
+        2 if value.is_empty() => key.replace(']', "x]"),
+        2 => format!("{key}s = {value}"),
+        3 if value.is_empty() => format!("[{key}]"),
+        3 => format!("{key} = [{value}, {value}]"),
+        4 if value.is_empty() => key.replacen("[[", "[", 1).replacen("]]", "]", 1),
+        4 => format!("{key} = {{ {key} = {value} }}"),
+        5 => lines[*random.pick(&places)].clone(),
+        6 => {
+            let other = random.pick(&places);
+            let other = lines[*other].split_once('=').map_or("0", |(_, value)| value.trim());
+            format!("{key} = {other}")
+        }
+        7 => {
+            // One number in the value, which may be deep in a list.
+            let digits: Vec<usize> = value.match_indices(|c: char| c.is_ascii_digit()).map(|(at, _)| at).collect();
+            let new = *random.pick(&["nan", "-", "e", "9", "999999999999", ".", "\"x\""]);
+            let place = if digits.is_empty() { value.len() } else { *random.pick(&digits) };
+            let end = (place + 1).min(value.len());
+            format!("{key} = {}{new}{}", &value[..place], value.get(end..).unwrap_or_default())
+        }
+        8 if random.below(4) == 0 => {
+            let depth = *random.pick(&[64, 200, 50_000]);
+            format!("{key} = {}{}", "[".repeat(depth), "]".repeat(depth))
+        }
+        8 => {
+            // The text is cut off within the line, at a character.
+            let cut = random.below(line.len());
+            let cut = (0..=cut).rev().find(|i| line.is_char_boundary(*i)).unwrap_or(0);
+            lines.truncate(at + 1);
+            line[..cut].to_owned()
+        }
+        _ => format!("{key} = {}", random.pick(&TOML)),
+    };
+    let short: String = changed.chars().take(60).collect();
+    lines[at] = changed;
+    (format!("line {}: {short:?} for {line:?}", at + 1), lines.join("\n") + "\n")
+}
+
+/// Words that stand in for one of a text of words, such as an OBJ file.
+const WORDS: [&str; 26] = [
+    "",
+    "-1",
+    "0",
+    "1",
+    "3",
+    "9",
+    "99999999999",
+    "-99999999999999999999",
+    "1/",
+    "1//",
+    "//",
+    "1/1/1/1",
+    "nan",
+    "inf",
+    "1e39",
+    "1e38",
+    "1e-45",
+    "v",
+    "f",
+    "g",
+    "usemtl",
+    "mtllib",
+    "/dev/zero",
+    "\\",
+    "#",
+    "ä",
+];
+
+/// The text with a word or line removed, doubled or replaced.
+pub fn words(text: &str, random: &mut Random) -> (String, String) {
+    let by_line = random.below(3) == 0;
+    let mut pieces: Vec<&str> = text.split_inclusive(if by_line { &['\n'][..] } else { &[' ', '\n'] }).collect();
+    let at = random.below(pieces.len());
+    let what = match random.below(4) {
+        0 => {
+            let piece = pieces.remove(at);
+            format!("without {piece:?}")
+        }
+        1 => {
+            let piece = pieces[random.below(pieces.len())];
+            pieces.insert(at, piece);
+            format!("{piece:?} again")
+        }
+        _ => {
+            let word = random.pick(&WORDS);
+            let end = if pieces[at].ends_with('\n') { "\n" } else { " " };
+            let old = pieces[at];
+            pieces.splice(at..=at, [*word, end]).for_each(drop);
+            format!("{word:?} for {old:?}")
+        }
+    };
+    (format!("piece {at}: {what}"), pieces.concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_changed_document_differs_and_every_place_has_its_turn() {
+        let document = json!({ "a": [1, { "b/c": "d" }], "e": null });
+        let mut seen = std::collections::BTreeSet::new();
+        for turn in 0..400 {
+            let (what, text) = json(&document, turn, &mut Random::of_case(1, 2, turn));
+            assert!(!text.contains(MARK), "{what}: {text}");
+            seen.extend(what.split(' ').next().map(str::to_owned));
+        }
+        assert_eq!(seen.len(), 5, "{seen:?}");
+        let doubled = (0..400).map(|turn| json(&document, turn, &mut Random::of_case(1, 2, turn)).1);
+        assert!(doubled.filter(|text| text.matches("\"e\":").count() == 2).count() > 0, "no key was doubled");
+    }
+
+    #[test]
+    fn a_changed_text_or_file_mostly_differs() {
+        let text = "[a]\nb = 1\nc = [1, 2]\n";
+        let differs = |i: u64| toml(text, i, &mut Random::of_case(3, 4, i)).1 != text;
+        assert!((0..100).filter(|i| differs(*i)).count() > 80);
+        let changed = |i: u64| {
+            let mut bytes = text.as_bytes().to_vec();
+            super::bytes(&mut bytes, &mut Random::of_case(5, 6, i));
+            bytes != text.as_bytes()
+        };
+        assert!((0..100).filter(|i| changed(*i)).count() > 70);
+        assert!((0..100).filter(|i| words(text, &mut Random::of_case(7, 8, *i)).1 != text).count() > 80);
+    }
+}

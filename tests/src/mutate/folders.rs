@@ -1,0 +1,95 @@
+//! Unpacked folders: fields of the manifest, of the animation and of the mesh, files that are not what they were.
+
+use super::bases::{Bases, chunks, glb};
+use super::case::{Case, Entry, Step, Then};
+use super::change;
+use super::random::Random;
+use serde_json::Value;
+
+/// What a link in the folder leads to: a device that never ends, itself, nothing, a folder, a file of another kind.
+const TARGETS: [&str; 5] = ["/dev/zero", "", "gone", "..", "manifest.json"];
+
+/// Makes a case.
+pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
+    let (name, base) = random.pick(&bases.folders);
+    let (file, how, entry) = match random.below(10) {
+        0..=4 => document(base, "in/manifest.json", turn, random),
+        5 => document(base, "in/animation.json", turn, random),
+        6 => mesh(base, turn, random),
+        7 => recipe(base, turn, random),
+        8 => contents(base, random),
+        _ => other(base, random),
+    };
+    // What is taken away is left out of the base.
+    let base: Vec<Entry> = base.iter().filter(|entry| entry.name() != file).cloned().collect();
+    let steps = vec![Step::makes(&["pack", "in", "out.pelage"], "out.pelage", Then::Validates)];
+    Case::new(format!("{name}: {file}: {how}"), &base, entry.into_iter().collect(), steps)
+}
+
+/// Name of a file, what was done to it, and what is there instead.
+type Changed = (String, String, Option<Entry>);
+
+fn bytes_of<'a>(base: &'a [Entry], name: &str) -> Option<&'a [u8]> {
+    base.iter().find_map(|entry| match entry {
+        Entry::File(file, bytes) if file == name => Some(bytes.as_slice()),
+        _ => None,
+    })
+}
+
+fn document(base: &[Entry], name: &str, turn: u64, random: &mut Random) -> Changed {
+    let Some(document) = bytes_of(base, name).and_then(|bytes| serde_json::from_slice::<Value>(bytes).ok()) else {
+        return contents(base, random);
+    };
+    let (how, text) = change::json(&document, turn, random);
+    (name.into(), how, Some(Entry::file(name, text)))
+}
+
+/// The mesh: its document, or its buffer.
+fn mesh(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
+    const NAME: &str = "in/mesh.glb";
+    let Some((document, mut bin)) = bytes_of(base, NAME).and_then(chunks) else { return contents(base, random) };
+    if random.below(3) == 0 {
+        let how = change::bytes(&mut bin, random);
+        bin.resize(bin.len().next_multiple_of(4), 0);
+        return (NAME.into(), format!("buffer: {how}"), Some(Entry::File(NAME.into(), glb(&document, &bin))));
+    }
+    let (how, text) = change::json(&document, turn, random);
+    (NAME.into(), how, Some(Entry::File(NAME.into(), super::models::glb_of_text(&text, &bin))))
+}
+
+fn recipe(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
+    const NAME: &str = "in/recipe.toml";
+    let text = bytes_of(base, NAME).and_then(|bytes| std::str::from_utf8(bytes).ok()).filter(|text| !text.is_empty());
+    let (how, text) = change::toml(text.unwrap_or("[hair]\ndensity = 20\n"), turn, random);
+    (NAME.into(), how, Some(Entry::file(NAME, text)))
+}
+
+/// Bytes of any file.
+fn contents(base: &[Entry], random: &mut Random) -> Changed {
+    let name = random.pick(base).name().to_owned();
+    let mut bytes = bytes_of(base, &name).unwrap_or_default().to_vec();
+    let how = change::bytes(&mut bytes, random);
+    (name.clone(), how, Some(Entry::File(name, bytes)))
+}
+
+/// Something else in the place of a file, or nothing.
+fn other(base: &[Entry], random: &mut Random) -> Changed {
+    let name = random.pick(base).name().to_owned();
+    let (how, entry) = match random.below(5) {
+        0 => ("deleted".to_owned(), None),
+        1 => ("empty".into(), Some(Entry::file(&name, ""))),
+        2 => ("a folder".into(), Some(Entry::Folder(name.clone()))),
+        3 => {
+            let target = *random.pick(&TARGETS);
+            let own = name.trim_start_matches("in/");
+            let target = if target.is_empty() { own } else { target };
+            (format!("a link to {target}"), Some(Entry::Link(name.clone(), target.into())))
+        }
+        _ => {
+            let from = random.pick(base).name();
+            let bytes = bytes_of(base, from).unwrap_or_default();
+            (format!("the contents of {from}"), Some(Entry::file(&name, bytes)))
+        }
+    };
+    (name, how, entry)
+}

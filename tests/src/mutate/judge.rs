@@ -1,0 +1,297 @@
+//! Whether a case shows a fault of pelage.
+
+use super::case::{Case, Entry, Step, Then};
+use super::child::{Ended, run};
+use super::lay_out;
+use pelage_runtime::{Renderer, RendererOptions, RuntimeError};
+use pelage_stage::{Gpu, StageError};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// Longer than this no command may take.
+pub const SECONDS: u64 = 10;
+/// More memory than this no command may hold, bytes.
+pub const BYTES: u64 = 1 << 30;
+/// Exit codes that bad input may have: done, usage, file system, bad input, faults found.
+const CODES: [i32; 5] = [0, 1, 2, 3, 7];
+
+/// What came of a case.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// How often each command ended with each code: `bake 3`.
+    pub exits: BTreeMap<String, u64>,
+    /// What is wrong with pelage.
+    pub faults: Vec<String>,
+    /// A command took too long, which may be the fault of a machine that had other things to do.
+    pub slow: bool,
+    /// The longest command, seconds.
+    pub seconds: f64,
+    /// The most memory of a command, bytes.
+    pub peak: u64,
+}
+
+impl Outcome {
+    fn fault(&mut self, step: &Step, text: impl AsRef<str>) {
+        let command = step.args.first().map_or("", String::as_str);
+        self.faults.push(format!("{command}: {}", text.as_ref()));
+    }
+}
+
+/// The runtime, which every package must load in that has no fault that stops drawing.
+#[derive(Debug)]
+pub struct Loader {
+    gpu: Gpu,
+    renderer: Mutex<Renderer>,
+}
+
+impl Loader {
+    /// On the device that wgpu prefers.
+    ///
+    /// # Errors
+    ///
+    /// Where there is no adapter.
+    pub fn open() -> Result<Self, StageError> {
+        let gpu = Gpu::open()?;
+        let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default());
+        let renderer = renderer.map_err(|e| StageError::Params(e.to_string()))?;
+        Ok(Self { gpu, renderer: Mutex::new(renderer) })
+    }
+
+    /// Why a package does not load; what this device cannot do is no fault of the package.
+    ///
+    /// # Errors
+    ///
+    /// The runtime's words, or that it panicked.
+    pub fn load(&self, bytes: &[u8]) -> Result<(), String> {
+        let loaded = catch_unwind(AssertUnwindSafe(|| {
+            // A panic under the lock is told, and ends nothing.
+            let renderer = self.renderer.lock().unwrap_or_else(PoisonError::into_inner);
+            let loaded = renderer.load_bytes(bytes).map(drop);
+            (loaded, self.gpu.wait())
+        }));
+        match loaded {
+            Err(panic) => Err(format!("panicked: {}", words_of(&*panic))),
+            Ok((_, Err(lost))) => Err(lost.to_string()),
+            Ok((Err(RuntimeError::DeviceLimit { .. }) | Ok(()), Ok(()))) => Ok(()),
+            Ok((Err(error), Ok(()))) => Err(error.to_string()),
+        }
+    }
+}
+
+fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|t| (*t).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
+}
+
+/// A folder for cases, emptied before each, and one beside it for what commands say.
+#[derive(Debug)]
+pub struct Bench {
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    /// Makes the folders.
+    ///
+    /// # Errors
+    ///
+    /// Where the system refuses.
+    pub fn new() -> std::io::Result<Self> {
+        let out = Self { folder: tempfile::tempdir()? };
+        std::fs::create_dir(out.notes())?;
+        Ok(out)
+    }
+
+    /// Where the case lies.
+    pub fn case(&self) -> PathBuf {
+        self.folder.path().join("case")
+    }
+
+    fn notes(&self) -> PathBuf {
+        self.folder.path().join("notes")
+    }
+
+    /// Puts the files of a case into the folder, in place of those of the last one.
+    ///
+    /// # Errors
+    ///
+    /// Where the system refuses.
+    pub fn lay(&self, case: &Case) -> std::io::Result<()> {
+        let folder = self.case();
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder)?;
+        }
+        std::fs::create_dir(&folder)?;
+        case.entries.iter().try_for_each(|entry| entry.put(&folder))
+    }
+
+    /// Runs a case and judges it.
+    ///
+    /// # Errors
+    ///
+    /// Where the system refuses files or processes.
+    pub fn judge(&self, case: &Case, loader: Option<&Loader>) -> std::io::Result<Outcome> {
+        self.lay(case)?;
+        let mut outcome = Outcome::default();
+        let mut drawable = None;
+        for step in &case.steps {
+            // Who goes without the runtime may have no adapter.
+            if step.args[0] == "render" && loader.is_none() {
+                continue;
+            }
+            let ended = self.step(case, step, &mut outcome)?;
+            if step.args[0] == "validate" {
+                drawable = drawable_by(&ended);
+            }
+        }
+        if let Some(Entry::File(_, bytes)) =
+            case.package.and_then(|name| case.entries.iter().find(|entry| entry.name() == name))
+        {
+            let (faults, loads) = within(bytes, drawable, loader);
+            outcome.faults.extend(faults);
+            if let Some(loads) = loads {
+                *outcome.exits.entry(if loads { "loaded" } else { "not loaded" }.to_owned()).or_default() += 1;
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// One command, with what must hold of its end and of what it leaves behind.
+    fn step(&self, case: &Case, step: &Step, outcome: &mut Outcome) -> std::io::Result<Ended> {
+        let folder = self.case();
+        let before = files(&folder);
+        let ended = run(&step.args, &folder, &self.notes(), Duration::from_secs(SECONDS))?;
+        outcome.seconds = outcome.seconds.max(ended.seconds);
+        outcome.peak = outcome.peak.max(ended.peak);
+        outcome.slow |= ended.too_long;
+        let code = ended.code.map_or_else(|| "signal".to_owned(), |code| code.to_string());
+        *outcome.exits.entry(format!("{} {code}", step.args[0])).or_default() += 1;
+        if ended.peak > BYTES {
+            outcome.fault(step, format!("held {} MiB of memory", ended.peak >> 20));
+        }
+        if ended.too_long {
+            outcome.fault(step, format!("took longer than {SECONDS} s"));
+            return Ok(ended);
+        }
+        let said = ended.stderr.trim();
+        if ended.code.is_none_or(|code| !CODES.contains(&code)) || said.contains("panicked") {
+            outcome.fault(step, format!("exit code {code}: {said}"));
+            return Ok(ended);
+        }
+        let done = ended.code == Some(0);
+        if ended.code == Some(7) && step.args[0] != "validate" {
+            outcome.fault(step, "exit code 7, which is that of `validate`");
+        }
+        if !done && if ended.code == Some(7) { ended.stdout.trim().is_empty() } else { said.is_empty() } {
+            outcome.fault(step, format!("exit code {code} without a message"));
+        }
+        let named = |entry: &Entry| said.contains(entry.name().rsplit('/').next().unwrap_or_default());
+        // What is missing is no entry, but its folder is an argument.
+        let below = |arg: &String| said.contains(&format!("{arg}/")) || said.contains(&format!("{arg}:"));
+        if ended.code == Some(3) && !case.entries.iter().any(named) && !step.args.iter().any(below) {
+            outcome.fault(step, format!("exit code 3 and no file named: {said}"));
+        }
+        let after = files(&folder);
+        let made =
+            |name: &String| step.makes.is_some_and(|output| name == output || name.starts_with(&format!("{output}/")));
+        let new: Vec<&String> = after.iter().filter(|name| !(before.contains(name) || done && made(name))).collect();
+        if !new.is_empty() {
+            outcome.fault(step, format!("exit code {code}, and left {new:?} behind"));
+        }
+        if let Some(gone) = before.iter().find(|name| !after.contains(name)) {
+            outcome.fault(step, format!("exit code {code}, and {gone} is gone"));
+        }
+        if let Some(output) = step.makes.filter(|_| done) {
+            if !folder.join(output).exists() {
+                outcome.fault(step, format!("exit code 0, but there is no {output}"));
+            } else {
+                self.then(case, step, output, outcome)?;
+            }
+        }
+        Ok(ended)
+    }
+
+    /// What must hold of what a command made.
+    fn then(&self, case: &Case, step: &Step, output: &'static str, outcome: &mut Outcome) -> std::io::Result<()> {
+        match step.then {
+            Then::Nothing => {}
+            Then::Validates => {
+                let found = self.step(case, &Step::reads(&["validate", output]), outcome)?;
+                if found.code != Some(0) {
+                    let words = if found.stdout.is_empty() { found.stderr } else { found.stdout };
+                    outcome.fault(step, format!("exit code 0, but the package is not sound: {}", words.trim()));
+                }
+            }
+            Then::PacksBack => {
+                const PACKED: &str = "packed-again.pelage";
+                let packed =
+                    self.step(case, &Step::makes(&["pack", output, PACKED], PACKED, Then::Nothing), outcome)?;
+                let folder = self.case();
+                let same = || {
+                    Some(std::fs::read(folder.join(PACKED)).ok()? == std::fs::read(folder.join(&step.args[1])).ok()?)
+                };
+                if packed.code != Some(0) || same() != Some(true) {
+                    outcome.fault(
+                        step,
+                        format!("what it unpacked does not pack to the same bytes: {}", packed.stderr.trim()),
+                    );
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether `validate --json` found nothing that stops drawing; `None` where it could not judge.
+fn drawable_by(ended: &Ended) -> Option<bool> {
+    if !matches!(ended.code, Some(0 | 7)) {
+        return None;
+    }
+    let answer: Value = serde_json::from_str(&ended.stdout).ok()?;
+    Some(answer["faults"].as_array()?.iter().all(|fault| fault["stops_drawing"] == false))
+}
+
+/// A package within this process: the formats may not panic on it, and the runtime draws it exactly if `validate` says so. Gives the faults, and whether
+/// it loads where that was tried.
+fn within(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader>) -> (Vec<String>, Option<bool>) {
+    let (mut faults, mut loads) = (Vec::new(), None);
+    let used = catch_unwind(|| lay_out::open(bytes) && !lay_out::round_trip(bytes));
+    match used {
+        Err(panic) => faults.push(format!("formats: panicked: {}", words_of(&*panic))),
+        Ok(true) => faults.push("formats: a valid package is not written again".into()),
+        Ok(false) => {}
+    }
+    if let (Some(drawable), Some(loader)) = (drawable, loader) {
+        let loaded = loader.load(bytes);
+        loads = Some(loaded.is_ok());
+        match (drawable, loaded) {
+            (true, Err(why)) => {
+                faults.push(format!("runtime: `validate` found nothing that stops drawing, but: {why}"));
+            }
+            (false, Ok(())) => {
+                faults.push("runtime: loads what `validate` says it cannot draw".into());
+            }
+            _ => {}
+        }
+    }
+    (faults, loads)
+}
+
+/// Everything in a folder, relative paths.
+fn files(folder: &Path) -> Vec<String> {
+    fn list(folder: &Path, prefix: &str, out: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+            if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                list(&entry.path(), &format!("{name}/"), out);
+            }
+            out.push(name);
+        }
+    }
+    let mut out = Vec::new();
+    list(folder, "", &mut out);
+    out
+}

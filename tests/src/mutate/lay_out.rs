@@ -1,0 +1,67 @@
+//! Packages that hold anything at all: laid out as the format asks, with right checksums, whatever their sections say.
+
+/// What the fuzz targets do with a package: open it, use everything in it, put its checksums right.
+#[path = "../../../formats/fuzz/src/bodies.rs"]
+mod bodies;
+
+pub use bodies::{open, reseal, round_trip};
+
+use pelage_formats::{Limits, MAGIC, Package};
+
+/// A tag and the section's bytes.
+pub type Section = ([u8; 4], Vec<u8>);
+
+/// Bytes of the header, and of one entry of the table.
+const ENTRY: usize = 32;
+
+/// Version and sections of a package that opens.
+///
+/// # Panics
+///
+/// Where it does not.
+pub fn sections(package: &[u8]) -> (u32, Vec<Section>) {
+    let package = Package::open(package, &Limits::default()).unwrap_or_else(|e| panic!("a base that opens: {e}"));
+    let bytes = |index: usize| {
+        let bytes = package.section_bytes(index).unwrap_or_else(|e| panic!("a base that is sound: {e}"));
+        bytes.to_vec()
+    };
+    let list = package.sections().iter().enumerate().map(|(index, section)| (section.tag.0, bytes(index)));
+    (package.version(), list.collect())
+}
+
+/// A package of those sections.
+pub fn lay_out(version: u32, sections: &[Section]) -> Vec<u8> {
+    let mut table = Vec::new();
+    let mut data = Vec::new();
+    let begin = ENTRY * (1 + sections.len());
+    for (tag, bytes) in sections {
+        table.extend_from_slice(tag);
+        table.extend_from_slice(&[0; 4]);
+        table.extend_from_slice(&((begin + data.len()) as u64).to_le_bytes());
+        table.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
+        table.extend_from_slice(&[0; 8]);
+        data.extend_from_slice(bytes);
+        data.resize(data.len().next_multiple_of(16), 0);
+    }
+    let mut out = MAGIC.to_vec();
+    out.extend_from_slice(&version.to_le_bytes());
+    out.extend_from_slice(&(sections.len() as u32).to_le_bytes());
+    out.extend_from_slice(&((begin + data.len()) as u64).to_le_bytes());
+    out.extend_from_slice(&[0; 8]);
+    out.extend(table);
+    out.extend(data);
+    reseal(&mut out);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn taken_apart_and_laid_out_a_package_is_the_same() {
+        let package: &[u8] = include_bytes!("../../../formats/tests/golden/v3.pelage");
+        let (version, list) = sections(package);
+        assert!(lay_out(version, &list) == package);
+    }
+}

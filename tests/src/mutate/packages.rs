@@ -1,0 +1,150 @@
+//! Packages: bytes anywhere, the table of sections, and what sections hold, with right checksums and with wrong ones.
+
+use super::bases::Bases;
+use super::case::{Case, Entry, Step, Then};
+use super::change;
+use super::lay_out::{lay_out, reseal, sections};
+use super::random::Random;
+use pelage_formats::{Animation, Limits, Manifest, Package, Tag};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// Of so many cases one is drawn: a frame takes as long as many of the other commands.
+const DRAWN: u64 = 8;
+/// How often a field is changed anew that no longer fits its type. What never fits is left to changes of bytes.
+const TRIES: u64 = 12;
+
+/// Makes a case.
+pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
+    let (name, base) = random.pick(&bases.packages);
+    let (how, bytes) = match random.below(10) {
+        0 => {
+            let mut bytes = base.clone();
+            (change::bytes(&mut bytes, random), bytes)
+        }
+        1 | 2 => {
+            // Header and table, with checksums that say that all is well.
+            let mut bytes = base.clone();
+            let how = if random.below(2) == 0 { change::bytes(&mut bytes, random) } else { head(&mut bytes, random) };
+            reseal(&mut bytes);
+            (format!("{how}, checksums right"), bytes)
+        }
+        3 => table(base, random),
+        4..=6 => fields(base, turn, random),
+        _ => contents(base, random),
+    };
+    let mut steps = vec![
+        Step::reads(&["validate", "a.pelage", "--json"]),
+        if turn.is_multiple_of(2) {
+            Step::reads(&["inspect", "a.pelage"])
+        } else {
+            Step::reads(&["inspect", "a.pelage", "--json"])
+        },
+        Step::makes(&["unpack", "a.pelage", "out"], "out", Then::PacksBack),
+    ];
+    if turn.is_multiple_of(DRAWN) {
+        let style = *random.pick(&["fur", "ink", "bare"]);
+        let args = ["render", "a.pelage", "-o", "a.png", "--size", "16x16", "--shadow-map", "16", "--style", style];
+        steps.push(Step::makes(&args, "a.png", Then::Nothing));
+    }
+    let entries = vec![Entry::File("a.pelage".into(), bytes)];
+    Case { package: Some("a.pelage"), ..Case::new(format!("{name}: {how}"), &[], entries, steps) }
+}
+
+/// A field of the header or of an entry of the table.
+fn head(bytes: &mut [u8], random: &mut Random) -> String {
+    let count = bytes.get(12).copied().unwrap_or(0);
+    let at = 8 + 4 * random.below(6 + 8 * usize::from(count));
+    let Some(field) = bytes.get_mut(at..at + 4) else { return "nothing".into() };
+    let old = u32::from_le_bytes([field[0], field[1], field[2], field[3]]);
+    let new = match random.below(4) {
+        0 => old.wrapping_add(16),
+        1 => old.wrapping_sub(16),
+        2 => old.wrapping_add(1),
+        _ => random.next_u64() as u32,
+    };
+    field.copy_from_slice(&new.to_le_bytes());
+    format!("{new} in place of {old} at byte {at}")
+}
+
+/// Sections left out, doubled, exchanged, emptied, called something else; another version.
+fn table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
+    let (mut version, mut list) = sections(base);
+    let (a, b) = (random.below(list.len()), random.below(list.len()));
+    let tag = |list: &[([u8; 4], Vec<u8>)], at: usize| String::from_utf8_lossy(&list[at].0).into_owned();
+    let name = tag(&list, a);
+    let how = match random.below(7) {
+        0 => {
+            list.remove(a);
+            format!("without section {a}, {name}")
+        }
+        1 => {
+            let section = list[a].clone();
+            list.insert(b, section);
+            format!("section {a}, {name}, again at {b}")
+        }
+        2 => {
+            list.swap(a, b);
+            format!("sections {a} and {b} exchanged")
+        }
+        3 => {
+            list[a].1.clear();
+            format!("section {a}, {name}, empty")
+        }
+        4 => {
+            list[a].0 = list[b].0;
+            format!("section {a}, {name}, called {}", tag(&list, b))
+        }
+        5 => {
+            list[a].1 = list[b].1.clone();
+            format!("section {a}, {name}, with the contents of {b}")
+        }
+        _ => {
+            version = random.below(5) as u32;
+            format!("version {version}")
+        }
+    };
+    (how, lay_out(version, &list))
+}
+
+/// A field of the manifest or of the animation, with a value of its type that need not make sense.
+fn fields(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
+    let (version, mut list) = sections(base);
+    let package = Package::open(base, &Limits::default());
+    // The manifests of older versions have other fields.
+    let Some(package) = package.ok().filter(|package| package.version() == 3) else { return contents(base, random) };
+    let animation = package.animation().ok().flatten().filter(|_| random.below(4) == 0);
+    let (tag, changed) = match animation {
+        Some(animation) => (Tag::ANIMATION, field::<Animation>(&animation, turn, random)),
+        None => (Tag::MANIFEST, field::<Manifest>(package.manifest(), turn, random)),
+    };
+    let place = list.iter_mut().find(|(found, _)| *found == tag.0);
+    let (Some((how, bytes)), Some(place)) = (changed, place) else { return contents(base, random) };
+    place.1 = bytes;
+    (format!("{tag}: {how}"), lay_out(version, &list))
+}
+
+/// The value with one field changed, in the encoding of a section.
+fn field<T: Serialize + DeserializeOwned>(value: &T, turn: u64, random: &mut Random) -> Option<(String, Vec<u8>)> {
+    let document = serde_json::to_value(value).ok()?;
+    // Fixed width, little end first: what `FORMAT.md` says of encoding.
+    let config = bincode::config::standard().with_little_endian().with_fixed_int_encoding();
+    (0..TRIES).find_map(|_| {
+        let (how, text) = change::json(&document, turn, random);
+        let changed: T = serde_json::from_str(&text).ok()?;
+        Some((how, bincode::serde::encode_to_vec(changed, config).ok()?))
+    })
+}
+
+/// One section's bytes, laid out anew whatever their length, so that what reads sections sees them.
+fn contents(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
+    let (version, mut list) = sections(base);
+    // The manifest says most, and is a half of all.
+    let at = if random.below(2) == 0 { 0 } else { random.below(list.len()) };
+    let mut how = Vec::new();
+    for _ in 0..=random.below(2) {
+        how.push(change::bytes(&mut list[at].1, random));
+    }
+    let tag = String::from_utf8_lossy(&list[at].0).into_owned();
+    (format!("section {at}, {tag}: {}", how.join(", ")), lay_out(version, &list))
+}

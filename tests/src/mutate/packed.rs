@@ -1,0 +1,25 @@
+//! Compressed models: the streams of Draco and of meshopt, and what their documents say of them.
+
+use super::bases::{Bases, glb};
+use super::case::{Case, Entry};
+use super::change;
+use super::models::{bake, glb_of_text};
+use super::random::Random;
+
+/// Makes a case. The bases have compressed models.
+pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
+    let (name, document, bin) = random.pick(&bases.packed);
+    let (how, file) = if random.below(4) == 0 {
+        let (how, text) = change::json(document, turn, random);
+        (how, glb_of_text(&text, bin))
+    } else {
+        let mut bin = bin.clone();
+        let mut how = change::bytes(&mut bin, random);
+        if random.below(3) == 0 {
+            how = format!("{how}, {}", change::bytes(&mut bin, random));
+        }
+        bin.resize(bin.len().next_multiple_of(4), 0);
+        (how, glb(document, &bin))
+    };
+    Case::new(format!("{name}: {how}"), &[], vec![Entry::File("m.glb".into(), file)], bake("m.glb", &[], turn))
+}

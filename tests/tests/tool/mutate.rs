@@ -1,0 +1,21 @@
+//! A slice of the mutation run, so that the chore cannot rot: `cargo run --release --bin mutate` runs all of it.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::mutate::{KINDS, Plan, run};
+
+/// Cases of each kind, in the order of [`KINDS`]: those that bake take longer.
+const CASES: [u64; KINDS.len()] = [40, 24, 12, 8, 8, 8];
+
+#[test]
+fn a_slice_of_the_mutation_run_shows_no_fault() {
+    let cases = CASES.iter().enumerate().flat_map(|(kind, count)| (0..*count).map(move |i| (kind, i))).collect();
+    let report = run(&Plan { seed: 7, cases, jobs: 2 }, None, None).unwrap();
+    let text = report.text(7);
+    println!("{text}");
+    assert_eq!(report.faulty(), 0, "{text}");
+    // What is refused and what is done must both occur, else the cases reach nothing.
+    for word in ["unpack 0", "unpack 3", "pack 0", "pack 3", "bake 0", "bake 3", "validate 0", "validate 7"] {
+        let count: u64 = report.tallies.iter().filter_map(|tally| tally.exits.get(word)).sum();
+        assert!(count > 0, "no {word}: {text}");
+    }
+}
