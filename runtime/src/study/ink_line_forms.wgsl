@@ -26,7 +26,7 @@ fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
 }
 
 fn form_of_reach(w: f32, strength: f32) -> f32 {
-    return select(w * sqrt(strength), w, SQUARES);
+    return select(w * sqrt(sqrt(strength)), w, SQUARES);
 }
 
 fn line_cost(d: vec2<f32>, w: f32) -> f32 {
