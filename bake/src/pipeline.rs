@@ -199,7 +199,7 @@ pub const STEPS: &[Step] = &[
     Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], run: fins },
     Step { stage: "fins", makes: FinTextures, reads: &[Hair, Fins], run: fin_textures },
     Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], run: ink },
-    Step { stage: "ink", makes: InkTextures, reads: &[Laid, Hair], run: ink_textures },
+    Step { stage: "ink", makes: InkTextures, reads: &[Model, Laid, Hair], run: ink_textures },
     Step { stage: "textures", makes: Skin, reads: &[Model, Laid, Hair, Groomed], run: skin },
     Step { stage: "pack", makes: Package, reads: &[Shells, Fins, FinTextures, Ink, InkTextures, Skin], run: pack },
 ];
@@ -373,13 +373,16 @@ fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
     let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images: told.images };
     let params = &told.recipe.ink;
-    outputs.ink = Some(params.enabled.then(|| ink::on_skin(params, &canvas)).transpose()?);
+    let fur = ink::fur_strength(told.recipe, model);
+    outputs.ink = Some(params.enabled.then(|| ink::on_skin(params, fur, &canvas)).transpose()?);
     Ok(())
 }
 
 fn ink_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (laid, hair, recipe) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?, told.recipe);
-    let coated = laid.furred.contains(&true).then_some(&hair.strands);
+    let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
+    let (hair, recipe) = (made(&outputs.hair, Hair)?, told.recipe);
+    let strokes = laid.furred.contains(&true) && ink::fur_strength(recipe, model) > 0.0;
+    let coated = strokes.then_some(&hair.strands);
     let paint = || ink::textures(&recipe.ink, &recipe.pack, told.images, coated, told.steps);
     outputs.ink_textures = Some(recipe.ink.enabled.then(paint).transpose()?);
     Ok(())

@@ -19,6 +19,7 @@ pub(crate) const PASSES: &[&Pass] = &[
     &shadow_width::PASS,
     &ink_normals::PASS,
     &ink_features::PASS,
+    &ink_trace::PASS,
     &ink_dilate::PASS,
     &ink_stroke::PASS,
     &skin::PASS,

@@ -13,6 +13,7 @@ pub mod pictures;
 pub mod plane;
 pub mod schema;
 pub mod silhouette;
+pub mod strokes;
 
 /// The furry sphere of the runtime's examples, and their ground.
 #[path = "../../runtime/examples/support/mod.rs"]

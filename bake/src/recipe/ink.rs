@@ -58,8 +58,9 @@ params! {
         grain_size_m: Option<f32> = None, in 1e-6..=1e3;
         /// Share of the base colour's darkness that the wash takes on: 0 none, 1 a black cat is black.
         tone: f32 = InkShading::default().tone, in SHARE;
-        /// Strength of the strokes of fur.
-        fur: f32 = InkShading::default().fur, in SHARE;
+        /// Strength of the strokes of fur. Left out, it is 1 where the model has a skeleton or the recipe says something of its fur
+        /// (`[hair]`, `[groom]`, `[color]`, `[fins]`, `model.bare`), and 0 where nothing does: a scan of stone grows no hair.
+        fur: Option<f32> = None, in SHARE;
         /// Factor on the width of lines.
         line: f32 = InkShading::default().line, in 0.0..=4.0;
         /// Share of the wash: 0 leaves the paper blank.

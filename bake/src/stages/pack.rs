@@ -230,6 +230,7 @@ fn resolved(pieces: &Pieces<'_>) -> Recipe {
     if let Some((ink, center)) = pieces.ink.and_then(|(ink, _)| Some((ink, ink.center?))) {
         recipe.ink.center = Some(center);
         recipe.ink.grain_size_m = Some(ink.grain_size_m);
+        recipe.ink.fur = Some(ink.shading.fur);
     }
     recipe
 }

@@ -53,6 +53,8 @@ struct FinCorner {
     height: f32,
     // Along the slab.
     along: f32,
+    // Along the edge: 0 at its first end, 1 at its second.
+    across: f32,
     slab: u32,
     // Of the whole fin: by the angle it is seen at, and what stands beside it.
     opacity: f32,
@@ -90,5 +92,5 @@ fn fin_corner(index: u32) -> FinCorner {
     let tile = tile_frame_of(v, normal);
     let along = fin.start + select(0.0, fin.length, at_b);
     let turned = 1.0 - min(abs(dot(normal_a, eye)), abs(dot(normal_b, eye)));
-    return FinCorner(v, tile, height, along, fin.slab, opacity, turned);
+    return FinCorner(v, tile, height, along, select(0.0, 1.0, at_b), fin.slab, opacity, turned);
 }

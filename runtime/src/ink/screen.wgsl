@@ -40,6 +40,8 @@ struct InkFrame {
 
 // Halves of lines that the feature texture can hold, pixels.
 const WIDEST_HALF: f32 = 16.0;
+// Strength of lines with the body on both sides, unless one side is farther.
+const FOLD: f32 = 0.5;
 
 @vertex
 fn vs_screen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {

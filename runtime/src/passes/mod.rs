@@ -8,6 +8,7 @@ pub(crate) mod ink_features;
 pub(crate) mod ink_fur;
 pub(crate) mod ink_normals;
 pub(crate) mod ink_stroke;
+pub(crate) mod ink_trace;
 pub(crate) mod layer_shadow;
 pub(crate) mod pose;
 #[cfg(test)]

@@ -39,14 +39,16 @@ fn sampling(mode: wgpu::AddressMode) -> Sampling {
 }
 
 impl Recording<'_> {
-    /// Layout and group 2 of the passes over an instance's surface in ink; `None` for a model without the style.
-    pub(crate) fn ink_model(&mut self, index: usize) -> Option<(wgpu::BindGroupLayout, Group)> {
+    /// Layout and group 2 of the passes over an instance's surface in ink; `None` for a model without the style. `behind`: a target that the pass reads, too,
+    /// at binding 7.
+    pub(crate) fn ink_model(&mut self, index: usize, behind: Option<Target>) -> Option<(wgpu::BindGroupLayout, Group)> {
         use wgpu::TextureViewDimension::{D2, D2Array};
         let places = self.ink.as_ref()?.models.clone();
         let seen = self.instances.clone();
         let ink = seen[index].model.ink()?;
-        let layout = self.cache.layouts.get(self.gpu, "pelage ink model", || {
-            vec![
+        let name = if behind.is_some() { "pelage ink model over surfaces" } else { "pelage ink model" };
+        let layout = self.cache.layouts.get(self.gpu, name, || {
+            let own = [
                 uniform::<InkModel>(0, true),
                 texture(1, D2),
                 texture(2, D2),
@@ -54,12 +56,13 @@ impl Recording<'_> {
                 texture(4, D2),
                 sampler(5),
                 sampler(6),
-            ]
+            ];
+            own.into_iter().chain(behind.map(|_| texture(7, D2))).collect()
         });
         let [tile, clamp] = [wgpu::AddressMode::Repeat, wgpu::AddressMode::ClampToEdge]
             .map(|mode| Bound::Sampler(self.cache.layouts.sampler(self.gpu, sampling(mode))));
         let view = |view: &wgpu::TextureView| Bound::View(view.clone());
-        let entries = vec![
+        let mut entries = vec![
             (0, Bound::block::<InkModel>(&places.buffer, 0)),
             (1, view(&ink.stroke)),
             (2, view(&ink.wash)),
@@ -68,7 +71,10 @@ impl Recording<'_> {
             (5, tile),
             (6, clamp),
         ];
-        let group = self.cache.bind_groups.get(self.gpu, "pelage ink model", &layout, entries);
+        if let Some(target) = behind {
+            entries.push((7, view(self.targets.view(&target)?)));
+        }
+        let group = self.cache.bind_groups.get(self.gpu, name, &layout, entries);
         Some((layout, Group::at(&group, places.offset + index as u64 * places.stride)?))
     }
 

@@ -11,6 +11,9 @@ override TEMPLATE: bool = true;
 // Lines that are ink or not do not run into the paper.
 override SOFT: bool = true;
 
+// Every feature is a line.
+override FOLLOWED: bool = true;
+
 // Below this grey the sphere map is ink, where it is one or the other.
 const DARK: f32 = 0.5;
 
@@ -20,6 +23,10 @@ fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
     }
     // Between the thresholds lines are weak, which here is little more than nothing.
     return select(0.0, 1.0, all(dots <= vec4(ink.t1))) * select(0.004, 1.0, all(dots <= vec4(ink.t2)));
+}
+
+fn form_of_reach(w: f32, strength: f32) -> f32 {
+    return select(w * sqrt(sqrt(strength)), w, SQUARES);
 }
 
 fn line_cost(d: vec2<f32>, w: f32) -> f32 {

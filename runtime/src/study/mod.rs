@@ -49,6 +49,9 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
             spec.constants.push(on("ON_SCREEN", study.anchoring == Anchoring::Screen));
         }
         "pelage ink features" => spec.constants.push(on("ALL_BELOW", study.features == FeatureRule::AllBelow)),
+        "pelage ink trace" => {
+            spec.constants.push(on("FOLLOWED", !study.printed_lines && study.features == FeatureRule::AnyBelow));
+        }
         "pelage ink dilate" => spec.constants.push(on("SQUARES", study.printed_lines)),
         "pelage ink stroke" => spec.constants.extend([
             on("SQUARES", study.printed_lines),

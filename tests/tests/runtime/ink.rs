@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+use pelage_runtime::formats::InkShading;
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
     Anchoring, Camera, FrameParams, InkBackground, InkParams, InkShow, Instance, LineWidth, Motion, PassId, Projection,
@@ -133,6 +134,33 @@ fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
     assert_eq!(picture.rgba[0], [255; 4], "beside the sphere there is no wash");
 }
 
+/// Lightest and darkest grey of an even wash in the middle of the sphere, 0..=1, with all of the paper's grain.
+fn wash_over_grain(gpu: &Gpu, grey: f32) -> [f32; 2] {
+    let params = with(|ink, study| {
+        // The paper of these packages has 8 texels a side: 2 pixels each.
+        (study.show, ink.paper_grain, ink.paper_period_px) = (InkShow::Wash, 1.0, 16.0);
+        let even =
+            InkShading { wash_speed: 0.0, wash_range: grey, grain: 0.0, tone: 0.0, fur: 0.0, ..Default::default() };
+        ink.shading = Some(even);
+    });
+    let picture = painted(gpu, &params, &sphere());
+    let inside = (60..100).flat_map(|y| (60..100).map(move |x| (y * SIZE.0 + x) as usize));
+    let greys: Vec<f32> = inside.map(|i| f32::from(picture.rgba[i][0]) / 255.0).collect();
+    [greys.iter().copied().fold(0.0, f32::max), greys.iter().copied().fold(1.0, f32::min)]
+}
+
+#[test]
+fn fibres_of_the_paper_are_no_scratches_in_a_dark_wash() {
+    let Some(gpu) = gpu("fibres_of_the_paper_are_no_scratches_in_a_dark_wash") else { return };
+    let [light, dark] = wash_over_grain(gpu, 0.5);
+    assert!(light > dark + 0.04, "a wash of grey 0.5 shows nothing of the grain: {dark}..{light}");
+    let [light, dark] = wash_over_grain(gpu, 0.08);
+    println!("a wash of grey 0.08: {dark:.3}..{light:.3}");
+    assert!(light < 0.1, "a wash of grey 0.08 has grey of {dark}..{light}");
+    let [light, dark] = wash_over_grain(gpu, 0.0);
+    assert!(light == 0.0 && dark == 0.0, "full ink has grey of {dark}..{light}");
+}
+
 #[test]
 fn the_style_says_what_it_needs() {
     let Some(gpu) = gpu("the_style_says_what_it_needs") else { return };
@@ -162,8 +190,8 @@ fn the_style_says_what_it_needs() {
     }
     let report = prepare(&from(Vec3::Z), &inked).unwrap();
     for pass in &report.passes {
-        let expected =
-            ["ink_normals", "ink_features", "ink_dilate", "ink_stroke", "ink_composite"].contains(&pass.name);
+        let expected = ["ink_normals", "ink_features", "ink_trace", "ink_dilate", "ink_stroke", "ink_composite"]
+            .contains(&pass.name);
         assert_eq!(pass.ran, expected, "{pass:?}");
     }
     let furry = from(Vec3::Z).with(|p| p.style = Style::default());
@@ -288,7 +316,7 @@ fn strokes_of_fur_stand_over_the_outline() {
     let Some(gpu) = gpu("strokes_of_fur_stand_over_the_outline") else { return };
     let furry = |fur: f32| {
         let params = with(|ink, _| {
-            ink.shading = Some(pelage_runtime::formats::InkShading { fur, line: 0.0, tone: 0.0, ..Default::default() });
+            ink.shading = Some(InkShading { fur, line: 0.0, tone: 0.0, ..Default::default() });
             ink.background = InkBackground::Picture;
         });
         painted(gpu, &params, &sphere())

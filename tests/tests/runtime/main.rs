@@ -8,6 +8,7 @@ mod frames;
 mod groom;
 mod ink;
 mod ink_lines;
+mod ink_specks;
 mod inside_your_pass;
 mod pictures;
 mod shadows;

@@ -233,9 +233,15 @@ fn pictures() {
         let passes = object["passes"].as_array().unwrap().clone();
         passes.into_iter().filter(|p| p["ran"] == true).map(|p| p["name"].clone()).collect::<Vec<_>>()
     };
-    let passes =
-        ["ink_normals", "ink_features", "ink_dilate", "ink_stroke", "ink_composite", "ink_fur"].map(Value::from);
+    let passes = ["ink_normals", "ink_features", "ink_trace", "ink_dilate", "ink_stroke", "ink_composite", "ink_fur"]
+        .map(Value::from);
     assert_eq!(ran(&object), passes, "{object}");
+    // Of this one nothing says that it is furred: no strokes of fur.
+    let small = ["--set", "slice.tile_texels=16", "--set", "slice.layers=4"];
+    let run = sandbox.run(&[&["bake", "good.glb", "-o", "stone.pelage"][..], &small].concat());
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let run = sandbox.run(&[&["render", "stone.pelage", "-o", "stone.png"][..], &ink].concat());
+    assert_eq!(ran(&schema::done(&run, "render")), passes[..6], "{run:?}");
     let bench = |size: &str| {
         let args = ["bench", "out.pelage", "--frames", "2", "--style", "ink", "--size", size, "--json"];
         schema::done(&sandbox.run(&args), "bench")
@@ -244,8 +250,8 @@ fn pictures() {
     let names = small["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
     assert_eq!(names, [&[Value::from("pose")][..], &passes].concat());
     let bytes = |object: &Value| object["gpu_bytes"].as_u64().unwrap();
-    // Of a pixel: normals, surface, features, rows, strokes, depth.
-    assert_eq!(bytes(&large) - bytes(&small), 3 * 48 * 32 * (8 + 4 + 2 + 4 + 4 + 4));
+    // Of a pixel: normals, surface, features, those that are lines, rows, strokes, depth.
+    assert_eq!(bytes(&large) - bytes(&small), 3 * 48 * 32 * (8 + 4 + 4 + 4 + 4 + 4 + 4));
 }
 
 /// Bakes every model in a sandbox of its own threads; each must leave a package, or nothing.

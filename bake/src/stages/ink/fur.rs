@@ -23,6 +23,8 @@ const BROAD: f32 = 0.042;
 const FINE: f32 = 0.022;
 /// Length of a stroke seen from above, over its strand's: the brush draws a lock where the strand is one of its hairs.
 const REACH: f32 = 1.9;
+/// How much of a strand's way aside its stroke seen from the side keeps.
+const ASIDE: f32 = 0.3;
 /// A stroke is at least this long, widths of the tile.
 const SHORTEST: f32 = 0.05;
 /// Half width of a stroke at least, texels: thinner ones break up.
@@ -140,9 +142,11 @@ fn from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
     path
 }
 
-/// The path of a strand seen from the side, along v.
+/// The path of a strand seen from the side, along v. Of its way aside only [`ASIDE`] is left: a fin shows a piece of this picture, and what leans into it
+/// from beside has no root there. The fin leans instead.
 fn from_beside(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
-    points.iter().map(|p| Vec2::new(p.y, p.z)).collect()
+    let root = points.first().map_or(0.0, |p| p.y);
+    points.iter().map(|p| Vec2::new(root + ASIDE * (p.y - root), p.z)).collect()
 }
 
 /// Draws strokes until each density has inked its share; what they ink is in all denser ones.

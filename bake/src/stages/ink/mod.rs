@@ -27,8 +27,8 @@ pub use vertices::{Canvas, InkVertices, vertices};
 pub use wash::wash;
 
 use crate::BakeError;
-use crate::mesh::Image;
-use crate::recipe::{ImagePath, InkParams, PackParams, ShellFormat};
+use crate::mesh::{Image, Model};
+use crate::recipe::{ColorParams, GroomParams, HairParams, ImagePath, InkParams, PackParams, Recipe, ShellFormat};
 use crate::stages::assemble::NamedTexture;
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
@@ -69,27 +69,38 @@ pub struct InkFiles<'a> {
 /// then a few times smaller than it.
 const GRAIN_PER_RADIUS: f32 = 0.8;
 
-impl From<&InkParams> for InkShading {
-    fn from(p: &InkParams) -> Self {
-        Self {
-            wash_speed: p.speed,
-            wash_range: p.range,
-            normalised: p.normalised,
-            grain: p.grain,
-            tone: p.tone,
-            fur: p.fur,
-            line: p.line,
-        }
+/// Strength of the strokes of fur, 0..=1: what the recipe says; where it says nothing, full on what is known to be furred, and none on the rest. A static
+/// mesh with the default coat may as well be stone, and its owner is asked no question: hair that nobody spoke of is the worse guess.
+pub fn fur_strength(recipe: &Recipe, model: &Model) -> f32 {
+    let speaks_of_fur = model.animation.is_some()
+        || recipe.hair != HairParams::default()
+        || recipe.groom != GroomParams::default()
+        || recipe.color != ColorParams::default()
+        || recipe.fins.depth.is_some()
+        || !recipe.model.bare.is_empty();
+    recipe.ink.fur.unwrap_or(if speaks_of_fur { InkShading::default().fur } else { 0.0 })
+}
+
+/// The constants for drawing; `fur` is [`fur_strength`].
+fn shading(p: &InkParams, fur: f32) -> InkShading {
+    InkShading {
+        wash_speed: p.speed,
+        wash_range: p.range,
+        normalised: p.normalised,
+        grain: p.grain,
+        tone: p.tone,
+        fur,
+        line: p.line,
     }
 }
 
-/// What each vertex takes of the textures, with what there is to say of it.
+/// What each vertex takes of the textures, with what there is to say of it. `fur` is [`fur_strength`].
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] if an image was not read.
-pub fn on_skin(params: &InkParams, canvas: &Canvas<'_>) -> Result<SkinInk, BakeError> {
+pub fn on_skin(params: &InkParams, fur: f32, canvas: &Canvas<'_>) -> Result<SkinInk, BakeError> {
     params.validate()?;
-    let shading = InkShading::from(params);
+    let shading = shading(params, fur);
     let mut warnings = Vec::new();
     let InkVertices { vertices, center } = vertices(params, &shading, canvas, &mut warnings)?;
     // A model of one point has no size to go by.

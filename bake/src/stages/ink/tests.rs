@@ -5,7 +5,7 @@ use crate::recipe::{ColorParams, HairParams};
 use crate::stages::hair::{VolumeParams, simulate};
 use crate::stages::textures::decode_texture;
 use glam::Vec2;
-use pelage_formats::{Limits, Manifest, Package, PackageWriter, TextureEntry, TextureView};
+use pelage_formats::{Animation, Limits, Manifest, Package, PackageWriter, TextureEntry, TextureView};
 
 /// Small enough for a test, large enough to see the seams.
 fn small() -> InkParams {
@@ -177,6 +177,27 @@ fn encoded_textures_are_linear_with_all_mips_and_close_to_what_was_painted() {
     assert!(
         textures(&params, &PackParams::default(), &MapImages::default(), None, Steps::unseen()).unwrap().fur.is_none()
     );
+}
+
+#[test]
+fn fur_is_painted_where_something_speaks_of_it() {
+    let (stone, animal) = (Model::default(), Model { animation: Some(Animation::default()), ..Model::default() });
+    let with = |set: &[&str]| {
+        let mut recipe = Recipe::default();
+        set.iter().for_each(|set| recipe.set(set).unwrap());
+        recipe
+    };
+    assert_eq!([&stone, &animal].map(|model| fur_strength(&with(&[]), model)), [0.0, 1.0]);
+    for set in ["hair.length_m=0.02", "groom.lean=0.5", "color.tip=#ffffff", "fins.depth=0.3", "model.bare=[\"eye\"]"] {
+        assert_eq!(fur_strength(&with(&[set]), &stone), 1.0, "{set}");
+    }
+    // What says how finely is no word of fur, nor is the lack of fins.
+    for set in ["slice.layers=8", "model.unit_m=0.01", "fins.enabled=false", "ink.line=2"] {
+        assert_eq!(fur_strength(&with(&[set]), &stone), 0.0, "{set}");
+    }
+    // Who says it is right.
+    assert_eq!(fur_strength(&with(&["ink.fur=0.3"]), &stone), 0.3);
+    assert_eq!(fur_strength(&with(&["ink.fur=0"]), &animal), 0.0);
 }
 
 #[test]

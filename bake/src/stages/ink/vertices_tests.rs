@@ -48,7 +48,16 @@ fn evaluate(params: &InkParams, radius: f32, images: &MapImages) -> (InkVertices
     let (mesh, rest) = sphere(radius);
     let canvas = Canvas { mesh: &mesh, rest: &rest, radius, materials: &materials(), images };
     let mut warnings = Vec::new();
-    (vertices(params, &InkShading::from(params), &canvas, &mut warnings).unwrap(), warnings)
+    (
+        vertices(
+            params,
+            &InkShading { wash_speed: params.speed, wash_range: params.range, ..InkShading::default() },
+            &canvas,
+            &mut warnings,
+        )
+        .unwrap(),
+        warnings,
+    )
 }
 
 #[test]

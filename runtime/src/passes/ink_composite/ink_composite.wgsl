@@ -45,10 +45,13 @@ fn line_at(uv: vec2<f32>, stroke: vec4<f32>) -> vec2<f32> {
     return stroke.xy;
 }
 
-// Grey of the wash, which gathers between the fibres.
+// Grey of the wash, which gathers between the fibres. Where there is ink for all of the paper, raised fibres take theirs, too: they would be white
+// scratches otherwise.
 fn wash_at(uv: vec2<f32>, sheet: vec4<f32>) -> f32 {
     let dens = 1.0 - softly(surfaces, uv, WASH_RUNS).r;
-    return clamp(1.0 - dens * (1.0 + ink.paper_grain * (0.25 * (sheet.g - 0.5) + 0.15 * (0.5 - sheet.r))), 0.0, 1.0);
+    let thirst = min(2.0 * (1.0 - dens), 1.0);
+    let uneven = ink.paper_grain * thirst * thirst;
+    return clamp(1.0 - dens * (1.0 + uneven * (0.25 * (sheet.g - 0.5) + 0.15 * (0.5 - sheet.r))), 0.0, 1.0);
 }
 
 @fragment

@@ -1,6 +1,6 @@
 //! `ink_composite`: paper, wash and lines into the application's pass, with the depth of what is painted.
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_features, ink_normals, ink_stroke};
+use super::{Outcome, Pass, PassId, PassPlace, ink_normals, ink_stroke, ink_trace};
 use crate::gpu::{Draw, Shader, on};
 use crate::params::{InkBackground, StyleKind};
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
@@ -30,7 +30,7 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    let lines = if study::shows_features(frame.params) { ink_features::FEATURES } else { ink_stroke::STROKES };
+    let lines = if study::shows_features(frame.params) { ink_trace::TRACED } else { ink_stroke::STROKES };
     let picture = frame.params.style.ink().is_some_and(|ink| ink.background == InkBackground::Picture);
     let screen = Screen {
         constants: vec![on("PICTURE", picture)],

@@ -4,7 +4,7 @@
 
 @group(0) @binding(1) var features: texture_2d<f32>;
 
-// Offset along the row, (x + 128) / 255, and half of the line's width over WIDEST_HALF, 0 for none; how much of the row within reach is features, the
+// Offset along the row, (x + 128) / 255, and how far its line reaches over WIDEST_HALF, 0 for none; how much of the row within reach is features, the
 // near ones more.
 @fragment
 fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
@@ -15,7 +15,8 @@ fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     var found = vec2(0.0);
     var features_near = 0.0;
     for (var x = first; x <= last; x++) {
-        let w = textureLoad(features, vec2(x, p.y), 0).r * WIDEST_HALF;
+        let feature = textureLoad(features, vec2(x, p.y), 0);
+        let w = form_of_reach(feature.r * WIDEST_HALF, feature.g);
         let dx = f32(x - p.x);
         let cost = line_cost(vec2(dx, 0.0), w);
         if w > 0.0 {

@@ -1,7 +1,7 @@
 //! `ink_dilate`: half of the dilation, along rows; `ink_stroke` does that along columns. Together they are one dilation by discs of each feature's
 //! own size instead of three by 3 x 3 pixels.
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_features};
+use super::{Outcome, Pass, PassId, PassPlace, ink_trace};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
@@ -31,7 +31,7 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    let reads = &[(1, ink_features::FEATURES)];
+    let reads = &[(1, ink_trace::TRACED)];
     frame.fill(SHADER, "fs_dilate", &Screen { reads, ..Screen::default() }, &ROWS);
     Outcome::recorded(format!("{} pixels along rows", frame.ink_reach_px()))
 }

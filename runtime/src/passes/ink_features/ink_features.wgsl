@@ -3,12 +3,10 @@
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
 
-// Strength of lines with the body on both sides, unless one side is farther.
-const FOLD: f32 = 0.5;
 // How many least steps more make an outline of a step.
 const DEEP: f32 = 2.0;
 
-// Half of the widest line through the pixel over WIDEST_HALF, 0 for no feature; its strength.
+// Half of the widest line through the pixel over WIDEST_HALF, 0 for no feature; its strength; that of the body's outline against what is no body.
 @fragment
 fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);
@@ -24,9 +22,11 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
     let d = textureLoad(normals, inside(p + vec2(s, -s)), 0);
     let dots = vec4(dot(here.xyz, a.xyz), dot(here.xyz, b.xyz), dot(here.xyz, c.xyz), dot(here.xyz, d.xyz));
     var strength = ink_feature_strength(min(min(dots.x, dots.y), min(dots.z, dots.w)), ink.t1, ink.t2);
+    var outline = strength;
     // A fold is a lighter touch than an outline.
     if min(min(a.w, b.w), min(c.w, d.w)) > 0.0 {
         strength *= FOLD;
+        outline = 0.0;
     }
     if ink.depth_step > 0.0 {
         // Second differences: a plane has none, however slanted. The nearer side draws: beside it is what is farther.
@@ -44,5 +44,5 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
         return vec4(0.0);
     }
     // What is a feature stays one in eight bits.
-    return vec4(max(half_width / WIDEST_HALF, 1.0 / 255.0), max(strength, 1.0 / 255.0), 0.0, 1.0);
+    return vec4(max(half_width / WIDEST_HALF, 1.0 / 255.0), max(strength, 1.0 / 255.0), outline, 1.0);
 }

@@ -1,6 +1,6 @@
 //! `ink_fur`: fins and outer shells as dry strokes of a brush, blended over the sheet in the application's pass, with depth tested and not written.
 
-use super::{Outcome, Pass, PassId, PassPlace};
+use super::{Outcome, Pass, PassId, PassPlace, ink_normals};
 use crate::gpu::{Draw, RenderSpec, Shader, faces, on};
 use crate::hair::material;
 use crate::model::Part;
@@ -54,7 +54,7 @@ fn spec(
 }
 
 fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen, with_fins: bool) -> Vec<Draw> {
-    let Some((layout, group)) = frame.ink_model(index) else { return Vec::new() };
+    let Some((layout, group)) = frame.ink_model(index, Some(ink_normals::NORMALS)) else { return Vec::new() };
     let groups = [frame.seen_from_eye(seen), Some(group.clone())];
     let shells =
         |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, ["vs_ink_shells", "fs_ink_shells"], &layout);

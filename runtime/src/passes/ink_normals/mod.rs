@@ -76,7 +76,9 @@ fn spec(
 }
 
 fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen) -> Vec<Draw> {
-    let (Some((layout, group)), Some(ink)) = (frame.ink_model(index), seen.model.ink()) else { return Vec::new() };
+    let (Some((layout, group)), Some(ink)) = (frame.ink_model(index, None), seen.model.ink()) else {
+        return Vec::new();
+    };
     let strokes = frame.params.style.ink().is_some_and(|params| has_strokes(seen, params));
     let groups = [frame.seen_from_eye(seen), Some(group)];
     let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, &layout, strokes);

@@ -19,7 +19,7 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = min(p.y + ink.reach, i32(ink.size.y) - 1);
     var best = 1e9;
     var offset = vec2(0);
-    var half_width = 0.0;
+    var reach = 0.0;
     var features_near = 0.0;
     for (var y = first; y <= last; y++) {
         let row = textureLoad(rows, vec2(p.x, y), 0);
@@ -30,17 +30,18 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         if w > 0.0 && cost < best {
             best = cost;
             offset = vec2<i32>(d);
-            half_width = w;
+            reach = w;
         }
     }
     let here = textureLoad(normals, p, 0);
     let stroke = textureLoad(surfaces, p, 0).g;
-    let in_reach = half_width > 0.0;
+    let in_reach = reach > 0.0;
     if !in_reach && (TEMPLATE || here.w <= 0.0) {
         return vec4(0.0, 0.0, 128.0 / 255.0, 128.0 / 255.0);
     }
     let q = p + offset;
     let feature = textureLoad(features, q, 0);
+    let half_width = select(0.0, feature.r * WIDEST_HALF, in_reach);
     let strength = select(1.0, feature.g, in_reach);
     let source = textureLoad(normals, q, 0);
     let surface = textureLoad(surfaces, q, 0);

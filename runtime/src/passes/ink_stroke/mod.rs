@@ -1,6 +1,6 @@
 //! `ink_stroke`: opacity and grey of the lines: the dilated features, filled by the brush and by the sphere map (Fang 2006, §2), roughened by the paper.
 
-use super::{Outcome, Pass, PassId, PassPlace, ink_dilate, ink_features, ink_normals};
+use super::{Outcome, Pass, PassId, PassPlace, ink_dilate, ink_normals, ink_trace};
 use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
@@ -31,12 +31,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let screen = Screen {
-        reads: &[
-            (1, ink_normals::NORMALS),
-            (2, ink_normals::SURFACES),
-            (3, ink_features::FEATURES),
-            (4, ink_dilate::ROWS),
-        ],
+        reads: &[(1, ink_normals::NORMALS), (2, ink_normals::SURFACES), (3, ink_trace::TRACED), (4, ink_dilate::ROWS)],
         paper: Some([5, 6]),
         ..Screen::default()
     };

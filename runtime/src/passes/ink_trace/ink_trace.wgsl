@@ -1,0 +1,105 @@
+// Which features are lines. Each is followed to both sides: what ends soon, or lies among others without an order, is a speck of a dense mesh's faces, and
+// a line is as strong and wide as it is on average along the way, or it would be a row of beads. Outlines are never specks.
+
+@group(0) @binding(1) var normals: texture_2d<f32>;
+@group(0) @binding(2) var features: texture_2d<f32>;
+
+// Looks along the line to each side; together they reach over two and a half of the widest lines.
+const LOOKS: i32 = 12;
+// Looks without a feature that a line may jump.
+const HOLE: i32 = 2;
+// Weaker features are none to who follows a line.
+const FAINT: f32 = 0.02;
+// Shares of the looks that find the line: with fewer than the first it is a speck, with more than the second it is a line.
+const ENDS: vec2<f32> = vec2(0.2, 0.55);
+// The same of how much longer than broad the features about it are, and of looks that find others beside the line, which make it a speck.
+const ORDER: vec2<f32> = vec2(0.1, 0.3);
+const CROWD: vec2<f32> = vec2(0.25, 0.5);
+// How far a line turns to a place beside it, of the angle that this is seen at.
+const TURN: f32 = 0.35;
+// Half the side of the square that a line's direction is taken from, pixels.
+const ABOUT: i32 = 3;
+
+fn strength_at(p: vec2<i32>) -> f32 {
+    return textureLoad(features, inside(p), 0).g;
+}
+
+fn feature_at(p: vec2<f32>) -> vec2<f32> {
+    return textureLoad(features, inside(vec2<i32>(round(p))), 0).rg;
+}
+
+// Where a line through p runs to, the longer axis of what features lie about it, and how much longer than the shorter that is: 0 no more than it, 1 alone.
+fn direction_at(p: vec2<i32>) -> vec3<f32> {
+    var moments = vec3(0.0);
+    for (var y = -ABOUT; y <= ABOUT; y++) {
+        for (var x = -ABOUT; x <= ABOUT; x++) {
+            moments += strength_at(p + vec2(x, y)) * vec3(f32(x * x), f32(x * y), f32(y * y));
+        }
+    }
+    let bent = vec2(moments.x - moments.z, 2.0 * moments.y);
+    let turn = 0.5 * atan2(bent.y, bent.x);
+    let along = length(bent) / max(moments.x + moments.z, 1e-6);
+    return select(vec3(cos(turn), sin(turn), along), vec3(1.0, 0.0, 0.0), along <= 0.0);
+}
+
+// Looks that find the line from p that way, the sums of their strengths and half widths, and how many find something beside the line, too.
+fn follow(p: vec2<i32>, towards: vec2<f32>, stride: f32, beside: f32) -> vec4<f32> {
+    var at = vec2<f32>(p);
+    var way = towards;
+    var found = vec4(0.0);
+    var holes = 0;
+    for (var i = 0; i < LOOKS && holes <= HOLE; i++) {
+        let side = vec2(-way.y, way.x);
+        at += way * stride;
+        // A line bends: of three places beside each other the one with the strongest feature, the middle one where they are alike.
+        let ahead = feature_at(at);
+        let left = feature_at(at + side);
+        let right = feature_at(at - side);
+        var best = ahead;
+        if max(left.y, right.y) > ahead.y {
+            let bend = select(-1.0, 1.0, left.y >= right.y);
+            best = select(right, left, left.y >= right.y);
+            at += side * bend;
+            way = normalize(way + side * (TURN * bend / stride));
+        }
+        if best.y <= FAINT {
+            holes++;
+            continue;
+        }
+        holes = 0;
+        let others = vec2(feature_at(at + side * beside).y, feature_at(at - side * beside).y) > vec2(FAINT);
+        found += vec4(1.0, best.y, best.x, dot(vec2(0.5), vec2<f32>(others)));
+    }
+    return found;
+}
+
+// As ink_features has it, without what is no line.
+@fragment
+fn fs_trace(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let p = vec2<i32>(position.xy);
+    let feature = textureLoad(features, p, 0);
+    if feature.r <= 0.0 || !FOLLOWED {
+        return feature;
+    }
+    let most = ink.half_width + ink.half_width_scaled * textureLoad(normals, p, 0).w;
+    let stride = clamp(0.25 * most, 1.0, 0.25 * WIDEST_HALF);
+    let beside = max(0.5 * most, 3.0);
+    let towards = direction_at(p);
+    let found = follow(p, towards.xy, stride, beside) + follow(p, -towards.xy, stride, beside)
+        + vec4(0.0, feature.g, feature.r, 0.0);
+    let half_width = found.z / (found.x + 1.0);
+    if feature.b >= feature.g {
+        return vec4(half_width, feature.gba);
+    }
+    let goes_on = smoothstep(ENDS.x, ENDS.y, found.x / f32(2 * LOOKS)) * smoothstep(ORDER.x, ORDER.y, towards.z);
+    // Steps of depth stand for themselves, whatever folds lie about them.
+    let crowded = smoothstep(CROWD.x, CROWD.y, found.w / max(found.x, 1.0));
+    let alone = 1.0 - crowded * clamp((1.0 - feature.g) / (1.0 - FOLD), 0.0, 1.0);
+    // Where a fold ends at an outline it does not become one.
+    let even = min(found.y / (found.x + 1.0), max(feature.g, FOLD));
+    let strength = max(feature.b, even * goes_on * alone);
+    if strength <= 0.5 / 255.0 {
+        return vec4(0.0);
+    }
+    return vec4(half_width, strength, feature.b, 1.0);
+}

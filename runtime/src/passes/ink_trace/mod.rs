@@ -1,0 +1,38 @@
+//! `ink_trace`: the features that are lines, followed to both sides. A feature is found pixel by pixel, and a dense mesh turns its normals at every face:
+//! whether its line goes on says whether there is one, and how strong and wide it is.
+
+use super::{Outcome, Pass, PassId, PassPlace, ink_features, ink_normals};
+use crate::gpu::{Shader, Target};
+use crate::params::StyleKind;
+use crate::scene::{Recording, Screen, ink_screen_wgsl};
+
+/// The shader.
+pub(crate) const SHADER: Shader =
+    Shader { name: "pelage ink trace", wgsl: ink_screen_wgsl!(include_str!("ink_trace.wgsl")) };
+
+/// What is left of the features.
+pub(crate) const TRACED: Target = Target { label: "pelage ink traced", format: ink_features::FEATURES.format };
+
+impl PassId {
+    /// Ink: the features that are lines.
+    pub const INK_TRACE: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "ink_trace",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Ink],
+    does: "follows the line of each feature to both sides: leaves out what soon ends inside the body, and evens out strength and width",
+    runs_when: "the style is ink",
+    shaders: &[SHADER],
+    targets: &[TRACED],
+    run,
+};
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let reads = &[(1, ink_normals::NORMALS), (2, ink_features::FEATURES)];
+    frame.fill(SHADER, "fs_trace", &Screen { reads, ..Screen::default() }, &TRACED);
+    let [width, height] = frame.params.viewport;
+    Outcome::recorded(format!("{width} x {height}"))
+}

@@ -1,0 +1,128 @@
+//! Ink on meshes that are hard to draw: lines of dense scans stay lines, and strokes of fur hang on the body.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use glam::{Vec3, vec3};
+use pelage_bake::judge::chart::ink::{on_blank_paper, template_px};
+use pelage_bake::mask::Mask;
+use pelage_needs::data;
+use pelage_runtime::formats::{InkShading, Limits, Package};
+use pelage_runtime::{
+    Camera, FrameParams, InkBackground, InkParams, InkShow, Instance, PassId, Renderer, RendererOptions,
+};
+use pelage_stage::Gpu;
+use pelage_tests::binary::workspace;
+use pelage_tests::gpu::gpu;
+use pelage_tests::pictures::{draw, draw_passes};
+use pelage_tests::silhouette::bake_plain;
+use pelage_tests::strokes::{Specks, adrift, specks};
+use std::path::PathBuf;
+
+const SIZE: (u32, u32) = (834, 424);
+/// Sides that a model is looked at from, evenly round it.
+const VIEWS: u32 = 6;
+
+/// The project's own model of that name.
+fn own(name: &str) -> PathBuf {
+    workspace().join(format!("assets/models/{name}.glb"))
+}
+
+/// A model of the test data, for the test of that name.
+fn shared(test: &str, path: &str) -> Option<PathBuf> {
+    data(test).map(|data| data.join("meshes").join(path))
+}
+
+/// Looks at the whole model of a package from its sides.
+fn cameras(package: &[u8]) -> Vec<Camera> {
+    let opened = Package::open(package, &Limits::default()).unwrap();
+    let bounds = opened.manifest().bounds;
+    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
+    let from = |view| {
+        let turn = std::f32::consts::TAU * view as f32 / VIEWS as f32;
+        vec3(turn.sin(), 0.2, turn.cos())
+    };
+    (0..VIEWS).map(|view| Camera::framing(Vec3::from(bounds.center), bounds.radius, from(view), 0.5, aspect)).collect()
+}
+
+/// How much ink of the lines lies in parts that are shorter than three lines are wide, from all sides.
+fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
+    let ink = on_blank_paper(&InkParams::default());
+    let shorter_than_px = 3.0 * template_px(&ink, SIZE.1);
+    let mut found = Specks::default();
+    for camera in cameras(package) {
+        let params = FrameParams::new(camera, SIZE.into()).with_ink(ink.clone());
+        let params = params.with(|p| p.study.show = InkShow::Lines);
+        let texels = draw_passes(gpu, &mut renderer, &params, &[&instance], &[PassId::INK_COMPOSITE]);
+        let pixels = texels.chunks_exact(4).map(|p| p[0] < 188).collect();
+        found = found.joined(specks(&Mask { width: SIZE.0, height: SIZE.1, pixels }, shorter_than_px));
+    }
+    found
+}
+
+#[test]
+fn lines_of_dense_scans_are_no_specks() {
+    let Some(gpu) = gpu("lines_of_dense_scans_are_no_specks") else { return };
+    let mut models = vec![("hare", own("hare"), Some("assets/recipes/hare.toml"), 14.0)];
+    for (name, path, most) in
+        [("bunny", "static/stanford-bunny-full.obj", 16.0), ("armadillo", "static/armadillo.obj", 36.0)]
+    {
+        models.extend(shared("lines_of_dense_scans_are_no_specks", path).map(|model| (name, model, None, most)));
+    }
+    let mut wrong = Vec::new();
+    for (name, model, recipe, most) in models {
+        let found = short_lines(gpu, &bake_plain(name, &model, recipe, &["slice.layers=4", "fins.enabled=false"]));
+        println!("{name}: {:.1} in a thousand pixels of ink lie in {} specks", found.per_mille(), found.count);
+        if found.ink < 10_000 || found.per_mille() > most {
+            wrong.push(format!("{name}: {found:?}, at most {most} in a thousand"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("; "));
+}
+
+/// Pixels of fur that hang in the air, in a thousand of the body's.
+fn adrift_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
+    let shading = Package::open(package, &Limits::default()).unwrap().ink().unwrap().unwrap().info.shading;
+    let (mut hanging, mut whole) = (0, 0);
+    for camera in cameras(package) {
+        let mut covered = |fur: f32| {
+            let ink = on_blank_paper(&InkParams::default()).with(|ink| {
+                ink.background = InkBackground::Picture;
+                ink.shading = Some(InkShading { fur, ..shading });
+            });
+            let picture = draw(gpu, &mut renderer, &FrameParams::new(camera, SIZE.into()).with_ink(ink), &[&instance]);
+            let pixels = picture.rgba.iter().map(|p| p[3] > 64).collect();
+            Mask { width: SIZE.0, height: SIZE.1, pixels }
+        };
+        let (body, all) = (covered(0.0), covered(1.0));
+        let fur = Mask { pixels: all.pixels.iter().zip(&body.pixels).map(|(a, b)| *a && !b).collect(), ..all };
+        (hanging, whole) = (hanging + adrift(&fur, &body), whole + body.count());
+    }
+    1000.0 * hanging as f64 / whole as f64
+}
+
+#[test]
+fn strokes_of_fur_hang_on_the_body() {
+    let Some(gpu) = gpu("strokes_of_fur_hang_on_the_body") else { return };
+    let mut models = vec![
+        ("hare", own("hare"), Some("assets/recipes/hare.toml"), "hair.density=300", 0.05),
+        ("hare with long hair", own("hare"), Some("assets/recipes/hare.toml"), "hair.length_m=0.05", 0.8),
+    ];
+    for (name, path, set, most) in [
+        ("fox", "skinned/Fox.glb", "hair.density=300", 0.01),
+        ("wolf with long hair", "skinned/quaternius_Wolf.glb", "hair.length_m=0.25", 0.1),
+    ] {
+        models.extend(shared("strokes_of_fur_hang_on_the_body", path).map(|model| (name, model, None, set, most)));
+    }
+    let mut wrong = Vec::new();
+    for (name, model, recipe, set, most) in models {
+        let found = adrift_per_mille(gpu, &bake_plain(name, &model, recipe, &["slice.layers=4", set]));
+        println!("{name}: {found:.3} in a thousand pixels hang in the air");
+        if found > most {
+            wrong.push(format!("{name}: {found}, at most {most} in a thousand"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("; "));
+}
