@@ -108,38 +108,6 @@ impl<'a> Package<'a> {
         }
         found
     }
-
-    /// Fails where the mesh is damaged, or there is nothing of it to draw.
-    fn triangles(&self) -> Result<(), FormatError> {
-        let offset = self.find(Tag::MESH, 0).map_or(0, |(_, section)| section.offset);
-        match self.mesh()? {
-            None => {
-                let reason = "there is nothing to draw".into();
-                Err(FormatError::MissingSection { tag: Tag::MESH, index: 0, reason })
-            }
-            Some(mesh) if mesh.index_count == 0 => {
-                let reason = "no triangles, expected at least one to draw".into();
-                Err(FormatError::Content { tag: Tag::MESH, offset, reason })
-            }
-            Some(_) => Ok(()),
-        }
-    }
-
-    /// Fails where dry and wet hair do not mix: a shader reads the directions of both in one way. What else is wrong with them, others say.
-    fn wet_like_dry(&self) -> Result<(), FormatError> {
-        let (Ok(Some(dry)), Ok(Some(wet)), Some(info)) =
-            (self.fur_textures(), self.wet_textures(), &self.manifest().fur.wet)
-        else {
-            return Ok(());
-        };
-        let (dry, wet) = (dry.direction.format, wet.direction.format);
-        if (dry.components() == 2) == (wet.components() == 2) {
-            return Ok(());
-        }
-        let reason =
-            format!("is {}, expected as many components as {}, the directions of dry hair", wet.name(), dry.name());
-        Err(self.texture_fault(info.direction_texture, &reason))
-    }
 }
 
 impl PackageWriter<'_> {

@@ -73,6 +73,22 @@ impl<'a> Package<'a> {
         }
         Ok(())
     }
+
+    /// Fails where the mesh is damaged, or there is nothing of it to draw.
+    pub(crate) fn triangles(&self) -> Result<(), FormatError> {
+        let offset = self.find(Tag::MESH, 0).map_or(0, |(_, section)| section.offset);
+        match self.mesh()? {
+            None => {
+                let reason = "there is nothing to draw".into();
+                Err(FormatError::MissingSection { tag: Tag::MESH, index: 0, reason })
+            }
+            Some(mesh) if mesh.index_count == 0 => {
+                let reason = "no triangles, expected at least one to draw".into();
+                Err(FormatError::Content { tag: Tag::MESH, offset, reason })
+            }
+            Some(_) => Ok(()),
+        }
+    }
 }
 
 impl PackageWriter<'_> {

@@ -99,6 +99,22 @@ impl<'a> Package<'a> {
         self.hair_textures("fur.wet", size, wet.color_texture, wet.direction_texture).map(Some)
     }
 
+    /// Fails where dry and wet hair do not mix: a shader reads the directions of both in one way. What else is wrong with them, others say.
+    pub(crate) fn wet_like_dry(&self) -> Result<(), FormatError> {
+        let (Ok(Some(dry)), Ok(Some(wet)), Some(info)) =
+            (self.fur_textures(), self.wet_textures(), &self.manifest().fur.wet)
+        else {
+            return Ok(());
+        };
+        let (dry, wet) = (dry.direction.format, wet.direction.format);
+        if (dry.components() == 2) == (wet.components() == 2) {
+            return Ok(());
+        }
+        let reason =
+            format!("is {}, expected as many components as {}, the directions of dry hair", wet.name(), dry.name());
+        Err(self.texture_fault(info.direction_texture, &reason))
+    }
+
     /// A pair of textures of hair, colour and direction, of `size` texels across, down and array layers.
     pub(crate) fn hair_textures(
         &self,
