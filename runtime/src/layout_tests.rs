@@ -78,7 +78,7 @@ fn every_wgsl_file_is_valid_and_used() {
             parse(&file.display().to_string(), &source);
         }
     }
-    assert_eq!(files.len(), 47, "{files:?}");
+    assert!(files.len() >= 48, "not all are found: {files:?}");
 }
 
 /// Offset and size of each member of a struct, and the struct's size.
