@@ -110,7 +110,7 @@ impl Output {
         let work = &self.work;
         let shown = self.shown.get_or_insert_with(|| {
             if !io::stderr().is_terminal() {
-                return Shown::Lines(Herald::new(work.clone()));
+                return Shown::Lines(Herald::new(work.clone(), to_stderr));
             }
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             bar.enable_steady_tick(Duration::from_millis(100));

@@ -1,6 +1,5 @@
 //! What is being done, how far it is, and how long it may still take; told a line now and then where no terminal shows it.
 
-use super::output::to_stderr;
 use pelage_bake::steps::Steps;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -73,7 +72,7 @@ fn span(seconds: f64) -> String {
     if seconds < 120.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
 }
 
-/// Writes the work's line to stderr after [`FIRST_LINE`] and every [`NEXT_LINE`], until it is dropped.
+/// Tells the work's line after [`FIRST_LINE`] and every [`NEXT_LINE`], until it is dropped.
 #[derive(Debug)]
 pub struct Herald {
     /// Dropped first: that ends the thread.
@@ -82,14 +81,14 @@ pub struct Herald {
 }
 
 impl Herald {
-    /// Begins to tell of `work`. A machine that cannot start another thread is not told.
-    pub fn new(work: Arc<Mutex<Work>>) -> Self {
+    /// Begins to tell of `work`, a line at a time, with `write`. A machine that cannot start another thread is not told.
+    pub fn new(work: Arc<Mutex<Work>>, write: fn(&str)) -> Self {
         let (end, ended) = mpsc::channel();
         let tell = move || {
             let mut wait = FIRST_LINE;
             while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
                 let line = work.lock().unwrap_or_else(PoisonError::into_inner).line(Instant::now());
-                to_stderr(&format!("{line}\n"));
+                write(&format!("{line}\n"));
                 wait = NEXT_LINE;
             }
         };
