@@ -199,7 +199,7 @@ pub const STEPS: &[Step] = &[
     Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], run: fins },
     Step { stage: "fins", makes: FinTextures, reads: &[Hair, Fins], run: fin_textures },
     Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], run: ink },
-    Step { stage: "ink", makes: InkTextures, reads: &[Model, Laid, Hair], run: ink_textures },
+    Step { stage: "ink", makes: InkTextures, reads: &[Laid, Hair, Ink], run: ink_textures },
     Step { stage: "textures", makes: Skin, reads: &[Model, Laid, Hair, Groomed], run: skin },
     Step { stage: "pack", makes: Package, reads: &[Shells, Fins, FinTextures, Ink, InkTextures, Skin], run: pack },
 ];
@@ -379,12 +379,13 @@ fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
 }
 
 fn ink_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
-    let (hair, recipe) = (made(&outputs.hair, Hair)?, told.recipe);
-    let strokes = laid.furred.contains(&true) && ink::fur_strength(recipe, model) > 0.0;
-    let coated = strokes.then_some(&hair.strands);
-    let paint = || ink::textures(&recipe.ink, &recipe.pack, told.images, coated, told.steps);
-    outputs.ink_textures = Some(recipe.ink.enabled.then(paint).transpose()?);
+    let (laid, hair, recipe) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?, told.recipe);
+    let paint = |skin: &SkinInk| {
+        let strokes = laid.furred.contains(&true) && skin.shading.fur > 0.0;
+        let strands = strokes.then_some(&hair.strands);
+        ink::textures(&recipe.ink, &recipe.pack, told.images, strands, told.steps)
+    };
+    outputs.ink_textures = Some(made(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?);
     Ok(())
 }
 

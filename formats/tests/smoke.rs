@@ -5,7 +5,7 @@
 mod bodies;
 mod common;
 
-use common::Random;
+use common::random::Random;
 
 const GOLDEN: [&[u8]; 3] =
     [include_bytes!("golden/v1.pelage"), include_bytes!("golden/v2.pelage"), include_bytes!("golden/v3.pelage")];
@@ -32,7 +32,7 @@ fn mutate(golden: &[u8], random: &mut Random) -> Vec<u8> {
         let count = random.below(64).min(bytes.len() - at.min(bytes.len()));
         match random.below(8) {
             0 | 1 => bytes[at] ^= 1 << random.below(8),
-            2 => bytes[at] = random.next() as u8,
+            2 => bytes[at] = random.next_u64() as u8,
             3 => {
                 // Fields stand at multiples of four, mostly.
                 let (at, number) = (at & !3, NUMBERS[random.below(NUMBERS.len())].to_le_bytes());

@@ -113,12 +113,9 @@ impl Sandbox {
         path
     }
 
-    /// Everything in the folder, relative paths, sorted; folders end in `/`.
+    /// As [`files`] of the folder.
     pub fn files(&self) -> Vec<String> {
-        let mut out = Vec::new();
-        list(self.path(), "", &mut out);
-        out.sort();
-        out
+        files(self.path())
     }
 
     /// A command that will run `pelage` here, with nothing on stdin.
@@ -156,14 +153,20 @@ pub fn finish(mut command: Command) -> Run {
     run
 }
 
-fn list(folder: &Path, prefix: &str, out: &mut Vec<String>) {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-        if entry.path().is_dir() {
-            out.push(format!("{name}/"));
-            list(&entry.path(), &format!("{name}/"), out);
-        } else {
+/// Everything in a folder, relative paths, sorted; folders end in `/`, and links to them are no folders.
+pub fn files(folder: &Path) -> Vec<String> {
+    fn list(folder: &Path, prefix: &str, out: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let mut name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+            if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                name.push('/');
+                list(&entry.path(), &name, out);
+            }
             out.push(name);
         }
     }
+    let mut out = Vec::new();
+    list(folder, "", &mut out);
+    out.sort();
+    out
 }

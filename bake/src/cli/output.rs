@@ -34,10 +34,9 @@ enum Shown {
     Lines(#[expect(dead_code, reason = "it tells until it is dropped")] Herald),
 }
 
-/// Templates of the progress: without known steps; with them, before the first is done and after.
+/// Templates of the progress: of work that counts nothing or by itself, and of steps that the command counts.
 const DOING: &str = "{spinner} {msg} {elapsed}{left}";
-const BEGUN: &str = "{bar:30} {pos}/{len} {msg} {elapsed}";
-const STEPS: &str = "{bar:30} {pos}/{len} {msg} {elapsed}, {eta} left";
+const STEPS: &str = "{bar:30} {msg} {elapsed}{left}";
 
 impl Output {
     /// `quiet` silences notes and progress, `json` makes stdout one JSON object.
@@ -91,12 +90,7 @@ impl Output {
     pub fn progress_of(&mut self, done: usize, total: usize, doing: &str) {
         let (done, total) = (done as u64, total as u64);
         self.work().count(done, total, doing);
-        let timed = match &self.shown {
-            Some(Shown::Bar(_, STEPS)) => true,
-            Some(Shown::Bar(bar, BEGUN)) => bar.position() < done,
-            _ => false,
-        };
-        self.show(doing, if timed { STEPS } else { BEGUN }, Some((done, total)));
+        self.show(doing, STEPS, Some((done, total)));
     }
 
     fn work(&self) -> MutexGuard<'_, Work> {
@@ -117,8 +111,7 @@ impl Output {
             Shown::Bar(bar, "")
         });
         let Shown::Bar(bar, shown) = shown else { return };
-        let (done, total) = steps.unwrap_or_default();
-        if steps.is_some() {
+        if let Some((done, total)) = steps {
             bar.set_length(total);
             bar.set_position(done);
         }
@@ -133,10 +126,6 @@ impl Output {
                 let _ = out.write_str(&left);
             };
             bar.set_style(style.with_key("left", left));
-            if template == BEGUN {
-                // Steps that an earlier run has done took no time of this one.
-                bar.reset_eta();
-            }
         }
         bar.set_message(doing.to_owned());
     }
@@ -222,7 +211,7 @@ mod tests {
 
     #[test]
     fn the_progress_is_understood() {
-        assert!([DOING, BEGUN, STEPS].iter().all(|template| ProgressStyle::with_template(template).is_ok()));
+        assert!([DOING, STEPS].iter().all(|template| ProgressStyle::with_template(template).is_ok()));
     }
 
     #[test]

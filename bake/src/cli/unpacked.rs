@@ -142,16 +142,18 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         Recipe::parse(&path(RECIPE), &manifest.recipe)?;
     }
     let advice = "`pelage pack` makes no fur: take the edit back, or bake the model with this recipe";
-    let known = document.get(RECIPE_DISAGREES).cloned().unwrap_or_default();
-    if !(known.is_array() || document.get(RECIPE_DISAGREES).is_none()) {
-        return Err(fail(MANIFEST, &format!("/{RECIPE_DISAGREES}"), format!("found {known}, expected a list")));
-    }
+    let known = match document.get(RECIPE_DISAGREES) {
+        None => None,
+        Some(Value::Array(list)) => Some(list),
+        Some(other) => {
+            return Err(fail(MANIFEST, &format!("/{RECIPE_DISAGREES}"), format!("found {other}, expected a list")));
+        }
+    };
     for found in disagreements(&manifest, &manifest.recipe) {
         if edited {
             return Err(fail(RECIPE, found.key, format!("{}; {advice}", found.reason)));
         }
-        let was_there = known.as_array().is_none_or(|known| known.contains(&in_words(&found).into()));
-        if !was_there {
+        if known.is_some_and(|known| !known.contains(&in_words(&found).into())) {
             return Err(fail(MANIFEST, "/manifest/fur", format!("{RECIPE}: {}; {advice}", in_words(&found))));
         }
     }

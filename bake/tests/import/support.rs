@@ -118,17 +118,7 @@ impl Doc {
 }
 
 pub fn glb(json: &[u8], bin: &[u8]) -> Vec<u8> {
-    let mut out = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
-    for (kind, body, pad) in [(b"JSON", json, b' '), (b"BIN\0", bin, 0)] {
-        let padded = body.len().next_multiple_of(4);
-        out.extend((padded as u32).to_le_bytes());
-        out.extend(kind);
-        out.extend(body);
-        out.extend(std::iter::repeat_n(pad, padded - body.len()));
-    }
-    let length = (out.len() as u32).to_le_bytes();
-    out[8..12].copy_from_slice(&length);
-    out
+    pelage_glb::container_of_text(json.to_vec(), bin).unwrap()
 }
 
 /// Imports bytes that name no files.

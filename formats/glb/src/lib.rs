@@ -139,7 +139,10 @@ pub fn bounds(numbers: &[f32], width: usize) -> Value {
 ///
 /// Those of `out`; [`io::ErrorKind::InvalidInput`] where the file would pass the 4 GiB that the container can count.
 pub fn write_head(document: &Value, length: usize, out: &mut dyn Write) -> io::Result<()> {
-    let mut text = document.to_string().into_bytes();
+    write_head_of_text(document.to_string().into_bytes(), length, out)
+}
+
+fn write_head_of_text(mut text: Vec<u8>, length: usize, out: &mut dyn Write) -> io::Result<()> {
     text.resize(text.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + text.len() + if length == 0 { 0 } else { 8 + length };
     let size = u32::try_from(total).map_err(|_| {
@@ -159,15 +162,26 @@ pub fn write_head(document: &Value, length: usize, out: &mut dyn Write) -> io::R
     Ok(())
 }
 
-/// A whole file. `bytes` are those of the buffer, a multiple of 4.
+/// A whole file. `bytes` are those of the buffer; zeros follow up to a multiple of 4.
 ///
 /// # Errors
 ///
 /// As [`write_head`], for a file past 4 GiB.
 pub fn container(document: &Value, bytes: &[u8]) -> io::Result<Vec<u8>> {
+    container_of_text(document.to_string().into_bytes(), bytes)
+}
+
+/// As [`container`], whatever the text of the document is: files for tests of readers.
+///
+/// # Errors
+///
+/// As [`container`].
+pub fn container_of_text(text: Vec<u8>, bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut out = Vec::new();
-    write_head(document, bytes.len(), &mut out)?;
+    let length = bytes.len().next_multiple_of(4);
+    write_head_of_text(text, length, &mut out)?;
     out.extend_from_slice(bytes);
+    out.resize(out.len() + length - bytes.len(), 0);
     Ok(out)
 }
 

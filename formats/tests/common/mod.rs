@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "every test binary compiles this module and uses its own part of it")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+pub mod random;
+
 use pelage_formats::*;
 
 /// A .ktx2 file whose data are the bytes `seed`, `seed + 1`, … in file order. `layers` 0 is a texture that is no array.
@@ -44,24 +46,6 @@ pub fn ktx2_file(format: TextureFormat, width: u32, height: u32, layers: u32, le
         out.extend((0..bytes).map(|i| (i as u8).wrapping_add(seed)));
     }
     out
-}
-
-/// The same numbers on every machine: SplitMix64.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number less than `bound`, which is not 0.
-    pub fn below(&mut self, bound: usize) -> usize {
-        (self.next() % bound as u64) as usize
-    }
 }
 
 pub fn sample_mesh(skinned: bool) -> MeshData {

@@ -61,12 +61,7 @@ impl Uploader<'_> {
 
     /// Bytes of a texture on the device.
     pub(super) fn bytes_here(&self, view: &TextureView<'_>) -> u64 {
-        let format = self.format_here(view.format);
-        let level = |level| {
-            let (width, height) = view.level_size(level);
-            format.layer_bytes(width, height).saturating_mul(view.layers.into())
-        };
-        (0..view.levels).map(level).fold(0, u64::saturating_add)
+        view.gpu_bytes_as(self.format_here(view.format))
     }
 
     /// Bytes of colours and directions on the device.

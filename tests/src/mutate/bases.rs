@@ -6,7 +6,7 @@ use crate::packages::with_manifest;
 use anyhow::{Context as _, ensure};
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use pelage_formats::{Limits, Package};
-use pelage_glb::{Buffer, Component, ViewTarget, bounds, container};
+use pelage_glb::{Buffer, Component, ViewTarget, bounds, container_of_text};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::Command;
@@ -322,7 +322,16 @@ impl Bases {
 ///
 /// Where it would have more than 4 GiB.
 pub fn glb(document: &Value, bin: &[u8]) -> Vec<u8> {
-    container(document, bin).unwrap_or_else(|e| panic!("a small model: {e}"))
+    glb_of_text(&document.to_string(), bin)
+}
+
+/// As [`glb`], of a text that need not be JSON.
+///
+/// # Panics
+///
+/// As [`glb`].
+pub fn glb_of_text(text: &str, bin: &[u8]) -> Vec<u8> {
+    container_of_text(text.into(), bin).unwrap_or_else(|e| panic!("a small model: {e}"))
 }
 
 /// Texels of colours that vary, with a dark stroke from left to right: as small as a scanned stroke may be.
@@ -445,8 +454,7 @@ fn compressed() -> anyhow::Result<Vec<(&'static str, Value, Vec<u8>)>> {
     let read = |name: &str| std::fs::read(folder.join(name)).with_context(|| folder.join(name).display().to_string());
     let mut draco: Value = serde_json::from_slice(&read("BoxDraco/BoxDraco.gltf")?)?;
     draco["buffers"][0].as_object_mut().context("BoxDraco.gltf: a buffer")?.remove("uri");
-    let mut bytes = read("BoxDraco/0.bin")?;
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    let bytes = read("BoxDraco/0.bin")?;
     let (document, bin) = chunks(&read("BoxMeshopt.glb")?).context("BoxMeshopt.glb: two chunks")?;
     Ok(vec![("draco", draco, bytes), ("meshopt", document, bin)])
 }

@@ -102,4 +102,17 @@ impl Case {
         let all = base.iter().filter(stays).cloned().chain(entries.iter().cloned()).collect();
         Self { what, entries: all, steps, package: None }
     }
+
+    /// Puts its files into a folder, in place of what there is.
+    ///
+    /// # Errors
+    ///
+    /// Where the system refuses.
+    pub fn lay(&self, folder: &Path) -> std::io::Result<()> {
+        if folder.exists() {
+            std::fs::remove_dir_all(folder)?;
+        }
+        std::fs::create_dir_all(folder)?;
+        self.entries.iter().try_for_each(|entry| entry.put(folder))
+    }
 }

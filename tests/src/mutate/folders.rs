@@ -1,6 +1,6 @@
 //! Unpacked folders: fields of the manifest, of the animation and of the mesh, files that are not what they were.
 
-use super::bases::{Bases, chunks, glb};
+use super::bases::{Bases, chunks, glb, glb_of_text};
 use super::case::{Case, Entry, Step, Then};
 use super::change;
 use super::random::Random;
@@ -50,11 +50,10 @@ fn mesh(base: &[Entry], turn: u64, random: &mut Random) -> Changed {
     let Some((document, mut bin)) = bytes_of(base, NAME).and_then(chunks) else { return contents(base, random) };
     if random.below(3) == 0 {
         let how = change::bytes(&mut bin, random);
-        bin.resize(bin.len().next_multiple_of(4), 0);
         return (NAME.into(), format!("buffer: {how}"), Some(Entry::File(NAME.into(), glb(&document, &bin))));
     }
     let (how, text) = change::json(&document, turn, random);
-    (NAME.into(), how, Some(Entry::File(NAME.into(), super::models::glb_of_text(&text, &bin))))
+    (NAME.into(), how, Some(Entry::File(NAME.into(), glb_of_text(&text, &bin))))
 }
 
 fn recipe(base: &[Entry], turn: u64, random: &mut Random) -> Changed {

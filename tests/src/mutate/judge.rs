@@ -3,12 +3,13 @@
 use super::case::{Case, Entry, Step, Then};
 use super::child::{Ended, run};
 use super::lay_out;
+use crate::binary::files;
 use pelage_runtime::{Renderer, RendererOptions, RuntimeError};
 use pelage_stage::{Gpu, StageError};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -120,12 +121,7 @@ impl Bench {
     ///
     /// Where the system refuses.
     pub fn lay(&self, case: &Case) -> std::io::Result<()> {
-        let folder = self.case();
-        if folder.exists() {
-            std::fs::remove_dir_all(&folder)?;
-        }
-        std::fs::create_dir(&folder)?;
-        case.entries.iter().try_for_each(|entry| entry.put(&folder))
+        case.lay(&self.case())
     }
 
     /// Runs a case and judges it.
@@ -278,20 +274,4 @@ fn within(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader>) -> (Vec
         }
     }
     (faults, loads)
-}
-
-/// Everything in a folder, relative paths.
-fn files(folder: &Path) -> Vec<String> {
-    fn list(folder: &Path, prefix: &str, out: &mut Vec<String>) {
-        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-            let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-            if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-                list(&entry.path(), &format!("{name}/"), out);
-            }
-            out.push(name);
-        }
-    }
-    let mut out = Vec::new();
-    list(folder, "", &mut out);
-    out
 }

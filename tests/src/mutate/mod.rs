@@ -235,11 +235,7 @@ fn make(seed: u64, kind: usize, index: u64, bases: &Bases) -> Case {
 
 /// Puts the files of a case into a folder of its own, with what to run there.
 fn keep(case: &Case, outcome: &Outcome, folder: &Path) -> anyhow::Result<()> {
-    if folder.exists() {
-        std::fs::remove_dir_all(folder)?;
-    }
-    std::fs::create_dir_all(folder)?;
-    case.entries.iter().try_for_each(|entry| entry.put(folder))?;
+    case.lay(folder)?;
     let mut text = format!("# {}\n", case.what.replace('\n', " "));
     for fault in &outcome.faults {
         let _ = writeln!(text, "# {}", fault.replace('\n', " "));

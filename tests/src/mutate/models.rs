@@ -1,6 +1,6 @@
 //! Models: glTF in both its forms, and OBJ.
 
-use super::bases::{Bases, MTL, OBJ, SMALL, glb};
+use super::bases::{Bases, MTL, OBJ, SMALL, glb, glb_of_text};
 use super::case::{Case, Entry, Step, Then};
 use super::change;
 use super::random::Random;
@@ -22,7 +22,6 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         9..=11 => {
             let mut bin = bases.model.1.clone();
             let how = change::bytes(&mut bin, random);
-            bin.resize(bin.len().next_multiple_of(4), 0);
             of_glb(format!("buffer: {how}"), glb(&bases.model.0, &bin), turn)
         }
         12 => {
@@ -72,21 +71,6 @@ fn of_glb(how: String, file: Vec<u8>, turn: u64) -> Case {
 fn obj(bases: &Bases, how: String, entries: Vec<Entry>, turn: u64) -> Case {
     let base = [bases.images(), vec![Entry::file("m.obj", OBJ), Entry::file("a.mtl", MTL)]].concat();
     Case::new(how, &base, entries, bake("m.obj", &[], turn))
-}
-
-/// A .glb file whose document is a text, which need not be JSON.
-pub fn glb_of_text(text: &str, bin: &[u8]) -> Vec<u8> {
-    let mut out = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
-    for (kind, body, pad) in [(b"JSON", text.as_bytes(), b' '), (b"BIN\0", bin, 0)] {
-        let padded = body.len().next_multiple_of(4);
-        out.extend((padded as u32).to_le_bytes());
-        out.extend(kind);
-        out.extend(body);
-        out.extend(std::iter::repeat_n(pad, padded - body.len()));
-    }
-    let length = (out.len() as u32).to_le_bytes();
-    out[8..12].copy_from_slice(&length);
-    out
 }
 
 /// Header and heads of chunks.

@@ -1,9 +1,9 @@
 //! Compressed models: the streams of Draco and of meshopt, and what their documents say of them.
 
-use super::bases::{Bases, glb};
+use super::bases::{Bases, glb, glb_of_text};
 use super::case::{Case, Entry};
 use super::change;
-use super::models::{bake, glb_of_text};
+use super::models::bake;
 use super::random::Random;
 
 /// Makes a case. The bases have compressed models.
@@ -18,7 +18,6 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         if random.below(3) == 0 {
             how = format!("{how}, {}", change::bytes(&mut bin, random));
         }
-        bin.resize(bin.len().next_multiple_of(4), 0);
         (how, glb(document, &bin))
     };
     Case::new(format!("{name}: {how}"), &[], vec![Entry::File("m.glb".into(), file)], bake("m.glb", &[], turn))

@@ -1,8 +1,10 @@
 //! Random numbers that are the same on every machine.
 
-/// SplitMix64 (Steele et al. 2014).
-#[derive(Clone, Debug)]
-pub struct Random(u64);
+/// The generator that damaged packages of the formats' own tests are made with.
+#[path = "../../../formats/tests/common/random.rs"]
+mod numbers;
+
+pub use numbers::Random;
 
 impl Random {
     /// The numbers of one case: they hang on nothing but these three, so that a case can be repeated by itself.
@@ -11,20 +13,6 @@ impl Random {
         out.0 = out.next_u64() ^ kind;
         out.0 = out.next_u64() ^ index;
         out
-    }
-
-    /// Any number.
-    pub fn next_u64(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number below `bound`; 0 where that is 0.
-    pub fn below(&mut self, bound: usize) -> usize {
-        if bound == 0 { 0 } else { (self.next_u64() % bound as u64) as usize }
     }
 
     /// One of a list, which is not empty.

@@ -1,7 +1,8 @@
 //! `inspect`, `validate`, `unpack` and `pack` through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use crate::common::{Random, ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};
+use crate::common::random::Random;
+use crate::common::{ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};
 use pelage_formats::*;
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;
@@ -183,7 +184,7 @@ fn pack_undoes_unpack_for_generated_packages() {
 /// Any finite number, of any size and sign.
 fn float(random: &mut Random) -> f32 {
     loop {
-        let value = f32::from_bits(random.next() as u32);
+        let value = f32::from_bits(random.next_u64() as u32);
         if value.is_finite() {
             return value;
         }
@@ -208,8 +209,8 @@ fn generated(random: &mut Random) -> Vec<u8> {
         mesh.attributes.push(AttributeVertex {
             tile_uv: [float(random), float(random)],
             base_uv: [float(random), float(random)],
-            color: (random.next() as u32).to_le_bytes(),
-            groom: [random.next() as u8, random.next() as u8, 0, 0],
+            color: (random.next_u64() as u32).to_le_bytes(),
+            groom: [random.next_u64() as u8, random.next_u64() as u8, 0, 0],
         });
         if skinned {
             mesh.skin.push(SkinVertex { joints: [random.below(2) as u16, 1, 0, 0], weights: [0.75, 0.25, 0.0, 0.0] });
@@ -237,7 +238,7 @@ fn generated(random: &mut Random) -> Vec<u8> {
         Bounds { min: pick(f32::min), max: pick(f32::max), center: floats3(random), radius: float(random).abs() };
     manifest.shading.ambient = floats3(random);
     manifest.recipe = ["", "\u{feff}[hair]\r\n", "\u{0}"][random.below(3)].to_owned();
-    manifest.quality[0].value = f64::from_bits(random.next() & !(1 << 62));
+    manifest.quality[0].value = f64::from_bits(random.next_u64() & !(1 << 62));
     manifest.parts = parts;
     manifest.textures.clear();
     for material in &mut manifest.materials {
@@ -247,7 +248,7 @@ fn generated(random: &mut Random) -> Vec<u8> {
     for k in 0..random.below(3) {
         manifest.textures.push(TextureEntry { name: format!("t-{k}") });
         let format = TextureFormat::ALL[random.below(TextureFormat::ALL.len())];
-        textures.push(ktx2_file(format, 4 << random.below(3), 8, random.below(4) as u32, 1, random.next() as u8));
+        textures.push(ktx2_file(format, 4 << random.below(3), 8, random.below(4) as u32, 1, random.next_u64() as u8));
     }
     let mut writer = PackageWriter::new(manifest);
     if random.below(2) == 0 {

@@ -242,7 +242,16 @@ impl<'a> TextureView<'a> {
 
     /// Bytes of all levels: what the texture takes on the GPU.
     pub fn gpu_bytes(&self) -> u64 {
-        (0..self.levels.min(32)).fold(0, |sum: u64, level| sum.saturating_add(self.level_bytes(level)))
+        self.gpu_bytes_as(self.format)
+    }
+
+    /// As [`Self::gpu_bytes`], had its texels another format.
+    pub fn gpu_bytes_as(&self, format: TextureFormat) -> u64 {
+        let level = |level| {
+            let (width, height) = self.level_size(level);
+            format.layer_bytes(width, height).saturating_mul(self.layers.into())
+        };
+        (0..self.levels.min(32)).map(level).fold(0, u64::saturating_add)
     }
 
     /// Data of a level: layer after layer, rows of blocks without padding. Empty for a level that does not exist.
