@@ -29,10 +29,15 @@ where
     (normal * share + bitangent * lean_offset(lean, share)) * height_m
 }
 
-/// A hair direction in the tile frame, of any length up to 1, under the shear by that slope along +v; its length is kept.
-pub fn leaned_direction(direction: Vec3, slope: f32) -> Vec3 {
-    let leaned = direction + Vec3::Y * (slope * direction.z);
-    leaned * (direction.dot(direction) / leaned.dot(leaned).max(1e-30)).sqrt()
+/// A direction of the tile's hair, in the tile frame and of any length up to 1, where the fur is `share` as high as the tile's and leans: it
+/// rises less and wanders as far aside, so it lies flatter. Its length is kept.
+///
+/// * `share` - the vertex's height of the fur over `FurInfo::height_m`
+/// * `slope` - [`lean_slope`]
+pub fn hair_direction(direction: Vec3, share: f32, slope: f32) -> Vec3 {
+    let rises = share * direction.z;
+    let grown = Vec3::new(direction.x, direction.y + slope * rises, rises);
+    grown * (direction.dot(direction) / grown.dot(grown).max(1e-30)).sqrt()
 }
 
 #[cfg(test)]
@@ -55,8 +60,22 @@ mod tests {
         let (lean, share, step) = (0.8f32, 0.5f32, 1e-3f32);
         let at = |share| hair_offset(Vec3::Z, Vec3::Y, lean, share, 1.0);
         let along = (at(share + step) - at(share - step)).normalize();
-        let found = leaned_direction(Vec3::Z * 0.5, lean_slope(lean, share));
+        let found = hair_direction(Vec3::Z * 0.5, 1.0, lean_slope(lean, share));
         assert!((found.length() - 0.5).abs() < 1e-6 && (found / 0.5).distance(along) < 1e-3, "{found} along {along}");
-        assert_eq!(leaned_direction(Vec3::ZERO, 1.0), Vec3::ZERO);
+        assert_eq!(hair_direction(Vec3::ZERO, 1.0, 1.0), Vec3::ZERO);
+    }
+
+    #[test]
+    fn shorter_hair_lies_flatter() {
+        // Two points of a strand of the tile, heights over the tile's; a vertex with a quarter of them, which leans.
+        let (low, high) = (Vec3::new(0.1, -0.05, 0.5), Vec3::new(0.103, -0.046, 0.504));
+        let (lean, quarter) = (0.3, 0.25);
+        let point = |p: Vec3| Vec3::new(p.x, p.y, 0.0) + hair_offset(Vec3::Z, Vec3::Y, lean, p.z, quarter);
+        let along = (point(high) - point(low)).normalize();
+        let found = hair_direction((high - low).normalize(), quarter, lean_slope(lean, 0.502));
+        assert!(found.distance(along) < 1e-3, "{found} along {along}");
+        assert!(hair_direction((high - low).normalize(), 1.0, 0.0).z > 2.0 * found.z);
+        // Of no length at all, it lies.
+        assert_eq!(hair_direction(Vec3::Z, 0.0, 0.5), Vec3::ZERO);
     }
 }

@@ -19,7 +19,7 @@ pub use coat::{coat_light, coat_light_numbers};
 pub use direction::{decode_direction, encode_direction};
 pub use fins::{FIN_CORNERS, LEANING_ROWS, fin_face, fin_opacity, fin_rows, row_heights};
 pub use groom::{groom_bytes, groom_of_vertex, groom_with_texel};
-pub use hair_point::{hair_offset, lean_offset, lean_slope, leaned_direction};
+pub use hair_point::{hair_direction, hair_offset, lean_offset, lean_slope};
 pub use layers::{detail_count, detail_layer, layer_height, layers_stood_for};
 pub use skinning::{
     blend, handedness_of, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,

@@ -4,12 +4,12 @@
 override COAT: bool = false;
 
 // What all layers together let through of the key light to the skin below.
-fn visible_below_coat(far: Hair, grown: f32, n_dot_l: f32) -> f32 {
-    return layer_transmittance(far.color.a * grown, frame.hair_density * slanted_path(n_dot_l));
+fn visible_below_coat(far: Hair, grown: f32, n_dot_l: f32, length: f32) -> f32 {
+    return layer_transmittance(far.color.a * grown, frame.hair_density * path_through(slanted_path(n_dot_l), length));
 }
 
 // The coat over the undercoat. `share`: of its hair, as far as that grows and the coat has taken over; `visible`: of the key light past other
-// things; `slope`: that the vertex adds to it.
+// things; `length`: of the hair here over the tile's; `slope`: that the vertex adds to it.
 fn with_coat(
     far: Hair,
     undercoat: vec3<f32>,
@@ -17,6 +17,7 @@ fn with_coat(
     spot: Spot,
     light_ts: vec3<f32>,
     half_ts: vec3<f32>,
+    length: f32,
     slope: f32,
     share: f32,
     wetness: f32,
@@ -28,9 +29,10 @@ fn with_coat(
     // As the layers that it stands for: where half of the hair grows, half of the optical depth is left.
     let alpha = resampled_opacity(far.color.a, share);
     // No map is drawn for it: how the light gets into it is in the package.
-    let arrives = visible * coat_light(slanted_path(light_ts.z), instance.coat_light_base, instance.coat_light_slope);
+    let arrives = visible
+        * coat_light(path_through(slanted_path(light_ts.z), length), instance.coat_light_base, instance.coat_light_slope);
     let point = HairPoint(
-        spot, leaned(far.direction, slope), far.color.rgb * (alpha / far.color.a) * base, alpha, vec3(1.0), wetness,
+        spot, grown(far.direction, length, slope), far.color.rgb * (alpha / far.color.a) * base, alpha, vec3(1.0), wetness,
         arriving_at(instance.coat_ambient_height, light_ts, half_ts, arrives),
     );
     return light_hair(point) + (1.0 - alpha) * undercoat;

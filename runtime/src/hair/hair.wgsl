@@ -13,6 +13,8 @@ override PLANAR_DIRECTIONS: bool = false;
 override RESAMPLED: bool = false;
 // Some of the layers are left out, or fade: a level of detail.
 override DETAIL: bool = false;
+// Some vertex has other than the tile's length of hair.
+override SHORT: bool = false;
 // Some vertex is bare or wet.
 override GROOM_VERTICES: bool = false;
 // The material has a groom texture.
@@ -88,10 +90,23 @@ fn hair_at(uv: vec2<f32>, layer: u32, wetness: f32) -> Hair {
     return Hair(mix(dry.color, wet_color, wetness), mix(dry.direction, wet, wetness));
 }
 
-// The direction of hair whose vertices lean it: `slope` is what they add.
-fn leaned(direction: vec3<f32>, slope: f32) -> vec3<f32> {
-    if LEAN {
-        return leaned_direction(direction, slope);
+// Length of the hair that grows from a vertex over that of the tile's.
+fn length_share(v: Vertex) -> f32 {
+    return v.fur_height * material.share_per_m;
+}
+
+// The direction of hair whose vertices say how long it is and lean it: `slope` is what they add.
+fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
+    if SHORT || LEAN {
+        return hair_direction(direction, select(1.0, share, SHORT), slope);
     }
     return direction;
+}
+
+// A way through layers over their thickness, where hair is so long over the tile's.
+fn path_through(path: f32, share: f32) -> f32 {
+    if SHORT {
+        return shortened_path(path, share);
+    }
+    return path;
 }

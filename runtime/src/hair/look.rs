@@ -115,6 +115,7 @@ pub(crate) fn holes(part: &Part) -> Constants {
 /// What all that reads the hair of a part is told, but for how it leans.
 pub(crate) fn groom(model: &Model, part: &Part) -> Constants {
     vec![
+        on("SHORT", model.varies().length),
         on("GROOM_VERTICES", model.varies().groom),
         on("GROOM_TEXTURE", part.has_groom_texture),
         on("WET", model.manifest().fur.wet.is_some()),

@@ -7,7 +7,7 @@ const LIGHT_SLANTED: bool = true;
 const CENTRED: bool = true;
 
 // What a vertex hands on for the key light: H.
-fn half_or_factors(layer: u32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
+fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
     return half;
 }
 

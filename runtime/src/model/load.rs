@@ -110,7 +110,8 @@ pub(crate) fn load(
         let uniform = MaterialUniform {
             base_color: material.base_color,
             alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
-            reserved: [0.0; 3],
+            share_per_m: if manifest.fur.height_m > 0.0 { manifest.fur.height_m.recip() } else { 0.0 },
+            reserved: [0.0; 2],
         };
         gpu_bytes += size_of::<MaterialUniform>() as u64;
         materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom));

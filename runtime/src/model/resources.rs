@@ -46,6 +46,8 @@ pub(crate) struct Fins {
 pub(crate) struct Varies {
     /// Some vertex leans more than the tile's strands.
     pub(crate) lean: bool,
+    /// Some vertex has shorter or longer fur than the manifest says, which is how long the tile's is.
+    pub(crate) length: bool,
     /// Some vertex is bare or wet.
     pub(crate) groom: bool,
     /// Some vertex has higher fur than the manifest says.
@@ -56,6 +58,7 @@ impl Varies {
     pub(super) fn of(mesh: &MeshView<'_>, height_m: f32) -> Self {
         Self {
             lean: mesh.geometry().any(|v| v.lean > 0.0),
+            length: mesh.geometry().any(|v| v.fur_height > 0.0 && (v.fur_height / height_m - 1.0).abs() > 1e-3),
             groom: mesh.attributes().any(|v| v.groom != [0; 4]),
             beyond_height: mesh.geometry().any(|v| v.fur_height > height_m * 1.001),
         }

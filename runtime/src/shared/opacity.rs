@@ -20,6 +20,16 @@ pub fn view_path(n_dot_e: f32) -> f32 {
     1.0 / n_dot_e.abs().clamp(0.1, 1.0)
 }
 
+/// A way through layers over their thickness, 1 or more, where hair is `share` as long as the tile's: 1 straight down, and sideways as far as the
+/// tile's hair is crossed.
+///
+/// Shorter hair is the tile's, pressed flat: strands stand as densely side by side, and layers lie closer. In the tile a look that goes its thickness
+/// d down and d tan θ sideways is as long as one that goes d down and s d tan θ sideways: √(1 + s² tan² θ) d, with s the share. Without it a slanted
+/// look at short fur meets too much hair, by 1 / s at most.
+pub fn shortened_path(path: f32, share: f32) -> f32 {
+    (1.0 + share * share * (path * path - 1.0)).sqrt()
+}
+
 /// Which baked layer, 1..`baked`, serves as drawn layer `layer`, 1..`drawn` (layer 0 is the skin in both).
 ///
 /// Each baked layer gets an equal share of the drawn ones, so that together with [`resampled_opacity`] at the exponent

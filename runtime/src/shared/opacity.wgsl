@@ -15,6 +15,12 @@ fn view_path(n_dot_e: f32) -> f32 {
     return 1.0 / clamp(abs(n_dot_e), 0.1, 1.0);
 }
 
+// A way through layers over their thickness, 1 or more, where hair is `share` as long as the tile's: layers lie closer, so that what the way goes
+// sideways counts for less.
+fn shortened_path(path: f32, share: f32) -> f32 {
+    return sqrt(1.0 + share * share * (path * path - 1.0));
+}
+
 // Which baked layer, 1..baked, serves as drawn layer `layer`, 1..drawn; 0, the skin, stays 0.
 fn baked_layer(layer: u32, baked: u32, drawn: u32) -> u32 {
     if layer == 0u || baked < 2u || drawn < 2u {

@@ -56,9 +56,10 @@ fn lean_slope(lean: f32, height: f32) -> f32 {
     return 2.0 * lean * height;
 }
 
-// A hair direction in the tile frame, of any length up to 1, under the shear by that slope along +v: the length, which is the
-// direction's confidence, is kept.
-fn leaned_direction(direction: vec3<f32>, slope: f32) -> vec3<f32> {
-    let leaned = direction + vec3(0.0, slope * direction.z, 0.0);
-    return leaned * sqrt(dot(direction, direction) / max(dot(leaned, leaned), 1e-30));
+// A direction of the tile's hair, of any length up to 1, where hair is `share` as long as the tile's and leans by that slope along +v: it
+// rises less and wanders as far, so it lies flatter. The length, which is the direction's confidence, is kept.
+fn hair_direction(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
+    let rises = share * direction.z;
+    let grown = vec3(direction.x, direction.y + slope * rises, rises);
+    return grown * sqrt(dot(direction, direction) / max(dot(grown, grown), 1e-30));
 }

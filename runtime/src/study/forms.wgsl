@@ -7,8 +7,8 @@ override CENTRED: bool = true;
 override VERTEX_LIGHTING: bool = false;
 
 // H, or the factors themselves. At a vertex all that is known of the hair is the mean direction of its layer, which is the last level of
-// the direction texture, and how the vertex leans it.
-fn half_or_factors(layer: u32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
+// the direction texture, how long the vertex's hair is and how it leans.
+fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
     if !VERTEX_LIGHTING {
         return half;
     }
@@ -19,7 +19,7 @@ fn half_or_factors(layer: u32, slope: f32, light: vec3<f32>, half: vec3<f32>, we
         let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last), PLANAR_DIRECTIONS);
         direction = mix(direction, wet, wetness);
     }
-    return vec3(fibre(leaned(direction, slope), light, half, wetness), 0.0);
+    return vec3(fibre(grown(direction, share, slope), light, half, wetness), 0.0);
 }
 
 fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>, wetness: f32) -> vec2<f32> {

@@ -14,7 +14,9 @@ use wgpu::util::DeviceExt;
 pub(crate) struct MaterialUniform {
     pub(crate) base_color: [f32; 4],
     pub(crate) alpha_cutoff: f32,
-    pub(crate) reserved: [f32; 3],
+    /// 1 over the height of the tile's hair, metres; 0 where there is none.
+    pub(crate) share_per_m: f32,
+    pub(crate) reserved: [f32; 2],
 }
 
 /// The streams that all passes over surfaces read, except fins, which find their vertices in storage buffers.

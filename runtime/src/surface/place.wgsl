@@ -17,7 +17,8 @@ struct Material {
     base_color: vec4<f32>,
     // 0 cuts nothing.
     alpha_cutoff: f32,
-    reserved0: f32,
+    // 1 over the height of the tile's hair, metres; 0 where there is none.
+    share_per_m: f32,
     reserved1: f32,
     reserved2: f32,
 }

@@ -309,24 +309,27 @@ fn leaned_hair() {
     for i in 0..2000 {
         let length = [1.0, 0.6, 1e-3, 0.0][i % 4];
         let direction = unit(&mut random) * length;
-        cases.push([direction.extend(0.0).to_array(), [random.next_f32(), random.next_f32(), 0.0, 0.0]]);
+        let share = [1.0, 0.5, 0.05, 1.5][i / 4 % 4];
+        cases.push([direction.extend(0.0).to_array(), [random.next_f32(), random.next_f32(), share, 0.0]]);
     }
     three_ways(
-        "lean_offset, lean_slope and leaned_direction",
+        "lean_offset, lean_slope and hair_direction",
         tile_frame::WGSL,
-        "vec4(leaned_direction(in_0.xyz, lean_slope(in_1.x, in_1.y)), lean_offset(in_1.x, in_1.y))",
+        "vec4(hair_direction(in_0.xyz, in_1.z, lean_slope(in_1.x, in_1.y)), lean_offset(in_1.x, in_1.y))",
         &cases,
         |[direction, c]| {
-            // A short piece of hair, its two ends moved aside as far as each height says.
-            let (lean, height, piece) = (f64::from(c[0]), f64::from(c[1]), 1e-6 * d(direction));
+            // A short piece of hair of another length, its two ends moved aside as far as each height says.
+            let (lean, height, share) = (f64::from(c[0]), f64::from(c[1]), f64::from(c[2]));
+            let piece = 1e-6 * d(direction);
             let aside = |h: f64| lean * h * h;
-            let moved = piece + DVec3::Y * (aside(height + piece.z / 2.0) - aside(height - piece.z / 2.0));
+            let moved = DVec3::new(piece.x, piece.y, share * piece.z)
+                + DVec3::Y * (share * (aside(height + piece.z / 2.0) - aside(height - piece.z / 2.0)));
             let kept = moved.normalize_or_zero() * d(direction).length();
             kept.extend(aside(height)).to_array()
         },
         |[direction, c]| {
             let slope = tile_frame::lean_slope(c[0], c[1]);
-            tile_frame::leaned_direction(v(direction), slope).extend(tile_frame::lean_offset(c[0], c[1])).to_array()
+            tile_frame::hair_direction(v(direction), c[2], slope).extend(tile_frame::lean_offset(c[0], c[1])).to_array()
         },
         |_, _| 2e-6,
     );
@@ -423,6 +426,23 @@ fn what_is_seen_of_fins_and_through_layers() {
         |[c]| [opacity::view_path(c[0]), 0.0, 0.0, 0.0],
         // A division, which WGSL lets be 2.5 units of the last place off.
         |_, path| 4e-7 * path,
+    );
+    let ways: Vec<Case<1>> = cases
+        .iter()
+        .flat_map(|[c]| [0.0, 0.1, 0.5, 1.0, 1.5].map(|s| [[opacity::view_path(c[0]), s, 0.0, 0.0]]))
+        .collect();
+    three_ways(
+        "shortened_path",
+        opacity::WGSL,
+        "vec4(shortened_path(in_0.x, in_0.y), 0.0, 0.0, 0.0)",
+        &ways,
+        |[c]| {
+            let (path, share) = (f64::from(c[0]), f64::from(c[1]));
+            [(1.0 + share * share * (path * path - 1.0)).sqrt(), 0.0, 0.0, 0.0]
+        },
+        |[c]| [opacity::shortened_path(c[0], c[1]), 0.0, 0.0, 0.0],
+        // A way of 1 rounds, and its square.
+        |_, path| 8e-7 * path,
     );
 }
 

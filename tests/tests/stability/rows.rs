@@ -50,6 +50,7 @@ rows!(
     direction_textures,
     kajiya_kay,
     layer_shadows,
+    short_fur,
     soft_shadow,
     animation,
     sphere_map

@@ -20,6 +20,7 @@ pub mod opacity_product;
 mod row;
 #[cfg(feature = "preview")]
 pub mod shells;
+pub mod short_fur;
 #[cfg(feature = "preview")]
 pub mod silhouette;
 #[cfg(feature = "preview")]
@@ -47,6 +48,7 @@ pub const ROWS: &[Row] = &[
     kajiya_kay::ROW,
     #[cfg(feature = "preview")]
     layer_shadows::ROW,
+    short_fur::ROW,
     #[cfg(feature = "preview")]
     soft_shadow::ROW,
     #[cfg(feature = "preview")]

@@ -12,8 +12,8 @@ struct FinVarying {
     @location(5) @interpolate(flat, either) slab: u32,
     @location(6) @interpolate(flat, either) opacity: f32,
     @location(7) groom: vec2<f32>,
-    // Slope that the lean of the vertex adds to hair at this height.
-    @location(8) slope: f32,
+    // Length of the hair over the tile's; slope that the lean of the vertex adds to hair at this height.
+    @location(8) length_slope: vec2<f32>,
     @location(9) place: vec4<f32>,
     @location(10) position_ws: vec3<f32>,
     @location(11) normal_ws: vec3<f32>,
@@ -33,8 +33,8 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
     let slope = lean_slope(v.lean, corner.height);
     return FinVarying(
         position, vec2(corner.along, corner.height), at.light_ts,
-        half_or_factors(corner.slab, slope, at.light_ts, at.half_ts, 0.0), at.tint, at.base_uv, corner.slab, opacity,
-        at.groom, slope, at.place, at.spot.position_ws, at.spot.normal_ws, at.spot.tangent,
+        half_or_factors(corner.slab, length_share(v), slope, at.light_ts, at.half_ts, 0.0), at.tint, at.base_uv, corner.slab, opacity,
+        at.groom, vec2(length_share(v), slope), at.place, at.spot.position_ws, at.spot.normal_ws, at.spot.tangent,
     );
 }
 
@@ -53,7 +53,7 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     let receiver = Receiver(in.place, height * frame.last_map_layer, true, in.light_ts.z);
     let visible = visible_through_hair(receiver) * visible_past_things(receiver);
     let point = HairPoint(
-        Spot(in.position_ws, in.normal_ws, in.tangent), leaned(hair.direction, in.slope), texel.rgb * base.rgb, texel.a,
+        Spot(in.position_ws, in.normal_ws, in.tangent), grown(hair.direction, in.length_slope.x, in.length_slope.y), texel.rgb * base.rgb, texel.a,
         vec3(1.0), 0.0, arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible),
     );
     return vec4(light_hair(point), texel.a);

@@ -4,15 +4,15 @@
 // As in shells/varying.wgsl: no more slots between vertex and fragment than a coat needs.
 struct LayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Tile coordinates; N.L.
-    @location(0) uv_light: vec3<f32>,
+    // Tile coordinates; N.L; length of the hair over the tile's.
+    @location(0) uv_light: vec4<f32>,
     @location(1) @interpolate(flat, either) layer: u32,
 }
 
 // With what textures and maps of the material need besides.
 struct MappedLayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    @location(0) uv_light: vec3<f32>,
+    @location(0) uv_light: vec4<f32>,
     @location(1) @interpolate(flat, either) layer: u32,
     @location(2) base_uv_groom: vec4<f32>,
     @location(3) tint: vec4<f32>,
@@ -25,7 +25,7 @@ fn layer_of(v: Vertex, layer: u32) -> LayerVarying {
     let n_dot_l = dot(tile.normal_ws, direction_to(frame.light_ws, position));
     return LayerVarying(
         frame.clip_from_world * vec4(position, 1.0),
-        vec3(v.tile_uv, n_dot_l),
+        vec4(v.tile_uv, n_dot_l, length_share(v)),
         baked_layer(layer, instance.baked_layers, instance.drawn_layers),
     );
 }
@@ -55,7 +55,8 @@ fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     if RESAMPLED {
         alpha = resampled_opacity(alpha, instance.opacity_exponent);
     }
-    let path = frame.hair_density * select(1.0, slanted_path(in.uv_light.z), LIGHT_SLANTED);
+    let slanted = path_through(slanted_path(in.uv_light.z), in.uv_light.w);
+    let path = frame.hair_density * select(1.0, slanted, LIGHT_SLANTED);
     return vec4(layer_transmittance(alpha, path), 0.0, 0.0, 1.0);
 }
 

@@ -15,11 +15,10 @@ fn shell_of(v: Vertex, index: u32) -> Shell {
     }
     let slope = lean_slope(v.lean, height);
     let baked = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
-    at.half_ts = half_or_factors(baked, slope, at.light_ts, at.half_ts, v.groom.y);
+    at.half_ts = half_or_factors(baked, length_share(v), slope, at.light_ts, at.half_ts, v.groom.y);
     return Shell(
         v.tile_uv, at.tint.rgb * instance.ambient * ambient_attenuation(hair_height, instance.ambient_floor),
-        at.tint.rgb * instance.diffuse, back_slope(at.light_ts.z, instance.back_light_range),
-        hair_height * frame.last_map_layer, slope, baked, at,
+        at.tint.rgb * instance.diffuse, length_share(v), hair_height * frame.last_map_layer, slope, baked, at,
     );
 }
 
@@ -53,7 +52,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
             times = stands_for(in.layer);
         }
         if LOOK_SLANTED {
-            times *= view_path(in.n_dot_e);
+            times *= path_through(view_path(in.n_dot_e), in.length);
         }
         // Colour is premultiplied: it follows its opacity.
         texel *= resampled_opacity(texel.a, times) / texel.a;
@@ -65,9 +64,10 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     arriving.visible = visible_through_hair(receiver) * visible_past_things(receiver);
     if SELF_SHADOW && LIGHT_SLANTED {
         // The layer is as thick as the hair between it and the next: on average half of it is above its hair.
-        arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * slanted_path(n_dot_l));
+        let path = path_through(slanted_path(n_dot_l), in.length);
+        arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * path);
     }
-    let direction = leaned(hair.direction, in.slope);
+    let direction = grown(hair.direction, in.length, in.slope);
     let point = HairPoint(in.spot, direction, texel.rgb * base.rgb, texel.a, in.tint, groom.y, arriving);
     return vec4(light_hair(point), texel.a);
 }

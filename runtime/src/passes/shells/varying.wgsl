@@ -8,8 +8,8 @@ struct Shell {
     // What arrives of the ambient light, and the diffuse light, both times the base colour.
     ambient: vec3<f32>,
     diffuse: vec3<f32>,
-    // Attenu_Back before its clamp.
-    back: f32,
+    // Length of the hair over the tile's.
+    length: f32,
     // Layer of the layer-wise maps.
     map_layer: f32,
     // Slope that the lean of the vertex adds to hair at this height.
@@ -22,8 +22,8 @@ struct Shell {
 // Coats coloured at vertices.
 struct PlainVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Tile coordinates, n_dot_e, back.
-    @location(0) uv_cosine_back: vec4<f32>,
+    // Tile coordinates, n_dot_e, length.
+    @location(0) uv_cosine_length: vec4<f32>,
     // Directions with the diffuse colour.
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
@@ -36,7 +36,7 @@ struct PlainVarying {
 // With all that textures and maps of the material, or another number of layers, need besides.
 struct MappedVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    @location(0) uv_cosine_back: vec4<f32>,
+    @location(0) uv_cosine_length: vec4<f32>,
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
     @location(3) ambient_blue: vec4<f32>,
@@ -50,7 +50,7 @@ struct MappedVarying {
 // With what lights need that are not known per vertex.
 struct FilledVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    @location(0) uv_cosine_back: vec4<f32>,
+    @location(0) uv_cosine_length: vec4<f32>,
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
     @location(3) ambient_blue: vec4<f32>,
@@ -67,7 +67,7 @@ struct FilledVarying {
 fn plain_varying(s: Shell) -> PlainVarying {
     let specular = bitcast<vec3<u32>>(instance.specular);
     return PlainVarying(
-        s.at.position, vec4(s.tile_uv, s.at.n_dot_e, s.back), vec4(s.at.light_ts, s.diffuse.r),
+        s.at.position, vec4(s.tile_uv, s.at.n_dot_e, s.length), vec4(s.at.light_ts, s.diffuse.r),
         vec4(s.at.half_ts, s.diffuse.g), vec4(s.ambient, s.diffuse.b), s.at.place, vec4(specular, s.layer),
     );
 }
@@ -75,7 +75,7 @@ fn plain_varying(s: Shell) -> PlainVarying {
 fn mapped_varying(s: Shell) -> MappedVarying {
     let p = plain_varying(s);
     return MappedVarying(
-        p.position, p.uv_cosine_back, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
+        p.position, p.uv_cosine_length, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
         vec4(s.at.base_uv, s.at.groom), vec3(s.slope, s.at.tint.a, s.map_layer),
     );
 }
@@ -83,7 +83,7 @@ fn mapped_varying(s: Shell) -> MappedVarying {
 fn filled_varying(s: Shell) -> FilledVarying {
     let m = mapped_varying(s);
     return FilledVarying(
-        m.position, m.uv_cosine_back, m.light_red, m.half_green, m.ambient_blue, m.place, m.specular_layer,
+        m.position, m.uv_cosine_length, m.light_red, m.half_green, m.ambient_blue, m.place, m.specular_layer,
         m.base_uv_groom, m.slope_alpha_map, vec4(s.at.spot.position_ws, s.at.tint.r),
         vec4(s.at.spot.normal_ws, s.at.tint.g), s.at.spot.tangent, s.at.tint.b,
     );
@@ -94,6 +94,7 @@ struct ShellFragment {
     tile_uv: vec2<f32>,
     layer: u32,
     n_dot_e: f32,
+    length: f32,
     base_uv: vec2<f32>,
     groom: vec2<f32>,
     slope: f32,
@@ -111,19 +112,19 @@ fn plain_fragment(in: PlainVarying) -> ShellFragment {
     let arriving = Arriving(
         in.ambient_blue.rgb, vec3(in.light_red.w, in.half_green.w, in.ambient_blue.w),
         bitcast<vec3<f32>>(in.specular_layer.xyz), in.light_red.xyz, in.half_green.xyz,
-        clamp(in.uv_cosine_back.w, 0.0, 1.0), 1.0,
+        back_attenuation(in.light_red.z, instance.back_light_range), 1.0,
     );
     // Drawn, baked and map layers are the same, or of them.
     let layer = in.specular_layer.w;
     return ShellFragment(
-        in.uv_cosine_back.xy, layer, in.uv_cosine_back.z, vec2(0.0), vec2(0.0), 0.0, 1.0, in.place, f32(layer),
+        in.uv_cosine_length.xy, layer, in.uv_cosine_length.z, in.uv_cosine_length.w, vec2(0.0), vec2(0.0), 0.0, 1.0, in.place, f32(layer),
         vec3(0.0), Spot(), arriving,
     );
 }
 
 fn mapped_fragment(in: MappedVarying) -> ShellFragment {
     var out = plain_fragment(PlainVarying(
-        in.position, in.uv_cosine_back, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
+        in.position, in.uv_cosine_length, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
     ));
     out.base_uv = in.base_uv_groom.xy;
     out.groom = in.base_uv_groom.zw;
@@ -135,7 +136,7 @@ fn mapped_fragment(in: MappedVarying) -> ShellFragment {
 
 fn filled_fragment(in: FilledVarying) -> ShellFragment {
     var out = mapped_fragment(MappedVarying(
-        in.position, in.uv_cosine_back, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
+        in.position, in.uv_cosine_length, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
         in.base_uv_groom, in.slope_alpha_map,
     ));
     out.tint = vec3(in.position_ws_red.w, in.normal_ws_green.w, in.blue);

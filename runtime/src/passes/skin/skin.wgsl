@@ -12,8 +12,8 @@ struct SkinVarying {
     @location(3) light_ts: vec3<f32>,
     // H, in the tile frame, or as half_or_factors says.
     @location(4) half_ts: vec3<f32>,
-    // 1 where fur grows, 0 where its height is 0; slope that the lean of the vertex adds to the hair of the coat.
-    @location(5) grows_slope: vec2<f32>,
+    // 1 where fur grows, 0 where its height is 0; length of the hair over the tile's; slope that the lean of the vertex adds to the hair of the coat.
+    @location(5) grows_length_slope: vec3<f32>,
     @location(6) groom: vec2<f32>,
     @location(7) place: vec4<f32>,
     @location(8) position_ws: vec3<f32>,
@@ -35,7 +35,7 @@ fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     }
     return SkinVarying(
         at.position, at.tint, at.base_uv, v.tile_uv, at.light_ts, at.half_ts,
-        vec2(select(0.0, 1.0, v.fur_height > 0.0), slope), at.groom, at.place, at.spot.position_ws, at.spot.normal_ws,
+        vec3(select(0.0, 1.0, v.fur_height > 0.0), length_share(v), slope), at.groom, at.place, at.spot.position_ws, at.spot.normal_ws,
         at.spot.tangent,
     );
 }
@@ -52,7 +52,7 @@ fn vs_furred(v: Vertex) -> SkinVarying {
     let height = instance.detail_next * instance.coat_height;
     var out = skin_varying(v, height);
     let layer = select(0u, instance.baked_layers, COAT);
-    out.half_ts = half_or_factors(layer, out.grows_slope.y, out.light_ts, out.half_ts, v.groom.y);
+    out.half_ts = half_or_factors(layer, out.grows_length_slope.y, out.grows_length_slope.z, out.light_ts, out.half_ts, v.groom.y);
     return out;
 }
 
@@ -119,25 +119,24 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     var through = visible_through_hair(receiver);
     if COAT {
         // No map knows what the coat stands for.
-        through = mix(through, visible_below_coat(far, groom.x, light.z), instance.detail_next);
+        through = mix(through, visible_below_coat(far, groom.x, light.z, in.grows_length_slope.y), instance.detail_next);
     }
     let visible = through * past;
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
     let color = hair.color;
     let point = HairPoint(
-        spot, hair.direction, color.rgb * base.rgb, color.a, vec3(1.0), groom.y,
+        spot, grown(hair.direction, in.grows_length_slope.y, 0.0), color.rgb * base.rgb, color.a, vec3(1.0), groom.y,
         arriving_at(0.0, light, in.half_ts, visible),
     );
     let bare = bare_color(base.rgb, light.z, visible, spot, side);
     // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
     let ambient = ambient_attenuation(0.0, instance.ambient_floor);
     let undercoat = light_hair(point) + (1.0 - color.a) * ambient * bare;
-    let grown = in.grows_slope.x * groom.x;
-    let skin = mix(bare, undercoat, grown);
+    let skin = mix(bare, undercoat, in.grows_length_slope.x * groom.x);
     if COAT {
-        let share = instance.detail_next * in.grows_slope.x * groom.x;
+        let share = instance.detail_next * in.grows_length_slope.x * groom.x;
         let coated = with_coat(
-            far, skin, base.rgb, spot, light, in.half_ts, in.grows_slope.y, share, groom.y, past,
+            far, skin, base.rgb, spot, light, in.half_ts, in.grows_length_slope.y, in.grows_length_slope.z, share, groom.y, past,
         );
         return vec4(coated, 1.0);
     }
