@@ -16,11 +16,13 @@ use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
 use crate::stages::size;
 use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::stages::textures::{self, FinTextures, ShellTextures};
+use crate::stages::visibility::{self, Visibility};
 use crate::steps::Steps;
 use pelage_formats::{Bounds, Shading};
 
 /// The stages after `import`, in order; what a progress display counts.
-pub const STAGES: [&str; 8] = ["surface", "simulate", "slice", "groom", "fins", "ink", "textures", "pack"];
+pub const STAGES: [&str; 9] =
+    ["surface", "simulate", "visibility", "slice", "groom", "fins", "ink", "textures", "pack"];
 
 /// What a bake is told: the same for all its steps.
 #[derive(Clone, Copy, Debug)]
@@ -89,6 +91,8 @@ outputs! {
     Laid laid: Laid<'a>,
     /// The strands of the tile.
     Hair hair: TileHair,
+    /// How much light reaches the strands; none where the package is not to know.
+    Visible visible: Option<Visible>,
     /// The strands in layers.
     Shells shells: Shells,
     /// The laid model with what varies over it.
@@ -105,6 +109,15 @@ outputs! {
     Skin skin: Skin<'a>,
     /// The package.
     Package package: Packed,
+}
+
+/// How much light reaches the strands.
+#[derive(Clone, Debug)]
+pub struct Visible {
+    /// As they are dry.
+    pub dry: Visibility,
+    /// As they are wet, where dry and wet mix.
+    pub wet: Option<Visibility>,
 }
 
 /// The shell textures.
@@ -194,7 +207,8 @@ use Output::*;
 pub const STEPS: &[Step] = &[
     Step { stage: "surface", makes: Laid, reads: &[Model], run: surface },
     Step { stage: "simulate", makes: Hair, reads: &[Laid], run: simulate },
-    Step { stage: "slice", makes: Shells, reads: &[Hair], run: slice },
+    Step { stage: "visibility", makes: Visible, reads: &[Hair], run: visible },
+    Step { stage: "slice", makes: Shells, reads: &[Hair, Visible], run: slice },
     Step { stage: "groom", makes: Groomed, reads: &[Model, Laid], run: groom },
     Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], run: fins },
     Step { stage: "fins", makes: FinTextures, reads: &[Hair, Fins], run: fin_textures },
@@ -315,14 +329,32 @@ fn simulate(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError>
     Ok(())
 }
 
+fn visible(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, params) = (made(&outputs.hair, Hair)?, &told.recipe.visibility);
+    let find = || {
+        let dry = visibility::visibility(&hair.strands, params, None)?;
+        // Where they mix they sink behind one horizon.
+        let wet = |strands| visibility::visibility(strands, params, Some(dry.horizon));
+        let wet = hair.wet.as_ref().map(wet).transpose()?;
+        Ok::<_, BakeError>(self::Visible { dry, wet })
+    };
+    outputs.visible = Some(params.enabled.then(find).transpose()?);
+    Ok(())
+}
+
 fn slice(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (hair, recipe) = (made(&outputs.hair, Hair)?, told.recipe);
     let with_coat = detail::has_coat(recipe);
     let volumes = 1 + u64::from(hair.wet.is_some());
     told.steps.begin(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
-    let slice =
-        |strands| textures::shell_textures(strands, &recipe.slice, &recipe.pack, with_coat, &mut || told.steps.step());
-    let shells = self::Shells { dry: slice(&hair.strands)?, wet: hair.wet.as_ref().map(slice).transpose()? };
+    let visible = made(&outputs.visible, Visible)?.as_ref();
+    let slice = |strands, visible| {
+        let on_layer = &mut || told.steps.step();
+        textures::shell_textures(strands, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
+    };
+    let dry = slice(&hair.strands, visible.map(|v| &v.dry))?;
+    let wet = hair.wet.as_ref().map(|strands| slice(strands, visible.and_then(|v| v.wet.as_ref()))).transpose()?;
+    let shells = self::Shells { dry, wet };
     outputs.shells = Some(shells);
     Ok(())
 }

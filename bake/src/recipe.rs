@@ -29,7 +29,7 @@ pub use material_table::MaterialTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
     HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat,
-    SliceParams, Style, SurfaceParams, SurfaceSource,
+    SliceParams, Style, SurfaceParams, SurfaceSource, VisibilityParams,
 };
 pub use pelage_params::SrgbColor;
 
@@ -53,6 +53,8 @@ pelage_params::tables! {
         shading: ShadingParams,
         /// The shell textures.
         slice: SliceParams,
+        /// How much light reaches the hair.
+        visibility: VisibilityParams,
         /// The fins.
         fins: FinParams,
         /// The levels of detail.

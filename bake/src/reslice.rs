@@ -1,7 +1,7 @@
 //! The same strands on the same skin, sliced anew: other layers, tile, filter, formats or fins.
 //!
 //! [`reslice`] has a package and not the model that it was baked from. Skin, materials and motions stay byte for byte; the strands grow again from the
-//! package's own recipe. With these the pipeline runs from `slice` on.
+//! package's own recipe. With these the pipeline runs from `visibility` on.
 //!
 //! A [`Slicer`] has the model, and keeps what a bake made of it.
 
@@ -30,7 +30,7 @@ fn skin<'a>(package: &Package<'a>) -> Result<Skin<'a>, FormatError> {
             images.push(kept_texture(package, old)?);
         }
     }
-    let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK];
+    let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY];
     let sections = carried(package, |tag| !anew.contains(&tag))?;
     Ok(Skin { manifest, sections, images, ..Skin::default() })
 }

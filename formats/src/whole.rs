@@ -93,6 +93,7 @@ impl<'a> Package<'a> {
             self.fur_textures().err(),
             self.wet_textures().err(),
             self.wet_like_dry().err(),
+            self.visibility_textures().err(),
             self.fin_textures().err(),
             self.ink_textures().err(),
         ];

@@ -2,6 +2,7 @@
 
 use crate::error::RuntimeError;
 use crate::model::Model;
+use crate::params::{FrameParams, SelfShadow};
 use glam::{Mat3, Mat4};
 
 /// How an instance is posed.
@@ -60,6 +61,12 @@ impl Instance {
     /// The same in another pose.
     pub fn moving(self, motion: Motion) -> Self {
         Self { motion, ..self }
+    }
+
+    /// Whether a frame reads from its package how hair shadows hair.
+    pub(crate) fn reads_baked_shadow(&self, params: &FrameParams) -> bool {
+        let may = matches!(params.form_of_self_shadow(), SelfShadow::Auto | SelfShadow::Baked);
+        may && self.model.knows_visibility()
     }
 
     pub(crate) fn check_owner(&self) -> Result<(), RuntimeError> {

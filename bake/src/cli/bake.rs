@@ -269,7 +269,7 @@ const LARGE: u64 = 32 << 20;
 /// Says before the work if the layers alone will make a large package.
 fn large_layers(recipe: &Recipe) -> Option<String> {
     let SliceParams { layers, tile_texels: n, .. } = recipe.slice;
-    let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_coat(recipe));
+    let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_coat(recipe), recipe.visibility.enabled);
     (bytes > LARGE).then(|| {
         format!(
             "note: {layers} layers of {n} x {n} texels will have {} in the package and take their time; slice.layers and slice.tile_texels decide it",

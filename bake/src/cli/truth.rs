@@ -7,7 +7,7 @@ use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, True
 use pelage_bake::strands::{GroomReport, Skin, grow_on, tile_hair};
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_stage::{KeyLight, LookStyle, NamedPackage, Viewpoint, find_clip, within};
+use pelage_stage::{KeyLight, LookSelfShadow, LookStyle, NamedPackage, Viewpoint, find_clip, within};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -85,7 +85,8 @@ impl Truth {
             fill: look.fill_lights().map(|(towards, strength)| distant(towards, Vec3::splat(strength))).collect(),
             ambient_attenuation: look.fur.ambient_attenuation,
             back_attenuation: look.fur.back_attenuation,
-            hair_shadows: look.shadow.self_shadow,
+            hair_shadows: look.shadow.self_shadow != LookSelfShadow::Off,
+            fill_shadows: matches!(look.shadow.self_shadow, LookSelfShadow::Auto | LookSelfShadow::Baked),
             skin_shadows: look.shadow.soft_shadow,
             rolled_off: look.picture.style == LookStyle::Bare,
         };

@@ -253,6 +253,18 @@ params! {
 }
 
 params! {
+    /// `[visibility]`: how much light reaches the hair past the other strands, found by rays and kept in a texture, so that no shadow map needs to be
+    /// drawn for it.
+    VisibilityParams in visibility {
+        /// Whether the package has that texture: half as many bytes of hair again, and no layer-wise map to draw when light or
+        /// pose move.
+        enabled: bool = true;
+        /// Directions that each point of a strand looks into. More are less noise, and take longer in proportion.
+        directions: u32 = 24, in 8..=1024;
+    }
+}
+
+params! {
     /// `[fins]`: quads of hair on the edges of the mesh, which show where the layers are seen on edge.
     FinParams in fins {
         /// Whether there are fins. Without them the outline shows the layers' blur and steps.

@@ -380,6 +380,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
                 ..ShadingParams::default()
             },
             slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
+            visibility: VisibilityParams { enabled: color.3, directions: 2 * slice.0 },
             fins: FinParams { enabled: fins.0, depth: fins.1 },
             detail: DetailParams {
                 enabled: detail.0,

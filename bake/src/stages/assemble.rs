@@ -3,6 +3,7 @@
 use super::textures::ShellTextures;
 use pelage_formats::{
     Animation, FinData, FormatError, InkData, Manifest, MeshData, Package, PackageWriter, Tag, TextureEntry,
+    VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -18,6 +19,8 @@ pub enum Content<'a> {
     Fins(FinData),
     /// The ink style.
     Ink(InkData),
+    /// Which textures say how much light reaches the hair.
+    Visibility(VisibilityInfo),
     /// A complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
     Texture(Cow<'a, [u8]>),
     /// A section of that tag as it lies in another package, or in a file.
@@ -39,6 +42,7 @@ pub fn assemble<'a>(
         Content::Animation(animation) => writer.animation(&animation),
         Content::Fins(fins) => writer.fins(&fins),
         Content::Ink(ink) => writer.ink(&ink),
+        Content::Visibility(info) => writer.visibility(&info),
         Content::Texture(file) => writer.texture(file),
         Content::Bytes(tag, bytes) => writer.section(tag, bytes),
     };

@@ -14,3 +14,4 @@ pub mod pack;
 pub mod size;
 pub mod surface;
 pub mod textures;
+pub mod visibility;

@@ -9,11 +9,11 @@ use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Coat, Colors, Lengths};
 use crate::stages::ink::{InkFiles, SkinInk};
 use crate::stages::surface::Surface;
-use crate::stages::textures::{FinTextures, SLABS, ShellTextures};
+use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
     AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, InkData, InkInfo,
-    InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading,
+    InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -152,7 +152,7 @@ pub struct Pieces<'a> {
 /// # Errors
 /// [`BakeError::Params`] where what follows from the model's size is out of a recipe's range; else [`BakeError::Internal`]: the stages before have
 /// checked everything that comes from the user.
-pub fn pack(pieces: &Pieces<'_>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
+pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
     let Pieces { recipe, skin, .. } = *pieces;
     let mut textures = Textures::default();
     let shells = textures.add_shells("shell", pieces.shells);
@@ -179,6 +179,12 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
             shading: ink.shading,
         },
         vertices: ink.vertices.clone(),
+    });
+    let mut add = |name: &'static str, found: &'a VisibilityTexture| textures.add((name.into(), (&found.file).into()));
+    let visibility = pieces.shells.visibility.as_ref().map(|found| VisibilityInfo {
+        texture: add("shell_visibility", found),
+        wet_texture: pieces.wet_shells.and_then(|s| s.visibility.as_ref()).map(|f| add("wet_shell_visibility", f)),
+        horizon: found.horizon,
     });
     let coat = pieces.shells.coat.as_ref();
     let mut materials = skin.manifest.materials.clone();
@@ -214,6 +220,7 @@ pub fn pack(pieces: &Pieces<'_>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
     };
     let fins = fins.map(|(_, section)| section);
     let sections = skin.sections.iter().cloned().chain(files).chain(fins).chain(ink.map(Content::Ink));
+    let sections = sections.chain(visibility.map(Content::Visibility));
     let fault = |fault| BakeError::Internal(format!("the package does not read back: {fault}"));
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }

@@ -5,7 +5,7 @@
 macro_rules! words {
     (
         $(#[$meta:meta])*
-        $name:ident { $($(#[doc = $doc:literal])+ $(#[default $($no_args:tt)?])? $variant:ident = $word:literal $(was $old:literal)?,)+ }
+        $name:ident { $($(#[doc = $doc:literal])+ $(#[default $($no_args:tt)?])? $variant:ident = $word:literal $(was $old:literal)? $(or $flag:literal)?,)+ }
     ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -44,6 +44,8 @@ macro_rules! words {
                         $($word $(| $old)? => Some(Self::$variant),)+
                         _ => None,
                     },
+                    // Knobs that were switches.
+                    $($($crate::Raw::Bool($flag) => Some(Self::$variant),)?)+
                     _ => None,
                 }
             }

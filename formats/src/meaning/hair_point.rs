@@ -29,14 +29,19 @@ where
     (normal * share + bitangent * lean_offset(lean, share)) * height_m
 }
 
-/// A direction of the tile's hair, in the tile frame and of any length up to 1, where the fur is `share` as high as the tile's and leans: it
-/// rises less and wanders as far aside, so it lies flatter. Its length is kept.
+/// What becomes of a piece of the tile's hair, in the tile frame, where the fur is `share` as high as the tile's and leans: it rises less and wanders as
+/// far aside, so it lies flatter.
 ///
 /// * `share` - the vertex's height of the fur over `FurInfo::height_m`
 /// * `slope` - [`lean_slope`]
-pub fn hair_direction(direction: Vec3, share: f32, slope: f32) -> Vec3 {
+pub fn grown_tangent(direction: Vec3, share: f32, slope: f32) -> Vec3 {
     let rises = share * direction.z;
-    let grown = Vec3::new(direction.x, direction.y + slope * rises, rises);
+    Vec3::new(direction.x, direction.y + slope * rises, rises)
+}
+
+/// The direction of [`grown_tangent`], with the length of the tile's, up to 1.
+pub fn hair_direction(direction: Vec3, share: f32, slope: f32) -> Vec3 {
+    let grown = grown_tangent(direction, share, slope);
     grown * (direction.dot(direction) / grown.dot(grown).max(1e-30)).sqrt()
 }
 

@@ -1,5 +1,8 @@
 //! Layers of hair: how high each lies, and which of them a level of detail draws.
 
+/// Layers, skin counted, that a map of what all hair together lets through is drawn of: what comes through them hardly depends on how many there are.
+pub const TOTAL_MAP_LAYERS: u32 = 5;
+
 /// Share of the fur's height at which a layer lies, of so many with the skin counted, 2 or more: 0 for the skin, layer 0, and 1 for the outermost.
 pub fn layer_height(layer: u32, layers: u32) -> f32 {
     layer as f32 / (layers - 1) as f32

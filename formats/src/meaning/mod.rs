@@ -14,16 +14,18 @@ mod skinning;
 mod srgb;
 mod tile_frame;
 mod view;
+mod visibility;
 
 pub use coat::{coat_light, coat_light_numbers};
 pub use direction::{decode_direction, encode_direction};
 pub use fins::{FIN_CORNERS, LEANING_ROWS, fin_face, fin_opacity, fin_rows, row_heights};
 pub use groom::{groom_bytes, groom_of_vertex, groom_with_texel};
-pub use hair_point::{hair_direction, hair_offset, lean_offset, lean_slope};
-pub use layers::{detail_count, detail_layer, layer_height, layers_stood_for};
+pub use hair_point::{grown_tangent, hair_direction, hair_offset, lean_offset, lean_slope};
+pub use layers::{TOTAL_MAP_LAYERS, detail_count, detail_layer, layer_height, layers_stood_for};
 pub use skinning::{
     blend, handedness_of, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,
 };
 pub use srgb::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
 pub use tile_frame::{TileFrame, any_perpendicular, orthonormal_tangent, tile_axes_f64, tile_frame, to_tile};
 pub use view::{up_of_view, view_axes, view_from_world};
+pub use visibility::{VISIBILITY_MEAN_Z, above_horizon, encode_visibility, light_in_tile, visibility_towards};

@@ -12,6 +12,7 @@ pub(crate) mod mesh;
 #[cfg(test)]
 mod probe;
 pub(crate) mod textures;
+pub(crate) mod visibility;
 
 use crate::tag::Tag;
 use kind::Kind;
@@ -23,6 +24,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &animation::KIND,
     &fins::KIND,
     &ink::KIND,
+    &visibility::KIND,
     &textures::KIND,
     #[cfg(test)]
     &probe::KIND,

@@ -11,6 +11,7 @@ fn visible_below_coat(far: Hair, grown: f32, n_dot_l: f32, length: f32) -> f32 {
 // The coat over the undercoat. `share`: of its hair, as far as that grows and the coat has taken over; `visible`: of the key light past other
 // things; `length`: of the hair here over the tile's; `slope`: that the vertex adds to it.
 fn with_coat(
+    baked: Baked,
     far: Hair,
     undercoat: vec3<f32>,
     base: vec3<f32>,
@@ -29,11 +30,14 @@ fn with_coat(
     // As the layers that it stands for: where half of the hair grows, half of the optical depth is left.
     let alpha = resampled_opacity(far.color.a, share);
     // No map is drawn for it: how the light gets into it is in the package.
-    let arrives = visible
-        * coat_light(path_through(slanted_path(light_ts.z), length), instance.coat_light_base, instance.coat_light_slope);
+    var arrives = visible;
+    if !BAKED_SHADOW {
+        let path = path_through(slanted_path(light_ts.z), length);
+        arrives *= coat_light(path, instance.coat_light_base, instance.coat_light_slope);
+    }
     let point = HairPoint(
         spot, grown(far.direction, length, slope), far.color.rgb * (alpha / far.color.a) * base, alpha, vec3(1.0), wetness,
-        arriving_at(instance.coat_ambient_height, light_ts, half_ts, arrives),
+        arriving_at(instance.coat_ambient_height, light_ts, half_ts, arrives), baked,
     );
     return light_hair(point) + (1.0 - alpha) * undercoat;
 }

@@ -6,6 +6,8 @@
 @group(2) @binding(2) var shell_sampler: sampler;
 @group(2) @binding(3) var wet_colors: texture_2d_array<f32>;
 @group(2) @binding(4) var wet_directions: texture_2d_array<f32>;
+@group(2) @binding(5) var visibility: texture_2d_array<f32>;
+@group(2) @binding(6) var wet_visibility: texture_2d_array<f32>;
 
 // The direction texture has two components.
 override PLANAR_DIRECTIONS: bool = false;
@@ -13,8 +15,6 @@ override PLANAR_DIRECTIONS: bool = false;
 override RESAMPLED: bool = false;
 // Some of the layers are left out, or fade: a level of detail.
 override DETAIL: bool = false;
-// Some vertex has other than the tile's length of hair.
-override SHORT: bool = false;
 // Some vertex is bare or wet.
 override GROOM_VERTICES: bool = false;
 // The material has a groom texture.
@@ -63,6 +63,18 @@ fn groom_at(at_vertex: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
         groom = vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
     }
     return groom;
+}
+
+// What the package knows of the light at a point of a layer.
+fn baked_at(uv: vec2<f32>, layer: u32, wetness: f32, kept: f32, length: f32, slope: f32) -> Baked {
+    var texel = vec4(1.0);
+    if BAKED_SHADOW {
+        texel = textureSample(visibility, shell_sampler, uv, layer);
+        if WET {
+            texel = mix(texel, textureSample(wet_visibility, shell_sampler, uv, layer), wetness);
+        }
+    }
+    return Baked(texel, kept, length, slope);
 }
 
 struct Hair {

@@ -4,7 +4,7 @@
 use super::detail::Drawing;
 use crate::gpu::{Constants, on};
 use crate::instance::Instance;
-use crate::light::ShadowKey;
+use crate::light::{HairMaps, ShadowKey};
 use crate::model::{Model, Part};
 use crate::params::FrameParams;
 use crate::shared::skinning;
@@ -24,7 +24,9 @@ macro_rules! hair_wgsl {
             include_str!("../../shared/skinning.wgsl"),
             include_str!("../../shared/soft_shadow.wgsl"),
             include_str!("../../shared/tile_frame.wgsl"),
+            include_str!("../../shared/visibility.wgsl"),
             include_str!("../../surface/place.wgsl"),
+            include_str!("../../light/baked.wgsl"),
             include_str!("../../light/fibre.wgsl"),
             include_str!("../../light/fills.wgsl"),
             $crate::study::form_wgsl!("light"),
@@ -52,8 +54,10 @@ pub(crate) struct Look {
     pub(crate) coat: bool,
     /// Fins are drawn.
     pub(crate) fins: bool,
-    /// Hair shadows hair.
+    /// Hair shadows hair, by the layer-wise maps.
     self_shadow: bool,
+    /// Hair shadows hair, as the package knows it.
+    baked_shadow: bool,
     /// The layer-wise maps are of other layers than are drawn.
     pub(crate) maps_between: bool,
     /// The layer-wise maps have another number of layers than were baked.
@@ -71,7 +75,8 @@ impl Look {
     pub(crate) fn new(instance: &Instance, params: &FrameParams, drawing: &Drawing, maps: Option<&ShadowKey>) -> Self {
         let manifest = instance.model.manifest();
         let baked = manifest.fur.layers;
-        let self_shadow = maps.is_some_and(|key| key.self_shadow);
+        let baked_shadow = instance.reads_baked_shadow(params);
+        let self_shadow = !baked_shadow && maps.is_some_and(|key| key.hair == HairMaps::LayerWise);
         let map_layers = maps.map_or(0, |key| key.map_layers);
         let with_fins = params.style.fur().is_some_and(|fur| fur.fins) && instance.model.fins().is_some();
         Self {
@@ -81,6 +86,7 @@ impl Look {
             coat: drawing.detail.coat > 0.0,
             fins: with_fins && drawing.has_shells() && drawing.detail.fins > 0.0,
             self_shadow,
+            baked_shadow,
             // Reduced layers are lit at the height of the hair seen in them.
             maps_between: self_shadow && (map_layers != drawing.layers || drawing.is_reduced()),
             maps_resampled: map_layers != baked,
@@ -96,6 +102,7 @@ impl Look {
             on("SQUARED_DIFFUSE", self.shading.diffuse_exponent == 2.0),
             on("SPECULAR", self.shading.specular != [0.0; 3]),
             on("SELF_SHADOW", self.self_shadow),
+            on("BAKED_SHADOW", self.baked_shadow),
             on("SOFT_SHADOW", self.soft_shadow),
             on("FILL_LIGHTS", self.fill_lights),
         ]

@@ -18,7 +18,7 @@ fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
         let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
         let light = to_tile(tile, towards);
         let sent = fibre(p.direction, light, to_tile(tile, half_vector(towards, eye)), p.wetness)
-            * back_attenuation(light.z, instance.back_light_range);
+            * (back_attenuation(light.z, instance.back_light_range) * visible_past_strands(p.baked, light));
         let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);
         sum += lit * fill_lights[i].color.rgb;
     }

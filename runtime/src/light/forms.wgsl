@@ -11,6 +11,12 @@ fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: v
     return half;
 }
 
+// Towards the eye: that of which H is the middle with the light.
+fn eye_of(light: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
+    let eye = 2.0 * dot(half, light) * half - light;
+    return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
+}
+
 // What a hair sends of the key light.
 fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {
     return fibre(direction, light, half, wetness);

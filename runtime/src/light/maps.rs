@@ -9,6 +9,7 @@ use crate::shared::receiver::ShadowReceiver;
 use crate::shared::soft_shadow::SoftShadow;
 use crate::study;
 use glam::{Mat4, Vec3};
+use pelage_formats::meaning::TOTAL_MAP_LAYERS;
 use std::sync::Arc;
 
 /// The key light's shadow maps of a frame: [`crate::Frame::shadows`]. They belong to the renderer and are kept while nothing in them
@@ -79,9 +80,9 @@ impl ShadowMaps {
     }
 
     /// The layer-wise maps, [`Self::LAYER_FORMAT`]: array layer k holds the transmittance of the hair above map layer k; layer 0 is what
-    /// reaches the skin, the last is 1. `None` without self-shadow.
+    /// reaches the skin, the last is 1. `None` where hair is not shadowed by them.
     pub fn layers(&self) -> Option<&wgpu::Texture> {
-        self.layers.as_ref().map(|layers| &layers.map.texture)
+        self.layers.as_ref().filter(|_| self.key.hair == HairMaps::LayerWise).map(|layers| &layers.map.texture)
     }
 
     /// The shadow-width map, [`Self::WIDTH_FORMAT`], for a linear filter; `None` without soft shadow. Channels:
@@ -89,7 +90,7 @@ impl ShadowMaps {
     /// * x - occlusion, blurred: 0 where nothing near is in shadow, 1 deep in it, 1/2 at the edge
     /// * y - depth of what throws the shadow, blurred, times x
     /// * z - depth of the first surface
-    /// * w - transmittance of the hair above that surface, blurred but for places beside deeper ones; 1 without self-shadow
+    /// * w - transmittance of the hair above that surface, blurred but for places beside deeper ones; 1 where hair does not shadow hair
     ///
     /// Depths are those of [`LightView::map_from_world`]; [`crate::shared::soft_shadow`] makes light of x, y and z.
     pub fn width(&self) -> Option<&wgpu::Texture> {
@@ -128,13 +129,24 @@ fn blur_texels(shrink: u32) -> f32 {
     2.0 / 3.0 * shrink as f32
 }
 
+/// What maps of hair there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HairMaps {
+    /// None: hair throws no shadow.
+    None,
+    /// What all hair together lets through, of a few layers: for the shadow of fur on other things. Hair is shadowed as its package knows it.
+    Total,
+    /// What is above each layer.
+    LayerWise,
+}
+
 /// Everything that the maps depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ShadowKey {
     pub(crate) light: Light,
     pub(crate) view: LightView,
     pub(crate) params: ShadowParams,
-    pub(crate) self_shadow: bool,
+    pub(crate) hair: HairMaps,
     pub(crate) soft_shadow: bool,
     /// The light's way through a layer grows with its slant.
     pub(crate) slanted: bool,
@@ -160,18 +172,23 @@ pub(crate) struct InstanceKey {
 const MAX_MAP_LAYERS: u32 = 256;
 
 impl ShadowKey {
-    /// Of a frame; `None` where it needs no maps. `layers`: of the finest instance, skin counted; what draws other layers reads between the
+    /// Of a frame; `None` where it needs no maps. `by_maps`: some instance is shadowed by the layer-wise maps. `layers`: of the finest instance, skin counted; what draws other layers reads between the
     /// maps. `hull`: of all that throws or receives a shadow.
     pub(crate) fn new(
         params: &FrameParams,
+        by_maps: bool,
         layers: u32,
         hull: &Hull,
         instances: Vec<InstanceKey>,
         casters: Option<u64>,
     ) -> Option<Self> {
-        let self_shadow = params.self_shadow() && layers > 1;
+        let hair = match params.self_shadow() && layers > 1 {
+            true if by_maps => HairMaps::LayerWise,
+            true if params.soft_shadow => HairMaps::Total,
+            _ => HairMaps::None,
+        };
         // A light without light throws no shadow.
-        if !(self_shadow || params.soft_shadow) || params.light.color() == Vec3::ZERO {
+        if !(hair != HairMaps::None || params.soft_shadow) || params.light.color() == Vec3::ZERO {
             return None;
         }
         let shadows = params.shadows;
@@ -179,11 +196,15 @@ impl ShadowKey {
             light: params.light,
             view: LightView::new(&params.light, hull, hull.sphere()?),
             params: shadows,
-            self_shadow,
+            hair,
             soft_shadow: params.soft_shadow,
-            slanted: self_shadow && study::light_is_slanted(params),
+            slanted: hair != HairMaps::None && study::light_is_slanted(params),
             centred: study::penumbra_is_centred(params),
-            map_layers: if self_shadow { shadows.map_layers.unwrap_or(layers).min(MAX_MAP_LAYERS) } else { 1 },
+            map_layers: match hair {
+                HairMaps::None => 1,
+                HairMaps::Total => layers.min(TOTAL_MAP_LAYERS),
+                HairMaps::LayerWise => shadows.map_layers.unwrap_or(layers).min(MAX_MAP_LAYERS),
+            },
             instances,
             casters,
         })
@@ -213,10 +234,11 @@ impl ShadowMaps {
             Map { view: texture.create_view(&wgpu::TextureViewDescriptor::default()), texture }
         };
         let small = size.div_ceil(key.params.shrink);
-        let layers = key.self_shadow.then(|| {
+        let layers = (key.hair != HairMaps::None).then(|| {
+            let count = if key.hair == HairMaps::Total { 1 } else { key.map_layers };
             // Each layer starts as a copy of the one above.
             let copied = attachment | wgpu::TextureUsages::COPY_DST;
-            let texture = texture("pelage layer shadow", size, key.map_layers, Self::LAYER_FORMAT, copied);
+            let texture = texture("pelage layer shadow", size, count, Self::LAYER_FORMAT, copied);
             let view = |dimension, base_array_layer, array_layer_count| {
                 texture.create_view(&wgpu::TextureViewDescriptor {
                     label: Some("pelage layer shadow"),
@@ -226,7 +248,7 @@ impl ShadowMaps {
                     ..Default::default()
                 })
             };
-            let slices = (0..key.map_layers).map(|k| view(wgpu::TextureViewDimension::D2, k, Some(1))).collect();
+            let slices = (0..count).map(|k| view(wgpu::TextureViewDimension::D2, k, Some(1))).collect();
             let all = view(wgpu::TextureViewDimension::D2Array, 0, None);
             LayerMaps { slices, map: Map { view: all, texture } }
         });
@@ -242,7 +264,7 @@ impl ShadowMaps {
 
     /// Whether its textures fit another key.
     fn fits(&self, key: &ShadowKey) -> bool {
-        let of = |k: &ShadowKey| (k.self_shadow, k.soft_shadow, k.map_layers, k.params.map_size, k.params.shrink);
+        let of = |k: &ShadowKey| (k.hair, k.soft_shadow, k.map_layers, k.params.map_size, k.params.shrink);
         of(&self.key) == of(key)
     }
 }

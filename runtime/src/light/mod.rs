@@ -7,5 +7,5 @@ mod view;
 
 pub use casters::{CasterPass, Casters};
 pub use maps::ShadowMaps;
-pub(crate) use maps::{InstanceKey, ShadowKey, settle};
+pub(crate) use maps::{HairMaps, InstanceKey, ShadowKey, settle};
 pub use view::LightView;

@@ -24,6 +24,7 @@ struct HairPoint {
     wetness: f32,
     // What reaches it of the ambient light and the key light.
     arriving: Arriving,
+    baked: Baked,
 }
 
 // Premultiplied light that a point of hair sends to the eye: the sum of what each of the lights makes of it.

@@ -66,14 +66,18 @@ fn visible_past_things(r: Receiver) -> f32 {
     return soft_shadow(width_texel(r.place), r.place.z, r.place.w, path, soft_shadow_of_frame(), CENTRED);
 }
 
-// Both, for skin without hair of its own. The layer-wise maps know the first surface only: where that is another, its hair is not what is
+// Both, for skin without hair of its own. The maps of hair know the first surface only: where that is another, its hair is not what is
 // above this skin.
 fn visible_on_bare(r: Receiver) -> f32 {
-    let through = visible_through_hair(r);
+    var through = visible_through_hair(r);
     if !SOFT_SHADOW {
         return through;
     }
     let texel = width_texel(r.place);
+    if BAKED_SHADOW {
+        // No package knows what hair beside bare skin throws on it: the map of all hair does.
+        through = texel.w;
+    }
     let s = soft_shadow_of_frame();
     let path = slanted_path(r.n_dot_l);
     let hidden = (r.place.z - texel.z) * s.range_m > depth_bias(r.place.w, path, s);

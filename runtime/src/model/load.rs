@@ -7,7 +7,7 @@ use super::upload::Uploader;
 use crate::error::RuntimeError;
 use crate::gpu::{Gpu, Sampling};
 use crate::params::RendererOptions;
-use crate::surface::{MaterialUniform, Surfaces};
+use crate::surface::{HairViews, MaterialUniform, Surfaces};
 use pelage_formats::{FinsView, Package, TextureView};
 use std::sync::Arc;
 
@@ -42,44 +42,22 @@ pub(crate) fn load(
         Sampling { v, anisotropy, ..sampling }.make(&gpu.device)
     };
 
-    let mut planar_directions = false;
-    let fur = match package.fur_textures()? {
-        None => None,
-        Some(textures) => {
-            planar_directions = textures.direction.format.components() == 2;
-            gpu_bytes += uploader.hair_bytes(&textures);
-            let hair = &manifest.fur;
-            let [color, direction] = uploader.hair(hair.color_texture, hair.direction_texture, &textures)?;
-            let wet = match (&hair.wet, package.wet_textures()?) {
-                (Some(wet), Some(textures)) => {
-                    gpu_bytes += uploader.hair_bytes(&textures);
-                    if (textures.direction.format.components() == 2) != planar_directions {
-                        let reason = "directions of dry and of wet hair in formats of two and of more components, expected both alike";
-                        return Err(uploader.content("fur.wet".into(), reason.into()));
-                    }
-                    Some(uploader.hair(wet.color_texture, wet.direction_texture, &textures)?)
-                }
-                _ => None,
-            };
-            let wet = wet.as_ref().map(|[color, direction]| [color, direction]);
-            Some(surfaces.fur_group(
-                gpu,
-                [&color, &direction],
-                wet,
-                &sampler("pelage shells", wgpu::AddressMode::Repeat, 1),
-            ))
-        }
-    };
+    let hair = hair(&uploader, package, &mut gpu_bytes)?;
+    let planar_directions = hair.as_ref().is_some_and(|(_, planar)| *planar);
+    let shell_sampler = sampler("pelage shells", wgpu::AddressMode::Repeat, 1);
+    let fur = hair.as_ref().map(|(views, _)| surfaces.fur_group(gpu, views, &shell_sampler));
+    let knows_visibility = hair.as_ref().is_some_and(|(views, _)| views.visibility[0].is_some());
     let fin_resources = match (fins, package.fin_textures()?, &manifest.fur.fins) {
         (Some(view), Some(textures), Some(info)) => {
-            let [color, direction] = uploader.hair(info.color_texture, info.direction_texture, &textures)?;
+            let dry = uploader.hair(info.color_texture, info.direction_texture, &textures)?;
+            let visibility = hair.map_or([None, None], |(views, _)| views.visibility);
             // The skin's row must not show above the tips.
             let clamp = sampler("pelage fins", wgpu::AddressMode::ClampToEdge, 1);
             let buffer = uploader.buffer("fins", view.fins, Usage::STORAGE)?;
             gpu_bytes += uploader.hair_bytes(&textures) + buffer.size();
             Some(Fins {
                 buffer,
-                textures: surfaces.fur_group(gpu, [&color, &direction], None, &clamp),
+                textures: surfaces.fur_group(gpu, &HairViews { dry, wet: None, visibility }, &clamp),
                 planar_directions: textures.direction.format.components() == 2,
             })
         }
@@ -111,7 +89,8 @@ pub(crate) fn load(
             base_color: material.base_color,
             alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
             share_per_m: if manifest.fur.height_m > 0.0 { manifest.fur.height_m.recip() } else { 0.0 },
-            reserved: [0.0; 2],
+            horizon: package.visibility()?.map_or(1.0, |info| info.horizon),
+            reserved: 0.0,
         };
         gpu_bytes += size_of::<MaterialUniform>() as u64;
         materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom));
@@ -164,6 +143,7 @@ pub(crate) fn load(
         fur,
         fins: fin_resources,
         planar_directions,
+        knows_visibility,
         varies,
         extent: Extent::of(&mesh, skinned && has_skeleton),
         parts,
@@ -171,4 +151,40 @@ pub(crate) fn load(
         gpu_bytes,
     };
     Ok(Model(Arc::new(resources)))
+}
+
+/// Uploads the textures of the hair, and says whether directions have two components; `None` for a package without fur.
+fn hair(
+    uploader: &Uploader<'_>,
+    package: &Package<'_>,
+    gpu_bytes: &mut u64,
+) -> Result<Option<(HairViews, bool)>, RuntimeError> {
+    let Some(textures) = package.fur_textures()? else { return Ok(None) };
+    let info = &package.manifest().fur;
+    let planar = textures.direction.format.components() == 2;
+    *gpu_bytes += uploader.hair_bytes(&textures);
+    let dry = uploader.hair(info.color_texture, info.direction_texture, &textures)?;
+    let wet = match (&info.wet, package.wet_textures()?) {
+        (Some(wet), Some(textures)) => {
+            *gpu_bytes += uploader.hair_bytes(&textures);
+            if (textures.direction.format.components() == 2) != planar {
+                let reason =
+                    "directions of dry and of wet hair in formats of two and of more components, expected both alike";
+                return Err(uploader.content("fur.wet".into(), reason.into()));
+            }
+            Some(uploader.hair(wet.color_texture, wet.direction_texture, &textures)?)
+        }
+        _ => None,
+    };
+    let mut visibility = [None, None];
+    if let (Some(info), Some(textures)) = (package.visibility()?, package.visibility_textures()?) {
+        let found = [(Some(info.texture), Some(textures.dry)), (info.wet_texture, textures.wet)];
+        for (view, found) in visibility.iter_mut().zip(found) {
+            if let (Some(index), Some(texture)) = found {
+                *gpu_bytes += uploader.bytes_here(&texture);
+                *view = Some(uploader.array(index, &texture)?);
+            }
+        }
+    }
+    Ok(Some((HairViews { dry, wet, visibility }, planar)))
 }

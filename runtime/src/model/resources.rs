@@ -23,6 +23,7 @@ pub(super) struct Resources {
     pub(super) fur: Option<wgpu::BindGroup>,
     pub(super) fins: Option<Fins>,
     pub(super) planar_directions: bool,
+    pub(super) knows_visibility: bool,
     pub(super) varies: Varies,
     pub(super) parts: Vec<Part>,
     pub(super) extent: Extent,
@@ -130,6 +131,11 @@ impl Model {
 
     pub(crate) fn planar_directions(&self) -> bool {
         self.0.planar_directions
+    }
+
+    /// Whether the package says how much light reaches its hair.
+    pub(crate) fn knows_visibility(&self) -> bool {
+        self.0.knows_visibility
     }
 
     pub(crate) fn varies(&self) -> Varies {

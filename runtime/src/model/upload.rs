@@ -76,10 +76,14 @@ impl Uploader<'_> {
         direction: u32,
         textures: &FurTextures<'_>,
     ) -> Result<[wgpu::TextureView; 2], RuntimeError> {
+        Ok([self.array(color, &textures.color)?, self.array(direction, &textures.direction)?])
+    }
+
+    /// A texture with all its array layers.
+    pub(super) fn array(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::TextureView, RuntimeError> {
         let dimension = Some(wgpu::TextureViewDimension::D2Array);
-        let array = wgpu::TextureViewDescriptor { dimension, ..Default::default() };
-        let color = self.texture(color, &textures.color)?.create_view(&array);
-        Ok([color, self.texture(direction, &textures.direction)?.create_view(&array)])
+        let all = wgpu::TextureViewDescriptor { dimension, ..Default::default() };
+        Ok(self.texture(index, view)?.create_view(&all))
     }
 
     pub(crate) fn texture(&self, index: u32, view: &TextureView<'_>) -> Result<wgpu::Texture, RuntimeError> {

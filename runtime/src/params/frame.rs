@@ -1,6 +1,6 @@
 //! What is set per frame.
 
-use super::fur::FurParams;
+use super::fur::{FurParams, SelfShadow};
 use super::ink::InkParams;
 use super::shadows::ShadowParams;
 #[cfg(feature = "study")]
@@ -87,7 +87,12 @@ impl FrameParams {
 
     /// Whether hair shadows hair.
     pub(crate) fn self_shadow(&self) -> bool {
-        self.style.fur().is_some_and(|fur| fur.self_shadow)
+        self.form_of_self_shadow() != SelfShadow::Off
+    }
+
+    /// How hair shadows hair.
+    pub(crate) fn form_of_self_shadow(&self) -> SelfShadow {
+        self.style.fur().map_or(SelfShadow::Off, |fur| fur.self_shadow)
     }
 
     pub(crate) fn check(&self, limits: &wgpu::Limits) -> Result<(), RuntimeError> {

@@ -3,6 +3,21 @@
 use super::detail::Detail;
 use crate::error::RuntimeError;
 
+/// How hair shadows hair: t of Yang 2006, eq. (2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SelfShadow {
+    /// As the package knows it, and by layer-wise maps where it does not.
+    #[default]
+    Auto,
+    /// As the package knows it ([`crate::shared::visibility`]), for all lights; not at all where it does not. No layer-wise map is drawn; with soft
+    /// shadows one of all hair is, for what it throws on other things.
+    Baked,
+    /// By layer-wise shadow maps of the key light (Yang 2006, §3), drawn when light, pose or model change.
+    Maps,
+    /// Not at all.
+    Off,
+}
+
 /// How a frame in [`crate::Style::Fur`] is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -14,8 +29,8 @@ pub struct FurParams {
     pub detail: Detail,
     /// Whether fins are drawn where the package has them (default true).
     pub fins: bool,
-    /// Whether hair shadows hair, t of Yang 2006, eq. (2), by layer-wise shadow maps (default true).
-    pub self_shadow: bool,
+    /// How hair shadows hair, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
+    pub self_shadow: SelfShadow,
 }
 
 /// More layers than this are a mistake.
@@ -23,7 +38,7 @@ const MAX_LAYERS: u32 = 1024;
 
 impl Default for FurParams {
     fn default() -> Self {
-        Self { layers: None, detail: Detail::Full, fins: true, self_shadow: true }
+        Self { layers: None, detail: Detail::Full, fins: true, self_shadow: SelfShadow::Auto }
     }
 }
 

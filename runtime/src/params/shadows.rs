@@ -13,7 +13,8 @@ pub struct ShadowParams {
     /// Layers of the layer-wise maps, skin counted, 2..=256; `None` (default) for as many as are drawn. Fewer cost less, and
     /// what lies between two is interpolated.
     pub map_layers: Option<u32>,
-    /// Share of the layers' optical depth that the light meets, 0..=4 (default 1, as they are drawn).
+    /// Share of the layers' optical depth that the light meets in the maps, 0..=4 (default 1, as they are drawn). What packages know of visibility does
+    /// not hang on it.
     pub density: f32,
     /// Width of the penumbra over the distance between what throws a shadow and where it falls, 0..=2 (default 0.15): 1 / C_scale of
     /// Yang 2006, §5; 2 tan of the light's angular radius. The sun has 0.009; 0 is a hard shadow. `shrink` says how wide it can

@@ -11,7 +11,7 @@ use crate::hair::{Drawing, Look};
 use crate::instance::Instance;
 use crate::light::{Casters, InstanceKey, ShadowKey, ShadowMaps, settle};
 use crate::motion::Moved;
-use crate::params::{FrameParams, MAX_FILL_LIGHTS};
+use crate::params::{FrameParams, MAX_FILL_LIGHTS, SelfShadow};
 use crate::shared::frame as blocks;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -163,7 +163,12 @@ fn shadow_key(
     drawings: &[Drawing],
     casters: Option<&Casters<'_>>,
 ) -> Option<ShadowKey> {
-    // The finest instance decides.
+    // The finest instance decides; without one that reads them there are no layer-wise maps.
+    let by_maps = match params.form_of_self_shadow() {
+        SelfShadow::Maps => true,
+        SelfShadow::Auto => instances.iter().any(|instance| !instance.model.knows_visibility()),
+        SelfShadow::Baked | SelfShadow::Off => false,
+    };
     let layers = drawings.iter().map(|d| d.map_layers).max()?;
     // In ink there is no light.
     if params.style.ink().is_some() {
@@ -182,5 +187,5 @@ fn shadow_key(
         furry: drawing.has_shells(),
     };
     let instances = instances.iter().zip(moved).zip(drawings).map(of).collect();
-    ShadowKey::new(params, layers, &hull, instances, casters.map(|c| c.revision))
+    ShadowKey::new(params, by_maps, layers, &hull, instances, casters.map(|c| c.revision))
 }

@@ -28,3 +28,5 @@ pub mod soft_shadow;
 pub mod srgb;
 /// The hair tile's frame on the skin, and directions in it (formulas 2.4, 2.5).
 pub mod tile_frame;
+/// How much light reaches hair past other strands, as packages know it (formulas 4.9).
+pub mod visibility;

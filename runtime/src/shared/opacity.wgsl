@@ -9,10 +9,23 @@ fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
     return select(1.0 - exp2(1.442695 * z), series, z > -0.1);
 }
 
-// How many times its thickness a look goes through a layer: n_dot_e is the cosine between the skin's normal and the direction to the eye. With
-// resampled_opacity: what the layer blocks of such a look. At most 10.
+// How many times its thickness a look goes through a layer: n_dot_e is the cosine between the skin's normal and the direction to the eye. At most 10.
 fn view_path(n_dot_e: f32) -> f32 {
     return 1.0 / clamp(abs(n_dot_e), 0.1, 1.0);
+}
+
+// What of a strand's end a look along it meets.
+const LEAST_ACROSS: f32 = 0.1;
+
+// How many times the optical depth that a layer stores a look meets in it: `tangent` is grown_tangent of its hair, eye the unit vector to the eye in
+// the tile's frame. A thin strand blocks by what of it is across the look. What is stored is its length where strands are finer than texels, and
+// what is seen of it from above where they are not: the middle of both. `agreed`: length of the tile's direction, 0..=1; the rest lies in all directions.
+fn look_path(tangent: vec3<f32>, agreed: f32, eye: vec3<f32>, n_dot_e: f32) -> f32 {
+    let across_eye = cross(eye, tangent);
+    let rest = (2.0 / 3.0) * max(1.0 - agreed * agreed, 0.0);
+    let across = max(sqrt(dot(across_eye, across_eye) + rest), LEAST_ACROSS);
+    let from_above = sqrt(dot(tangent.xy, tangent.xy) + rest);
+    return across * view_path(n_dot_e) / (0.5 + 0.5 * from_above);
 }
 
 // A way through layers over their thickness, 1 or more, where hair is `share` as long as the tile's: layers lie closer, so that what the way goes

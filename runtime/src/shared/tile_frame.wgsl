@@ -56,10 +56,15 @@ fn lean_slope(lean: f32, height: f32) -> f32 {
     return 2.0 * lean * height;
 }
 
-// A direction of the tile's hair, of any length up to 1, where hair is `share` as long as the tile's and leans by that slope along +v: it
-// rises less and wanders as far, so it lies flatter. The length, which is the direction's confidence, is kept.
-fn hair_direction(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
+// What becomes of a piece of the tile's hair where hair is `share` as long as the tile's and leans by that slope along +v: it rises less and
+// wanders as far, so it lies flatter.
+fn grown_tangent(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
     let rises = share * direction.z;
-    let grown = vec3(direction.x, direction.y + slope * rises, rises);
+    return vec3(direction.x, direction.y + slope * rises, rises);
+}
+
+// Its direction. The length of the tile's, up to 1, is the direction's confidence and is kept.
+fn hair_direction(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
+    let grown = grown_tangent(direction, share, slope);
     return grown * sqrt(dot(direction, direction) / max(dot(grown, grown), 1e-30));
 }

@@ -28,3 +28,12 @@ fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>,
     }
     return fibre(direction, light, half_or_factors, wetness);
 }
+
+// Towards the eye. Where the factors are computed at vertices, H is not known here: as if from above.
+fn eye_of(light: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
+    if VERTEX_LIGHTING {
+        return vec3(0.0, 0.0, 1.0);
+    }
+    let eye = 2.0 * dot(half, light) * half - light;
+    return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
+}

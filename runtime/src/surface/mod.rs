@@ -16,7 +16,9 @@ pub(crate) struct MaterialUniform {
     pub(crate) alpha_cutoff: f32,
     /// 1 over the height of the tile's hair, metres; 0 where there is none.
     pub(crate) share_per_m: f32,
-    pub(crate) reserved: [f32; 2],
+    /// `VisibilityInfo::horizon`; 1 where the package does not know.
+    pub(crate) horizon: f32,
+    pub(crate) reserved: f32,
 }
 
 /// The streams that all passes over surfaces read, except fins, which find their vertices in storage buffers.
@@ -93,7 +95,8 @@ impl Surfaces {
             sampler(5),
         ];
         let material = [uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2), texture(3, D2)];
-        let fur = [texture(0, D2Array), directions(1), sampler(2), texture(3, D2Array), directions(4)];
+        let hair = |binding| texture(binding, D2Array);
+        let fur = [hair(0), directions(1), sampler(2), hair(3), directions(4), hair(5), hair(6)];
         let vertices = wgpu::ShaderStages::VERTEX;
         let fins = [
             storage::<GeometryVertex>(0, vertices),
@@ -134,23 +137,31 @@ impl Surfaces {
         gpu.bind_group("pelage material", &self.material, &entries)
     }
 
-    /// Group 2 of colours and directions. `wet`: those of wet hair, where there is any.
-    pub(crate) fn fur_group(
-        &self,
-        gpu: &Gpu,
-        [colors, directions]: [&wgpu::TextureView; 2],
-        wet: Option<[&wgpu::TextureView; 2]>,
-        sampler: &wgpu::Sampler,
-    ) -> wgpu::BindGroup {
-        let [wet_colors, wet_directions] = wet.unwrap_or([&self.white_array; 2]);
+    /// Group 2 of the hair's textures.
+    pub(crate) fn fur_group(&self, gpu: &Gpu, hair: &HairViews, sampler: &wgpu::Sampler) -> wgpu::BindGroup {
+        let [wet_colors, wet_directions] = hair.wet.as_ref().map_or([&self.white_array; 2], <[_; 2]>::each_ref);
+        let [seen, wet_seen] = hair.visibility.each_ref().map(|view| view.as_ref().unwrap_or(&self.white_array));
         let view = |binding, view: &wgpu::TextureView| (binding, Bound::View(view.clone()));
         let entries = [
-            view(0, colors),
-            view(1, directions),
+            view(0, &hair.dry[0]),
+            view(1, &hair.dry[1]),
             (2, Bound::Sampler(sampler.clone())),
             view(3, wet_colors),
             view(4, wet_directions),
+            view(5, seen),
+            view(6, wet_seen),
         ];
         gpu.bind_group("pelage fur", &self.fur, &entries)
     }
+}
+
+/// Textures of the hair of a model, or of its fins.
+#[derive(Clone, Debug)]
+pub(crate) struct HairViews {
+    /// Colours and directions.
+    pub(crate) dry: [wgpu::TextureView; 2],
+    /// The same of wet hair, where there is any.
+    pub(crate) wet: Option<[wgpu::TextureView; 2]>,
+    /// How much light reaches dry and wet hair, where the package says it.
+    pub(crate) visibility: [Option<wgpu::TextureView>; 2],
 }

@@ -19,7 +19,8 @@ struct Material {
     alpha_cutoff: f32,
     // 1 over the height of the tile's hair, metres; 0 where there is none.
     share_per_m: f32,
-    reserved1: f32,
+    // How low a light begins to fade in the hair.
+    horizon: f32,
     reserved2: f32,
 }
 
@@ -38,6 +39,8 @@ override BASE_COLOR_TEXTURE: bool = false;
 override CUTOUT: bool = false;
 // Some vertex leans more than the tile's strands.
 override LEAN: bool = false;
+// Some vertex has other than the tile's length of hair.
+override SHORT: bool = false;
 
 fn normal_ws(v: Vertex) -> vec3<f32> {
     let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * v.normal;

@@ -35,8 +35,8 @@ pub use framing::{Framing, Orbit};
 pub use gpu::Gpu;
 pub use look::{
     Background, FillLight, Interval, KeyLight, Look, LookAnchoring, LookDetail, LookFur, LookInk, LookLight,
-    LookLighting, LookPenumbra, LookPicture, LookRule, LookShadow, LookShow, LookSlant, LookSphereMap, LookStyle,
-    LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size,
+    LookLighting, LookPenumbra, LookPicture, LookRule, LookSelfShadow, LookShadow, LookShow, LookSlant, LookSphereMap,
+    LookStyle, LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size,
 };
 #[cfg(feature = "draw")]
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};

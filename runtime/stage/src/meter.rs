@@ -2,7 +2,7 @@
 
 use crate::gpu::lost;
 use crate::{Gpu, Stage, StageError};
-use pelage_runtime::{Frame, PassId, PassPlace, Style, StyleKind, wgpu};
+use pelage_runtime::{Frame, PassId, PassPlace, SelfShadow, Style, StyleKind, wgpu};
 use std::time::Instant;
 
 /// Where times come from.
@@ -112,7 +112,8 @@ impl Meter {
         let mut times = FrameTimes { frame: self.frame(stage)?, ..FrameTimes::default() };
         times.unshadowed = times.frame;
         if is_shadowed(stage) {
-            let unshadowed = stage.params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+            let unshadowed =
+                stage.params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
             let asked = std::mem::replace(&mut stage.params, unshadowed);
             let unshadowed = self.frame(stage);
             stage.params = asked;
@@ -219,7 +220,7 @@ impl Meter {
 pub fn is_shadowed(stage: &Stage) -> bool {
     let params = &stage.params;
     match &params.style {
-        Style::Fur(fur) => fur.self_shadow || params.soft_shadow,
+        Style::Fur(fur) => fur.self_shadow != SelfShadow::Off || params.soft_shadow,
         style => style.kind() != StyleKind::Ink && params.soft_shadow,
     }
 }

@@ -8,7 +8,7 @@ use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
     Camera, CasterPass, Casters, Created, Detail, Frame, FrameParams, FrameReport, Hooks, InkBackground, InkParams,
     Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassPlace, Projection, Renderer, RendererOptions,
-    Sphere, Style, wgpu,
+    SelfShadow, Sphere, Style, wgpu,
 };
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
@@ -307,7 +307,7 @@ fn who_is_outside_the_picture_is_not_drawn_but_throws_its_shadow_into_it() {
     }
     assert!(ran(&report, PassId::LAYER_SHADOW) && ran(&report, PassId::SHADOW_WIDTH), "{report:?}");
     // Without shadows nothing is left of it.
-    let dark = params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    let dark = params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
     stage.present(&dark, [&seen]);
     let one = stage.picture();
     stage.present(&dark, [&seen, &outside]);
@@ -332,8 +332,9 @@ fn what_is_left_out_could_not_be_seen() {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
         let targets = Canvas::new(gpu, SIZE, &(&options).into());
         let camera = Camera::look_at(target + from, target, projection);
-        let plain =
-            FrameParams::new(camera, SIZE.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+        let plain = FrameParams::new(camera, SIZE.into())
+            .with(|p| p.soft_shadow = false)
+            .with_fur(|f| f.self_shadow = SelfShadow::Off);
         for (package, params) in [(creature(), plain.clone()), (inked(), in_ink(plain))] {
             let model = renderer.load_bytes(&package).unwrap();
             let world_from_view = camera.view_from_world.inverse();
@@ -435,7 +436,9 @@ fn a_crowd_is_drawn_as_in_smaller_frames() {
     let size = (400, 400);
     let parallel = Projection::Orthographic { height_m: 8.0, aspect: 1.0, near_m: 0.0, far_m: 10.0 };
     let camera = Camera::look_at(Vec3::Z * 5.0, Vec3::ZERO, parallel);
-    let fur = FrameParams::new(camera, size.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    let fur = FrameParams::new(camera, size.into())
+        .with(|p| p.soft_shadow = false)
+        .with_fur(|f| f.self_shadow = SelfShadow::Off);
     // Lines so thin that they stay away from those of another frame.
     let ink = in_ink(fur.clone()).with(|p| {
         if let Style::Ink(ink) = &mut p.style {
@@ -629,7 +632,7 @@ fn a_growing_herd_makes_few_buffers() {
     let mut stage = Stage::new(&gpu);
     let model = stage.load(&package(&SphereParams { quads: 2, ..sphere() }));
     // Outside the picture: what is told of them counts, not what they draw.
-    let params = from(Vec3::Z).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    let params = from(Vec3::Z).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
     let far = |k: u64| Instance::new(k, &model).at(aside(50.0 + k as f32));
     let mut buffers = 0;
     for count in (240..900).step_by(4) {

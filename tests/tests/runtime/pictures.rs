@@ -5,8 +5,8 @@
 use pelage_runtime::formats::Shading;
 use pelage_runtime::glam::{Mat4, Quat, Vec3};
 use pelage_runtime::{
-    Camera, FrameParams, Instance, Light, Motion, PassId, Projection, Renderer, RendererOptions, RuntimeError, Style,
-    wgpu,
+    Camera, FrameParams, Instance, Light, Motion, PassId, Projection, Renderer, RendererOptions, RuntimeError,
+    SelfShadow, Style, wgpu,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
@@ -164,8 +164,9 @@ fn instances_have_their_own_place_and_pose() {
     let projection = Projection::Orthographic { height_m: 0.3, aspect: 2.0, near_m: 0.0, far_m: 4.0 };
     // Without shadows, which the copies throw on each other.
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, projection);
-    let params =
-        FrameParams::new(camera, [256, 128]).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    let params = FrameParams::new(camera, [256, 128])
+        .with(|p| p.soft_shadow = false)
+        .with_fur(|f| f.self_shadow = SelfShadow::Off);
     let half = |p: &Picture, from: usize| Picture {
         size: (128, 128),
         rgba: p.rgba.chunks_exact(256).flat_map(|row| row[from..from + 128].to_vec()).collect(),
@@ -284,7 +285,7 @@ fn fewer_and_more_layers_keep_the_look() {
     let options = RendererOptions::default();
     // Shadows of few layers are coarser than the hair itself.
     for (self_shadow, allowed) in [(false, 0.04), (true, 0.08)] {
-        let params = front().with_fur(|f| f.self_shadow = self_shadow);
+        let params = front().with_fur(|f| f.self_shadow = if self_shadow { SelfShadow::Maps } else { SelfShadow::Off });
         let baked = sphere_picture(gpu, &options, &params, &small());
         for layers in [8, 31, 46] {
             let params = params.clone().with_fur(|f| f.layers = Some(layers));

@@ -8,8 +8,8 @@ use pelage_runtime::shared::layer_shadow::slanted_path;
 use pelage_runtime::shared::soft_shadow::soft_shadow;
 use pelage_runtime::{
     Camera, CasterPass, Casters, Frame, FrameParams, Hooks, Instance, Light, LightView, MAX_FILL_LIGHTS, PassId,
-    PenumbraForm, Projection, Renderer, RendererOptions, RuntimeError, ShadowMaps, ShadowParams, SlantForm, Sphere,
-    Style, wgpu,
+    PenumbraForm, Projection, Renderer, RendererOptions, RuntimeError, SelfShadow, ShadowMaps, ShadowParams, SlantForm,
+    Sphere, Style, wgpu,
 };
 use pelage_stage::Gpu;
 use pelage_tests::gpu::gpu;
@@ -186,7 +186,7 @@ fn hair_in_the_shadow_of_hair_is_darker_and_the_switches_work() {
         change(&mut params);
         draw(gpu, &mut renderer, &params, &[&plane]).mean(1)
     };
-    let no_self_shadow = |p: &mut FrameParams| *p = p.clone().with_fur(|f| f.self_shadow = false);
+    let no_self_shadow = |p: &mut FrameParams| *p = p.clone().with_fur(|f| f.self_shadow = SelfShadow::Off);
     let plain = green(&|p| {
         no_self_shadow(p);
         p.soft_shadow = false;
@@ -242,7 +242,7 @@ fn maps_are_drawn_anew_only_when_something_changes() {
     assert_eq!(ran(&prepare(gpu, &mut renderer, &fewer, &[&ball, &other])), (true, true), "layers");
     renderer.invalidate();
     assert_eq!(ran(&prepare(gpu, &mut renderer, &fewer, &[&ball, &other])), (true, true), "invalidated");
-    let off = above().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    let off = above().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
     let frame = prepare(gpu, &mut renderer, &off, &[&ball]);
     assert!(frame.shadows().is_none() && ran(&frame) == (false, false));
     let bare = above().with(|p| p.style = Style::Bare);
@@ -282,7 +282,7 @@ fn things_throw_soft_shadows_on_fur() {
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 0.14), Vec3::ZERO, projection);
         // Wide penumbrae need a wide blur.
         let shadows = as_drawn().with(|s| (s.penumbra, s.map_size, s.shrink) = (penumbra, 256, 16));
-        let params = above().with_fur(|f| f.self_shadow = false).with(|p| {
+        let params = above().with_fur(|f| f.self_shadow = SelfShadow::Off).with(|p| {
             (p.shadows, p.study.penumbra, p.soft_shadow, p.camera) = (shadows, form, soft_shadow, camera);
         });
         let picture = draw(gpu, &mut renderer, &params, &[&plane, &ball]);
@@ -484,8 +484,9 @@ fn a_fill_light_is_a_key_light_without_shadows() {
     let params = SphereParams { quads: 8, texels: 16, strands: 200, bare_band: true, ..SphereParams::default() };
     let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
     let camera = Camera::framing(Vec3::ZERO, 0.13, Vec3::new(0.4, 0.3, 1.0), 0.6, 1.0);
-    let plain =
-        FrameParams::new(camera, SIZE.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false);
+    let plain = FrameParams::new(camera, SIZE.into())
+        .with(|p| p.soft_shadow = false)
+        .with_fur(|f| f.self_shadow = SelfShadow::Off);
     let color = Vec3::new(0.8, 0.5, 0.3);
     for light in [
         Light::Directional { towards_light: Vec3::new(1.0, 1.0, 0.5), color },

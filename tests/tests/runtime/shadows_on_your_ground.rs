@@ -7,7 +7,7 @@ use pelage_runtime::glam::{Mat4, Vec3, Vec4};
 use pelage_runtime::shared::receiver::{ShadowReceiver, light_at_place};
 use pelage_runtime::{
     Camera, CasterPass, Casters, Frame, FrameParams, Hooks, Instance, Light, LightView, Projection, Renderer,
-    RendererOptions, Sphere, Style, wgpu,
+    RendererOptions, SelfShadow, Sphere, Style, wgpu,
 };
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
@@ -188,12 +188,12 @@ fn shadows_that_are_off_leave_the_ground_lit() {
     };
     let both = ground(on.clone());
     assert!(both.1 < 0.02 && both.2 < 0.9, "{both:?}");
-    let soft_alone = ground(on.clone().with_fur(|f| f.self_shadow = false));
+    let soft_alone = ground(on.clone().with_fur(|f| f.self_shadow = SelfShadow::Off));
     assert!(soft_alone.1 < 0.02 && soft_alone.2 > 0.95, "without maps of the hair there is no fringe: {soft_alone:?}");
     let dark = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
     for off in [
         on.clone().with(|p| p.soft_shadow = false),
-        on.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false),
+        on.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off),
         on.clone().with(|p| p.light = dark),
     ] {
         let (receiver, middle, fringe) = ground(off);
@@ -322,6 +322,6 @@ fn the_applications_post_darkens_the_fur() {
     println!("alone {alone:.1?}, with the post {shaded:.1?}");
     assert!(shaded[0] < 0.7 * alone[0], "in the post's shadow {shaded:?}, without {alone:?}");
     assert!((shaded[1] / alone[1] - 1.0).abs() < 0.03, "beside its shadow {shaded:?}, without {alone:?}");
-    let [alone, shaded] = fur(&params.with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = false));
+    let [alone, shaded] = fur(&params.with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off));
     assert_eq!(alone, shaded, "without shadows the post changes nothing");
 }

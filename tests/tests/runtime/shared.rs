@@ -8,7 +8,7 @@
 
 use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{
-    fins, frame, kajiya_kay, layer_shadow, opacity, receiver, skinning, soft_shadow, tile_frame,
+    fins, frame, kajiya_kay, layer_shadow, opacity, receiver, skinning, soft_shadow, tile_frame, visibility,
 };
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
@@ -427,6 +427,28 @@ fn what_is_seen_of_fins_and_through_layers() {
         // A division, which WGSL lets be 2.5 units of the last place off.
         |_, path| 4e-7 * path,
     );
+    let mut random = Random(9);
+    let mut looks: Vec<Case<2>> = Vec::new();
+    for i in 0..1000 {
+        let eye = unit(&mut random);
+        let tangent = unit(&mut random) * [1.0, 0.7, 0.1][i % 3];
+        looks.push([tangent.extend(0.0).to_array(), eye.extend(0.0).to_array()]);
+    }
+    three_ways(
+        "look_path",
+        opacity::WGSL,
+        "vec4(look_path(in_0.xyz, length(in_0.xyz), in_1.xyz, in_1.z), 0.0, 0.0, 0.0)",
+        &looks,
+        |[tangent, eye]| {
+            let (t, e) = (d(tangent), d(eye));
+            // Of hair in all directions two thirds of the square are across any look.
+            let rest = 2.0 / 3.0 * (1.0 - t.length_squared()).max(0.0);
+            let path = (e.cross(t).length_squared() + rest).sqrt().max(0.1) / e.z.abs().max(0.1);
+            [path / (0.5 + 0.5 * (t.truncate().length_squared() + rest).sqrt()), 0.0, 0.0, 0.0]
+        },
+        |[tangent, eye]| [opacity::look_path(v(tangent), v(tangent).length(), v(eye), eye[2]), 0.0, 0.0, 0.0],
+        |_, path| 5e-6 * (1.0 + path),
+    );
     let ways: Vec<Case<1>> = cases
         .iter()
         .flat_map(|[c]| [0.0, 0.1, 0.5, 1.0, 1.5].map(|s| [[opacity::view_path(c[0]), s, 0.0, 0.0]]))
@@ -603,4 +625,37 @@ fn a_wrong_shader_is_caught() {
         evaluate(gpu, "", &format!("vec4({:?}) + 0.0 * in_0", pelage_tests::compute::SENTINEL), &[[[0.0; 4]]])
     }));
     assert!(idle.is_err(), "an untouched output passed");
+}
+
+#[test]
+fn visibility_of_the_tile() {
+    let mut random = Random(10);
+    let mut cases: Vec<Case<3>> = Vec::new();
+    for i in 0..2000 {
+        let texel = [random.next_f32(), random.next_f32(), random.next_f32(), random.next_f32()];
+        let (share, lean) = ([1.0, 0.3, 0.0][i % 3], random.next_f32());
+        let horizon = [4.0, 8.0, 1000.0][i / 3 % 3];
+        cases.push([texel, unit(&mut random).extend(0.0).to_array(), [share, lean, horizon, 0.0]]);
+    }
+    three_ways(
+        "visibility_towards and light_in_tile",
+        visibility::WGSL,
+        "vec4(light_in_tile(in_1.xyz, in_2.x, in_2.y), visibility_towards(in_0, light_in_tile(in_1.xyz, in_2.x, in_2.y), in_2.z))",
+        &cases,
+        |[texel, light, c]| {
+            let (l, share, slope) = (d(light), f64::from(c[0]), f64::from(c[1]));
+            let upright = DVec3::new(share * l.x, share * (l.y - slope * l.z), l.z);
+            let w = upright / upright.length().max(1e-15);
+            let slope_of = |i: usize| (f64::from(texel[i]) * 255.0 - 128.0) / 64.0;
+            let slopes = DVec3::new(slope_of(0), slope_of(1), slope_of(2));
+            let t = (f64::from(texel[3]) + slopes.dot(w - DVec3::Z * 0.585)).clamp(0.0, 1.0);
+            w.extend(t * (1.0 - (-f64::from(c[2]) * w.z.max(0.0)).exp())).to_array()
+        },
+        |[texel, light, c]| {
+            let towards = visibility::light_in_tile(v(light), c[0], c[1]);
+            let t = visibility::visibility_towards(Vec4::from(*texel), towards, c[2]);
+            towards.extend(t).to_array()
+        },
+        |[_, _, c], _| 2e-5 + 3e-7 * f64::from(c[2]),
+    );
 }

@@ -5,7 +5,7 @@ use crate::cli::staged::stage_of;
 use crate::cli::view::View;
 use glam::Vec3;
 use pelage_bake::judge::chart::light_maps::LightMaps;
-use pelage_runtime::{Light, PassId, ShadowMaps, ShadowParams, Study};
+use pelage_runtime::{Light, PassId, SelfShadow, ShadowMaps, ShadowParams, Study};
 use pelage_stage::{Gpu, Meter, NamedPackage, Stage, StageError};
 
 /// Drawings of the maps under each light, of which the fastest counts; of all lights the median.
@@ -45,7 +45,7 @@ impl LightBench {
         params.study = study;
         params.soft_shadow = pass == PassId::SHADOW_WIDTH;
         if let Some(fur) = params.fur_mut() {
-            fur.self_shadow = pass == PassId::LAYER_SHADOW;
+            fur.self_shadow = if pass == PassId::LAYER_SHADOW { SelfShadow::Maps } else { SelfShadow::Off };
         }
         let (frame, _) = self.meter.prepared(&mut self.scene, pass)?;
         let maps = frame.shadows().ok_or_else(|| StageError::Device("no shadow map was drawn".into()))?;

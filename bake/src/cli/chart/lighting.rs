@@ -11,7 +11,7 @@ use pelage_bake::mesh::RestPose;
 use pelage_bake::pipeline::{self, Told};
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_runtime::{Lighting, PassId};
-use pelage_stage::{Gpu, LookLighting, Meter, NamedPackage, Spread};
+use pelage_stage::{Gpu, LookLighting, LookSelfShadow, Meter, NamedPackage, Spread};
 
 /// Timed frames of each configuration, of which the fastest counts, since what else the machine does only adds; and those before them in which pipelines and caches settle.
 const FRAMES: usize = 9;
@@ -62,7 +62,7 @@ impl Topic for LightingTopic<'_> {
         let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
         // Shadows cost the same whatever direction the light is computed with.
         let view = View::default().with(|look| {
-            look.shadow.self_shadow = false;
+            look.shadow.self_shadow = LookSelfShadow::Off;
             look.shadow.soft_shadow = false;
             look.fur.lighting = match configuration.lighting {
                 Lighting::Pixel => LookLighting::Pixel,

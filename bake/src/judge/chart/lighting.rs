@@ -125,7 +125,7 @@ pub fn measure(configuration: &Configuration, lengths: Lengths) -> Result<Measur
     let recipe = &configuration.recipe;
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
     let strands = simulate(&recipe.hair, &recipe.color, &volume)?;
-    let textures = shell_textures(&strands, &recipe.slice, &recipe.pack, false, &mut || ())?;
+    let textures = shell_textures(&strands, None, &recipe.slice, &recipe.pack, false, &mut || ())?;
     let view = TextureView::parse(&textures.direction, 0, &Limits::default())
         .map_err(|e| BakeError::Internal(format!("the direction texture just written: {e}")))?;
     let directions = Directions::new(&view, configuration.lighting);

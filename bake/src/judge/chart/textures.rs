@@ -324,7 +324,7 @@ fn parse(file: &[u8]) -> Result<TextureView<'_>, BakeError> {
 fn decoded(view: &TextureView<'_>) -> Result<ShellSet, BakeError> {
     let layer = |index: u32| {
         let color = (0..view.levels).map(|level| decode_texture(view, level, index)).collect::<Result<_, _>>()?;
-        Ok(Layer { index, color, direction: Vec::new() })
+        Ok(Layer { index, color, direction: Vec::new(), visibility: Vec::new() })
     };
     Ok(ShellSet { texels: view.width, layers: (0..view.layers).map(layer).collect::<Result<_, BakeError>>()? })
 }

@@ -23,9 +23,11 @@ pub(super) fn advise(
     let mut out = Vec::new();
     if furry {
         let textures = package.fur_textures().map_err(fault)?;
-        let bytes = textures.map_or(0, |t| t.color.gpu_bytes() + t.direction.gpu_bytes());
+        let visibility = package.visibility_textures().map_err(fault)?;
+        let seen = visibility.as_ref().map_or(0, |t| t.dry.gpu_bytes());
+        let bytes = textures.map_or(0, |t| t.color.gpu_bytes() + t.direction.gpu_bytes() + seen);
         out.extend(too_near(manifest, found));
-        out.extend(layers(manifest, view, found, bytes));
+        out.extend(layers(manifest, view, found, bytes, visibility.is_some()));
         out.extend(tile(manifest, found, bytes));
         out.extend(fins(package, found, fault)?);
     }
@@ -94,7 +96,13 @@ fn too_near(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
 /// Layers that are nearer to each other than this, pixels seen from the side, cannot be told apart.
 const LEAST_GAP_PX: f64 = 0.5;
 
-fn layers(manifest: &Manifest, view: &View, found: &Prognosis, textures: u64) -> Option<Advice> {
+fn layers(
+    manifest: &Manifest,
+    view: &View,
+    found: &Prognosis,
+    textures: u64,
+    knows_visibility: bool,
+) -> Option<Advice> {
     let now = manifest.fur.layers;
     let (gap, height) = (found.on_screen.layer_gap_px, found.on_screen.height_px);
     // As many as have a pixel each would do, and fewer than four are no fur.
@@ -105,14 +113,15 @@ fn layers(manifest: &Manifest, view: &View, found: &Prognosis, textures: u64) ->
     let share = 1.0 - f64::from(enough - 1) / f64::from(now - 1);
     let of = |count: u64| (count as f64 * share) as u64;
     let shells = found.passes.iter().find(|pass| pass.name == "shells")?;
-    // Two bytes a texel and layer.
-    let maps = 2 * u64::from(view.shadow_map).pow(2) * u64::from(now - enough);
+    // Two bytes a texel and layer, where there are such maps.
+    let maps = if knows_visibility { 0 } else { 2 * u64::from(view.shadow_map).pow(2) * u64::from(now - enough) };
     Some(Advice {
         change: format!("slice.layers={enough}"),
         found: format!("{now} layers lie {gap:.2} pixels apart where the fur is nearest"),
         saves: format!(
-            "{:.0} % of the shells' fragments and vertices, of their textures and of the layer-wise shadow maps",
-            100.0 * share
+            "{:.0} % of the shells' fragments and vertices, of their textures{}",
+            100.0 * share,
+            if knows_visibility { "" } else { " and of the layer-wise shadow maps" }
         ),
         costs: "steps between layers when the camera comes nearer".into(),
         saved: Some(Saved {

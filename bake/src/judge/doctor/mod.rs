@@ -16,7 +16,8 @@ pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, Saved, View};
 use crate::BakeError;
 use glam::{Mat4, Vec3, Vec4};
 use pelage_formats::meaning::{
-    fin_face, fin_opacity, fin_rows, hair_offset, layer_height, posed_vertices, row_heights, tile_frame, view_axes,
+    TOTAL_MAP_LAYERS, fin_face, fin_opacity, fin_rows, hair_offset, layer_height, posed_vertices, row_heights,
+    tile_frame, view_axes,
 };
 use pelage_formats::{FormatError, Package, Pose};
 use raster::{Covered, Draw, Raster};
@@ -109,6 +110,7 @@ pub fn diagnose(
         times,
         view,
         skinned: memory.posed > 0,
+        knows_visibility: package.visibility().map_err(fault)?.is_some(),
     });
     let (furry_pixels, mean, most) = raster.layers();
     let scaled = |count: u64| (count as f64 * scale).round() as u64;
@@ -267,8 +269,9 @@ fn memory(
     memory.buffers += package.fins().map_err(fault)?.map_or(0, |f| f.fins.len() as u64);
     memory.buffers += package.ink().map_err(fault)?.map_or(0, |ink| ink.vertices.len() as u64);
     let (map, small) = (u64::from(view.shadow_map).pow(2), u64::from(view.shadow_map.div_ceil(4)).pow(2));
-    // Two depth maps of four bytes; transmittances of two bytes a layer; of the soft shadow, eight bytes: one whole map and two shrunk.
-    let layer_maps = if layers > 1 { 2 * map * u64::from(layers) } else { 0 };
+    // Two depth maps of four bytes; transmittances of two bytes a layer, or once; of the soft shadow, eight bytes: one whole map and two shrunk.
+    let maps = if package.visibility().map_err(fault)?.is_some() { 1 } else { u64::from(layers) };
+    let layer_maps = if layers > 1 { 2 * map * maps } else { 0 };
     memory.shadow_maps = 8 * map + layer_maps + 8 * (map + 2 * small);
     Ok(memory)
 }
@@ -286,6 +289,8 @@ struct Work<'a> {
     times: f64,
     view: &'a View,
     skinned: bool,
+    /// The package knows how hair shadows hair.
+    knows_visibility: bool,
 }
 
 fn passes(w: &Work<'_>) -> Vec<PassWork> {
@@ -293,6 +298,7 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
     let furry = w.layers > 1 && w.furry_vertices > 0;
     let shadows = w.view.shadow_map > 0;
     let above = u64::from(w.layers - 1);
+    let mapped = if w.knows_visibility { above.min(u64::from(TOTAL_MAP_LAYERS - 1)) } else { above };
     let yes_or = |runs: bool, yes: String, no: &str| if runs { yes } else { no.to_owned() };
     let pass = |name, runs: bool, reason: String, vertices: u64, covered: Option<Covered>| PassWork {
         name,
@@ -310,11 +316,14 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
             "layer_shadow",
             shadows && furry,
             match (shadows, furry) {
-                (true, true) => format!("{above} maps of {size} x {size} whenever light, pose or model changes"),
+                (true, true) if w.knows_visibility => {
+                    format!("one map of {mapped} layers, {size} x {size}, whenever light, pose or model changes")
+                }
+                (true, true) => format!("{mapped} maps of {size} x {size} whenever light, pose or model changes"),
                 (false, _) => "switched off".into(),
                 (_, false) => "no fur is drawn".into(),
             },
-            w.vertices + w.furry_vertices * above,
+            w.vertices + w.furry_vertices * mapped,
             None,
         ),
         pass(

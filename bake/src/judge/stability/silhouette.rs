@@ -200,6 +200,7 @@ fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Cov
         ambient_attenuation: false,
         back_attenuation: false,
         hair_shadows: false,
+        fill_shadows: false,
         skin_shadows: false,
         rolled_off: false,
     };

@@ -73,8 +73,10 @@ pub struct TrueLighting {
     pub ambient_attenuation: bool,
     /// Attenu_Back: the light ends behind the body.
     pub back_attenuation: bool,
-    /// Strands throw shadows.
+    /// Strands throw shadows of the key light.
     pub hair_shadows: bool,
+    /// Strands throw shadows of the other lights, too; skin never does.
+    pub fill_shadows: bool,
     /// The skin throws shadows.
     pub skin_shadows: bool,
     /// Nothing but bare skin is shown, whose light is rolled off: with L its strongest channel and F that of all lights from straight above, it is
@@ -135,7 +137,7 @@ impl Sample<'_> {
                 };
                 let start = Start { strand: Some(strand), triangle: None };
                 let visible = self.visibility(place_ws, start, shadow_rays);
-                self.hair(&hair, place_ws, to_eye, visible)
+                self.hair(&hair, place_ws, to_eye, visible, start)
             }
             Hit::Skin { triangle, weights, front } => {
                 self.skin(triangle, weights, front, place_ws, to_eye, shadow_rays)
@@ -175,17 +177,21 @@ impl Sample<'_> {
             normal: normal * side,
             wet,
         };
-        bare.lerp(self.hair(&undercoat, place_ws, to_eye, visible), coat)
+        bare.lerp(self.hair(&undercoat, place_ws, to_eye, visible, start), coat)
     }
 
-    fn hair(&self, hair: &Hair, place_ws: DVec3, to_eye: DVec3, visible: f64) -> DVec3 {
+    fn hair(&self, hair: &Hair, place_ws: DVec3, to_eye: DVec3, visible: f64, start: Start) -> DVec3 {
         let k = if hair.wet { &self.material.wet } else { &self.material.dry };
         let lighting = self.lighting;
         let floor = if lighting.ambient_attenuation { f64::from(k.ambient_floor) } else { 1.0 };
         let gamma = floor + (1.0 - floor) * hair.height;
         let mut sum = vector(k.ambient) * gamma * hair.color * lighting.key.color();
-        let lights = std::iter::once((&lighting.key, visible)).chain(lighting.fill.iter().map(|l| (l, 1.0)));
-        for (light, visible) in lights {
+        let past_strands = |light: &TrueLight| {
+            let (towards, distance) = light.seen_from(place_ws);
+            f64::from(self.tracer.is_lit(place_ws, towards, distance, start, (lighting.fill_shadows, false)))
+        };
+        let fills = lighting.fill.iter().map(|light| (light, past_strands(light)));
+        for (light, visible) in std::iter::once((&lighting.key, visible)).chain(fills) {
             let (towards, _) = light.seen_from(place_ws);
             let half = (towards + to_eye).normalize_or_zero();
             let sine = |to: DVec3| (1.0 - hair.tangent.dot(to).powi(2)).clamp(0.0, 1.0).sqrt();

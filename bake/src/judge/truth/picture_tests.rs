@@ -38,6 +38,7 @@ fn lighting() -> TrueLighting {
         ambient_attenuation: true,
         back_attenuation: true,
         hair_shadows: true,
+        fill_shadows: true,
         skin_shadows: true,
         rolled_off: false,
     }

@@ -26,7 +26,7 @@ pub struct Coat {
 
 /// What the layers from outside in look like together.
 pub(super) struct CoatSums {
-    /// Per texel: opacity, colour and direction times opacity, and 1.
+    /// Per texel: opacity, colour and direction times opacity, 1, and visibility times opacity.
     pub(super) sums: Vec<Sums>,
     /// Per texel: what the layers so far let through of such a look.
     through: Vec<f32>,
@@ -46,7 +46,7 @@ struct LayerShare {
 
 impl CoatSums {
     pub(super) fn new(texels: u32) -> Self {
-        let mut empty = [0.0; 8];
+        let mut empty = Sums::default();
         empty[7] = 1.0;
         let count = texels as usize * texels as usize;
         Self { sums: vec![empty; count], through: vec![1.0; count], added: 0.0, layers: Vec::new() }
@@ -65,8 +65,8 @@ impl CoatSums {
             let blocked = *through * (1.0 - (1.0 - opacity) * (1.0 - opacity));
             *through -= blocked;
             sum[0] += blocked;
-            for (sum, value) in sum[1..7].iter_mut().zip(&s[1..7]) {
-                *sum += blocked * value / s[0];
+            for i in [1..7, 8..12].into_iter().flatten() {
+                sum[i] += blocked * s[i] / s[0];
             }
             let [r, g, b] = [1, 2, 3].map(|i| f64::from(blocked * s[i] / s[0]));
             0.2126 * r + 0.7152 * g + 0.0722 * b

@@ -12,7 +12,8 @@
 use super::coat::{Coat, CoatSums};
 use super::direction;
 use super::splat::Sums;
-use glam::Vec3;
+use crate::stages::visibility::encode_visibility;
+use glam::{Vec3, Vec4};
 use pelage_formats::TextureFormat;
 use pelage_formats::meaning::linear_to_srgb;
 use rayon::prelude::*;
@@ -41,8 +42,14 @@ struct LevelTransmittance {
     stored: Vec<f32>,
 }
 
-/// RGBA bytes and direction bytes of one level, `texels * texels * 4` each.
-pub(super) type LevelBytes = (Vec<u8>, Vec<u8>);
+/// Bytes of one level, `texels * texels * 4` each.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct LevelBytes {
+    pub(super) color: Vec<u8>,
+    pub(super) direction: Vec<u8>,
+    /// As [`visibility::encode`] writes it.
+    pub(super) visibility: Vec<u8>,
+}
 
 impl Transmittance {
     /// Nothing drawn yet. Layers come with `texels << halvings` texels a side and are stored with `texels`.
@@ -81,7 +88,7 @@ impl Transmittance {
         let mut levels = self.levels(sums, texels);
         if let Some(skin) = skin {
             let [r, g, b] = skin.to_array().map(linear_to_srgb);
-            let texels = levels.iter_mut().flat_map(|(color, ..)| color.chunks_exact_mut(4));
+            let texels = levels.iter_mut().flat_map(|level| level.color.chunks_exact_mut(4));
             texels.for_each(|texel| texel.copy_from_slice(&[r, g, b, 255]));
         } else {
             self.coat.close(above, self.levels.last().map_or(1.0, |level| level.exact[0]));
@@ -106,7 +113,7 @@ impl Transmittance {
             |level| ((texels >> level) as usize, (texels >> level) as usize),
             self.direction_format,
         );
-        levels.into_iter().map(|(color, direction, _)| (color, direction)).collect()
+        levels.into_iter().map(|(bytes, _)| bytes).collect()
     }
 }
 
@@ -122,8 +129,8 @@ fn weigh(sums: &mut [Sums], outside: &mut [f32]) {
         }
         let opacity = -libm::expm1f(-depth);
         let scale = w * opacity / depth;
-        for v in &mut s[1..7] {
-            *v *= scale;
+        for v in [1..7, 8..12].into_iter().flatten() {
+            s[v] *= scale;
         }
         s[0] = w * opacity;
         *outside *= 1.0 - opacity;
@@ -157,7 +164,7 @@ fn blurred(sums: &[Sums], n: usize, variance: f32) -> Vec<Sums> {
     let mut weights = Vec::new();
     let first = super::splat::weights(0.5, variance, &mut weights);
     let pass = |from: &[Sums], step: usize| {
-        let mut to = vec![[0.0; 8]; n * n];
+        let mut to = vec![Sums::default(); n * n];
         to.par_iter_mut().with_min_len(1024).enumerate().for_each(|(i, sum)| {
             let at = i / step % n;
             for (k, w) in weights.iter().enumerate() {
@@ -172,7 +179,7 @@ fn blurred(sums: &[Sums], n: usize, variance: f32) -> Vec<Sums> {
 }
 
 fn halve(fine: &[Sums], n: usize) -> Vec<Sums> {
-    let mut coarse = vec![[0.0; 8]; n * n];
+    let mut coarse = vec![Sums::default(); n * n];
     coarse.par_chunks_mut(n).with_min_len(16).enumerate().for_each(|(y, row)| {
         let above = &fine[4 * y * n..][..2 * n];
         let below = &fine[(4 * y + 2) * n..][..2 * n];
@@ -185,19 +192,21 @@ fn halve(fine: &[Sums], n: usize) -> Vec<Sums> {
     coarse
 }
 
-/// Bytes of one level, and whether each texel has a direction of its own.
-fn store(
-    sums: &[Sums],
-    transmittance: &mut LevelTransmittance,
-    format: TextureFormat,
-) -> (Vec<u8>, Vec<u8>, Vec<bool>) {
+/// Bytes of one level, and whether each texel has a direction and a visibility of its own.
+fn store(sums: &[Sums], transmittance: &mut LevelTransmittance, format: TextureFormat) -> (LevelBytes, Vec<bool>) {
     let mut color = vec![0; 4 * sums.len()];
     let mut directions = vec![0; 4 * sums.len()];
+    let mut visibility = vec![0; 4 * sums.len()];
     let mut has_direction = vec![false; sums.len()];
     let inputs = (sums, transmittance.exact.par_iter_mut(), transmittance.stored.par_iter_mut());
-    let outputs = (color.par_chunks_mut(4), directions.par_chunks_mut(4), has_direction.par_iter_mut());
+    let outputs = (
+        color.par_chunks_mut(4),
+        directions.par_chunks_mut(4),
+        visibility.par_chunks_mut(4),
+        has_direction.par_iter_mut(),
+    );
     (inputs, outputs).into_par_iter().with_min_len(1024).for_each(
-        |((s, exact, stored), (color, direction, has_direction))| {
+        |((s, exact, stored), (color, direction, visibility, has_direction))| {
             if s[0] <= 0.0 {
                 return;
             }
@@ -217,10 +226,12 @@ fn store(
                 let mean = Vec3::new(s[4], s[5], s[6]) / s[0];
                 *has_direction = true;
                 direction.copy_from_slice(&direction::encode_mean(mean, format));
+                let mean = Vec4::new(s[8], s[9], s[10], s[11]) / s[0];
+                visibility.copy_from_slice(&encode_visibility(mean));
             }
         },
     );
-    (color, directions, has_direction)
+    (LevelBytes { color, direction: directions, visibility }, has_direction)
 }
 
 /// Byte for `opacity`, within one step of it, chosen so that the stored product comes nearest to `exact`, the true
@@ -234,31 +245,37 @@ fn round_opacity(opacity: f32, exact: f32, stored_outside: f32) -> u8 {
     (wanted.clamp(own - 1.0, own + 1.0).clamp(0.0, 255.0) + 0.5) as u8
 }
 
-/// Gives texels without hair the direction of the next coarser level, so that bilinear filtering at the edge of a hair
+/// Gives texels without hair the direction and the visibility of the next coarser level, so that bilinear filtering at the edge of a hair
 /// does not mix in anything foreign.
 ///
 /// `size` gives width and height of a level, powers of two, each half of the one before down to 1.
 pub(super) fn fill_empty(
-    levels: &mut [(Vec<u8>, Vec<u8>, Vec<bool>)],
+    levels: &mut [(LevelBytes, Vec<bool>)],
     size: impl Fn(usize) -> (usize, usize),
     format: TextureFormat,
 ) {
-    if let Some((_, direction, has)) = levels.last_mut()
+    if let Some((bytes, has)) = levels.last_mut()
         && !has[0]
     {
-        direction.copy_from_slice(&direction::encode_mean(Vec3::ZERO, format));
+        bytes.direction.copy_from_slice(&direction::encode_mean(Vec3::ZERO, format));
+        // A single texel, of those that have any.
+        bytes.visibility.iter_mut().zip(encode_visibility(Vec4::ZERO)).for_each(|(byte, none)| *byte = none);
     }
     for level in (0..levels.len().saturating_sub(1)).rev() {
         let ((n, _), (columns, rows)) = (size(level), size(level + 1));
         let (fine, coarse) = levels.split_at_mut(level + 1);
-        let (Some((_, directions, has)), Some((_, parents, _))) = (fine.last_mut(), coarse.first()) else { return };
-        directions.par_chunks_mut(4 * n).zip(has.par_chunks(n)).with_min_len(16).enumerate().for_each(
-            |(y, (row, has))| {
-                for (x, texel) in row.chunks_exact_mut(4).enumerate().filter(|(x, _)| !has[*x]) {
-                    let parent = 4 * ((y / 2).min(rows - 1) * columns + (x / 2).min(columns - 1));
-                    texel.copy_from_slice(&parents[parent..parent + 4]);
-                }
-            },
-        );
+        let (Some((fine, has)), Some((coarse, _))) = (fine.last_mut(), coarse.first()) else { return };
+        let fill = |texels: &mut [u8], parents: &[u8]| {
+            texels.par_chunks_mut(4 * n).zip(has.par_chunks(n)).with_min_len(16).enumerate().for_each(
+                |(y, (row, has))| {
+                    for (x, texel) in row.chunks_exact_mut(4).enumerate().filter(|(x, _)| !has[*x]) {
+                        let parent = 4 * ((y / 2).min(rows - 1) * columns + (x / 2).min(columns - 1));
+                        texel.copy_from_slice(&parents[parent..parent + 4]);
+                    }
+                },
+            );
+        };
+        fill(&mut fine.direction, &coarse.direction);
+        fill(&mut fine.visibility, &coarse.visibility);
     }
 }

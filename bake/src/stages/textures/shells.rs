@@ -2,20 +2,32 @@
 
 use super::coat::Coat;
 use super::encode::{AlphaMode, TextureEncoder};
-use super::slice::{Layer, slice, slice_with_coat};
+use super::slice::{Layer, slice_for_package};
 use crate::BakeError;
 use crate::recipe::{DirectionFormat, PackParams, ShellFormat, SliceParams};
 use crate::stages::hair::Strands;
+use crate::stages::visibility::Visibility;
 use pelage_formats::TextureFormat;
 
-/// The two texture arrays of a shell volume: complete .ktx2 files, skin first.
+/// How much light reaches the hair of a shell volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VisibilityTexture {
+    /// A complete .ktx2 file: [`pelage_formats::meaning::encode_visibility`] of each texel.
+    pub file: Vec<u8>,
+    /// k of [`pelage_formats::meaning::above_horizon`].
+    pub horizon: f32,
+}
+
+/// The texture arrays of a shell volume: complete .ktx2 files, skin first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShellTextures {
     /// Premultiplied colour and opacity.
     pub color: Vec<u8>,
     /// Hair directions.
     pub direction: Vec<u8>,
-    /// What there is to say of the coat, which then is the last layer of both; `None` without.
+    /// How much light reaches the hair; `None` where that is not known.
+    pub visibility: Option<VisibilityTexture>,
+    /// What there is to say of the coat, which then is the last layer of all; `None` without.
     pub coat: Option<Coat>,
 }
 
@@ -41,23 +53,27 @@ impl From<DirectionFormat> for TextureFormat {
 /// Bytes of texels that the shell textures of one volume will have, with their mip levels: what [`shell_textures`] makes, but for the heads of its files.
 ///
 /// * `with_coat`: whether the far coat follows as the last array layer
-pub fn shell_bytes(slice_params: &SliceParams, pack: &PackParams, with_coat: bool) -> u64 {
+/// * `with_visibility`: whether visibility is among them
+pub fn shell_bytes(slice_params: &SliceParams, pack: &PackParams, with_coat: bool, with_visibility: bool) -> u64 {
     let n = slice_params.tile_texels;
     let of =
         |format: TextureFormat| (0..=n.ilog2()).map(|level| format.layer_bytes(n >> level, n >> level)).sum::<u64>();
-    let layer = of(pack.shell_format.into()) + of(pack.direction_format.into());
+    let seen = if with_visibility { of(visibility_format(pack)) } else { 0 };
+    let layer = of(pack.shell_format.into()) + of(pack.direction_format.into()) + seen;
     layer * u64::from(slice_params.layers + u32::from(with_coat))
 }
 
 /// Slices `strands` and encodes the layers one by one.
 ///
+/// * `visibility`: of these strands, for a texture of it
 /// * `with_coat`: whether the far coat follows as the last array layer
 /// * `on_layer`: called when a layer is done
 ///
 /// # Errors
-/// As [`slice()`], and [`BakeError::Internal`] if the encoder fails.
+/// As [`slice_for_package`], and [`BakeError::Internal`] if the encoder fails.
 pub fn shell_textures(
     strands: &Strands,
+    visibility: Option<&Visibility>,
     slice_params: &SliceParams,
     pack: &PackParams,
     with_coat: bool,
@@ -65,21 +81,40 @@ pub fn shell_textures(
 ) -> Result<ShellTextures, BakeError> {
     pack.validate()?;
     let direction_format = TextureFormat::from(pack.direction_format);
-    let mut color = TextureEncoder::new(pack.shell_format.into(), AlphaMode::Premultiplied, pack.bc_quality);
-    let mut direction = TextureEncoder::new(direction_format, AlphaMode::Straight, pack.bc_quality);
-    let sink = |layer: Layer| {
+    let encoder = |format, alpha| TextureEncoder::new(format, alpha, pack.bc_quality);
+    let mut color = encoder(pack.shell_format.into(), AlphaMode::Premultiplied);
+    let mut direction = encoder(direction_format, AlphaMode::Straight);
+    let mut seen = visibility.map(|_| encoder(visibility_format(pack), AlphaMode::Straight));
+    let coat = slice_for_package(strands, visibility, slice_params, direction_format, with_coat, |layer: Layer| {
         color.push_square_layer(slice_params.tile_texels, &layer.color)?;
         direction.push_square_layer(slice_params.tile_texels, &layer.direction)?;
+        if let Some(seen) = &mut seen {
+            seen.push_square_layer(slice_params.tile_texels, &layer.visibility)?;
+        }
         on_layer();
         Ok(())
+    })?;
+    // Layers came outermost first, and then the coat.
+    let finish = |encoder: TextureEncoder| {
+        if with_coat { encoder.finish_reversed_but_last() } else { encoder.finish_reversed() }
     };
-    if with_coat {
-        let coat = slice_with_coat(strands, slice_params, direction_format, sink)?;
-        let (color, direction) = (color.finish_reversed_but_last()?, direction.finish_reversed_but_last()?);
-        return Ok(ShellTextures { color, direction, coat: Some(coat) });
+    Ok(ShellTextures {
+        color: finish(color)?,
+        direction: finish(direction)?,
+        visibility: match (seen, visibility) {
+            (Some(encoder), Some(found)) => Some(VisibilityTexture { file: finish(encoder)?, horizon: found.horizon }),
+            _ => None,
+        },
+        coat,
+    })
+}
+
+/// The format of the visibility: as exact as the colours are.
+fn visibility_format(pack: &PackParams) -> TextureFormat {
+    match pack.shell_format {
+        ShellFormat::Bc7 => TextureFormat::Bc7Unorm,
+        ShellFormat::Rgba8 => TextureFormat::Rgba8Unorm,
     }
-    slice(strands, slice_params, direction_format, sink)?;
-    Ok(ShellTextures { color: color.finish_reversed()?, direction: direction.finish_reversed()?, coat: None })
 }
 
 #[cfg(test)]

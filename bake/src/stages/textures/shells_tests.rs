@@ -41,10 +41,10 @@ fn every_format_reads_back_layer_by_layer() {
         (ShellFormat::Rgba8, DirectionFormat::Bc5, TextureFormat::Rgba8Srgb, TextureFormat::Bc5Unorm, 12.0),
     ] {
         let set = collect_layers(&strands, &SLICE, direction_format).unwrap();
-        let files = shell_textures(&strands, &SLICE, &pack(shell, direction), false, &mut || ()).unwrap();
+        let files = shell_textures(&strands, None, &SLICE, &pack(shell, direction), false, &mut || ()).unwrap();
         in_package(&[&files.color, &files.direction], |package| {
             let bytes: u64 = (0..2).map(|i| package.texture(i).unwrap().gpu_bytes()).sum();
-            assert_eq!(bytes, shell_bytes(&SLICE, &pack(shell, direction), false));
+            assert_eq!(bytes, shell_bytes(&SLICE, &pack(shell, direction), false, false));
             for (i, format) in [color_format, direction_format].into_iter().enumerate() {
                 let view = package.texture(i as u32).unwrap();
                 assert_eq!((view.format, view.width, view.height), (format, 32, 32));
@@ -76,7 +76,7 @@ fn every_format_reads_back_layer_by_layer() {
 fn same_files_on_any_number_of_threads() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| shell_textures(&strands(), &SLICE, &PackParams::default(), true, &mut || ()).unwrap())
+        pool.install(|| shell_textures(&strands(), None, &SLICE, &PackParams::default(), true, &mut || ()).unwrap())
     };
     assert!(on(1) == on(3));
 }

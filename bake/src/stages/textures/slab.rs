@@ -10,7 +10,7 @@
 
 use super::direction;
 use super::encode::{AlphaMode, RawLevel, TextureEncoder};
-use super::layer::fill_empty;
+use super::layer::{LevelBytes, fill_empty};
 use super::shells::ShellTextures;
 use super::splat::{SPACING, extinction, weights};
 use crate::BakeError;
@@ -115,7 +115,8 @@ pub fn fin_textures(
         raw(&levels.0, &mut color)?;
         raw(&levels.1, &mut direction)?;
     }
-    let textures = ShellTextures { color: color.finish()?, direction: direction.finish()?, coat: None };
+    let textures =
+        ShellTextures { color: color.finish()?, direction: direction.finish()?, visibility: None, coat: None };
     Ok(FinTextures { textures, width, height })
 }
 
@@ -246,7 +247,7 @@ fn levels(sums: Vec<Sums>, (mut width, mut height): (u32, u32), format: TextureF
     }
     fill_empty(&mut bytes, |level| (sizes[level].0 as usize, sizes[level].1 as usize), format);
     let mut out = (Vec::new(), Vec::new());
-    for ((width, height), (color, mut direction, _)) in sizes.into_iter().zip(bytes) {
+    for ((width, height), (LevelBytes { color, mut direction, .. }, _)) in sizes.into_iter().zip(bytes) {
         if format.components() == 2 {
             direction = direction.chunks_exact(4).flat_map(|t| [t[0], t[1]]).collect();
         }
@@ -256,19 +257,19 @@ fn levels(sums: Vec<Sums>, (mut width, mut height): (u32, u32), format: TextureF
     out
 }
 
-/// RGBA bytes, direction bytes, and whether each texel has a direction of its own.
-fn store(sums: &[Sums], format: TextureFormat) -> (Vec<u8>, Vec<u8>, Vec<bool>) {
-    let mut out = (Vec::new(), Vec::new(), Vec::new());
+/// Bytes without visibility, and whether each texel has a direction of its own.
+fn store(sums: &[Sums], format: TextureFormat) -> (LevelBytes, Vec<bool>) {
+    let mut out = (LevelBytes::default(), Vec::new());
     for s in sums {
         let alpha = (255.0 * s[0] + 0.5).clamp(0.0, 255.0) as u8;
         // Colour follows the opacity that is stored.
         let share = if s[0] > 0.0 { f32::from(alpha) / (255.0 * s[0]) } else { 0.0 };
-        out.0.extend([s[1], s[2], s[3]].map(|v| linear_to_srgb(v * share)));
-        out.0.push(alpha);
+        out.0.color.extend([s[1], s[2], s[3]].map(|v| linear_to_srgb(v * share)));
+        out.0.color.push(alpha);
         let known = s[0] > 1e-12;
         let mean = if known { Vec3::new(s[4], s[5], s[6]) / s[0] } else { Vec3::ZERO };
-        out.1.extend(direction::encode_mean(mean, format));
-        out.2.push(known);
+        out.0.direction.extend(direction::encode_mean(mean, format));
+        out.1.push(known);
     }
     out
 }

@@ -2,10 +2,11 @@
 
 use super::coat::Coat;
 use super::layer::{LevelBytes, Transmittance};
-use super::splat::LayerIndex;
+use super::splat::{Drawn, LayerIndex, Sums};
 use crate::BakeError;
 use crate::recipe::SliceParams;
 use crate::stages::hair::Strands;
+use crate::stages::visibility::Visibility;
 use pelage_formats::TextureFormat;
 
 /// One layer with its mip levels.
@@ -18,6 +19,8 @@ pub struct Layer {
     pub color: Vec<Vec<u8>>,
     /// Per mip level: `size * size` directions in the format asked for, with as many bytes as it has components.
     pub direction: Vec<Vec<u8>>,
+    /// Per mip level: `size * size` coefficients of visibility, four bytes each; none where they were not asked for.
+    pub visibility: Vec<Vec<u8>>,
 }
 
 /// All layers of a sliced volume, for volumes that fit in memory.
@@ -45,42 +48,62 @@ pub fn slice(
     direction_format: TextureFormat,
     sink: impl FnMut(Layer) -> Result<(), BakeError>,
 ) -> Result<(), BakeError> {
-    slice_layers(strands, params, direction_format, sink).map(drop)
+    slice_layers(strands, None, params, direction_format, sink).map(drop)
 }
 
-/// As [`slice()`]; afterwards hands `sink` the far coat as a layer more, of index `params.layers`, and returns what there is to say of it.
+/// As [`slice()`], with the coefficients of `visibility` where that is given. With `with_coat` it hands `sink` afterwards the far coat as a layer more,
+/// of index `params.layers`, and returns what there is to say of it.
 ///
 /// # Errors
 /// As [`slice()`].
-pub fn slice_with_coat(
+pub fn slice_for_package(
     strands: &Strands,
+    visibility: Option<&Visibility>,
     params: &SliceParams,
     direction_format: TextureFormat,
+    with_coat: bool,
     mut sink: impl FnMut(Layer) -> Result<(), BakeError>,
-) -> Result<Coat, BakeError> {
-    let transmittance = slice_layers(strands, params, direction_format, &mut sink)?;
+) -> Result<Option<Coat>, BakeError> {
+    let transmittance = slice_layers(strands, visibility, params, direction_format, &mut sink)?;
+    if !with_coat {
+        return Ok(None);
+    }
     let (levels, coat) = transmittance.coat(params.tile_texels);
-    sink(layer(params.layers, levels, direction_format))?;
-    Ok(coat)
+    sink(layer(params.layers, levels, direction_format, visibility.is_some()))?;
+    Ok(Some(coat))
 }
 
 /// A layer as it is handed out: directions with as many bytes as their format has components.
-fn layer(index: u32, levels: Vec<LevelBytes>, direction_format: TextureFormat) -> Layer {
-    let (color, mut direction): (Vec<_>, Vec<_>) = levels.into_iter().unzip();
+fn layer(index: u32, levels: Vec<LevelBytes>, direction_format: TextureFormat, with_visibility: bool) -> Layer {
+    let (mut color, mut direction, mut visibility) = (Vec::new(), Vec::new(), Vec::new());
+    for level in levels {
+        color.push(level.color);
+        direction.push(level.direction);
+        visibility.push(level.visibility);
+    }
+    if !with_visibility {
+        visibility.clear();
+    }
     if direction_format.components() == 2 {
         direction.iter_mut().for_each(|level| *level = level.chunks_exact(4).flat_map(|t| [t[0], t[1]]).collect());
     }
-    Layer { index, color, direction }
+    Layer { index, color, direction, visibility }
 }
 
 fn slice_layers(
     strands: &Strands,
+    visibility: Option<&Visibility>,
     params: &SliceParams,
     direction_format: TextureFormat,
     mut sink: impl FnMut(Layer) -> Result<(), BakeError>,
 ) -> Result<Transmittance, BakeError> {
     params.validate()?;
     strands.validate()?;
+    let drawn = Drawn { strands, visibility: visibility.map(|found| found.points.as_slice()) };
+    if let Some(found) = drawn.visibility.filter(|found| found.len() != strands.points.len()) {
+        let text = format!("visibility of {} points, expected {}", found.len(), strands.points.len());
+        return Err(BakeError::Internal(text));
+    }
     let n = params.tile_texels;
     let index = LayerIndex::new(strands, params.layers);
     let halvings = halvings(n);
@@ -90,11 +113,15 @@ fn slice_layers(
     let mut sums = Vec::new();
     for k in (0..params.layers).rev() {
         // The skin is opaque; its hair direction is that of the roots just above it.
-        sums.resize(fine as usize * fine as usize, [0.0; 8]);
-        index.draw(strands, k.max(1) as usize, fine, fine_filter, &mut sums);
+        sums.resize(fine as usize * fine as usize, Sums::default());
+        index.draw(drawn, k.max(1) as usize, fine, fine_filter, &mut sums);
         let skin = (k == 0).then_some(strands.root_color);
-        let levels = transmittance.layer(&mut sums, n, skin);
-        sink(layer(k, levels, direction_format))?;
+        let mut levels = transmittance.layer(&mut sums, n, skin);
+        if let Some(visibility) = visibility.filter(|_| k == 0) {
+            // Between the roots is skin, which knows its own.
+            levels.iter_mut().zip(visibility.skin_levels(n)).for_each(|(level, bytes)| level.visibility = bytes);
+        }
+        sink(layer(k, levels, direction_format, visibility.is_some()))?;
     }
     Ok(transmittance)
 }

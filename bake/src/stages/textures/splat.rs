@@ -10,7 +10,7 @@
 
 use crate::stages::hair::Strands;
 use crate::stages::textures::direction;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Density of a strand times its radius, such that a strand across the ray, drawn as a Gaussian, blocks as much light as an opaque one of its
@@ -35,9 +35,16 @@ const CHUNK: usize = 4096;
 /// Segments whose splats are in memory at once.
 const BATCH: usize = 64 * CHUNK;
 
-/// Sums over the strands at one texel: optical depth, then depth times linear RGB, then depth times direction, then padding
-/// to a power of two.
-pub(super) type Sums = [f32; 8];
+/// Sums over the strands at one texel: optical depth, then depth times linear RGB, then depth times direction, then a place for what layers weigh
+/// with, then depth times the coefficients of visibility.
+pub(super) type Sums = [f32; 12];
+
+/// What is drawn: strands, and where it is known how much light reaches them, the coefficients at each of their points.
+#[derive(Clone, Copy)]
+pub(super) struct Drawn<'a> {
+    pub(super) strands: &'a Strands,
+    pub(super) visibility: Option<&'a [Vec4]>,
+}
 
 /// Where each layer finds its segments.
 pub(super) struct LayerIndex {
@@ -97,16 +104,16 @@ impl LayerIndex {
     }
 
     /// Fills `sums`, `texels * texels` row-major, with one layer's hair. The result does not depend on the number of threads.
-    pub(super) fn draw(&self, strands: &Strands, layer: usize, texels: u32, filter_width: f32, sums: &mut [Sums]) {
-        sums.par_iter_mut().with_min_len(4096).for_each(|s| *s = [0.0; 8]);
+    pub(super) fn draw(&self, drawn: Drawn<'_>, layer: usize, texels: u32, filter_width: f32, sums: &mut [Sums]) {
+        sums.par_iter_mut().with_min_len(4096).for_each(|s| *s = Sums::default());
         let entries = &self.segments[self.starts[layer]..self.starts[layer + 1]];
         for batch in entries.chunks(BATCH) {
-            add(&self.splats(strands, batch, layer, texels, filter_width), texels, sums);
+            add(&self.splats(drawn, batch, layer, texels, filter_width), texels, sums);
         }
     }
 
     /// The splats of some of a layer's segments, in their order.
-    fn splats(&self, strands: &Strands, entries: &[u32], layer: usize, texels: u32, filter_width: f32) -> Vec<Splat> {
+    fn splats(&self, drawn: Drawn<'_>, entries: &[u32], layer: usize, texels: u32, filter_width: f32) -> Vec<Splat> {
         let slab = self.slab(layer);
         let parts: Vec<Vec<Splat>> = entries
             .par_chunks(CHUNK)
@@ -116,7 +123,7 @@ impl LayerIndex {
                     if n == 0 || chunk[n - 1].wrapping_add(1) != i {
                         streak.close();
                     }
-                    streak.add(strands, i as usize, slab, texels as f32);
+                    streak.add(drawn, i as usize, slab, texels as f32);
                 }
                 streak.close();
                 streak.splats
@@ -136,6 +143,7 @@ struct Splat {
     depth: f32,
     color: Vec3,
     direction: Vec3,
+    visibility: Vec4,
 }
 
 /// Pieces of one strand on the way to becoming splats: short neighbouring pieces are drawn as one.
@@ -156,12 +164,13 @@ impl Streak {
                 depth: sum.depth,
                 color: sum.color * w,
                 direction: sum.direction * w,
+                visibility: sum.visibility * w,
             });
         }
     }
 
     /// Adds the part of segment `i` between the heights of `slab`.
-    fn add(&mut self, strands: &Strands, i: usize, slab: (f32, f32), texels: f32) {
+    fn add(&mut self, Drawn { strands, visibility }: Drawn<'_>, i: usize, slab: (f32, f32), texels: f32) {
         let (p, q) = (strands.points[i], strands.points[i + 1]);
         let rise = q.z - p.z;
         let at = |h: f32| ((h - p.z) / rise).clamp(0.0, 1.0);
@@ -181,6 +190,7 @@ impl Streak {
         let depth = density * std::f32::consts::PI * radius * length * texels * texels;
         let color = strands.colors[i].lerp(strands.colors[i + 1], middle);
         let direction = direction::upper(tangent);
+        let visibility = visibility.map_or(Vec4::ZERO, |at| at[i].lerp(at[i + 1], middle));
         let (a, b) = (p.lerp(q, from).truncate() * texels, p.lerp(q, to).truncate() * texels);
         let extent = (b - a).length();
         let spacing = SPACING * variance.sqrt();
@@ -192,7 +202,14 @@ impl Streak {
             let depth = depth / pieces;
             let center = a + (b - a) * ((n as f32 + 0.5) / pieces);
             let (sum, open) = self.open.get_or_insert((
-                Splat { center: Vec2::ZERO, variance: 0.0, depth: 0.0, color: Vec3::ZERO, direction: Vec3::ZERO },
+                Splat {
+                    center: Vec2::ZERO,
+                    variance: 0.0,
+                    depth: 0.0,
+                    color: Vec3::ZERO,
+                    direction: Vec3::ZERO,
+                    visibility: Vec4::ZERO,
+                },
                 0.0,
             ));
             sum.center += center * depth;
@@ -200,6 +217,7 @@ impl Streak {
             sum.depth += depth;
             sum.color += color * depth;
             sum.direction += direction * depth;
+            sum.visibility += visibility * depth;
             *open += extent;
             if pieces > 1.0 {
                 self.close();
@@ -254,6 +272,10 @@ fn add(splats: &[Splat], texels: u32, sums: &mut [Sums]) {
                 splat.direction.y,
                 splat.direction.z,
                 0.0,
+                splat.visibility.x,
+                splat.visibility.y,
+                splat.visibility.z,
+                splat.visibility.w,
             ];
             for (j, wy) in wy.iter().enumerate() {
                 let row = wrap(y0 + j as i64, n);

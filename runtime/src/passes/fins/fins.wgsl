@@ -20,6 +20,22 @@ struct FinVarying {
     @location(12) tangent: vec4<f32>,
 }
 
+// What the package knows of the light at a height, on average: which strands of the tile a slab shows, it does not say.
+fn baked_at_height(height: f32, kept: f32, length: f32, slope: f32) -> Baked {
+    var texel = vec4(1.0);
+    if BAKED_SHADOW {
+        let layer = height * f32(instance.baked_layers - 1u);
+        let below = u32(layer);
+        let last = f32(textureNumLevels(visibility) - 1u);
+        texel = mix(
+            textureSampleLevel(visibility, shell_sampler, vec2(0.5), below, last),
+            textureSampleLevel(visibility, shell_sampler, vec2(0.5), min(below + 1u, instance.baked_layers - 1u), last),
+            layer - f32(below),
+        );
+    }
+    return Baked(texel, kept, length, slope);
+}
+
 @vertex
 fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
     let corner = fin_corner(index);
@@ -55,6 +71,7 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     let point = HairPoint(
         Spot(in.position_ws, in.normal_ws, in.tangent), grown(hair.direction, in.length_slope.x, in.length_slope.y), texel.rgb * base.rgb, texel.a,
         vec3(1.0), 0.0, arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible),
+        baked_at_height(height, groom.x, in.length_slope.x, in.length_slope.y),
     );
     return vec4(light_hair(point), texel.a);
 }

@@ -11,7 +11,7 @@
 use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
 use crate::gpu::{Draw, RenderSpec, Shader, depth_state, on, record};
 use crate::hair::{groom, hair_wgsl, holes};
-use crate::light::{CasterPass, ShadowMaps};
+use crate::light::{CasterPass, HairMaps, ShadowMaps};
 use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{DEPTH, MapTarget, Recording, Seen, begin_maps, light_inside, record_depth};
@@ -31,7 +31,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "layer_shadow",
     place: PassPlace::Before,
     styles: &[StyleKind::Fur],
-    does: "the transmittance of the hair above each layer, seen from the key light, into an array of R16Float maps (Yang 2006, §3)",
+    does: "the transmittance of the hair above each layer, seen from the key light, into an array of R16Float maps (Yang 2006, §3); of all hair into one, where packages know how hair shadows hair",
     runs_when: "self-shadow on, fur drawn, and light, pose or model changed",
     shaders: &[DEPTH, SHADER],
     targets: &[],
@@ -89,6 +89,13 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     };
     let texels = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
     let Some((outermost, below)) = layers.slices.split_last() else { return };
+    if maps.key.hair == HairMaps::Total {
+        drop(begin_maps(frame.encoder, SHADER.name, MapTarget::Light(outermost)));
+        draws.iter_mut().for_each(|draw| draw.instances = 1..maps.key.map_layers);
+        let target = MapTarget::LightBefore { light: outermost, nearest: &maps.nearest.view };
+        record(&mut begin_maps(frame.encoder, SHADER.name, target), &draws);
+        return;
+    }
     // Nothing is above the outermost layer.
     drop(begin_maps(frame.encoder, SHADER.name, MapTarget::Light(outermost)));
     for (layer, target) in (1..below.len() as u32 + 1).zip(below).rev() {
@@ -102,17 +109,24 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
-    if let Some(maps) = maps.as_deref().filter(|maps| frame.redraws_maps() && maps.key.self_shadow) {
+    if let Some(maps) = maps.as_deref().filter(|maps| frame.redraws_maps() && maps.key.hair != HairMaps::None) {
         record_depth(frame, maps, CasterPass::Nearest);
         record_layers(frame, maps);
     }
-    match maps.filter(|maps| maps.key.self_shadow) {
+    match maps.filter(|maps| maps.key.hair != HairMaps::None) {
+        Some(maps) if frame.redraws_maps() && maps.key.hair == HairMaps::Total => {
+            let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
+            Outcome::recorded(format!("one map of {layers} layers, {size} x {size}{}", light_inside(&maps)))
+        }
         Some(maps) if frame.redraws_maps() => {
             let (size, layers) = (maps.key.params.map_size, maps.key.map_layers - 1);
             Outcome::recorded(format!("{layers} maps of {size} x {size}{}", light_inside(&maps)))
         }
         Some(_) => Outcome::Skipped("light, poses and models as in the maps"),
         None if frame.instances.is_empty() => Outcome::Skipped("no instances"),
+        None if frame.params.self_shadow() && !frame.params.soft_shadow => {
+            Outcome::Skipped("packages know how hair shadows hair")
+        }
         None if !frame.params.self_shadow() => Outcome::Skipped("switched off"),
         None if frame.params.light.color() == Vec3::ZERO => Outcome::Skipped("the key light is dark"),
         None if any_reduced(frame) => Outcome::Skipped("far coats alone, which have their light from the package"),

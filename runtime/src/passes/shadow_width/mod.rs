@@ -14,7 +14,7 @@
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, Draw, RenderSpec, Shader, depth_texture, record, sampler, texture, uniform};
-use crate::light::{CasterPass, ShadowMaps};
+use crate::light::{CasterPass, HairMaps, ShadowMaps};
 use crate::params::StyleKind;
 use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside, record_depth};
 use bytemuck::{Pod, Zeroable};
@@ -141,7 +141,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     match maps.as_deref().filter(|maps| maps.key.soft_shadow) {
         Some(maps) if frame.redraws_maps() => {
             // Where hair shadows hair it is there already.
-            if !maps.key.self_shadow {
+            if maps.key.hair == HairMaps::None {
                 record_depth(frame, maps, CasterPass::Nearest);
             }
             record_depth(frame, maps, CasterPass::Farthest);

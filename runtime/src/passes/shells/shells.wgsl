@@ -46,19 +46,21 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     if texel.a * groom.x < LEAST_ALPHA || is_cut(base.a) {
         discard;
     }
+    var arriving = in.arriving;
     if RESAMPLED || DETAIL || LOOK_SLANTED {
         var times = 1.0;
         if RESAMPLED || DETAIL {
             times = stands_for(in.layer);
         }
         if LOOK_SLANTED {
-            times *= path_through(view_path(in.n_dot_e), in.length);
+            let tangent = grown_tangent(hair.direction, select(1.0, in.length, SHORT), select(0.0, in.slope, LEAN));
+            let eye = eye_of(arriving.light_ts, arriving.half_ts);
+            times *= look_path(tangent, length(hair.direction), eye, in.n_dot_e);
         }
         // Colour is premultiplied: it follows its opacity.
         texel *= resampled_opacity(texel.a, times) / texel.a;
     }
     texel *= groom.x;
-    var arriving = in.arriving;
     let n_dot_l = arriving.light_ts.z;
     let receiver = Receiver(in.place, in.map_layer, MAPS_BETWEEN, n_dot_l);
     arriving.visible = visible_through_hair(receiver) * visible_past_things(receiver);
@@ -67,8 +69,9 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         let path = path_through(slanted_path(n_dot_l), in.length);
         arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * path);
     }
+    let baked = baked_at(in.tile_uv, in.layer, groom.y, groom.x, in.length, in.slope);
     let direction = grown(hair.direction, in.length, in.slope);
-    let point = HairPoint(in.spot, direction, texel.rgb * base.rgb, texel.a, in.tint, groom.y, arriving);
+    let point = HairPoint(in.spot, direction, texel.rgb * base.rgb, texel.a, in.tint, groom.y, arriving, baked);
     return vec4(light_hair(point), texel.a);
 }
 

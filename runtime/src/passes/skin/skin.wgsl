@@ -117,26 +117,31 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     let receiver = Receiver(in.place, 0.0, false, light.z);
     let past = visible_past_things(receiver);
     var through = visible_through_hair(receiver);
-    if COAT {
+    if COAT && !BAKED_SHADOW {
         // No map knows what the coat stands for.
         through = mix(through, visible_below_coat(far, groom.x, light.z, in.grows_length_slope.y), instance.detail_next);
     }
     let visible = through * past;
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
     let color = hair.color;
+    let kept = in.grows_length_slope.x * groom.x;
+    let baked = baked_at(in.tile_uv, 0u, groom.y, kept, in.grows_length_slope.y, 0.0);
     let point = HairPoint(
         spot, grown(hair.direction, in.grows_length_slope.y, 0.0), color.rgb * base.rgb, color.a, vec3(1.0), groom.y,
-        arriving_at(0.0, light, in.half_ts, visible),
+        arriving_at(0.0, light, in.half_ts, visible), baked,
     );
-    let bare = bare_color(base.rgb, light.z, visible, spot, side);
+    let bare = bare_color(base.rgb, light.z, visible * visible_past_strands(baked, light), spot, side);
     // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
     let ambient = ambient_attenuation(0.0, instance.ambient_floor);
     let undercoat = light_hair(point) + (1.0 - color.a) * ambient * bare;
     let skin = mix(bare, undercoat, in.grows_length_slope.x * groom.x);
     if COAT {
+        let baked_coat = baked_at(
+            in.tile_uv, instance.baked_layers, groom.y, kept, in.grows_length_slope.y, in.grows_length_slope.z,
+        );
         let share = instance.detail_next * in.grows_length_slope.x * groom.x;
         let coated = with_coat(
-            far, skin, base.rgb, spot, light, in.half_ts, in.grows_length_slope.y, in.grows_length_slope.z, share, groom.y, past,
+            baked_coat, far, skin, base.rgb, spot, light, in.half_ts, in.grows_length_slope.y, in.grows_length_slope.z, share, groom.y, past,
         );
         return vec4(coated, 1.0);
     }

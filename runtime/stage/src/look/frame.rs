@@ -1,8 +1,8 @@
 //! What a look comes to for the runtime.
 
 use super::kinds::{
-    Background, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookShow, LookSlant, LookSphereMap,
-    LookStyle, LookWidth,
+    Background, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookSelfShadow, LookShow, LookSlant,
+    LookSphereMap, LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
 use crate::{Picture, Viewpoint, camera};
@@ -10,7 +10,7 @@ use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
     Anchoring, Detail, FeatureRule, FrameParams, FurParams, InkBackground, InkParams, InkShow, Light, Lighting,
-    LineWidth, PenumbraForm, ShadowParams, SlantForm, SphereMapForm, Study, Style,
+    LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, Study, Style,
 };
 
 /// Any view: a stage sets its own.
@@ -54,7 +54,12 @@ impl Look {
                 LookDetail::Level(level) => Detail::Level(level),
             };
             fur.fins = self.fur.fins;
-            fur.self_shadow = self.shadow.self_shadow;
+            fur.self_shadow = match self.shadow.self_shadow {
+                LookSelfShadow::Auto => SelfShadow::Auto,
+                LookSelfShadow::Baked => SelfShadow::Baked,
+                LookSelfShadow::Maps => SelfShadow::Maps,
+                LookSelfShadow::Off => SelfShadow::Off,
+            };
         })
     }
 

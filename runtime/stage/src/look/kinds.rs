@@ -17,6 +17,21 @@ words! {
 }
 
 words! {
+    /// How hair shadows hair.
+    LookSelfShadow {
+        /// As the package knows it, and by layer-wise shadow maps where it does not.
+        #[default]
+        Auto = "auto" was "on" or true,
+        /// As the package knows it, under all lights; not at all where it does not.
+        Baked = "baked",
+        /// By layer-wise shadow maps of the key light (Yang 2006).
+        Maps = "maps",
+        /// Not at all.
+        Off = "off" or false,
+    }
+}
+
+words! {
     /// Where a soft shadow's edge lies.
     LookPenumbra {
         /// On both sides of the hard edge.

@@ -29,7 +29,7 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     ShortForm { flag: "fill-light", value_name: "X,Y,Z[/S]", key: "light.fill", repeats: true },
     short("layers", "N", "fur.layers"),
     short("detail", "full|auto|LEVEL", "fur.detail"),
-    short("self-shadow", "on|off", "shadow.self_shadow"),
+    short("self-shadow", "auto|baked|maps|off", "shadow.self_shadow"),
     short("soft-shadow", "on|off", "shadow.soft_shadow"),
     short("penumbra", "W", "shadow.penumbra"),
     short("penumbra-form", "FORM", "shadow.penumbra_form"),

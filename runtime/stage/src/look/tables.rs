@@ -1,8 +1,8 @@
 //! The knobs of a look.
 
 use super::kinds::{
-    Background, FillLight, Interval, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookShow,
-    LookSlant, LookSphereMap, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, Towards,
+    Background, FillLight, Interval, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookSelfShadow,
+    LookShow, LookSlant, LookSphereMap, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, Towards,
 };
 use crate::framing::TOWARDS_LIGHT;
 use glam::Vec3;
@@ -37,8 +37,8 @@ params! {
 params! {
     /// `[shadow]`: the shadows of the key light.
     LookShadow in shadow {
-        /// Whether hair shadows hair, by layer-wise shadow maps.
-        self_shadow: bool = true;
+        /// How hair shadows hair.
+        self_shadow: LookSelfShadow = LookSelfShadow::Auto;
         /// Whether things throw soft shadows, by a shadow-width map.
         soft_shadow: bool = true;
         /// Width of a soft shadow's edge over the distance from what throws it; 0 is a hard shadow.

@@ -62,7 +62,7 @@ fn flags_read_the_words_that_they_always_read() {
     let fills: Vec<_> = look.light.fill.iter().map(|f| (f.direction, f.strength)).collect();
     assert_eq!(fills, [([-2.0, 0.0, 0.0], 0.25), ([0.0, 1.0, 0.0], 1.0)]);
     assert_eq!((look.fur.layers, look.fur.detail), (Some(8), LookDetail::Level(1.5)));
-    assert_eq!((look.shadow.self_shadow, look.shadow.penumbra), (false, 0.5));
+    assert_eq!((look.shadow.self_shadow, look.shadow.penumbra), (LookSelfShadow::Off, 0.5));
     assert_eq!((look.shadow.map_texels, look.shadow.map_layers, look.shadow.shrink), (256, Some(4), 16));
     assert_eq!((look.ink.width, look.ink.mist_m), (LookWidth::Metres(0.02), Some(Interval([5.0, 60.0]))));
     assert_eq!(look.ink.color, Some(Rgb([0, 0, 255])));

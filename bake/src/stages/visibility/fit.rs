@@ -1,0 +1,112 @@
+//! Visibility as a function of the direction towards a light, fitted to what rays found.
+
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec3, Vec4};
+use pelage_formats::meaning::above_horizon;
+
+/// Rays at a lower angle than this are not sent: they are long, and nearly all are hidden.
+const LEAST_COSINE: f64 = 0.04;
+/// What `horizon` may be, 1 / z: the light of a light that sinks fades over that height. The last is as good as none.
+const HORIZONS: [f32; 7] = [4.0, 6.0, 8.0, 12.0, 16.0, 32.0, 1000.0];
+
+/// Directions over the upper hemisphere, and what of the four coefficients each of them decides.
+#[derive(Clone, Debug)]
+pub(super) struct Fit {
+    /// Unit vectors in the frame of the tile, at the same distances from each other.
+    directions: Vec<Vec3>,
+    /// Of least squares: what a visibility of 1 in that direction alone adds to the coefficients.
+    shares: Vec<DVec4>,
+}
+
+/// Directions, `count` of them, each with the same solid angle: a spiral (Vogel 1979).
+fn spiral(count: u32) -> Vec<DVec3> {
+    let golden = std::f64::consts::PI * (3.0 - libm::sqrt(5.0));
+    let direction = |i| {
+        let z = 1.0 - (1.0 - LEAST_COSINE) * (f64::from(i) + 0.5) / f64::from(count);
+        let (sin, turn) = (libm::sqrt(1.0 - z * z), golden * f64::from(i));
+        DVec3::new(sin * libm::cos(turn), sin * libm::sin(turn), z)
+    };
+    (0..count).map(direction).collect()
+}
+
+/// The horizon that suits a mean visibility: that of least squares of s(z) (a + b z), with s of [`above_horizon`].
+///
+/// `seen`: z of directions, and the mean visibility in each.
+pub(super) fn horizon(seen: &[(f32, f64)]) -> f32 {
+    let residual = |horizon: f32| {
+        let basis = |z: f32| DVec2::new(1.0, f64::from(z)) * f64::from(above_horizon(z, horizon));
+        let (mut normal, mut right) = ([0.0; 3], DVec2::ZERO);
+        for (z, t) in seen {
+            let b = basis(*z);
+            normal = [normal[0] + b.x * b.x, normal[1] + b.x * b.y, normal[2] + b.y * b.y];
+            right += b * *t;
+        }
+        let [xx, xy, yy] = normal;
+        let determinant = (xx * yy - xy * xy).max(1e-12);
+        let found = DVec2::new(yy * right.x - xy * right.y, xx * right.y - xy * right.x) / determinant;
+        let error = |(z, t): &(f32, f64)| found.dot(basis(*z)) - t;
+        seen.iter().map(|s| error(s) * error(s)).sum::<f64>()
+    };
+    let errors = HORIZONS.map(|horizon| (residual(horizon), horizon));
+    let least = errors.iter().fold(f64::INFINITY, |least, (error, _)| least.min(*error));
+    // Of several that do, the one that lets light sink most gently: what is bright beyond the horizon is seen at once.
+    let good = |error: f64| error <= 1.25 * least + 1e-9;
+    errors.into_iter().find(|(error, _)| good(*error)).map_or(HORIZONS[6], |(_, horizon)| horizon)
+}
+
+impl Fit {
+    /// With so many directions, 4 or more.
+    pub(super) fn new(count: u32, horizon: f32) -> Self {
+        let directions = spiral(count);
+        let basis = |d: &DVec3| DVec4::new(1.0, d.x, d.y, d.z) * f64::from(above_horizon(d.z as f32, horizon));
+        let mut normal = DMat4::ZERO;
+        for b in directions.iter().map(basis) {
+            normal += DMat4::from_cols(b * b.x, b * b.y, b * b.z, b * b.w);
+        }
+        let inverse = normal.inverse();
+        let shares = directions.iter().map(|d| inverse * basis(d)).collect();
+        Self { directions: directions.into_iter().map(DVec3::as_vec3).collect(), shares }
+    }
+
+    /// The directions, each turned about the normal by an angle of that sine and cosine.
+    pub(super) fn turned(&self, (sin, cos): (f32, f32)) -> impl Iterator<Item = Vec3> {
+        self.directions.iter().map(move |d| Vec3::new(cos * d.x - sin * d.y, sin * d.x + cos * d.y, d.z))
+    }
+
+    /// Coefficients (c₀, c) of the visibilities that `lit` gives for each direction, all of them turned about the normal by an angle of that sine and
+    /// cosine: so that neighbours look in other directions, and their mean in all.
+    pub(super) fn of(&self, (sin, cos): (f32, f32), mut lit: impl FnMut(Vec3) -> bool) -> Vec4 {
+        let mut sum = DVec4::ZERO;
+        for (way, share) in self.turned((sin, cos)).zip(&self.shares) {
+            if lit(way) {
+                sum += *share;
+            }
+        }
+        let c = sum.as_vec4();
+        Vec4::new(c.x, cos * c.y - sin * c.z, sin * c.y + cos * c.z, c.w)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_linear_is_found_again_whatever_the_turn() {
+        let fit = Fit::new(24, 1000.0);
+        assert!(fit.directions.iter().all(|d| (d.length() - 1.0).abs() < 1e-6 && d.z > 0.04));
+        assert!((fit.of((0.0, 1.0), |_| true) - Vec4::X).length() < 1e-3);
+        assert_eq!(fit.of((0.6, 0.8), |_| false), Vec4::ZERO);
+        // Seen from one side alone: more from there, the same from both of the others.
+        let half = |turn| fit.of(turn, |d| d.x > 0.0);
+        let [plain, turned] = [half((0.0, 1.0)), half((0.8, 0.6))];
+        assert!(plain.y > 0.5 && plain.z.abs() < 0.1 && (plain - turned).length() < 0.25, "{plain} {turned}");
+    }
+
+    #[test]
+    fn the_horizon_follows_how_light_sinks() {
+        let seen = |t: fn(f64) -> f64| spiral(48).iter().map(|d| (d.z as f32, t(d.z))).collect::<Vec<_>>();
+        assert_eq!(horizon(&seen(|z| 0.6 * (1.0 - libm::exp(-8.0 * z)))), 8.0);
+        // Hair so thin that light passes from all sides.
+        assert_eq!(horizon(&seen(|_| 1.0)), 1000.0);
+    }
+}

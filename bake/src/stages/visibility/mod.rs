@@ -1,0 +1,111 @@
+//! How much of a distant light reaches each point of the hair of a tile, past the other strands, for all directions at once.
+//!
+//! Rays look for the light from points along every strand and from the skin between the roots. What they find is a function of the direction ω
+//! towards the light, t = s(ω.z) clamp(c₀ + c · ω, 0, 1), of which four numbers are kept: more of them describe it hardly better (nine spherical harmonics: 4 %),
+//! because what hides the light of a single point is a few single strands. A strand does not hide the light from itself, as in the true
+//! picture: for a thin hair, how much light its round meets is what the lighting equation's sine says.
+
+mod fit;
+mod rays;
+
+use crate::BakeError;
+use crate::noise::{hash, uniform};
+use crate::recipe::VisibilityParams;
+use crate::stages::hair::Strands;
+use fit::Fit;
+use glam::{Vec3, Vec4};
+pub use pelage_formats::meaning::encode_visibility;
+use rayon::prelude::*;
+use rays::Rays;
+
+/// More rays than this are not sent: points of very many strands look into fewer directions each, and their neighbours into the others.
+const MOST_RAYS: usize = 1 << 24;
+/// A point looks into this many directions at least: four decide the coefficients, and these outweigh chance.
+const LEAST_DIRECTIONS: usize = 8;
+/// Points and directions that the horizon is chosen by.
+const HORIZON_PLACES: usize = 1000;
+const HORIZON_DIRECTIONS: u32 = 32;
+/// Places of the skin in a row that are looked from: neighbours see nearly the same.
+const SIDE: u32 = 64;
+
+/// Coefficients (c₀, c) of t = s(ω.z) clamp(c₀ + c · ω, 0, 1), with ω the unit vector towards the light in the frame of the tile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Visibility {
+    /// How low a light begins to fade: k of [`pelage_formats::meaning::above_horizon`].
+    pub horizon: f32,
+    /// At each point of the strands.
+    pub points: Vec<Vec4>,
+    /// On the skin: 64 * 64 places, row-major.
+    pub skin: Vec<Vec4>,
+}
+
+impl Visibility {
+    /// Bytes of the skin's for each mip level of `texels * texels`, finest first.
+    pub(crate) fn skin_levels(&self, texels: u32) -> Vec<Vec<u8>> {
+        let mut levels = Vec::new();
+        let (mut side, mut places) = (SIDE as usize, self.skin.clone());
+        for level in 0..=texels.ilog2() {
+            let n = (texels >> level) as usize;
+            while n < side {
+                let half = side / 2;
+                let at = |x: usize, y: usize| places[y * side + x];
+                let mean = |i: usize| {
+                    let (x, y) = (2 * (i % half), 2 * (i / half));
+                    0.25 * (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1))
+                };
+                (places, side) = ((0..half * half).map(mean).collect(), half);
+            }
+            let texel = |i: usize| encode_visibility(places[i / n * side / n * side + i % n * side / n]);
+            levels.push((0..n * n).flat_map(texel).collect());
+        }
+        levels
+    }
+}
+
+/// Finds it for the strands of a tile.
+///
+/// * `horizon`: that it shall have; `None` chooses the one that suits
+///
+/// # Errors
+/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for strands that are not whole.
+pub fn visibility(strands: &Strands, params: &VisibilityParams, horizon: Option<f32>) -> Result<Visibility, BakeError> {
+    params.validate()?;
+    strands.validate()?;
+    let rays = Rays::new(strands);
+    let places = strands.points.len() + (SIDE * SIDE) as usize;
+    let most = (MOST_RAYS / places.max(1)).max(LEAST_DIRECTIONS);
+    let count = params.directions.min(most as u32);
+    let turn = |place: usize| {
+        let angle = std::f32::consts::TAU * uniform(hash(0x7669_7369, 0), place as u64);
+        (libm::sinf(angle), libm::cosf(angle))
+    };
+    let on_skin = |i: usize| {
+        let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
+        Vec3::new(at(i % SIDE as usize), at(i / SIDE as usize), 0.0)
+    };
+    let owners: Vec<u32> = (0..strands.len()).flat_map(|s| strands.range(s).map(move |_| s as u32)).collect();
+    let horizon = horizon.unwrap_or_else(|| {
+        let places = strands.points.len().div_ceil(HORIZON_PLACES).max(1);
+        let looked: Vec<usize> = (0..strands.points.len()).step_by(places).collect();
+        let plain = Fit::new(HORIZON_DIRECTIONS, 1.0);
+        let seen = |(n, z): (usize, f32)| {
+            let lit = |i: &&usize| {
+                let way = plain.turned(turn(**i)).nth(n).unwrap_or(Vec3::Z);
+                rays.lit(strands.points[**i], way, Some(owners[**i]))
+            };
+            let hidden = looked.par_iter().filter(|i| !lit(i)).count();
+            (z, 1.0 - hidden as f64 / looked.len().max(1) as f64)
+        };
+        let heights: Vec<f32> = plain.turned((0.0, 1.0)).map(|d| d.z).collect();
+        fit::horizon(&heights.into_iter().enumerate().map(seen).collect::<Vec<_>>())
+    });
+    let fit = Fit::new(count, horizon);
+    let points = owners.par_iter().zip(&strands.points).enumerate().with_min_len(64);
+    let points = points.map(|(i, (own, p))| fit.of(turn(i), |way| rays.lit(*p, way, Some(*own)))).collect();
+    let skin = (0..(SIDE * SIDE) as usize).into_par_iter().with_min_len(64);
+    let skin = skin.map(|i| fit.of(turn(i), |way| rays.lit(on_skin(i), way, None))).collect();
+    Ok(Visibility { horizon, points, skin })
+}
+
+#[cfg(test)]
+mod tests;

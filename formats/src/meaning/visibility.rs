@@ -1,0 +1,70 @@
+//! How much of a distant light reaches a point of the hair of the tile: t = s(ω.z) clamp(c₀ + c · ω, 0, 1), with ω the unit vector towards the light as the
+//! tile has it. `FORMAT.md`, "VISI".
+
+use glam::{Vec3, Vec4};
+
+/// z of the mean direction towards lights. For light from there t is what a texel's alpha says, whatever the slopes.
+pub const VISIBILITY_MEAN_Z: f32 = 0.585;
+
+/// Step of a slope, in bytes: (byte − 128) / 64.
+const STEPS: f32 = 64.0;
+
+/// Four bytes of coefficients (c₀, c): c in red, green and blue, −2 to just below 2; in alpha c₀ + c.z [`VISIBILITY_MEAN_Z`], 0..=1.
+pub fn encode_visibility(c: Vec4) -> [u8; 4] {
+    let slope = |x: f32| (STEPS * x + 128.0).round().clamp(0.0, 255.0) as u8;
+    let mean = (c.x + c.w * VISIBILITY_MEAN_Z).clamp(0.0, 1.0);
+    [slope(c.y), slope(c.z), slope(c.w), (255.0 * mean).round() as u8]
+}
+
+/// s of a light at that height z over the skin of the tile: 1 − exp(−k z), 0 from the horizon down. The lower the light, the longer its way through the
+/// hair, whatever hair that is.
+pub fn above_horizon(z: f32, horizon: f32) -> f32 {
+    -libm::expm1f(-horizon * z.max(0.0))
+}
+
+/// Share of a light that reaches hair of such a texel, whose numbers are 0..=1; `towards` is [`light_in_tile`].
+pub fn visibility_towards(texel: Vec4, towards: Vec3, horizon: f32) -> f32 {
+    let slopes = texel.truncate() * (255.0 / STEPS) - 128.0 / STEPS;
+    (texel.w + slopes.dot(towards - Vec3::Z * VISIBILITY_MEAN_Z)).clamp(0.0, 1.0) * above_horizon(towards.z, horizon)
+}
+
+/// The direction in the tile of a light that is seen from shorter or leaning hair in the direction `towards`, in the tile frame: what is done to the tile
+/// to make that hair of it, undone.
+///
+/// * `share` - the vertex's height of the fur over `FurInfo::height_m`
+/// * `slope` - [`super::lean_slope`]
+pub fn light_in_tile(towards: Vec3, share: f32, slope: f32) -> Vec3 {
+    let upright = Vec3::new(share * towards.x, share * (towards.y - slope * towards.z), towards.z);
+    upright * upright.dot(upright).max(1e-30).sqrt().recip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::hair_direction;
+    use super::*;
+
+    #[test]
+    fn texels_say_what_was_encoded() {
+        let c = Vec4::new(0.2, 0.5, -0.25, 0.75);
+        let texel = Vec4::from(encode_visibility(c).map(|b| f32::from(b) / 255.0));
+        for towards in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.48, 0.6, 0.64)] {
+            let expected = (c.x + c.truncate().dot(Vec3::ZERO) + Vec3::new(c.y, c.z, c.w).dot(towards)).clamp(0.0, 1.0);
+            assert!((visibility_towards(texel, towards, 1e3) - expected).abs() < 3e-3, "{towards}");
+        }
+        assert_eq!(encode_visibility(Vec4::new(9.0, -9.0, 9.0, -9.0)), [0, 255, 0, 255].map(|b: u8| b));
+        // Nothing is seen, or all is, from everywhere.
+        assert_eq!(visibility_towards(Vec4::new(128.0, 128.0, 128.0, 0.0) / 255.0, Vec3::Z, 1e3), 0.0);
+        assert_eq!(visibility_towards(Vec4::new(128.0, 128.0, 128.0, 255.0) / 255.0, Vec3::Z, 1e3), 1.0);
+    }
+
+    #[test]
+    fn light_along_a_hair_is_along_it_in_the_tile() {
+        for (direction, share, slope) in
+            [(Vec3::new(0.6, 0.0, 0.8), 0.25, 0.0), (Vec3::new(0.0, 0.6, 0.8), 1.0, 0.7), (Vec3::Z, 0.5, 1.2)]
+        {
+            let found = light_in_tile(hair_direction(direction, share, slope), share, slope);
+            assert!(found.distance(direction) < 1e-6, "{found}, expected {direction}");
+        }
+        assert!(light_in_tile(Vec3::X, 0.0, 0.0).is_finite());
+    }
+}

@@ -1,0 +1,108 @@
+//! The `VISI` section: which textures say how much light reaches the hair past other strands. Layout in `FORMAT.md`, "VISI".
+
+use super::kind::{Count, Kind, Row, faults};
+use super::textures::TextureView;
+use crate::encoding::{decode_section, encode_section};
+use crate::error::FormatError;
+use crate::package::Package;
+use crate::tag::Tag;
+use crate::writer::PackageWriter;
+use serde::{Deserialize, Serialize};
+
+impl Tag {
+    /// Visibility of the hair, since version 3. At most one.
+    pub const VISIBILITY: Self = Self(*b"VISI");
+}
+
+pub(crate) const KIND: Kind = Kind {
+    tag: Tag::VISIBILITY,
+    since: 3,
+    count: Count::AtMostOne,
+    check: |package, _| package.visibility().map(drop),
+    check_use: |package| faults([package.visibility_textures().err()]),
+    row: Row { what: "[visibility of the hair](#visi-visibility-of-the-hair)", how_many: "at most one", place: "any" },
+};
+
+/// Textures that say how much light reaches the hair, as [`crate::meaning::visibility_towards`] reads them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct VisibilityInfo {
+    /// Index into the manifest's `textures`: four components, not sRGB, of the size and with the array layers of the shell textures.
+    pub texture: u32,
+    /// The same of wet hair; there where the manifest's `fur.wet` is.
+    pub wet_texture: Option<u32>,
+    /// k of [`crate::meaning::above_horizon`], a finite number above 0: how low a light begins to fade.
+    pub horizon: f32,
+}
+
+/// The textures of [`VisibilityInfo`], see [`Package::visibility_textures`].
+#[derive(Clone, Copy, Debug)]
+pub struct VisibilityTextures<'a> {
+    /// Of dry hair.
+    pub dry: TextureView<'a>,
+    /// Of wet hair, where dry and wet mix.
+    pub wet: Option<TextureView<'a>>,
+}
+
+impl<'a> Package<'a> {
+    /// Which textures say how much light reaches the hair; `None` for a package that does not know.
+    ///
+    /// Fails where the section is damaged, or does not fit the manifest's fur.
+    pub fn visibility(&self) -> Result<Option<VisibilityInfo>, FormatError> {
+        let Some((index, section)) = self.find(Tag::VISIBILITY, 0) else { return Ok(None) };
+        let info = self.keep(index, || {
+            let info: VisibilityInfo = decode_section(Tag::VISIBILITY, section.offset, self.section_bytes(index)?)?;
+            let fail = |reason: &str| FormatError::Content {
+                tag: Tag::VISIBILITY,
+                offset: section.offset,
+                reason: reason.into(),
+            };
+            let fur = &self.manifest().fur;
+            if fur.layers == 0 {
+                return Err(fail("visibility of a package without fur, expected none"));
+            }
+            if info.wet_texture.is_some() != fur.wet.is_some() {
+                return Err(fail("wet_texture and the manifest's fur.wet are not both there, expected both or none"));
+            }
+            if !(info.horizon > 0.0 && info.horizon.is_finite()) {
+                return Err(fail(&format!("horizon is {}, expected a finite number above 0", info.horizon)));
+            }
+            Ok(info)
+        })?;
+        Ok(Some(info))
+    }
+
+    /// The textures that say how much light reaches the hair; `None` for a package that does not know.
+    ///
+    /// Fails where one of them is damaged or not as [`VisibilityInfo`] says.
+    pub fn visibility_textures(&self) -> Result<Option<VisibilityTextures<'a>>, FormatError> {
+        let Some(info) = self.visibility()? else { return Ok(None) };
+        let texels = self.manifest().fur.tile_texels;
+        let expected = (texels, texels, self.manifest().shell_texture_layers());
+        let read = |index: u32| {
+            let view = self.texture(index)?;
+            let found = (view.width, view.height, view.layers);
+            if found != expected || view.format.components() != 4 || view.format.is_srgb() {
+                let reason = format!(
+                    "is {}x{} texels of {} in {} layers, expected {}x{} of four components that are not sRGB in {} as visibility of the hair",
+                    found.0,
+                    found.1,
+                    view.format.name(),
+                    found.2,
+                    expected.0,
+                    expected.1,
+                    expected.2
+                );
+                return Err(self.texture_fault(index, &reason));
+            }
+            Ok(view)
+        };
+        Ok(Some(VisibilityTextures { dry: read(info.texture)?, wet: info.wet_texture.map(read).transpose()? }))
+    }
+}
+
+impl PackageWriter<'_> {
+    /// Adds which textures say how much light reaches the hair.
+    pub fn visibility(self, info: &VisibilityInfo) -> Self {
+        self.encoded(Tag::VISIBILITY, encode_section(Tag::VISIBILITY, info))
+    }
+}

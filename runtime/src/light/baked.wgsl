@@ -1,0 +1,26 @@
+// What the package says of a point of hair: how much of each light comes past the other strands.
+
+// It says it.
+override BAKED_SHADOW: bool = false;
+
+struct Baked {
+    // visibility_towards reads it.
+    texel: vec4<f32>,
+    // Share of the hair that grows there; length of it over the tile's; slope that the lean of the vertex adds.
+    kept: f32,
+    length: f32,
+    slope: f32,
+}
+
+// Share of a light in that direction, in the tile frame, that other strands let through.
+fn visible_past_strands(b: Baked, light_ts: vec3<f32>) -> f32 {
+    if !BAKED_SHADOW {
+        return 1.0;
+    }
+    var towards = light_ts;
+    if SHORT || LEAN {
+        towards = light_in_tile(light_ts, select(1.0, b.length, SHORT), b.slope);
+    }
+    // What does not grow hides nothing.
+    return 1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon));
+}
