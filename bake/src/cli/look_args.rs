@@ -120,7 +120,7 @@ pub fn parser(short: &'static ShortForm) -> ValueParser {
         Some(Control::Choice(choices)) => {
             let value = |choice: &pelage_params::Choice| {
                 let meaning = choice.doc.split_whitespace().collect::<Vec<_>>().join(" ");
-                PossibleValue::new(choice.word).help(meaning.trim_end_matches('.').to_owned())
+                PossibleValue::new(choice.word).help(meaning.trim_end_matches('.').to_owned()).aliases(choice.was)
             };
             PossibleValuesParser::new(choices.iter().map(value)).into()
         }

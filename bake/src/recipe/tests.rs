@@ -117,7 +117,7 @@ fn validate_names_the_key() {
 fn validate_looks_at_every_table() {
     // A number far outside in each table that has one; `detail` was once forgotten.
     type Spoil = fn(&mut Recipe);
-    let wrong: [(&str, Spoil); 12] = [
+    let wrong: [(&str, Spoil); 13] = [
         ("model.unit_m", |r| r.model.unit_m = 0.0),
         ("surface.patch_size", |r| r.surface.patch_size = 1e9),
         ("hair.density", |r| r.hair.density = 0),
@@ -125,6 +125,7 @@ fn validate_looks_at_every_table() {
         ("color.variation", |r| r.color.variation = -1.0),
         ("shading.ambient_floor", |r| r.shading.ambient_floor = 2.0),
         ("slice.layers", |r| r.slice.layers = 1),
+        ("visibility.directions", |r| r.visibility.directions = 1),
         ("fins.depth", |r| r.fins.depth = Some(0.0)),
         ("detail.gap_px", |r| r.detail.gap_px = 0.0),
         ("ink.speed", |r| r.ink.speed = f32::INFINITY),

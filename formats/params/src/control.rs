@@ -7,6 +7,8 @@ pub struct Choice {
     pub word: &'static str,
     /// What it means.
     pub doc: &'static str,
+    /// What it was called in earlier files: still read.
+    pub was: &'static [&'static str],
 }
 
 /// How a knob is shown: what it holds, and from where to where.

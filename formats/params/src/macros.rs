@@ -1,6 +1,6 @@
 //! What declarations are made with.
 
-/// Declares an enum whose values are words in a file; `was` gives the word of earlier files, which is still read.
+/// Declares an enum whose values are words in a file; `was` gives the word of earlier files, and `or` what it was as a switch, which are still read.
 #[macro_export]
 macro_rules! words {
     (
@@ -35,7 +35,7 @@ macro_rules! words {
             }
 
             fn control((): &()) -> $crate::Control {
-                $crate::Control::Choice(&[$($crate::Choice { word: $word, doc: concat!($($doc, "\n"),+) }),+])
+                $crate::Control::Choice(&[$($crate::Choice { word: $word, doc: concat!($($doc, "\n"),+), was: &[$($old)?] }),+])
             }
 
             fn from_raw(raw: &$crate::Raw) -> Option<Self> {

@@ -9,7 +9,7 @@ use crate::params::{Detail, FrameParams, FurParams};
 use crate::report::InstanceDetail;
 use crate::shared::detail::detail_count;
 use glam::{Mat3, Mat4};
-use pelage_formats::{DetailLevel, Manifest};
+use pelage_formats::{DetailLevel, FurInfo, Manifest};
 use std::ops::Range;
 
 /// What an instance draws in a frame, as pipelines and shaders need it.
@@ -23,6 +23,8 @@ pub(crate) struct Drawing {
     pub(crate) next_step: u32,
     /// Share of the level and of the next, each times its density.
     pub(crate) weights: [f32; 2],
+    /// Mip level of the hair whose texels are as large as pixels at the nearest point of the model, whole: for what is read of one level.
+    pub(crate) texel_level: f32,
     /// Layers of the shadow maps that suit it, skin counted; 1 where it draws none.
     pub(crate) map_layers: u32,
 }
@@ -31,11 +33,13 @@ impl Drawing {
     /// What `params` draws of an instance; `hull`: of it as it is posed, in world space.
     pub(crate) fn of(instance: &Instance, hull: &Hull, params: &FrameParams, clip_from_view: Mat4) -> Self {
         let manifest = instance.model.manifest();
+        let high_px = fur_px(instance, hull, params, clip_from_view);
+        let texel_level = texel_level(&manifest.fur, high_px);
         let fur = params.style.fur().filter(|_| crate::study::only_layer(params).is_none());
         let Some(FurParams { layers: None, detail, .. }) = fur.filter(|_| !manifest.detail.is_empty()) else {
-            return Self::at(manifest, params, 0, 0.0);
+            return Self { texel_level, ..Self::at(manifest, params, 0, 0.0) };
         };
-        let fur_px = matches!(detail, Detail::Auto { .. }).then(|| fur_px(instance, hull, params, clip_from_view));
+        let fur_px = matches!(detail, Detail::Auto { .. }).then_some(high_px);
         let (level, fade) = match *detail {
             Detail::Full => (0, 0.0),
             Detail::Auto { bias } => place_in(&manifest.detail, fur_px.map_or(f32::INFINITY, |px| px * bias)),
@@ -47,6 +51,7 @@ impl Drawing {
         };
         let mut drawing = Self::at(manifest, params, level, fade);
         drawing.detail.fur_px = fur_px;
+        drawing.texel_level = texel_level;
         drawing
     }
 
@@ -70,6 +75,7 @@ impl Drawing {
             step: 1,
             next_step: 1,
             weights: [1.0, 0.0],
+            texel_level: 0.0,
             map_layers: layers,
         };
         let Some(this) = manifest.detail.get(level).filter(|_| fur.is_some_and(|f| f.layers.is_none())) else {
@@ -103,6 +109,7 @@ impl Drawing {
             next_step: next.step,
             // The coat alone is the next of nothing.
             weights: if this.step == 0 { [0.0, 1.0] } else { [(1.0 - fade) * this.density, fade * next.density] },
+            texel_level: 0.0,
             map_layers: drawn + 1,
         }
     }
@@ -131,6 +138,13 @@ fn place_in(levels: &[DetailLevel], px: f32) -> (usize, f32) {
     let fade = (found.full_px / px).ln() / (found.full_px / found.gone_px).ln();
     // A level that is never gone does not fade.
     (level, if fade.is_finite() { fade.clamp(0.0, 1.0) } else { 0.0 })
+}
+
+/// Level of the hair's textures whose texels are as large as pixels, where fur is `px` pixels high.
+fn texel_level(fur: &FurInfo, px: f32) -> f32 {
+    let texel_px = px * fur.tile_size_m / (fur.height_m * fur.tile_texels.max(1) as f32);
+    let level = -texel_px.log2();
+    if level.is_finite() { level.ceil().clamp(0.0, fur.tile_texels.max(1).ilog2() as f32) } else { 0.0 }
 }
 
 /// Height of the fur on screen, pixels, at the nearest point of the model.

@@ -69,9 +69,9 @@ fn groom_at(at_vertex: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
 fn baked_at(uv: vec2<f32>, layer: u32, wetness: f32, kept: f32, length: f32, slope: f32) -> Baked {
     var texel = vec4(1.0);
     if BAKED_SHADOW {
-        texel = textureSample(visibility, shell_sampler, uv, layer);
+        texel = textureSampleLevel(visibility, shell_sampler, uv, layer, instance.map_level);
         if WET {
-            texel = mix(texel, textureSample(wet_visibility, shell_sampler, uv, layer), wetness);
+            texel = mix(texel, textureSampleLevel(wet_visibility, shell_sampler, uv, layer, instance.map_level), wetness);
         }
     }
     return Baked(texel, kept, length, slope);

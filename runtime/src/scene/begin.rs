@@ -93,7 +93,7 @@ pub(crate) fn begin<'f>(
     let blocks_of = |maps: Option<&ShadowMaps>| -> Vec<_> {
         let block = |(instance, drawing): (&&Instance, &Drawing)| {
             let layers = maps.map_or(drawing.layers, |maps| maps.key.map_layers);
-            let map_level = maps.map_or(0.0, |maps| map_level(instance, maps));
+            let map_level = maps.map_or(drawing.texel_level, |maps| map_level(instance, maps));
             blocks::Instance { map_level, ..instance_block(instance, params, drawing, layers) }
         };
         instances.iter().zip(&drawings).map(block).collect()

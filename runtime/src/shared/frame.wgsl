@@ -61,7 +61,7 @@ struct Instance {
     wet_specular_half_exponent: f32,
     // kd and ks alone, for the other lights.
     diffuse_constant: vec3<f32>,
-    // Mip level of the hair whose texels are as large as those of the shadow maps.
+    // Mip level of the hair whose texels are as large as those of the target, pixels or texels of the shadow maps, whole.
     map_level: f32,
     specular_constant: vec3<f32>,
     // Levels of detail: share of the level times its density; every how many layers is drawn, and in the level that is faded to (0 for

@@ -21,10 +21,11 @@ const LEAST_ACROSS: f32 = 0.1;
 // the tile's frame. A thin strand blocks by what of it is across the look. What is stored is its length where strands are finer than texels, and
 // what is seen of it from above where they are not: the middle of both. `agreed`: length of the tile's direction, 0..=1; the rest lies in all directions.
 fn look_path(tangent: vec3<f32>, agreed: f32, eye: vec3<f32>, n_dot_e: f32) -> f32 {
-    let across_eye = cross(eye, tangent);
     let rest = (2.0 / 3.0) * max(1.0 - agreed * agreed, 0.0);
-    let across = max(sqrt(dot(across_eye, across_eye) + rest), LEAST_ACROSS);
-    let from_above = sqrt(dot(tangent.xy, tangent.xy) + rest);
+    let along = dot(eye, tangent);
+    let flat = dot(tangent.xy, tangent.xy) + rest;
+    let across = sqrt(max(flat + tangent.z * tangent.z - along * along, LEAST_ACROSS * LEAST_ACROSS));
+    let from_above = sqrt(flat);
     return across * view_path(n_dot_e) / (0.5 + 0.5 * from_above);
 }
 

@@ -105,7 +105,7 @@ fn costs_have_limits_too() {
         return;
     }
     let sandbox = Sandbox::new();
-    let limit = 110_000;
+    let limit = 150_000;
     let bytes = limit.to_string();
     let object = schema::done(&bake(&sandbox, &["--max-bytes", &bytes, "--max-frame-ms", "10000", "--json"]), "bake");
     assert!(file_size(&sandbox, "torus.pelage") <= limit);

@@ -269,7 +269,7 @@ fn long_work_is_told_before_and_while_it_runs() {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(said[0].starts_with("note: 256 layers of 2048 x 2048 texels will have 2.7 GiB"), "{said:?}");
+    assert!(said[0].starts_with("note: 256 layers of 2048 x 2048 texels will have 4.0 GiB"), "{said:?}");
     let last = said.last().unwrap();
     assert!(last.contains(" of 256"), "{said:?}");
 }
