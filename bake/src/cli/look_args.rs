@@ -241,7 +241,8 @@ mod tests {
             "0 is a hard shadow [0..=2; default: 0.15]",
             "[0.15..=1; default: 0.64]",
             "[default: 834x424]",
-            "by layer-wise shadow maps [default: on] [possible values: on, off]",
+            "by a shadow-width map [default: on] [possible values: on, off]",
+            "How hair shadows hair [default: auto] [possible values: auto, baked, maps, off]",
             "How models are drawn [default: fur] [possible values: fur, ink, bare]",
             "Ink style:",
         ] {

@@ -11,8 +11,8 @@ fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: v
     return half;
 }
 
-// Towards the eye: that of which H is the middle with the light.
-fn eye_of(light: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
+// Towards the eye: that of which H is the middle with the light. n_dot_e: its cosine with the normal.
+fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
     let eye = 2.0 * dot(half, light) * half - light;
     return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
 }

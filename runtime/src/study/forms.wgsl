@@ -19,7 +19,8 @@ fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: v
         let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last), PLANAR_DIRECTIONS);
         direction = mix(direction, wet, wetness);
     }
-    return vec3(fibre(grown(direction, share, slope), light, half, wetness), 0.0);
+    let eye = 2.0 * dot(half, light) * half - light;
+    return vec3(fibre(grown(direction, share, slope), light, half, wetness), atan2(eye.y, eye.x));
 }
 
 fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>, wetness: f32) -> vec2<f32> {
@@ -29,10 +30,11 @@ fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>,
     return fibre(direction, light, half_or_factors, wetness);
 }
 
-// Towards the eye. Where the factors are computed at vertices, H is not known here: as if from above.
-fn eye_of(light: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
+// Towards the eye. Where the factors are computed at vertices, its angle about the normal stands beside them.
+fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
     if VERTEX_LIGHTING {
-        return vec3(0.0, 0.0, 1.0);
+        let across = sqrt(max(1.0 - n_dot_e * n_dot_e, 0.0));
+        return vec3(across * cos(half.z), across * sin(half.z), n_dot_e);
     }
     let eye = 2.0 * dot(half, light) * half - light;
     return eye * inverseSqrt(max(dot(eye, eye), 1e-30));

@@ -106,10 +106,10 @@ fn levels_look_like_all_layers() {
             let [half, fading, coat] = [1.0, 1.5, 2.0].map(|level| at(&mut stage, level));
             assert!(half[0].abs() < 0.01 && half[1].abs() < 0.03 && half[2] < 0.02, "{name} at {distance}: {half:?}");
             assert!(
-                fading[0].abs() < 0.03 && fading[1].abs() < 0.06 && fading[2] < 0.05,
+                fading[0].abs() < 0.03 && fading[1].abs() < 0.1 && fading[2] < 0.05,
                 "{name} at {distance}: {fading:?}"
             );
-            assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.15 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
+            assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.25 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
             // The negative control.
             let lost = at(&mut naive, 1.0);
             assert!(lost[1] < -0.03 || lost[0] < -0.01, "{name} at {distance}: {lost:?} without exponents");
@@ -193,12 +193,14 @@ fn a_small_hare_has_fewer_layers_and_fewer_passes_than_a_large_one() {
     let layers = |report: &FrameReport| report.instances[0].layers;
     assert_eq!((layers(&large), layers(&middle), layers(&small)), (15, 8, 0));
     assert_eq!(ran(&large), "layer_shadow shadow_width skin fins shells");
-    assert_eq!(ran(&middle), "layer_shadow shadow_width skin fins shells");
+    // The map of all hair is of as few layers there, and is as it was.
+    assert_eq!(ran(&middle), "skin fins shells");
     assert_eq!(ran(&small), "shadow_width skin");
     let reason = |report: &FrameReport, name| report.passes.iter().find(|p| p.name == name).unwrap().reason.clone();
     assert_eq!(reason(&large, "shells"), "1 instances, 15 layers");
     assert_eq!(reason(&middle, "shells"), "1 instances, 8 of 15 layers");
-    assert_eq!(reason(&middle, "layer_shadow"), "8 maps of 512 x 512");
+    assert_eq!(reason(&large, "layer_shadow"), "one map of 4 layers, 512 x 512");
+    assert_eq!(reason(&middle, "layer_shadow"), "light, poses and models as in the maps");
     assert!(
         reason(&small, "shells").contains("too small") && reason(&small, "layer_shadow").contains("far coats alone")
     );
@@ -217,7 +219,7 @@ fn near_and_far_copies_share_a_frame() {
     let report = frame.report();
     assert_eq!(report.instances.iter().map(|i| i.layers).collect::<Vec<_>>(), [0, 15]);
     let maps = report.passes.iter().find(|p| p.name == "layer_shadow").unwrap();
-    assert!(maps.ran && maps.reason.contains("15 maps"), "the finest decides: {}", maps.reason);
+    assert!(maps.ran && maps.reason.contains("one map of 4 layers"), "{}", maps.reason);
     let shells = report.passes.iter().find(|p| p.name == "shells").unwrap();
     assert_eq!(shells.reason, "1 instances, 15 of 30 layers");
 }

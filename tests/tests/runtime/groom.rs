@@ -4,7 +4,9 @@
 
 use pelage_runtime::formats::Shading;
 use pelage_runtime::glam::Vec3;
-use pelage_runtime::{Camera, FrameParams, Instance, Projection, Renderer, RendererOptions, SelfShadow, Style};
+use pelage_runtime::{
+    Camera, FrameParams, Instance, Projection, Renderer, RendererOptions, SelfShadow, SlantForm, Style,
+};
 use pelage_stage::Gpu;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, difference, draw};
@@ -19,7 +21,9 @@ fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     // Without shadows: what is compared here has other neighbours to shade it.
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
-    FrameParams::new(camera, SIZE.into()).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off)
+    let params = FrameParams::new(camera, SIZE.into()).with_fur(|f| f.self_shadow = SelfShadow::Off);
+    // The hair of the plane stands upright, and is looked at along its strands: what layers store is what shall be seen.
+    params.with(|p| (p.soft_shadow, p.study.look_slant) = (false, SlantForm::Printed))
 }
 
 fn picture(gpu: &Gpu, params: &FrameParams, opacity: u8, shading: Shading, groom: &PlaneGroom) -> Picture {

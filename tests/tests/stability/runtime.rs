@@ -167,7 +167,9 @@ fn mean_opacity(gpu: &pelage_stage::Gpu, layers: u32, baked: u32, opacity: u8) -
     let model = renderer.load_bytes(&bytes).unwrap();
     let projection = Projection::Orthographic { height_m: 0.1, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let params = FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [16, 16])
-        .with_fur(|f| f.layers = Some(layers));
+        .with_fur(|f| f.layers = Some(layers))
+        // The hair of the plane stands upright, and is looked at along its strands.
+        .with(|p| p.study.look_slant = pelage_runtime::SlantForm::Printed);
     let texels = draw_passes(gpu, &mut renderer, &params, &[&Instance::new(0, &model)], &[PassId::SHELLS]);
     texels.chunks_exact(8).map(|t| f64::from(half_to_f32([t[6], t[7]]))).sum::<f64>() / 256.0
 }

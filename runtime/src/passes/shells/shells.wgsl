@@ -54,7 +54,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         }
         if LOOK_SLANTED {
             let tangent = grown_tangent(hair.direction, select(1.0, in.length, SHORT), select(0.0, in.slope, LEAN));
-            let eye = eye_of(arriving.light_ts, arriving.half_ts);
+            let eye = eye_of(arriving.light_ts, arriving.half_ts, in.n_dot_e);
             times *= look_path(tangent, length(hair.direction), eye, in.n_dot_e);
         }
         // Colour is premultiplied: it follows its opacity.
