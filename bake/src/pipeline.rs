@@ -445,6 +445,7 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         base_colors: &encode(&groomed.colors.images, textures::encode_base_color)?,
         groom_textures: &encode(&groomed.grooms.images, textures::encode_groom)?,
         groom_of_material: &groomed.grooms.of_material,
+        simplified: recipe.detail.has_lists(),
         warnings: &[&laid.warnings[..], &groomed.warnings].concat(),
     }));
     Ok(())

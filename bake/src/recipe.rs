@@ -99,6 +99,13 @@ fn input(file: &str, fault: ParamError) -> BakeError {
     BakeError::Input { file: file.to_owned(), place: fault.place(), reason: fault.reason }
 }
 
+impl DetailParams {
+    /// Whether a package has index lists of fewer triangles.
+    pub fn has_lists(&self) -> bool {
+        self.enabled && self.simplified
+    }
+}
+
 impl Recipe {
     /// Reads a recipe; `file` is its name for messages.
     ///

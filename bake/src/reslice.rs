@@ -9,17 +9,17 @@ use crate::BakeError;
 use crate::mesh::Model;
 use crate::pipeline::{Output, Outputs, Told, run};
 use crate::recipe::Recipe;
-use crate::stages::assemble::{carried, kept_texture};
+use crate::stages::assemble::{Content, carried, kept_texture};
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
 use crate::stages::ink::{self, InkFiles, SkinInk};
-use crate::stages::pack::{Skin, SkinFins};
+use crate::stages::pack::{Skin, SkinFins, simplified};
 use crate::steps::Steps;
 use crate::strands::tile_hair;
 use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
 
-/// The package's skin as it is.
-fn skin<'a>(package: &Package<'a>) -> Result<Skin<'a>, FormatError> {
+/// The package's skin as it is, with or without lists of fewer triangles as `recipe` says.
+fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<Skin<'a>, FormatError> {
     let mut manifest = package.manifest().clone();
     // What materials name moves along. Several may name one, which goes into the package once.
     let mut images = Vec::new();
@@ -30,8 +30,13 @@ fn skin<'a>(package: &Package<'a>) -> Result<Skin<'a>, FormatError> {
             images.push(kept_texture(package, old)?);
         }
     }
-    let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY];
-    let sections = carried(package, |tag| !anew.contains(&tag))?;
+    let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED];
+    let mut sections = carried(package, |tag| !anew.contains(&tag))?;
+    if let Some(mesh) = package.mesh()?.filter(|_| recipe.detail.has_lists()) {
+        let lists = simplified(&mesh.to_data(), &manifest, package.animation()?.as_deref());
+        let after = sections.iter().position(|s| matches!(s, Content::Bytes(Tag::MESH, _))).map_or(0, |at| at + 1);
+        sections.splice(after..after, lists);
+    }
     Ok(Skin { manifest, sections, images, ..Skin::default() })
 }
 
@@ -100,7 +105,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         fins: Some(SkinFins { section: fins, depth: None }),
         ink: Some(ink),
         ink_textures: Some(ink_textures),
-        skin: Some(skin(package).map_err(fault)?),
+        skin: Some(skin(package, recipe).map_err(fault)?),
         ..Outputs::default()
     };
     let images = MapImages::default();

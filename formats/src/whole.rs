@@ -89,6 +89,7 @@ impl<'a> Package<'a> {
             self.triangles().err(),
             self.animation().err(),
             self.fins().err(),
+            self.simplified().err(),
             self.ink().err(),
             self.fur_textures().err(),
             self.wet_textures().err(),

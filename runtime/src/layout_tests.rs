@@ -198,7 +198,7 @@ fn uniform_structs_agree() {
             specular_constant,
             detail_here,
             layer_step,
-            next_step,
+            layers_gone,
             detail_next,
             fin_share,
             coat_height,

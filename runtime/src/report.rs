@@ -66,6 +66,8 @@ pub struct InstanceDetail {
     pub layers: u32,
     /// Layers that the package has, the skin not counted.
     pub of_layers: u32,
+    /// Triangles of the index list that is drawn: the mesh's own, or one of those that the package simplified.
+    pub triangles: u32,
     /// Share of the fins' opacity, 0..=1.
     pub fins: f32,
     /// How far the far coat has taken over, 0..=1.

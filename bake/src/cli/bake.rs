@@ -8,9 +8,12 @@ use super::output::{Output, human_bytes, require_parent};
 #[cfg(feature = "preview")]
 use super::shell_judge::Source;
 use super::threads;
+use super::view::View;
 use pelage_bake::BakeError;
 use pelage_bake::io::{self, Reach};
 use pelage_bake::judge::decide::Limits;
+use pelage_bake::judge::doctor;
+use pelage_bake::mesh::Model;
 use pelage_bake::pipeline::{self, Baked, Told};
 use pelage_bake::recipe::{Recipe, SliceParams};
 #[cfg(feature = "preview")]
@@ -22,6 +25,7 @@ use pelage_bake::stages::pack;
 use pelage_bake::stages::textures::shell_bytes;
 use pelage_bake::steps::Steps;
 use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
+use pelage_stage::{NamedPackage, Size, Viewpoint};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -41,6 +45,9 @@ pub struct BakeArgs {
     /// Threads to use, by default one per core; the package is the same with any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Choose layers and tile for pictures of that size which the model fills: as many layers and texels as the fur has pixels where it is nearest
+    #[arg(long, value_name = "WxH", conflicts_with_all = ["max_error", "max_frame_ms", "max_bytes"])]
+    for_size: Option<Size>,
     #[command(flatten)]
     limits: LimitArgs,
 }
@@ -216,7 +223,6 @@ struct Done {
 }
 
 fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Done, Failure> {
-    #[cfg_attr(not(feature = "preview"), expect(unused_mut, reason = "only what draws can choose"))]
     let (mut recipe, recipe_input) = args.recipe.read()?;
     let mut watch = StageWatch::new(output);
     watch.begin("import");
@@ -245,6 +251,16 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
             "limits are kept by drawing, and this build is without the runtime (feature `preview`)".into(),
         ));
     }
+    if let Some(size) = args.for_size {
+        watch.begin("choose");
+        recipe = fit(size, Told::new(&file, &name, &recipe, &images), &model).map_err(|failure| match failure {
+            Failure::Bake(error) => Failure::Bake(args.recipe.placed(&file, error)),
+            other => other,
+        })?;
+        let SliceParams { layers, tile_texels: n, .. } = recipe.slice;
+        let shown = format!("for {}x{}: slice.layers={layers}, slice.tile_texels={n}", size.width, size.height);
+        watch.output.note(&shown);
+    }
     let steps = watch.steps();
     let told = Told { steps: &steps, ..Told::new(&file, &name, &recipe, &images) };
     let large = large_layers(&recipe);
@@ -261,6 +277,25 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
         }
     }
     Ok(Done { baked, stages: watch.finish(), choice, told_size: large.is_some() })
+}
+
+/// The recipe with layers and tile for pictures of that size, which the model fills. What decides them is found by a bake of the coarsest tile.
+fn fit(size: Size, told: Told<'_>, model: &Model) -> Result<Recipe, Failure> {
+    let mut coarse = told.recipe.clone();
+    (coarse.slice.layers, coarse.slice.tile_texels) = (4, 16);
+    (coarse.ink.enabled, coarse.fins.enabled, coarse.visibility.enabled, coarse.detail.enabled) =
+        (false, false, false, false);
+    let baked = pipeline::bake(&Told { recipe: &coarse, ..told }, model, &mut |_| ())?;
+    let file = NamedPackage::new(told.file, baked.package);
+    let package = file.open()?;
+    let shown = View::sized((size.width, size.height));
+    let fur = &package.manifest().fur;
+    let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&shown.outline(&file, &package)?, fur.height_m);
+    let size = (size.width, size.height);
+    let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances: 1, shadow_map: 0 };
+    let fault = |source| BakeError::Package { file: file.name.clone(), source };
+    let found = doctor::diagnose(&package, &view, &fault)?;
+    Ok(doctor::fitted(told.recipe, &found.on_screen, coarse.slice.tile_texels))
 }
 
 /// Packages of more bytes than this are told: an application loads them for a while, and a page for longer.

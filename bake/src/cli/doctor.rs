@@ -142,6 +142,7 @@ fn object(args: &DoctorArgs, camera: Value, p: &Prognosis) -> Value {
         "on_screen": {
             "texel_px": p.on_screen.texel_px,
             "layer_gap_px": p.on_screen.layer_gap_px,
+            "layers_drawn": p.on_screen.layers_drawn,
             "height_px": p.on_screen.height_px,
             "near_m": p.on_screen.near_m,
             "triangle_px": p.on_screen.triangle_px,

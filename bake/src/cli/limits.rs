@@ -9,7 +9,7 @@ use pelage_bake::judge::decide::{self, Decision, FrameTime, Judge, Limits, Measu
 use pelage_bake::judge::likeness::Likeness;
 use pelage_bake::recipe::Recipe;
 use pelage_formats::Choice;
-use pelage_stage::Gpu;
+use pelage_stage::{Gpu, LookDetail};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -45,8 +45,9 @@ pub fn choose(
     recipe.validate()?;
     let gpu = Gpu::open()?;
     let adapter = measured_on(&gpu.info.name);
-    let judge = ShellJudge::new(source, recipe, &gpu, &mut |what| output.progress(what))?;
-    let space = Space::around(recipe);
+    // As applications draw by default: a setting with more layers than the fur has pixels costs bytes alone.
+    let judge = ShellJudge::new(source, recipe, &gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
+    let space = Space::around(recipe).up_to(judge.most_layers(recipe));
     let mut counted = Counted { judge: &judge, recipe, output, likenesses: Vec::new() };
     let decision = if exhaustive {
         decide::exhaustive(&space, limits, &mut counted)?

@@ -14,7 +14,7 @@ use pelage_bake::pipeline::{self, Told};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
-use pelage_stage::{Gpu, Meter, NamedPackage, Stage, Viewpoint, count_fragments, fastest, framing};
+use pelage_stage::{Gpu, LookDetail, Meter, NamedPackage, Stage, Viewpoint, count_fragments, fastest, framing};
 use std::time::Instant;
 
 /// What packages are made from.
@@ -61,14 +61,21 @@ pub struct ShellJudge<'a> {
 impl<'a> ShellJudge<'a> {
     /// Traces the true pictures: the views, size and samples of the recipe's `[judge]`. They do not depend on how the strands are sliced.
     ///
-    /// `doing` is told what is going on.
-    pub fn new(source: Source<'a>, recipe: &Recipe, gpu: &Gpu, doing: &mut dyn FnMut(&str)) -> Result<Self, Failure> {
+    /// * `detail`: how much of what a setting has is drawn
+    /// * `doing`: is told what is going on
+    pub fn new(
+        source: Source<'a>,
+        recipe: &Recipe,
+        gpu: &Gpu,
+        detail: LookDetail,
+        doing: &mut dyn FnMut(&str),
+    ) -> Result<Self, Failure> {
         let file = source.bake(recipe)?;
         let truth = Truth::new(&file, &View::default())?;
         let cameras = cameras(recipe, &truth);
         let mut views = Vec::new();
         for (i, camera) in cameras.iter().enumerate() {
-            let view = View { camera: Some(*camera), ..base_view(recipe) };
+            let view = View { camera: Some(*camera), ..base_view(recipe) }.with(|look| look.fur.detail = detail);
             let picture = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
                 doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
@@ -78,6 +85,13 @@ impl<'a> ShellJudge<'a> {
             views.push(TrueView { view, picture, fur_px });
         }
         Ok(Self { source, views, gpu: gpu.clone(), meter: Meter::new(gpu) })
+    }
+
+    /// Layers, skin counted, beyond which the pictures do not change where as many are drawn as the fur has pixels.
+    pub fn most_layers(&self, recipe: &Recipe) -> u32 {
+        let highest = self.views.iter().map(|view| view.fur_px).fold(0.0, f64::max);
+        let gaps = (highest / f64::from(recipe.detail.gap_px)).ceil();
+        if recipe.detail.enabled { (gaps as u32).saturating_add(1) } else { u32::MAX }
     }
 
     /// Where the milliseconds come from, as `pelage bench` has it.

@@ -47,6 +47,7 @@ pub fn detail(frame: &Frame) -> Vec<Value> {
             "fade": d.fade,
             "layers": d.layers,
             "of_layers": d.of_layers,
+            "triangles": d.triangles,
             "fins": d.fins,
             "coat": d.coat,
             // JSON has no infinity: the eye is among the hair.

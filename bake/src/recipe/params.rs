@@ -241,12 +241,12 @@ impl From<&ShadingParams> for pelage_formats::Shading {
 }
 
 params! {
-    /// `[slice]`: the shell textures. Defaults as in Yang 2006.
+    /// `[slice]`: the shell textures. Defaults as in Yang 2006, but for twice its texels: a frame does not pay for them, and close-ups show them.
     SliceParams in slice {
         /// Layers, skin included. More is smoother from the side and costs frame time in proportion.
         layers: u32 = 16, in 4..=256;
         /// Width and height of a layer, texels.
-        tile_texels: u32 = 64, in 16..=2048, as PowerOfTwo;
+        tile_texels: u32 = 128, in 16..=2048, as PowerOfTwo;
         /// Standard deviation of the Gaussian that filters the strands, texels: small is sharp and sparkles, large is soft.
         filter_width: f32 = 0.5, in 0.25..=4.0;
     }
@@ -267,8 +267,8 @@ params! {
 params! {
     /// `[fins]`: quads of hair on the edges of the mesh, which show where the layers are seen on edge.
     FinParams in fins {
-        /// Whether there are fins. Without them the outline shows the layers' blur and steps.
-        enabled: bool = true;
+        /// Whether there are fins: less blur and fewer steps of layers along the outline, for a fifth of a frame.
+        enabled: bool = false;
         /// Depth of the slab of hair that the fins show, widths of the tile. Left out, it is chosen so that layers and fins together
         /// cover the outline as much finer layers would. More is denser and crisper there.
         depth: Option<f32> = None, in 1e-3..=8.0;
@@ -281,10 +281,13 @@ params! {
     DetailParams in detail {
         /// Whether the package has levels of detail: a chain of fewer layers, and the coat as it looks from afar.
         enabled: bool = true;
-        /// Pixels between two layers, seen from the side, from which on a level is drawn in full: less is finer and dearer.
-        gap_px: f32 = 0.6, in 0.05..=64.0;
-        /// Share of that size at which the next level has taken over: 1 switches at once, less fades more slowly.
-        fade: f32 = 0.75, in 0.1..=1.0;
+        /// Whether it has index lists of fewer triangles too, for models whose triangles are smaller than pixels.
+        simplified: bool = true;
+        /// Pixels between two layers, seen from the side: fur has as many layers as it is high over this, less is finer and dearer.
+        gap_px: f32 = 1.15, in 0.05..=64.0;
+        /// Share of the size at which a level is drawn in full, at which the next has taken over: 1 switches at once, less goes more
+        /// slowly. Between both sizes layers go one after another.
+        fade: f32 = 0.5, in 0.1..=1.0;
         /// Height of the fur from which on fins are drawn with the layers: without them the outline is that of fewer and blurred layers.
         fins_px: f32 = 0.0, in 0.0..=1e4;
         /// Height of the fur down to which some layers are drawn; below, the coat takes over. 0 draws layers however small.

@@ -385,6 +385,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             fins: FinParams { enabled: fins.0, depth: fins.1 },
             detail: DetailParams {
                 enabled: detail.0,
+                simplified: !detail.0,
                 gap_px: detail.1,
                 fade: detail.2,
                 fins_px: detail.3,

@@ -19,7 +19,8 @@ pub fn has_coat(recipe: &Recipe) -> bool {
 
 /// The chain for a package with that many layers, skin counted, whose textures have that coat or none. Empty where detail is switched off.
 ///
-/// A level of step s is drawn in full where s layers' gap is [`DetailParams::gap_px`] on screen, and gone at [`DetailParams::fade`] of it.
+/// A level of step s is drawn in full where s layers' gap is [`DetailParams::gap_px`] on screen, and gone at [`DetailParams::fade`] of it: at a
+/// half, where the next is drawn in full.
 pub fn levels(params: &DetailParams, layers: u32, coat: Option<&Coat>) -> Vec<DetailLevel> {
     if !params.enabled || layers < 2 {
         return Vec::new();
@@ -101,11 +102,11 @@ mod tests {
         let chain = levels(&DetailParams::default(), 16, Some(&coat()));
         let steps: Vec<_> = chain.iter().map(|l| l.step).collect();
         assert_eq!(steps, [1, 2, 0], "{chain:?}");
-        assert_eq!((chain[0].full_px, chain[0].gone_px), (9.0, 6.75));
-        assert!((chain[1].full_px - 1.2).abs() < 1e-6 && (chain[1].gone_px - 0.9).abs() < 1e-6, "{chain:?}");
+        assert_eq!((chain[0].full_px, chain[0].gone_px), (17.25, 8.625));
+        assert!((chain[1].full_px - 1.2).abs() < 1e-6 && (chain[1].gone_px - 0.6).abs() < 1e-6, "{chain:?}");
         assert!(chain.windows(2).all(|w| w[0].gone_px >= w[1].full_px && w[0].fins >= w[1].fins), "{chain:?}");
         assert_eq!((chain[0].fins, chain[1].fins, chain[2].fins), (1.0, 1.0, 0.0));
-        let params = DetailParams { fins_px: 5.0, ..DetailParams::default() };
+        let params = DetailParams { fins_px: 9.0, ..DetailParams::default() };
         assert_eq!(levels(&params, 16, Some(&coat())).iter().map(|l| l.fins).collect::<Vec<_>>(), [1.0, 0.0, 0.0]);
     }
 

@@ -11,6 +11,7 @@ pub mod hair;
 pub mod import;
 pub mod ink;
 pub mod pack;
+pub mod simplify;
 pub mod size;
 pub mod surface;
 pub mod textures;

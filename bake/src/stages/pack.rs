@@ -8,12 +8,13 @@ use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Coat, Colors, Lengths};
 use crate::stages::ink::{InkFiles, SkinInk};
+use crate::stages::simplify;
 use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
-    AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, InkData, InkInfo,
-    InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading, VisibilityInfo,
+    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, InkData,
+    InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -77,6 +78,8 @@ pub struct SkinPieces<'a> {
     pub groom_textures: &'a [Vec<u8>],
     /// One per material: index into `groom_textures`.
     pub groom_of_material: &'a [Option<usize>],
+    /// Whether lists of fewer triangles go with the mesh.
+    pub simplified: bool,
     /// What the stages before had to say.
     pub warnings: &'a [String],
 }
@@ -112,14 +115,22 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
         warnings: pieces.warnings.to_vec(),
         ..Manifest::default()
     };
+    let mesh = mesh_data(pieces);
+    let simplified = pieces.simplified.then(|| simplified(&mesh, &manifest, model.animation.as_ref())).flatten();
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
     Skin {
         manifest,
-        sections: std::iter::once(Content::Mesh(Arc::new(mesh_data(pieces)))).chain(animation).collect(),
+        sections: [Content::Mesh(Arc::new(mesh))].into_iter().chain(simplified).chain(animation).collect(),
         images: textures,
         lengths: Some(pieces.lengths),
         pattern_size_m: pieces.pattern_size_m,
     }
+}
+
+/// The lists of fewer triangles over a mesh; `None` where it has none. Of the manifest parts and tile are read.
+pub fn simplified(mesh: &MeshData, manifest: &Manifest, animation: Option<&Animation>) -> Option<Content<'static>> {
+    let levels = simplify::levels(mesh, &manifest.parts, animation, manifest.fur.tile_size_m);
+    (!levels.is_empty()).then(|| Content::Simplified(levels.into()))
 }
 
 /// The fins of a model in a package's terms.

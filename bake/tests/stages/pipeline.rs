@@ -15,9 +15,12 @@ fn asset(path: &str) -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
+/// A built-in recipe, with fins: all that a package may have.
 fn recipe(name: &str) -> Recipe {
     let file = format!("recipes/{name}.toml");
-    Recipe::parse(&file, std::str::from_utf8(&asset(&file)).unwrap()).unwrap()
+    let mut recipe = Recipe::parse(&file, std::str::from_utf8(&asset(&file)).unwrap()).unwrap();
+    recipe.fins.enabled = true;
+    recipe
 }
 
 /// A recipe without ink, whose textures take most of a bake, for tests that look at fur only.
@@ -272,6 +275,7 @@ fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
             &["slice.layers=8", "slice.tile_texels=32"][..],
             &["fins.enabled=false", "pack.shell_format=rgba8"],
             &["slice.filter_width=1.0", "detail.enabled=false"],
+            &["detail.enabled=true", "detail.simplified=false"],
         ] {
             sets.iter().try_for_each(|set| other.set(set)).unwrap();
             let (ours, baked) = (reslice(name, &package, &other).unwrap(), bake(name, &other).unwrap().package);

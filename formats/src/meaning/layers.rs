@@ -1,5 +1,7 @@
 //! Layers of hair: how high each lies, and which of them a level of detail draws.
 
+use crate::DetailLevel;
+
 /// Layers, skin counted, that a map of what all hair together lets through is drawn of: what comes through them hardly depends on how many there are.
 pub const TOTAL_MAP_LAYERS: u32 = 5;
 
@@ -14,19 +16,94 @@ pub fn layers_stood_for(layer: u32, baked: u32, step: u32) -> u32 {
     if step == 0 || !(baked - 1 - layer).is_multiple_of(step) { 0 } else { step.min(layer) }
 }
 
-/// The `index`-th layer that a level of that step, 1 or more, draws of `baked`, 2 or more, from the skin outwards.
-pub fn detail_layer(index: u32, baked: u32, step: u32) -> u32 {
-    (baked - 2) % step + 1 + index * step
-}
-
-/// How many layers a level of that step draws of `baked`, skin not counted: the indices of [`detail_layer`].
+/// How many layers a level of that step draws of `baked`, skin not counted.
 pub fn detail_count(baked: u32, step: u32) -> u32 {
     if step == 0 || baked < 2 { 0 } else { (baked - 2) / step + 1 }
+}
+
+/// How many layers of a level of that step, 1 or more, the next level leaves out, which draws every `2 * step`-th.
+pub fn detail_pairs(baked: u32, step: u32) -> u32 {
+    detail_count(baked, step) - detail_count(baked, 2 * step)
+}
+
+/// The lowest layer that is drawn of `baked`, 2 or more, where every `step`-th is.
+fn lowest(baked: u32, step: u32) -> u32 {
+    (baked - 2) % step + 1
+}
+
+/// Share in which a layer, 1..`baked`, has gone over from a level of that step to the next, where so many of [`detail_pairs`] have.
+///
+/// Layers are left out one after another, from the skin outwards: each gives its opacity to the next above, while all others stay as they are.
+/// So a level passes into the next through every number of layers between both.
+pub fn detail_fade(layer: u32, baked: u32, step: u32, gone: f32) -> f32 {
+    let kept = lowest(baked, 2 * step);
+    // A lowest layer that is kept may have none below it to stand for.
+    let first = u32::from(kept <= step);
+    let pair = (layer + step).saturating_sub(kept) / (2 * step);
+    (gone - pair.saturating_sub(first) as f32).clamp(0.0, 1.0)
+}
+
+/// The `index`-th layer that is drawn of `baked`, 2 or more, from the skin outwards, where every `step`-th is, and so many of [`detail_pairs`]
+/// have gone over to the next level.
+pub fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
+    let kept = lowest(baked, 2 * step);
+    let first = u32::from(kept <= step);
+    // Pairs of which one layer is left.
+    let thinned = gone as u32 + first;
+    if gone >= 1.0 && index < thinned {
+        kept + 2 * step * index
+    } else {
+        lowest(baked, step) + step * (index + gone as u32)
+    }
+}
+
+/// Where in a chain of levels of detail a model is whose fur is `px` pixels high: the level, and the share of the way to the next.
+///
+/// Between two levels layers are as many as the fur has pixels.
+pub fn detail_place(levels: &[DetailLevel], px: f32) -> (usize, f32) {
+    let last = levels.len().saturating_sub(1);
+    let level = levels.iter().position(|level| px > level.gone_px).unwrap_or(last);
+    let Some(found) = levels.get(level).filter(|found| level < last && px < found.full_px) else { return (level, 0.0) };
+    // A level that is never gone does not fade.
+    let fade = if found.gone_px > 0.0 { (found.full_px - px) / (found.full_px - found.gone_px) } else { 0.0 };
+    (level, fade.clamp(0.0, 1.0))
+}
+
+/// Pixels by which simplified index lists may deviate from the mesh where they are drawn in its place.
+pub const MOST_DEVIATION_PX: f32 = 0.5;
+
+/// The simplest of index lists that deviates by at most [`MOST_DEVIATION_PX`] where a metre has so many pixels: 0 for the mesh itself, k for the
+/// list number k − 1 of those whose deviations, metres, rise.
+pub fn simplest_list(deviations_m: &[f32], px_per_m: f32) -> usize {
+    deviations_m.partition_point(|deviation| deviation * px_per_m <= MOST_DEVIATION_PX)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_find_their_level() {
+        let level = |step, full_px, gone_px| DetailLevel { step, full_px, gone_px, fins: 1.0, density: 1.0 };
+        let levels = [level(1, 16.0, 12.0), level(2, 8.0, 8.0), level(4, 2.0, 1.0), level(0, 0.0, 0.0)];
+        let at = |px| detail_place(&levels, px);
+        assert_eq!([f32::INFINITY, 100.0, 16.0].map(at), [(0, 0.0); 3]);
+        assert_eq!([12.0, 9.0, 8.5].map(at), [(1, 0.0); 3]);
+        assert_eq!([8.0, 7.0, 2.0].map(at), [(2, 0.0); 3], "levels without a range switch at once");
+        assert_eq!([1.0, 0.1, 0.0].map(at), [(3, 0.0); 3]);
+        assert_eq!((at(14.0), at(1.25)), ((0, 0.5), (2, 0.75)), "layers are as many as pixels");
+        // The last level of a package without coat, and one that is never gone.
+        let endless = [level(1, 4.0, 0.0), level(2, 0.0, 0.0)];
+        assert_eq!((detail_place(&endless, 0.5), detail_place(&endless[..1], 0.0)), ((0, 0.0), (0, 0.0)));
+    }
+
+    #[test]
+    fn lists_are_as_simple_as_pixels_allow() {
+        let deviations = [0.5, 2.0];
+        assert_eq!([2.0, 1.0, 0.26, 0.25, 0.0].map(|px_per_m| simplest_list(&deviations, px_per_m)), [0, 1, 1, 2, 2]);
+        // With the eye within the bounds, and for a package without lists.
+        assert_eq!((simplest_list(&deviations, f32::INFINITY), simplest_list(&[], 1.0)), (0, 0));
+    }
 
     #[test]
     fn layers_lie_evenly_from_skin_to_tips() {
@@ -38,7 +115,8 @@ mod tests {
     fn every_layer_is_stood_for_once() {
         for baked in [2u32, 3, 9, 16, 64] {
             for step in [1u32, 2, 4, 8] {
-                let drawn: Vec<u32> = (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step)).collect();
+                let drawn: Vec<u32> =
+                    (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step, 0.0)).collect();
                 assert_eq!(drawn.last(), Some(&(baked - 1)), "the outermost is always drawn");
                 let found: Vec<u32> = (1..baked).filter(|l| layers_stood_for(*l, baked, step) > 0).collect();
                 assert_eq!(drawn, found);
@@ -46,6 +124,34 @@ mod tests {
                 assert_eq!(sum, baked - 1, "{baked} layers, step {step}");
             }
             assert_eq!((detail_count(baked, 0), layers_stood_for(1, baked, 0)), (0, 0));
+        }
+    }
+
+    #[test]
+    fn a_level_passes_into_the_next_one_layer_at_a_time() {
+        for baked in [2u32, 3, 9, 16, 17, 64, 256] {
+            for step in [1u32, 2, 4, 8] {
+                let (all, pairs) = (detail_count(baked, step), detail_pairs(baked, step));
+                let drawn = |gone: u32| -> Vec<u32> {
+                    (0..all - gone).map(|i| detail_layer(i, baked, step, gone as f32)).collect()
+                };
+                for gone in 0..=pairs {
+                    let layers = drawn(gone);
+                    assert!(layers.is_sorted_by(|a, b| a < b), "{layers:?}: {baked} layers, step {step}, {gone} gone");
+                    // The fade says the same, and a layer that is half gone is drawn still.
+                    let whole: Vec<u32> = drawn(0)
+                        .into_iter()
+                        .filter(|l| {
+                            layers_stood_for(*l, baked, 2 * step) > 0 || detail_fade(*l, baked, step, gone as f32) < 1.0
+                        })
+                        .collect();
+                    assert_eq!(layers, whole, "{baked} layers, step {step}, {gone} gone");
+                    let half = (0..all - gone).map(|i| detail_layer(i, baked, step, gone as f32 + 0.5));
+                    assert_eq!(layers, half.collect::<Vec<_>>());
+                }
+                let next = (0..detail_count(baked, 2 * step)).map(|i| detail_layer(i, baked, 2 * step, 0.0));
+                assert_eq!(drawn(pairs), next.collect::<Vec<_>>(), "{baked} layers, step {step}");
+            }
         }
     }
 }

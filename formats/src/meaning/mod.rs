@@ -21,7 +21,10 @@ pub use direction::{decode_direction, encode_direction};
 pub use fins::{FIN_CORNERS, LEANING_ROWS, fin_face, fin_opacity, fin_rows, row_heights};
 pub use groom::{groom_bytes, groom_of_vertex, groom_with_texel};
 pub use hair_point::{grown_tangent, hair_direction, hair_offset, lean_offset, lean_slope};
-pub use layers::{TOTAL_MAP_LAYERS, detail_count, detail_layer, layer_height, layers_stood_for};
+pub use layers::{
+    MOST_DEVIATION_PX, TOTAL_MAP_LAYERS, detail_count, detail_fade, detail_layer, detail_pairs, detail_place,
+    layer_height, layers_stood_for, simplest_list,
+};
 pub use skinning::{
     blend, handedness_of, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,
 };

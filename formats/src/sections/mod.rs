@@ -11,6 +11,7 @@ pub(crate) mod manifest;
 pub(crate) mod mesh;
 #[cfg(test)]
 mod probe;
+pub(crate) mod simplified;
 pub(crate) mod textures;
 pub(crate) mod visibility;
 
@@ -25,6 +26,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &fins::KIND,
     &ink::KIND,
     &visibility::KIND,
+    &simplified::KIND,
     &textures::KIND,
     #[cfg(test)]
     &probe::KIND,

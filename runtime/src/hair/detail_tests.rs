@@ -3,6 +3,7 @@ use crate::camera::{Camera, Projection};
 use crate::params::Style;
 use crate::shared::detail::{coat_light, coat_light_numbers, detail_exponent, detail_layer, layers_stood_for};
 use glam::Vec3;
+use pelage_formats::DetailLevel;
 use pelage_formats::{CoatInfo, FurInfo};
 
 fn levels() -> Vec<DetailLevel> {
@@ -28,44 +29,25 @@ fn params() -> FrameParams {
     FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [834, 424])
 }
 
-#[test]
-fn sizes_find_their_level() {
-    let at = |px| place_in(&levels(), px);
-    assert_eq!([f32::INFINITY, 100.0, 16.0].map(at), [(0, 0.0); 3]);
-    assert_eq!([12.0, 9.0, 8.5].map(at), [(1, 0.0); 3]);
-    assert_eq!([8.0, 7.0, 2.0].map(at), [(2, 0.0); 3], "levels without a range switch at once");
-    assert_eq!([1.0, 0.1, 0.0].map(at), [(3, 0.0); 3]);
-    let (level, fade) = at((16.0f32 * 12.0).sqrt());
-    assert!(level == 0 && (fade - 0.5).abs() < 1e-5, "half way in the logarithm: {level}, {fade}");
-    let (level, fade) = at(1.01);
-    assert!(level == 2 && fade > 0.98 && fade < 1.0);
-    // The last level of a package without coat, and one that is never gone.
-    let endless = [
-        DetailLevel { step: 1, full_px: 4.0, gone_px: 0.0, fins: 1.0, density: 1.0 },
-        DetailLevel { step: 2, ..Default::default() },
-    ];
-    assert_eq!(place_in(&endless, 0.5), (0, 0.0));
-    assert_eq!(place_in(&endless[..1], 0.0), (0, 0.0));
-}
-
 /// Each level draws what it says, and all together hide as much as all layers do.
 #[test]
 fn levels_keep_the_number_of_layers_that_are_stood_for() {
     for baked in [2u32, 3, 4, 5, 16, 17, 64] {
         for step in [1u32, 2, 4, 8] {
-            let drawn: Vec<_> = (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step)).collect();
+            let drawn: Vec<_> = (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step, 0.0)).collect();
             let counted: Vec<_> = (1..baked).filter(|k| layers_stood_for(*k, baked, step) > 0).collect();
             assert_eq!(drawn, counted, "{baked} layers, step {step}");
             assert_eq!(drawn.last(), Some(&(baked - 1)), "the outermost is kept");
             for fade in [0.0, 0.3, 1.0] {
-                let sum: f32 = (1..baked).map(|k| detail_exponent(k, baked, step, 2 * step, 1.0 - fade, fade)).sum();
+                let gone = fade * detail_pairs(baked, step) as f32;
+                let sum: f32 = (1..baked).map(|k| detail_exponent(k, baked, step, gone, 1.0, 1.0)).sum();
                 assert!((sum - (baked - 1) as f32).abs() < 1e-3, "{baked} layers, step {step}, fade {fade}: {sum}");
             }
         }
     }
     assert_eq!(detail_count(16, 0), 0);
     // Towards the coat they lose their opacity.
-    assert_eq!(detail_exponent(15, 16, 4, 0, 0.75, 0.25), 3.0);
+    assert_eq!(detail_exponent(15, 16, 4, 0.0, 0.75, 0.25), 3.0);
 }
 
 #[test]
@@ -75,16 +57,17 @@ fn an_instance_draws_what_its_level_says() {
     let full = at(0, 0.0);
     assert!(!full.is_reduced() && full.shell_instances() == (1..16) && full.map_layers == 16);
     let fading = at(0, 0.5);
-    assert!(fading.is_reduced() && fading.detail.layers == 15 && fading.shell_instances() == (0..15));
-    assert_eq!((fading.step, fading.next_step, fading.detail.fins), (1, 2, 0.75));
+    // Of seven that the next level leaves out three have gone, and half of the fourth.
+    assert!(fading.is_reduced() && fading.detail.layers == 12 && fading.shell_instances() == (0..12));
+    assert_eq!((fading.step, fading.gone, fading.detail.fins, fading.map_layers), (1, 3.5, 0.75, 16));
     let half = at(1, 0.0);
     assert_eq!((half.detail.layers, half.detail.of_layers, half.map_layers, half.detail.fins), (8, 15, 9, 0.5));
     let last = at(2, 0.25);
-    assert_eq!((last.detail.layers, last.detail.coat, last.weights, last.next_step), (4, 0.25, [1.125, 0.25], 0));
+    assert_eq!((last.detail.layers, last.detail.coat, last.weights, last.gone), (4, 0.25, [1.125, 0.25], 0.0));
     let coat = at(3, 0.5);
     assert!(!coat.has_shells() && coat.map_layers == 1 && coat.shell_instances().is_empty());
     assert_eq!((coat.detail.coat, coat.detail.fade, coat.weights), (1.0, 0.0, [0.0, 1.0]));
-    assert_eq!(fading.weights, [0.5, 0.625]);
+    assert_eq!(fading.weights, [1.0, 1.25]);
     // Asking for a number of layers goes before.
     let eight = params.clone().with_fur(|fur| fur.layers = Some(8));
     assert_eq!(Drawing::at(&manifest, &eight, 2, 0.5), Drawing::at(&manifest, &eight, 0, 0.0));

@@ -35,7 +35,7 @@ fn drawn_layer(index: u32) -> u32 {
     if !DETAIL {
         return index;
     }
-    return detail_layer(index, instance.baked_layers, instance.layer_step);
+    return detail_layer(index, instance.baked_layers, instance.layer_step, instance.layers_gone);
 }
 
 // How many layers a drawn one stands for.
@@ -43,7 +43,7 @@ fn stands_for(layer: u32) -> f32 {
     if DETAIL {
         let baked = instance.baked_layers;
         return detail_exponent(
-            layer, baked, instance.layer_step, instance.next_step, instance.detail_here, instance.detail_next,
+            layer, baked, instance.layer_step, instance.layers_gone, instance.detail_here, instance.detail_next,
         );
     }
     if RESAMPLED {

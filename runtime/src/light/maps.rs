@@ -166,6 +166,8 @@ pub(crate) struct InstanceKey {
     /// Of its shape: no two shapes of any owners ever have the same.
     pub(crate) revision: u64,
     pub(crate) furry: bool,
+    /// Which index list is drawn of it.
+    pub(crate) list: usize,
 }
 
 /// Most layers of the layer-wise maps.

@@ -8,7 +8,8 @@ use crate::error::RuntimeError;
 use crate::gpu::{Gpu, Sampling};
 use crate::params::RendererOptions;
 use crate::surface::{HairViews, MaterialUniform, Surfaces};
-use pelage_formats::{FinsView, Package, TextureView};
+use pelage_formats::{FinsView, Manifest, MeshView, Package, Part as PackagePart, SimplifiedView, TextureView};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Uploads a package, straight from the slices that it borrows.
@@ -33,7 +34,9 @@ pub(crate) fn load(
     let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | read(skinned || fins.is_some()))?;
     let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX | read(fins.is_some()))?;
     let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
-    let indices = uploader.buffer("indices", mesh.indices, Usage::INDEX)?;
+    let simplified = package.simplified()?;
+    let lists = [mesh.indices, simplified.map_or(&[][..], |lists| lists.indices)].concat();
+    let indices = uploader.buffer("indices", &lists, Usage::INDEX)?;
     let buffers = [Some(&geometry), Some(&attributes), skin.as_ref(), Some(&indices)];
     let mut gpu_bytes: u64 = buffers.into_iter().flatten().map(wgpu::Buffer::size).sum();
 
@@ -98,8 +101,7 @@ pub(crate) fn load(
 
     let mut parts: Vec<Part> = Vec::new();
     let (mut previous, mut first_fin) = (None, 0);
-    for part in &manifest.parts {
-        let indices = part.first_index..part.first_index + part.index_count;
+    for (part, indices) in manifest.parts.iter().zip(index_ranges(manifest, &mesh, simplified.as_ref())) {
         let fins = first_fin..fin_ends.next().unwrap_or(first_fin);
         first_fin = fins.end;
         if part.index_count == 0 && fins.is_empty() {
@@ -108,7 +110,7 @@ pub(crate) fn load(
         // Neighbours with one material are one draw.
         match parts.last_mut() {
             Some(last) if previous == Some(part.material) => {
-                last.indices.end = indices.end;
+                last.indices.iter_mut().zip(indices).for_each(|(last, next)| last.end = next.end);
                 last.fins.end = fins.end;
             }
             _ => {
@@ -147,10 +149,25 @@ pub(crate) fn load(
         varies,
         extent: Extent::of(&mesh, skinned && has_skeleton),
         parts,
+        deviations_m: simplified.iter().flat_map(SimplifiedView::deviations).collect(),
         ink,
         gpu_bytes,
     };
     Ok(Model(Arc::new(resources)))
+}
+
+/// Of each part, where its indices lie in the buffer: of the mesh, and behind those of each simplified list.
+fn index_ranges(manifest: &Manifest, mesh: &MeshView<'_>, lists: Option<&SimplifiedView<'_>>) -> Vec<Vec<Range<u32>>> {
+    let own = |part: &PackagePart| part.first_index..part.first_index + part.index_count;
+    let mut ranges: Vec<_> = manifest.parts.iter().map(|part| vec![own(part)]).collect();
+    let mut first = mesh.index_count;
+    for list in 0..lists.map_or(0, |lists| lists.level_count as usize) {
+        for (ranges, count) in ranges.iter_mut().zip(lists.into_iter().flat_map(|lists| lists.part_counts(list))) {
+            ranges.push(first..first + count);
+            first += count;
+        }
+    }
+    ranges
 }
 
 /// Uploads the textures of the hair, and says whether directions have two components; `None` for a package without fur.

@@ -26,6 +26,7 @@ pub(super) struct Resources {
     pub(super) knows_visibility: bool,
     pub(super) varies: Varies,
     pub(super) parts: Vec<Part>,
+    pub(super) deviations_m: Vec<f32>,
     pub(super) extent: Extent,
     pub(super) ink: Option<ModelInk>,
     pub(super) gpu_bytes: u64,
@@ -66,10 +67,11 @@ impl Varies {
     }
 }
 
-/// A range of the index buffer with one material.
+/// What of the index buffer has one material.
 #[derive(Debug)]
 pub(crate) struct Part {
-    pub(crate) indices: Range<u32>,
+    /// Of the mesh, and of each of its simplified lists.
+    pub(crate) indices: Vec<Range<u32>>,
     pub(crate) fins: Range<u32>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
@@ -171,5 +173,15 @@ impl Model {
 
     pub(crate) fn parts(&self) -> &[Part] {
         &self.0.parts
+    }
+
+    /// How far the simplified lists deviate from the mesh, metres at rest, rising.
+    pub(crate) fn deviations_m(&self) -> &[f32] {
+        &self.0.deviations_m
+    }
+
+    /// Triangles of the mesh, or of one of its simplified lists.
+    pub(crate) fn triangles(&self, list: usize) -> u32 {
+        self.0.parts.iter().filter_map(|part| part.indices.get(list)).map(|range| range.len() as u32 / 3).sum()
     }
 }

@@ -3,12 +3,12 @@
 use crate::error::RuntimeError;
 
 /// How much of each model's fur is drawn. [`crate::FurParams::layers`] goes before it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Detail {
-    /// All of it, whatever its size on screen (default).
-    #[default]
+    /// All of it, whatever its size on screen.
     Full,
-    /// The package's levels of detail, by the size that each instance has in [`crate::FrameParams::viewport`].
+    /// As much as its size on screen shows, by the package's levels of detail and the size that each instance has in
+    /// [`crate::FrameParams::viewport`] (default, with a bias of 1).
     Auto {
         /// Factor on the size, above 0: 2 draws as much as if everything were twice as large, 0.5 saves more (1 as the package says).
         bias: f32,
@@ -18,6 +18,12 @@ pub enum Detail {
         /// At least 0.
         f32,
     ),
+}
+
+impl Default for Detail {
+    fn default() -> Self {
+        Self::Auto { bias: 1.0 }
+    }
 }
 
 impl Detail {

@@ -38,7 +38,7 @@ const MAX_LAYERS: u32 = 1024;
 
 impl Default for FurParams {
     fn default() -> Self {
-        Self { layers: None, detail: Detail::Full, fins: true, self_shadow: SelfShadow::Auto }
+        Self { layers: None, detail: Detail::default(), fins: true, self_shadow: SelfShadow::Auto }
     }
 }
 

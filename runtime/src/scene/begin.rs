@@ -185,6 +185,7 @@ fn shadow_key(
         transform: instance.transform,
         revision: moved.revision,
         furry: drawing.has_shells(),
+        list: drawing.list,
     };
     let instances = instances.iter().zip(moved).zip(drawings).map(of).collect();
     ShadowKey::new(params, by_maps, layers, &hull, instances, casters.map(|c| c.revision))

@@ -100,7 +100,7 @@ pub(super) fn instance_block(
         detail_here: drawing.weights[0],
         // The shaders divide by it; a level without layers draws none.
         layer_step: drawing.step.max(1),
-        next_step: drawing.next_step,
+        layers_gone: drawing.gone,
         detail_next: drawing.weights[1],
         fin_share: drawing.detail.fins,
         coat_height: coat.height,

@@ -67,6 +67,8 @@ impl Recording<'_> {
     ) -> Vec<Draw> {
         let mut draws = Vec::new();
         for part in seen.model.parts().iter().filter(|part| wanted(part)) {
+            // A part may be nothing where the model is small.
+            let Some(range) = part.indices.get(seen.drawing.list).filter(|range| !range.is_empty()) else { continue };
             let spec = spec(self, part);
             let pipeline = self.pipeline(spec);
             draws.push(Draw {
@@ -74,7 +76,7 @@ impl Recording<'_> {
                 groups: [at.clone(), Group::of(&part.material), hair.clone(), None],
                 vertices: [Some(seen.moved.geometry.clone()), Some(seen.model.attributes().clone()), None, None],
                 indices: Some(seen.model.indices().clone()),
-                range: part.indices.clone(),
+                range: range.clone(),
                 instances: layers.clone(),
             });
         }

@@ -1,13 +1,16 @@
 pub use pelage_formats::meaning::{coat_light, coat_light_numbers};
-pub use pelage_formats::meaning::{detail_count, detail_layer, layers_stood_for};
+pub use pelage_formats::meaning::{detail_count, detail_fade, detail_layer, detail_pairs, layers_stood_for};
 
 /// The shader source.
 pub const WGSL: &str = include_str!("detail.wgsl");
 
-/// Exponent of a layer's transmittance between the levels of the steps `step` and `next`, for [`super::opacity::resampled_opacity`]. `here` and
-/// `there`: share of each level, times its density. At a density of 1 the exponents of all layers add up to their number.
-pub fn detail_exponent(layer: u32, baked: u32, step: u32, next: u32, here: f32, there: f32) -> f32 {
-    here * layers_stood_for(layer, baked, step) as f32 + there * layers_stood_for(layer, baked, next) as f32
+/// Exponent of a layer's transmittance in a level of that step of which `gone` layers have gone over to the next, for
+/// [`super::opacity::resampled_opacity`]. `here` and `there`: density of the level and of the next. At a density of 1 the exponents of all layers
+/// add up to their number.
+pub fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, there: f32) -> f32 {
+    let fade = detail_fade(layer, baked, step, gone);
+    let stood_for = |step| layers_stood_for(layer, baked, step) as f32;
+    (1.0 - fade) * here * stood_for(step) + fade * there * stood_for(2 * step)
 }
 
 /// Share of the fur's height at which the hair is lit that is seen in a layer which stands for so many of `layers`, skin counted: what

@@ -9,10 +9,30 @@ fn layers_stood_for(layer: u32, baked: u32, step: u32) -> u32 {
     return min(step, layer);
 }
 
-// Exponent of a layer's transmittance between the levels of the steps `step` and `next`, for resampled_opacity. here and there: share of
-// each level, times its density.
-fn detail_exponent(layer: u32, baked: u32, step: u32, next: u32, here: f32, there: f32) -> f32 {
-    return here * f32(layers_stood_for(layer, baked, step)) + there * f32(layers_stood_for(layer, baked, next));
+// The lowest layer that is drawn where every `step`-th is. baked: 2 or more.
+fn lowest_layer(baked: u32, step: u32) -> u32 {
+    return (baked - 2u) % step + 1u;
+}
+
+// 1 where the lowest layer that the next level keeps stands for none below it, else 0.
+fn lone_layers(baked: u32, step: u32) -> u32 {
+    return select(0u, 1u, lowest_layer(baked, 2u * step) <= step);
+}
+
+// Share in which a layer has gone over from a level of that step to the next: one after another they give their opacity to the next above, and
+// so many have. layer: 1..baked; step: 1 or more.
+fn detail_fade(layer: u32, baked: u32, step: u32, gone: f32) -> f32 {
+    let kept = lowest_layer(baked, 2u * step);
+    let pair = (max(layer + step, kept) - kept) / (2u * step);
+    return clamp(gone - f32(pair - min(pair, lone_layers(baked, step))), 0.0, 1.0);
+}
+
+// Exponent of a layer's transmittance in a level of that step of which so many layers have gone over to the next, for resampled_opacity. here
+// and there: density of the level and of the next.
+fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, there: f32) -> f32 {
+    let fade = detail_fade(layer, baked, step, gone);
+    let stood_for = f32(layers_stood_for(layer, baked, step));
+    return (1.0 - fade) * here * stood_for + fade * there * f32(layers_stood_for(layer, baked, 2u * step));
 }
 
 // Share of the fur's height at which the hair is lit that is seen in a layer which stands for so many: what shows of those below lies a
@@ -21,9 +41,14 @@ fn seen_height(height: f32, stood_for: f32, layers: u32) -> f32 {
     return height - 0.25 * max(stood_for - 1.0, 0.0) / f32(layers - 1u);
 }
 
-// The index-th layer that a level of that step draws, from the skin outwards. step: 1 or more; baked: 2 or more.
-fn detail_layer(index: u32, baked: u32, step: u32) -> u32 {
-    return (baked - 2u) % step + 1u + index * step;
+// The index-th layer that is drawn, from the skin outwards, where every step-th is and so many have gone over to the next level. step: 1 or
+// more; baked: 2 or more.
+fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
+    let whole = u32(gone);
+    if whole > 0u && index < whole + lone_layers(baked, step) {
+        return lowest_layer(baked, 2u * step) + 2u * step * index;
+    }
+    return lowest_layer(baked, step) + step * (index + whole);
 }
 
 // Share of the key light that reaches the hair seen in the far coat, where the way through a layer is that long over its thickness.

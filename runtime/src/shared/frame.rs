@@ -54,7 +54,7 @@ pub(crate) struct Instance {
     pub specular_constant: [f32; 3],
     pub detail_here: f32,
     pub layer_step: u32,
-    pub next_step: u32,
+    pub layers_gone: f32,
     pub detail_next: f32,
     pub fin_share: f32,
     pub coat_height: f32,

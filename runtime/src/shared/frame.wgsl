@@ -64,11 +64,11 @@ struct Instance {
     // Mip level of the hair whose texels are as large as those of the target, pixels or texels of the shadow maps, whole.
     map_level: f32,
     specular_constant: vec3<f32>,
-    // Levels of detail: share of the level times its density; every how many layers is drawn, and in the level that is faded to (0 for
-    // the coat); share of that one times its density.
+    // Levels of detail: density of the level, times what the far coat leaves of it; every how many layers is drawn, and how many of those have
+    // gone over to the next level; density of that one, or share of the far coat where it is the next.
     detail_here: f32,
     layer_step: u32,
-    next_step: u32,
+    layers_gone: f32,
     detail_next: f32,
     // Share of the fins' opacity.
     fin_share: f32,

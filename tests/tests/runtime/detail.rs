@@ -106,10 +106,10 @@ fn levels_look_like_all_layers() {
             let [half, fading, coat] = [1.0, 1.5, 2.0].map(|level| at(&mut stage, level));
             assert!(half[0].abs() < 0.01 && half[1].abs() < 0.03 && half[2] < 0.02, "{name} at {distance}: {half:?}");
             assert!(
-                fading[0].abs() < 0.03 && fading[1].abs() < 0.1 && fading[2] < 0.05,
+                fading[0].abs() < 0.03 && fading[1].abs() < 0.12 && fading[2] < 0.05,
                 "{name} at {distance}: {fading:?}"
             );
-            assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.25 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
+            assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.3 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
             // The negative control.
             let lost = at(&mut naive, 1.0);
             assert!(lost[1] < -0.03 || lost[0] < -0.01, "{name} at {distance}: {lost:?} without exponents");
@@ -192,9 +192,11 @@ fn a_small_hare_has_fewer_layers_and_fewer_passes_than_a_large_one() {
     let (large, middle, small) = (at(0.3), at(2.0), at(20.0));
     let layers = |report: &FrameReport| report.instances[0].layers;
     assert_eq!((layers(&large), layers(&middle), layers(&small)), (15, 8, 0));
-    assert_eq!(ran(&large), "layer_shadow shadow_width skin fins shells");
+    assert_eq!(ran(&large), "layer_shadow shadow_width skin shells");
     // The map of all hair is of as few layers there, and is as it was.
-    assert_eq!(ran(&middle), "skin fins shells");
+    assert_eq!(ran(&middle), "skin shells");
+    let triangles = |report: &FrameReport| report.instances[0].triangles;
+    assert!(triangles(&large) == triangles(&middle) && triangles(&middle) > 2 * triangles(&small));
     assert_eq!(ran(&small), "shadow_width skin");
     let reason = |report: &FrameReport, name| report.passes.iter().find(|p| p.name == name).unwrap().reason.clone();
     assert_eq!(reason(&large, "shells"), "1 instances, 15 layers");

@@ -30,14 +30,44 @@ fn layers_of_levels_on_the_device_are_those_of_the_twin_and_of_the_definition() 
     }
     let twin = |[c]: &[[f32; 4]; 1]| {
         let [layer, baked, step, nth] = c.map(|x| x as u32);
-        [detail::layers_stood_for(layer, baked, step) as f32, detail::detail_layer(nth, baked, step) as f32]
+        [detail::layers_stood_for(layer, baked, step) as f32, detail::detail_layer(nth, baked, step, 0.0) as f32]
     };
     cases.iter().zip(&truths).for_each(|(case, truth)| assert_eq!(twin(case), *truth, "{case:?}"));
     let Some(gpu) = gpu("layers_of_levels") else { return };
     let expression = "vec4(f32(layers_stood_for(u32(in_0.x), u32(in_0.y), u32(in_0.z))), \
-                      f32(detail_layer(u32(in_0.w), u32(in_0.y), u32(in_0.z))), 0.0, 0.0)";
+                      f32(detail_layer(u32(in_0.w), u32(in_0.y), u32(in_0.z), 0.0)), 0.0, 0.0)";
     for ((case, truth), found) in cases.iter().zip(&truths).zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
         assert_eq!(&found[..2], truth, "{case:?} on the device");
+    }
+}
+
+/// On the way from a level to the next.
+#[test]
+fn layers_between_levels_on_the_device_are_those_of_the_twin() {
+    let mut cases: Vec<[[f32; 4]; 1]> = Vec::new();
+    for baked in [2u32, 5, 16, 17, 64] {
+        for step in [1u32, 2, 4] {
+            let pairs = detail::detail_pairs(baked, step);
+            for gone in (0..=2 * pairs).map(|half| 0.5 * half as f32) {
+                for index in 0..detail::detail_count(baked, step) - gone as u32 {
+                    cases.push([[index as f32, baked as f32, step as f32, gone]]);
+                }
+            }
+        }
+    }
+    let Some(gpu) = gpu("layers_between_levels") else { return };
+    let expression = "vec4(f32(detail_layer(u32(in_0.x), u32(in_0.y), u32(in_0.z), in_0.w)), \
+                      detail_fade(1u + u32(in_0.x) % (u32(in_0.y) - 1u), u32(in_0.y), u32(in_0.z), in_0.w), \
+                      detail_exponent(1u + u32(in_0.x) % (u32(in_0.y) - 1u), u32(in_0.y), u32(in_0.z), in_0.w, 1.0, 1.25), 0.0)";
+    for (case, found) in cases.iter().zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
+        let ([index, baked, step], gone) = ([case[0][0], case[0][1], case[0][2]].map(|x| x as u32), case[0][3]);
+        let layer = 1 + index % (baked - 1);
+        let twin = [
+            detail::detail_layer(index, baked, step, gone) as f32,
+            detail::detail_fade(layer, baked, step, gone),
+            detail::detail_exponent(layer, baked, step, gone, 1.0, 1.25),
+        ];
+        assert_eq!(found[..3], twin, "{case:?}");
     }
 }
 
@@ -46,12 +76,12 @@ fn exponents_heights_and_light_on_the_device_are_those_of_the_twin() {
     let cases: Vec<[[f32; 4]; 1]> =
         (0..200).map(|i| [[(1 + i % 15) as f32, (i % 7) as f32 / 7.0, 1.0 + (i % 5) as f32, 0.1 * i as f32]]).collect();
     let Some(gpu) = gpu("exponents_heights_and_light") else { return };
-    let expression = "vec4(detail_exponent(u32(in_0.x), 16u, 2u, 4u, 1.0 - in_0.y, 1.25 * in_0.y), \
+    let expression = "vec4(detail_exponent(u32(in_0.x), 16u, 2u, 7.0 * in_0.y, 1.0, 1.25), \
                       seen_height(in_0.x / 15.0, in_0.z, 16u), coat_light(in_0.z, 1.0, in_0.w), 0.0)";
     for (case, found) in cases.iter().zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
         let [layer, fade, number, slope] = case[0];
         let twin = [
-            detail::detail_exponent(layer as u32, 16, 2, 4, 1.0 - fade, 1.25 * fade),
+            detail::detail_exponent(layer as u32, 16, 2, 7.0 * fade, 1.0, 1.25),
             detail::seen_height(layer / 15.0, number, 16),
             detail::coat_light(number, 1.0, slope),
         ];

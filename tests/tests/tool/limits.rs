@@ -207,7 +207,7 @@ fn the_shells_chart() {
     assert_eq!(bake(&sandbox, &["-q"]).code, Some(0));
     let run = sandbox.run(&["chart", "shells", "torus.pelage", "-o", "again", "--rows", "1,2", "--json"]);
     let own = schema::done(&run, "chart");
-    assert_eq!(own["rows"][0]["fins.enabled"], "true");
+    assert_eq!(own["rows"][0]["fins.enabled"], "false");
     assert!(own["rows"][0]["flip"].as_f64() > own["rows"][0]["coverage_error"].as_f64(), "{own}");
     // More layers cost more; a picture of the chart is there.
     assert!(rows[2]["slice.layers"].as_f64() > rows[0]["slice.layers"].as_f64(), "{rows:?}");

@@ -6,7 +6,7 @@ use crate::cli::view::View;
 use glam::Vec3;
 use pelage_bake::judge::chart::light_maps::LightMaps;
 use pelage_runtime::{Light, PassId, SelfShadow, ShadowMaps, ShadowParams, Study};
-use pelage_stage::{Gpu, Meter, NamedPackage, Stage, StageError};
+use pelage_stage::{Gpu, LookDetail, Meter, NamedPackage, Stage, StageError};
 
 /// Drawings of the maps under each light, of which the fastest counts; of all lights the median.
 const DRAWINGS: usize = 3;
@@ -21,7 +21,9 @@ impl LightBench {
     /// Loads the package of that name.
     pub fn new(name: &str, package: &[u8], gpu: &Gpu) -> Result<Self, Failure> {
         let file = NamedPackage { name: name.into(), bytes: package.into() };
-        let scene = stage_of(&file, &View::sized((16, 16)), || Ok(gpu.clone()))?;
+        // The picture is small, and nothing of it is looked at: all of the model throws its shadow.
+        let view = View::sized((16, 16)).with(|look| look.fur.detail = LookDetail::Full);
+        let scene = stage_of(&file, &view, || Ok(gpu.clone()))?;
         let meter = Meter::new(&scene.gpu);
         Ok(Self { scene, meter })
     }

@@ -6,7 +6,7 @@ use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::shell_judge::{ShellJudge, Source};
 use pelage_bake::judge::chart::{Cell, shells};
-use pelage_stage::Gpu;
+use pelage_stage::{Gpu, LookDetail};
 
 /// The topic.
 pub struct ShellsTopic<'a> {
@@ -51,7 +51,7 @@ impl Topic for ShellsTopic<'_> {
             Some(package) => Source::Package(package),
             None => Source::Model { file, name, model, images },
         };
-        let judge = once(&mut self.judge, || ShellJudge::new(source, recipe, gpu, doing))?;
+        let judge = once(&mut self.judge, || ShellJudge::new(source, recipe, gpu, LookDetail::Full, doing))?;
         let configuration = &self.configurations[index];
         doing("baking and drawing");
         let (measured, _) = judge.measure(&configuration.recipe)?;

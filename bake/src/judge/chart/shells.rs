@@ -62,7 +62,7 @@ pub const PANELS: [Panel; 2] = [
 const YANG_2006: Setting = Setting { layers: 16, tile_texels: 64, fins: false };
 
 /// What to measure, what the recipe itself gives first: [`LAYERS`] × [`TILES`], and about the recipe's own setting filter widths, formats, and
-/// the layers without fins.
+/// the layers without fins, or with them where the recipe has none.
 ///
 /// # Errors
 ///
@@ -83,8 +83,9 @@ pub fn configurations(base: &Recipe) -> Result<Vec<Configuration>, BakeError> {
             add(&format!("tile of {tile_texels}²"), layers.to_string(), setting.applied_to(base));
         }
     }
+    let series = if own.fins { "without fins" } else { "with fins" };
     for layers in LAYERS {
-        add("without fins", layers.to_string(), Setting { layers, fins: false, ..own }.applied_to(base));
+        add(series, layers.to_string(), Setting { layers, fins: !own.fins, ..own }.applied_to(base));
     }
     for (series, sets) in [
         ("filter width", &["slice.filter_width=0.25", "slice.filter_width=1.0", "slice.filter_width=2.0"][..]),
@@ -163,7 +164,7 @@ mod tests {
         // The grid is whole: each of its settings is there, whatever its series.
         for tile_texels in TILES {
             for layers in LAYERS {
-                let setting = Setting { layers, tile_texels, fins: true };
+                let setting = Setting { layers, tile_texels, fins: base.fins.enabled };
                 assert!(all.iter().any(|c| c.recipe == setting.applied_to(&base)), "{setting}");
             }
         }

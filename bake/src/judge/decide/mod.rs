@@ -180,6 +180,13 @@ impl Space {
         Self { settings: distinct, start }
     }
 
+    /// Those of at most so many layers, and the next finer ones; the start in any case.
+    pub fn up_to(mut self, layers: u32) -> Self {
+        let most = LAYERS.into_iter().find(|tried| *tried >= layers).unwrap_or(u32::MAX);
+        self.settings.retain(|setting| setting.layers <= most || *setting == self.start);
+        self
+    }
+
     /// All of them, the start first.
     pub fn settings(&self) -> &[Setting] {
         &self.settings

@@ -69,9 +69,16 @@ fn limits() -> Vec<Limits> {
     all
 }
 
+/// A recipe with fins, so that they are among what is chosen, and whose tile lies in the middle of those that are tried.
+fn finned() -> Recipe {
+    let mut recipe = Recipe::default();
+    (recipe.fins.enabled, recipe.slice.tile_texels) = (true, 64);
+    recipe
+}
+
 #[test]
 fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
-    let space = Space::around(&Recipe::default());
+    let space = Space::around(&finned());
     let (mut measured, mut searches, mut met) = (0, 0, 0);
     for animal in ANIMALS {
         for limits in limits() {
@@ -96,7 +103,7 @@ fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
 
 #[test]
 fn an_impossible_wish_ends_with_the_nearest() {
-    let space = Space::around(&Recipe::default());
+    let space = Space::around(&finned());
     for animal in ANIMALS {
         let limits =
             Limits { max_error: Some(0.5 * (animal.floor - animal.outline.max(0.0)).max(1e-4)), ..Limits::default() };
@@ -113,7 +120,7 @@ fn an_impossible_wish_ends_with_the_nearest() {
 
 #[test]
 fn both_sides_of_the_choice_are_measured() {
-    let space = Space::around(&Recipe::default());
+    let space = Space::around(&finned());
     let decision = found(&space, &Limits { max_error: Some(0.06), ..Limits::default() }, ANIMALS[0]);
     let figures = |i: Option<usize>| i.map(|i| decision.trials[i].measured).expect("a neighbour");
     let (better, cheaper, chosen) =
@@ -121,12 +128,12 @@ fn both_sides_of_the_choice_are_measured() {
     assert!(better.error < chosen.error && better.frame.ms > chosen.frame.ms);
     assert!(cheaper.frame.ms < chosen.frame.ms && cheaper.error > 0.06, "{cheaper:?}");
     assert_eq!(decision.binding, Some(Figure::Error));
-    assert_eq!(decision.trials[0].setting, Setting::of(&Recipe::default()));
+    assert_eq!(decision.trials[0].setting, Setting::of(&finned()));
 }
 
 #[test]
 fn a_limit_that_nothing_reaches_does_not_bind() {
-    let space = Space::around(&Recipe::default());
+    let space = Space::around(&finned());
     let limits = Limits { max_error: Some(1.0), max_bytes: Some(1 << 40), ..Limits::default() };
     let decision = found(&space, &limits, ANIMALS[0]);
     assert!(decision.meets && decision.binding.is_none() && decision.next_cheaper.is_none());
@@ -135,7 +142,7 @@ fn a_limit_that_nothing_reaches_does_not_bind() {
 
 #[test]
 fn the_binding_limit_is_the_one_that_the_next_setting_breaks() {
-    let space = Space::around(&Recipe::default());
+    let space = Space::around(&finned());
     let bound = |limits| found(&space, &limits, ANIMALS[0]).binding;
     assert_eq!(bound(Limits { max_frame_ms: Some(40.0), ..Limits::default() }), Some(Figure::FrameMs));
     assert_eq!(bound(Limits { max_bytes: Some(600_000), ..Limits::default() }), Some(Figure::Bytes));
@@ -153,6 +160,10 @@ fn a_setting_is_what_its_words_say() {
     assert_eq!(Setting::of(&recipe), setting);
     assert_eq!(setting.applied_to(&Recipe::default()), recipe);
     assert!(Space::around(&recipe).settings().iter().all(|s| !s.fins), "a recipe without fins gets none");
+    let few = Space::around(&recipe).up_to(10);
+    assert!(few.settings().iter().all(|s| s.layers <= 12 || *s == Setting::of(&recipe)), "{few:?}");
+    assert!(few.settings().iter().any(|s| s.layers == 12) && few.settings()[0] == Setting::of(&recipe));
+    assert_eq!(Space::around(&recipe).up_to(u32::MAX), Space::around(&recipe));
 }
 
 #[test]
@@ -182,7 +193,7 @@ fn what_takes_as_long_is_told_apart_by_its_size() {
             settings.iter().map(|s| self.measure(s).map(|m| m.frame)).collect()
         }
     }
-    let space = Space::around(&Recipe::default());
+    let space = Space::around(&finned());
     for limits in [
         Limits { max_error: Some(0.05), ..Limits::default() },
         Limits { max_frame_ms: Some(60.0), ..Limits::default() },
@@ -238,7 +249,7 @@ impl Judge for Busy {
 /// On machines with noise: the choice lies on the front of what was measured, its neighbours on either side of it, and all three were timed in turns.
 #[test]
 fn the_choice_is_on_the_front_however_noisy_the_times() {
-    let space = Space::around(&Recipe::default());
+    let space = Space::around(&finned());
     let (mut met, mut sides) = (0, [0; 2]);
     for seed in 0..24 {
         for (animal, blur) in ANIMALS.iter().zip([(64, 0.0), (16, 2e-4), (8, 5e-4), (12, 1e-4)]) {
@@ -281,7 +292,7 @@ fn the_choice_is_on_the_front_however_noisy_the_times() {
 /// Where fewer layers are truer, the choice has few.
 #[test]
 fn more_layers_are_not_taken_for_better() {
-    let space = Space::around(&Recipe::default());
+    let space = Space::around(&finned());
     let animal = Animal { floor: 0.03, layered: 0.01, texel: 0.0, power: 1.0, outline: 0.0, layer_ms: 3.0, noise: 0.0 };
     let mut judge = Busy { animal, seed: 1, blur: (8, 1e-3), again: 0 };
     let limits = Limits { max_frame_ms: Some(100.0), ..Limits::default() };

@@ -19,7 +19,7 @@ pub(super) fn advise(
     fault: &dyn Fn(FormatError) -> BakeError,
 ) -> Result<Vec<Advice>, BakeError> {
     let manifest = package.manifest();
-    let furry = found.passes.iter().any(|pass| pass.name == "shells" && pass.runs);
+    let furry = manifest.fur.layers > 1 && found.on_screen.height_px > 0.0;
     let mut out = Vec::new();
     if furry {
         let textures = package.fur_textures().map_err(fault)?;
@@ -52,7 +52,7 @@ pub fn is_harmless(before: f64, after: f64) -> bool {
 /// 834x424: 16 layers, 2 pixels apart, are a soft coat, 8 layers (4 pixels) are lines, 4 layers (10 pixels) are a ghost about a bare body.
 const MOST_GAP_PX: f64 = 3.0;
 /// More layers than this are not advised: at 64 a frame takes four times as long as with the usual 16.
-const MOST_LAYERS: u32 = 64;
+pub(super) const MOST_LAYERS: u32 = 64;
 
 /// What a close-up needs.
 fn too_near(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
@@ -110,8 +110,10 @@ fn layers(
     if gap >= LEAST_GAP_PX || enough >= now {
         return None;
     }
-    let share = 1.0 - f64::from(enough - 1) / f64::from(now - 1);
-    let of = |count: u64| (count as f64 * share) as u64;
+    let less = |most: u32| 1.0 - (f64::from(enough - 1) / f64::from(most)).min(1.0);
+    // Of layers that are not drawn anyway only the textures are saved.
+    let (share, of_drawn) = (less(now - 1), less(found.on_screen.layers_drawn.max(1)));
+    let of = |count: u64| (count as f64 * of_drawn) as u64;
     let shells = found.passes.iter().find(|pass| pass.name == "shells")?;
     // Two bytes a texel and layer, where there are such maps.
     let maps = if knows_visibility { 0 } else { 2 * u64::from(view.shadow_map).pow(2) * u64::from(now - enough) };
@@ -119,7 +121,8 @@ fn layers(
         change: format!("slice.layers={enough}"),
         found: format!("{now} layers lie {gap:.2} pixels apart where the fur is nearest"),
         saves: format!(
-            "{:.0} % of the shells' fragments and vertices, of their textures{}",
+            "{:.0} % of the shells' fragments and vertices, {:.0} % of their textures{}",
+            100.0 * of_drawn,
             100.0 * share,
             if knows_visibility { "" } else { " and of the layer-wise shadow maps" }
         ),
@@ -127,7 +130,7 @@ fn layers(
         saved: Some(Saved {
             fragments: of(shells.fragments.unwrap_or_default()),
             vertices: of(shells.vertices),
-            bytes: of(textures) + maps,
+            bytes: (textures as f64 * share) as u64 + maps,
         }),
         can_be_tried: true,
         measured: None,
@@ -137,7 +140,7 @@ fn layers(
 /// Texels of the tile that are smaller than this on the screen, pixels, are more than it shows: mips are read instead.
 const LEAST_TEXEL_PX: f64 = 0.5;
 /// A hair whose root is thinner than this, texels, fades instead of showing, in every mip level: a coarser tile is a ghost of the coat.
-const LEAST_HAIR_TEXELS: f64 = 1.0;
+pub(super) const LEAST_HAIR_TEXELS: f64 = 1.0;
 
 fn tile(manifest: &Manifest, found: &Prognosis, bytes: u64) -> Option<Advice> {
     let recipe = Recipe::parse("recipe of the package", &manifest.recipe).ok()?;
@@ -168,15 +171,16 @@ fn fins(
     found: &Prognosis,
     fault: &dyn Fn(FormatError) -> BakeError,
 ) -> Result<Option<Advice>, BakeError> {
-    let Some(pass) = found.passes.iter().find(|pass| pass.name == "fins" && pass.runs) else { return Ok(None) };
+    let (Some(info), Some(pass)) = (package.manifest().fur.fins, found.passes.iter().find(|pass| pass.name == "fins"))
+    else {
+        return Ok(None);
+    };
     if found.on_screen.height_px >= 1.0 {
         return Ok(None);
     }
     let mut bytes = 0;
-    if let Some(info) = package.manifest().fur.fins {
-        for index in [info.color_texture, info.direction_texture] {
-            bytes += package.texture(index).map_err(fault)?.gpu_bytes();
-        }
+    for index in [info.color_texture, info.direction_texture] {
+        bytes += package.texture(index).map_err(fault)?.gpu_bytes();
     }
     Ok(Some(Advice {
         change: "fins.enabled=false".into(),

@@ -1,23 +1,25 @@
 //! What a package will cost on a screen, found without a GPU, and what of it is more than the screen shows.
 //!
-//! Every skin triangle, layer and fin is rasterised as the runtime would draw it at rest ([`raster`]), and counted. What is
-//! predicted is work: fragments, vertices, bytes. What that takes in time depends on the adapter, which `pelage bench` measures.
+//! Every triangle of the skin, every layer and fin that the runtime would draw at rest by default is rasterised as it would ([`raster`]), and
+//! counted. What is predicted is work: fragments, vertices, bytes. What that takes in time depends on the adapter, which `pelage bench` measures.
 //!
 //! Advice is what saves some of that and does no harm, and what mends a look that comes too near. What does no harm is found by sizes on the screen alone
 //! here; a caller with an adapter draws the picture with and without the change, beside the true one, and drops what [`is_harmless`] denies.
 
 mod advice;
+mod fit;
 mod prognosis;
 pub mod raster;
 
 pub use advice::is_harmless;
+pub use fit::fitted;
 pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, Saved, View};
 
 use crate::BakeError;
 use glam::{Mat4, Vec3, Vec4};
 use pelage_formats::meaning::{
-    TOTAL_MAP_LAYERS, fin_face, fin_opacity, fin_rows, hair_offset, layer_height, posed_vertices, row_heights,
-    tile_frame, view_axes,
+    TOTAL_MAP_LAYERS, detail_count, detail_layer, detail_pairs, detail_place, fin_face, fin_opacity, fin_rows,
+    hair_offset, layer_height, posed_vertices, row_heights, simplest_list, tile_frame, view_axes,
 };
 use pelage_formats::{FormatError, Package, Pose};
 use raster::{Covered, Draw, Raster};
@@ -59,7 +61,15 @@ pub fn diagnose(
     let manifest = package.manifest();
     let fur = &manifest.fur;
     let vertices = vertices(package, fault)?;
+    let layers = if fur.layers < 2 { 1 } else { fur.layers };
     let indices: Vec<u32> = package.mesh().map_err(fault)?.map_or_else(Vec::new, |mesh| mesh.indices().collect());
+    let mut furred = vec![false; vertices.len()];
+    for part in manifest.parts.iter().filter(|part| manifest.materials[part.material as usize].furred && layers > 1) {
+        triangles(&indices, part).flatten().for_each(|i| furred[i as usize] = true);
+    }
+    let near = Near::of(&vertices, &furred, view);
+    let drawn = drawn_layers(manifest, near.height_px);
+    let lists = drawn_lists(package, indices, near.px_per_m, fault)?;
     let (raster_size, scale) = raster_size(view.size);
     let clip_from_world = camera(view)?;
     let clip = |p: Vec3| clip_from_world * p.extend(1.0);
@@ -67,9 +77,9 @@ pub fn diagnose(
 
     let mut skin = Covered::default();
     let mut areas = Vec::new();
-    for part in &manifest.parts {
+    for (part, list) in manifest.parts.iter().zip(&lists) {
         let both = manifest.materials[part.material as usize].double_sided;
-        for t in triangles(&indices, part) {
+        for t in corners(list) {
             let corners = t.map(|i| clip(vertices[i as usize].position));
             let found = raster.draw(corners, both, Draw::Opaque);
             skin = sum(skin, found);
@@ -78,24 +88,27 @@ pub fn diagnose(
             }
         }
     }
-    let layers = if fur.layers < 2 { 1 } else { fur.layers };
     let mut shells = Covered::default();
-    let mut furred = vec![false; vertices.len()];
-    for part in manifest.parts.iter().filter(|part| manifest.materials[part.material as usize].furred && layers > 1) {
-        let both = manifest.materials[part.material as usize].double_sided;
-        triangles(&indices, part).flatten().for_each(|i| furred[i as usize] = true);
-        for layer in 1..layers {
-            let share = layer_height(layer, layers);
+    let mut shell_vertices = vec![false; vertices.len()];
+    for (part, list) in manifest.parts.iter().zip(&lists) {
+        let material = &manifest.materials[part.material as usize];
+        if !material.furred {
+            continue;
+        }
+        let both = material.double_sided;
+        list.iter().for_each(|i| shell_vertices[*i as usize] = true);
+        for layer in &drawn {
+            let share = layer_height(*layer, layers);
             let place: Vec<Vec4> = vertices.iter().map(|v| clip(v.at(share))).collect();
-            for t in triangles(&indices, part) {
+            for t in corners(list) {
                 shells = sum(shells, raster.draw(t.map(|i| place[i as usize]), both, Draw::Layer));
             }
         }
     }
     let (fins, fin_quads) = fins(package, &vertices, view, &clip, &mut raster, fault)?;
 
-    let furry_vertices = furred.iter().filter(|f| **f).count() as u64;
-    let on_screen = sizes(manifest, &vertices, &furred, &mut areas, view);
+    let furry_vertices = shell_vertices.iter().filter(|f| **f).count() as u64;
+    let on_screen = sizes(manifest, &near, drawn.len(), &mut areas);
     let memory = memory(package, view, layers, fault)?;
     let times = f64::from(view.instances) * scale;
     let passes = passes(&Work {
@@ -103,6 +116,7 @@ pub fn diagnose(
         vertices: vertices.len() as u64,
         furry_vertices,
         layers,
+        drawn: drawn.len() as u64,
         fin_quads,
         skin,
         fins,
@@ -130,9 +144,46 @@ fn sum(a: Covered, b: Covered) -> Covered {
     Covered { pixels: a.pixels + b.pixels, in_blocks: a.in_blocks + b.in_blocks }
 }
 
+/// The layers that are drawn of fur that is so many pixels high, as the package's levels of detail say.
+fn drawn_layers(manifest: &pelage_formats::Manifest, height_px: f64) -> Vec<u32> {
+    let baked = manifest.fur.layers;
+    let (place, fade) = detail_place(&manifest.detail, height_px as f32);
+    let Some(level) = manifest.detail.get(place) else { return (1..baked).collect() };
+    if level.step == 0 {
+        return Vec::new();
+    }
+    let next = manifest.detail.get(place + 1).map_or(0, |next| next.step);
+    let gone = if next == 0 { 0.0 } else { fade * detail_pairs(baked, level.step) as f32 };
+    let count = detail_count(baked, level.step) - gone as u32;
+    (0..count).map(|index| detail_layer(index, baked, level.step, gone)).collect()
+}
+
+/// The indices that are drawn of each part where a metre has so many pixels: of the mesh, or of a simplified list.
+fn drawn_lists(
+    package: &Package<'_>,
+    indices: Vec<u32>,
+    px_per_m: f64,
+    fault: &dyn Fn(FormatError) -> BakeError,
+) -> Result<Vec<Vec<u32>>, BakeError> {
+    let parts = &package.manifest().parts;
+    let simplified = package.simplified().map_err(fault)?;
+    let deviations: Vec<f32> = simplified.iter().flat_map(pelage_formats::SimplifiedView::deviations).collect();
+    let simplest = simplest_list(&deviations, px_per_m as f32);
+    let Some((lists, list)) = simplified.zip(simplest.checked_sub(1)) else {
+        return Ok(parts.iter().map(|part| triangles(&indices, part).flatten().collect()).collect());
+    };
+    let before: u32 = (0..list).flat_map(|list| lists.part_counts(list)).sum();
+    let mut rest = lists.indices().skip(before as usize);
+    Ok(lists.part_counts(list).map(|count| rest.by_ref().take(count as usize).collect()).collect())
+}
+
+fn corners(list: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    list.chunks_exact(3).map(|t| [t[0], t[1], t[2]])
+}
+
 fn triangles<'a>(indices: &'a [u32], part: &pelage_formats::Part) -> impl Iterator<Item = [u32; 3]> + 'a {
     let range = part.first_index as usize..(part.first_index + part.index_count) as usize;
-    indices.get(range).unwrap_or_default().chunks_exact(3).map(|t| [t[0], t[1], t[2]])
+    corners(indices.get(range).unwrap_or_default())
 }
 
 /// Size to rasterise in, and how many pixels of the picture one of its pixels stands for.
@@ -221,27 +272,37 @@ fn area_px(corners: [Vec4; 3], size: (u32, u32)) -> f64 {
     0.5 * ((b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0))
 }
 
-fn sizes(
-    manifest: &pelage_formats::Manifest,
-    vertices: &[Vertex],
-    furred: &[bool],
-    areas: &mut [f64],
-    view: &View,
-) -> OnScreen {
-    let forward = (view.target - view.eye).normalize_or_zero();
-    let furry = || vertices.iter().zip(furred).filter(|(_, f)| **f).map(|(v, _)| v);
-    let near = furry().map(|v| (v.position - view.eye).dot(forward)).filter(|z| *z > 0.0).fold(f32::INFINITY, f32::min);
-    // Where nothing is in sight, near is infinite and every size 0.
-    let px_per_m = f64::from(view.size.1) / (2.0 * f64::from(near) * f64::from(0.5 * view.fov_y_rad).tan());
-    let highest = furry().map(|v| v.height_m).fold(0.0, f32::max);
+/// Where the fur is nearest to the eye.
+struct Near {
+    /// How far before the eye that is, metres; infinite where nothing is in sight, and then all else is 0.
+    near_m: f32,
+    px_per_m: f64,
+    /// Height of the fur there, pixels seen from the side.
+    height_px: f64,
+}
+
+impl Near {
+    fn of(vertices: &[Vertex], furred: &[bool], view: &View) -> Self {
+        let forward = (view.target - view.eye).normalize_or_zero();
+        let furry = || vertices.iter().zip(furred).filter(|(_, f)| **f).map(|(v, _)| v);
+        let depths = furry().map(|v| (v.position - view.eye).dot(forward)).filter(|z| *z > 0.0);
+        let near_m = depths.fold(f32::INFINITY, f32::min);
+        let px_per_m = f64::from(view.size.1) / (2.0 * f64::from(near_m) * f64::from(0.5 * view.fov_y_rad).tan());
+        let highest = furry().map(|v| v.height_m).fold(0.0, f32::max);
+        Self { near_m, px_per_m, height_px: f64::from(highest) * px_per_m }
+    }
+}
+
+fn sizes(manifest: &pelage_formats::Manifest, near: &Near, layers_drawn: usize, areas: &mut [f64]) -> OnScreen {
     let fur = &manifest.fur;
-    let height_px = f64::from(highest) * px_per_m;
+    let Near { near_m, px_per_m, height_px } = *near;
     areas.sort_by(f64::total_cmp);
     OnScreen {
         texel_px: f64::from(fur.tile_size_m) * px_per_m / f64::from(fur.tile_texels.max(1)),
         layer_gap_px: height_px / f64::from(fur.layers.max(2) - 1),
         height_px,
-        near_m: if near.is_finite() { f64::from(near) } else { 0.0 },
+        layers_drawn: layers_drawn as u32,
+        near_m: if near_m.is_finite() { f64::from(near_m) } else { 0.0 },
         triangle_px: areas.get(areas.len() / 2).map_or(0.0, |area| area.abs()),
         small_triangles: areas.iter().filter(|area| area.abs() < SMALL_PX).count() as f64 / areas.len().max(1) as f64,
         triangles: areas.len() as u64,
@@ -260,7 +321,8 @@ fn memory(
     }
     if let Some(m) = package.mesh().map_err(fault)? {
         let skinned = package.animation().map_err(fault)?.is_some() && !m.skin.is_empty();
-        memory.buffers = (m.geometry.len() + m.attributes.len() + m.indices.len()) as u64;
+        let simplified = package.simplified().map_err(fault)?.map_or(0, |lists| lists.indices.len());
+        memory.buffers = (m.geometry.len() + m.attributes.len() + m.indices.len() + simplified) as u64;
         if skinned {
             memory.buffers += m.skin.len() as u64;
             memory.posed = m.geometry.len() as u64 * u64::from(view.instances);
@@ -282,6 +344,8 @@ struct Work<'a> {
     vertices: u64,
     furry_vertices: u64,
     layers: u32,
+    /// Those that are drawn, the skin not counted.
+    drawn: u64,
     fin_quads: u64,
     skin: Covered,
     fins: Covered,
@@ -309,7 +373,7 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
         fragments_in_blocks: covered.map(|c| (c.in_blocks as f64 * w.times).round() as u64),
     };
     let size = w.view.shadow_map;
-    let has_fins = w.fin_quads > 0 && furry;
+    let has_fins = w.fin_quads > 0 && furry && w.drawn > 0;
     vec![
         pass("pose", w.skinned, yes_or(w.skinned, "whenever the pose changes".into(), "no skeleton"), w.vertices, None),
         pass(
@@ -337,19 +401,27 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
         pass(
             "fins",
             has_fins,
-            yes_or(has_fins, format!("{} quads", w.fin_quads), "the package has none"),
+            yes_or(
+                has_fins,
+                format!("{} quads", w.fin_quads),
+                if w.fin_quads > 0 && furry { "the fur is too small on screen" } else { "the package has none" },
+            ),
             6 * w.fin_quads,
             Some(w.fins),
         ),
         pass(
             "shells",
-            furry,
+            furry && w.drawn > 0,
             yes_or(
-                furry,
-                format!("{above} layers, {} strands in the tile", w.manifest.fur.strands),
-                "the package has no fur",
+                furry && w.drawn > 0,
+                format!("{} of {above} layers, {} strands in the tile", w.drawn, w.manifest.fur.strands),
+                if furry {
+                    "the fur is too small on screen: the far coat on the skin"
+                } else {
+                    "the package has no fur"
+                },
             ),
-            w.furry_vertices * above,
+            w.furry_vertices * w.drawn,
             Some(w.shells),
         ),
     ]

@@ -65,6 +65,8 @@ pub struct OnScreen {
     pub layer_gap_px: f64,
     /// Height of the fur, pixels, likewise.
     pub height_px: f64,
+    /// Layers that a renderer draws of fur so high, the skin not counted.
+    pub layers_drawn: u32,
     /// How far before the eye that is, metres; 0 where nothing is in sight.
     pub near_m: f64,
     /// Median area of the triangles of the skin that are seen, pixels.

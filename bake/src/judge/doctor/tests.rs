@@ -60,7 +60,7 @@ fn each_advice_is_earned() {
     for (name, sets, pixels, distance_m, texels) in [
         ("slice.layers", &["slice.layers=64"][..], pixels, 12.0, 0),
         ("slice.tile_texels", &["slice.tile_texels=256"], pixels, near, 0),
-        ("fins.enabled", &[], pixels, 600.0, 0),
+        ("fins.enabled", &["fins.enabled=true"], pixels, 600.0, 0),
         ("pack.shell_format", &["pack.shell_format=rgba8"], pixels, near, 0),
         ("pack.base_color_max", &[], pixels, 60.0, 512),
         ("the model: fewer triangles", &[], 120, near, 0),
@@ -74,7 +74,7 @@ fn each_advice_is_earned() {
         assert_eq!(advised(&sets, pixels, near, 0), Vec::<String>::new(), "{sets:?}");
     }
     // However small its texels are on the screen: in half of them no hair would be a texel wide.
-    let small = prognosis(&model(0), &[], 120, 12.0, 1);
+    let small = prognosis(&model(0), &["slice.tile_texels=64"], 120, 12.0, 1);
     assert!(small.on_screen.texel_px < 0.25, "{:?}", small.on_screen);
     assert!(!changes(&small).contains(&"slice.tile_texels"), "{:?}", small.advice);
     assert!(advised(&["hair.root_radius=0.016"], 120, 12.0, 0).contains(&"slice.tile_texels".to_owned()));
@@ -160,17 +160,24 @@ fn work_grows_as_it_must() {
         let pass = p.passes.iter().find(|pass| pass.name == name).unwrap();
         (pass.fragments.unwrap_or_default() as f64, pass.vertices)
     };
-    let (one, ten) = (prognosis(&model(0), &[], 300, 6.0, 1), prognosis(&model(0), &[], 300, 6.0, 10));
+    // All layers, whatever their pixels.
+    let full = ["detail.enabled=false"];
+    let (one, ten) = (prognosis(&model(0), &full, 300, 6.0, 1), prognosis(&model(0), &full, 300, 6.0, 10));
     assert_eq!((of(&ten, "shells").1, of(&ten, "skin").0), (10 * of(&one, "shells").1, 10.0 * of(&one, "skin").0));
     assert_eq!(ten.memory, one.memory, "what stands still is shared");
     // Twice the picture, four times the pixels; above some size they are counted on a smaller one.
-    let (large, huge) = (prognosis(&model(0), &[], 600, 6.0, 1), prognosis(&model(0), &[], 4800, 6.0, 1));
+    let (large, huge) = (prognosis(&model(0), &full, 600, 6.0, 1), prognosis(&model(0), &full, 4800, 6.0, 1));
     for (picture, factor) in [(&large, 4.0), (&huge, 256.0)] {
         let ratio = of(picture, "shells").0 / of(&one, "shells").0 / factor;
         assert!((0.97..1.03).contains(&ratio), "{ratio}");
     }
     assert!(one.overdraw.0 > 8.0 && one.overdraw.1 >= 15, "{:?}", one.overdraw);
     assert!(one.covered_pixels[1] > one.covered_pixels[0]);
+    // With levels of detail layers are as many as the fur has pixels.
+    let (fewer, far) = (prognosis(&model(0), &[], 300, 6.0, 1), prognosis(&model(0), &[], 300, 600.0, 1));
+    let drawn = [&one, &fewer, &far].map(|p| p.on_screen.layers_drawn);
+    assert!(drawn[0] == 15 && (1..15).contains(&drawn[1]) && drawn[2] == 0, "{drawn:?}");
+    assert!(of(&fewer, "shells").0 < of(&one, "shells").0 && of(&far, "shells").1 == 0);
     // Without fur there is less to do, and the report says why.
     let bare = prognosis(&model(0), &["model.bare=[\"*\"]"], 300, 6.0, 1);
     let shells = bare.passes.iter().find(|pass| pass.name == "shells").unwrap();

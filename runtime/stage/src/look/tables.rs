@@ -65,7 +65,7 @@ params! {
         layers: Option<u32> = None, in 1..=1024, or "all";
         /// How much of the fur is drawn: `full`, `auto` (the package's levels of detail, by the fur's height on screen), or a level, from 0,
         /// with a fraction for the cross-fade to the next; `layers` goes before it.
-        detail: LookDetail = LookDetail::Full;
+        detail: LookDetail = LookDetail::Auto;
         /// Whether fins along the silhouette are drawn, where the package has them.
         fins: bool = true;
         /// Where hair is lit.

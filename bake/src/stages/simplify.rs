@@ -1,0 +1,330 @@
+//! Simplified index lists: fewer triangles over the same vertices, for models that are small on screen.
+//!
+//! A layer of hair lies as high above the skin as the fur is, along the normals, and shows the tile. So what a collapse of an edge may not
+//! change is not only where the skin lies, but also where the outermost layer does, which texels of the tile lie there, how the skin is coloured,
+//! and how joints move it. All of it is measured in metres.
+
+use glam::{IVec3, Mat4, Vec3};
+use meshopt::{SimplifyOptions, VertexDataAdapter, simplify_scale, simplify_with_attributes_and_locks};
+use pelage_formats::{Animation, MeshData, Part, SimplifiedLevel};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Numbers of a vertex beside its position that a collapse keeps.
+const ATTRIBUTES: usize = 17;
+/// Metres that count as much as so many of hair which lies elsewhere on the skin: a strand more or less at a place is hardly seen.
+const TILE_SHARE: f32 = 0.3;
+/// A step from black to white, from a full coat to none, or a normal turned by a radian, over the size of the model.
+const COLOR_SHARE: f32 = 0.03;
+const NORMAL_SHARE: f32 = 0.01;
+/// Triangles of the smallest list at least. Fewer cost next to nothing.
+const FEWEST: usize = 64;
+/// A list has at most this share of the triangles of the one before.
+const SHARE: f32 = 0.7;
+
+/// Lists of half, a quarter, an eighth … of the triangles, as far as patches, borders and materials let them be simplified; none where parts share
+/// vertices, as a list could not tell whose its triangles are.
+pub fn levels(
+    mesh: &MeshData,
+    parts: &[Part],
+    animation: Option<&Animation>,
+    tile_size_m: f32,
+) -> Vec<SimplifiedLevel> {
+    let Some(part_of) = part_of_vertices(mesh, parts) else { return Vec::new() };
+    let Ok(vertices) = VertexDataAdapter::new(bytemuck::cast_slice(&mesh.geometry), 48, 0) else { return Vec::new() };
+    let size_m = simplify_scale(&vertices);
+    if !(size_m > 0.0 && size_m.is_finite()) {
+        return Vec::new();
+    }
+    let attributes = attributes(mesh, animation, tile_size_m, size_m);
+    let unlocked = vec![false; mesh.geometry.len()];
+    let (mut found, mut before, mut deviation_m) = (Vec::new(), mesh.indices.len(), 0.0f32);
+    let mut wanted = mesh.indices.len() / 3;
+    loop {
+        wanted /= 2;
+        if wanted < FEWEST {
+            return found;
+        }
+        let simpler = simplify_with_attributes_and_locks(
+            &mesh.indices,
+            &vertices,
+            &attributes,
+            &[1.0; ATTRIBUTES],
+            4 * ATTRIBUTES,
+            &unlocked,
+            3 * wanted,
+            f32::MAX,
+            SimplifyOptions::None,
+            // It would say how far positions move, and nothing of all else.
+            None,
+        );
+        if simpler.len() as f32 > SHARE * before as f32 || simpler.is_empty() {
+            return found;
+        }
+        before = simpler.len();
+        // A flat sheet loses nothing, and lists are told apart all the same.
+        let measured = size_m * deviation(mesh, &attributes, &simpler, size_m);
+        deviation_m = measured.max(deviation_m * 1.01).max(1e-6 * size_m);
+        let mut lists = vec![Vec::new(); parts.len()];
+        for triangle in simpler.chunks_exact(3) {
+            lists[part_of[triangle[0] as usize] as usize].extend_from_slice(triangle);
+        }
+        let part_counts = lists.iter().map(|list| list.len() as u32).collect();
+        found.push(SimplifiedLevel { deviation_m, part_counts, indices: lists.concat() });
+    }
+}
+
+/// Vertices whose deviation is measured at most: so many tell the share of [`DEVIATING`] within a hundredth.
+const MEASURED: usize = 20_000;
+/// Share of the vertices that are left out which may deviate by more than a list says.
+const DEVIATING: f32 = 0.05;
+
+/// How far a list is from the mesh, over its size: what all but [`DEVIATING`] of the vertices that it leaves out keep to, each of them against the
+/// place on the list's triangles that is most like it.
+fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> f32 {
+    let place = |v: u32| Vec3::from(mesh.geometry[v as usize].position) / size_m;
+    let kept: Vec<bool> = list.iter().fold(vec![false; mesh.geometry.len()], |mut kept, v| {
+        kept[*v as usize] = true;
+        kept
+    });
+    let mut gone: Vec<u32> = mesh.indices.iter().copied().filter(|v| !kept[*v as usize]).collect();
+    gone.sort_unstable();
+    gone.dedup();
+    if gone.is_empty() {
+        return 0.0;
+    }
+    let triangles: Vec<[u32; 3]> = list.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let edges = triangles.iter().map(|t| place(t[0]).distance(place(t[1]))).sum::<f32>();
+    let cells = Cells::new(&triangles, &place, (edges / triangles.len().max(1) as f32).max(1e-4));
+    let step = gone.len().div_ceil(MEASURED);
+    let of = |v: &u32| {
+        let numbers = |v: u32| &attributes[ATTRIBUTES * v as usize..][..ATTRIBUTES];
+        let apart = |t: &[u32; 3]| {
+            let weights = closest(place(*v), t.map(place));
+            let square = |wanted: f32, found: [f32; 3]| {
+                let apart = Vec3::from(found).dot(weights) - wanted;
+                apart * apart
+            };
+            let [a, b, c] = t.map(place);
+            let moved = place(*v) - (weights.x * a + weights.y * b + weights.z * c);
+            let rest = (0..ATTRIBUTES).map(|i| square(numbers(*v)[i], t.map(|v| numbers(v)[i]))).sum::<f32>();
+            moved.length_squared() + rest
+        };
+        cells.near(place(*v)).map(|t| apart(&triangles[t as usize])).fold(f32::INFINITY, f32::min).sqrt()
+    };
+    let mut found: Vec<f32> = gone.par_iter().step_by(step).map(of).filter(|d| d.is_finite()).collect();
+    found.sort_by(f32::total_cmp);
+    found.get((found.len() as f32 * (1.0 - DEVIATING)) as usize).or(found.last()).copied().unwrap_or_default()
+}
+
+/// Barycentric coordinates of the point of a triangle that is closest to `p` (Ericson, *Real-Time Collision Detection*, 5.1.5).
+fn closest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return Vec3::X;
+    }
+    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return Vec3::Y;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let v = d1 / (d1 - d3);
+        return Vec3::new(1.0 - v, v, 0.0);
+    }
+    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return Vec3::Z;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let w = d2 / (d2 - d6);
+        return Vec3::new(1.0 - w, 0.0, w);
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return Vec3::new(0.0, 1.0 - w, w);
+    }
+    let sum = (va + vb + vc).recip();
+    Vec3::new(va * sum, vb * sum, vc * sum)
+}
+
+/// Triangles by the cells of a grid that their boxes meet.
+struct Cells {
+    size: f32,
+    of_cell: HashMap<IVec3, Vec<u32>>,
+}
+
+impl Cells {
+    fn new(triangles: &[[u32; 3]], place: &dyn Fn(u32) -> Vec3, size: f32) -> Self {
+        let mut of_cell: HashMap<IVec3, Vec<u32>> = HashMap::new();
+        for (number, corners) in (0..).zip(triangles) {
+            let [a, b, c] = corners.map(place);
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            let [low, high] = [low, high].map(|p| (p / size).floor().as_ivec3());
+            for x in low.x..=high.x {
+                for y in low.y..=high.y {
+                    for z in low.z..=high.z {
+                        of_cell.entry(IVec3::new(x, y, z)).or_default().push(number);
+                    }
+                }
+            }
+        }
+        Self { size, of_cell }
+    }
+
+    /// Those in the cell of a point and the cells about it.
+    fn near(&self, p: Vec3) -> impl Iterator<Item = u32> + '_ {
+        let cell = (p / self.size).floor().as_ivec3();
+        let about = (0..27).map(move |i| cell + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
+        about.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied()
+    }
+}
+
+/// The part whose triangles have each vertex; `None` where two parts share one.
+fn part_of_vertices(mesh: &MeshData, parts: &[Part]) -> Option<Vec<u32>> {
+    let mut found = vec![u32::MAX; mesh.geometry.len()];
+    for (number, part) in (0..).zip(parts) {
+        for index in &mesh.indices[part.first_index as usize..][..part.index_count as usize] {
+            let slot = &mut found[*index as usize];
+            if *slot != u32::MAX && *slot != number {
+                return None;
+            }
+            *slot = number;
+        }
+    }
+    Some(found)
+}
+
+/// What a collapse keeps of each vertex, all as lengths over the model's size.
+fn attributes(mesh: &MeshData, animation: Option<&Animation>, tile_size_m: f32, size_m: f32) -> Vec<f32> {
+    let origin = |inverse_bind| Mat4::from_cols_array(inverse_bind).inverse().w_axis.truncate();
+    let origins: Vec<Vec3> =
+        animation.iter().flat_map(|a| &a.joints).map(|joint| origin(&joint.inverse_bind)).collect();
+    let unit = |byte: u8, share: f32| f32::from(byte) / 255.0 * share;
+    let of = |i: usize| -> [f32; ATTRIBUTES] {
+        let (at, skin) = (&mesh.geometry[i], &mesh.attributes[i]);
+        let normal = Vec3::from(at.normal);
+        let outermost = normal * at.fur_height / size_m;
+        // Where joints that hold it sit, each by its weight: what moves otherwise is held by others.
+        let held = mesh.skin.get(i).map_or(Vec3::ZERO, |v| {
+            let joints = v.joints.iter().zip(v.weights);
+            joints.map(|(joint, weight)| weight * origins.get(usize::from(*joint)).copied().unwrap_or_default()).sum()
+        }) / size_m;
+        let held = if held.is_finite() { held } else { Vec3::ZERO };
+        let [u, v] = skin.tile_uv.map(|t| t * tile_size_m * TILE_SHARE / size_m);
+        let turned = normal * NORMAL_SHARE;
+        let [red, green, blue, _] = skin.color.map(|c| unit(c, COLOR_SHARE));
+        let [bare, wet, ..] = skin.groom.map(|g| unit(g, COLOR_SHARE));
+        let lean = at.lean * at.fur_height / size_m;
+        [
+            outermost.x,
+            outermost.y,
+            outermost.z,
+            held.x,
+            held.y,
+            held.z,
+            u,
+            v,
+            turned.x,
+            turned.y,
+            turned.z,
+            red,
+            green,
+            blue,
+            bare,
+            wet,
+            lean,
+        ]
+    };
+    (0..mesh.geometry.len()).flat_map(of).collect()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+    use pelage_formats::{AttributeVertex, GeometryVertex};
+
+    /// A grid of n × n squares over a unit square, bulging by `bulge`, its texels as `uv` says, in two parts side by side.
+    fn grid(n: usize, bulge: f32, color: impl Fn(f32, f32) -> u8) -> (MeshData, Vec<Part>) {
+        let mut mesh = MeshData::default();
+        let mut parts = Vec::new();
+        for half in 0..2 {
+            let first = mesh.geometry.len();
+            let first_index = mesh.indices.len() as u32;
+            for y in 0..=n {
+                for x in 0..=n / 2 {
+                    let (u, v) = ((x + half * n / 2) as f32 / n as f32, y as f32 / n as f32);
+                    let z = bulge * (1.0 - (2.0 * u - 1.0).powi(2)) * (1.0 - (2.0 * v - 1.0).powi(2));
+                    mesh.geometry.push(GeometryVertex {
+                        position: [u, v, z],
+                        fur_height: 0.05,
+                        normal: [0.0, 0.0, 1.0],
+                        tangent: [1.0, 0.0, 0.0, 1.0],
+                        lean: 0.0,
+                    });
+                    mesh.attributes.push(AttributeVertex {
+                        tile_uv: [4.0 * u, 4.0 * v],
+                        color: [color(u, v), 0, 0, 255],
+                        ..AttributeVertex::default()
+                    });
+                }
+            }
+            let at = |x: usize, y: usize| (first + y * (n / 2 + 1) + x) as u32;
+            for y in 0..n {
+                for x in 0..n / 2 {
+                    let (a, b, c, d) = (at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1));
+                    mesh.indices.extend([a, b, c, a, c, d]);
+                }
+            }
+            let index_count = mesh.indices.len() as u32 - first_index;
+            parts.push(Part { material: half as u32, first_index, index_count });
+        }
+        (mesh, parts)
+    }
+
+    #[test]
+    fn lists_halve_their_triangles_and_deviate_more_and_more() {
+        let (mesh, parts) = grid(32, 0.2, |_, _| 128);
+        let levels = levels(&mesh, &parts, None, 0.25);
+        assert!(levels.len() >= 3, "{} lists", levels.len());
+        let mut before = SimplifiedLevel { indices: mesh.indices.clone(), ..SimplifiedLevel::default() };
+        for level in levels {
+            assert!(level.deviation_m > before.deviation_m && level.deviation_m < 0.1, "{}", level.deviation_m);
+            assert!(level.indices.len() as f32 <= SHARE * before.indices.len() as f32);
+            assert_eq!(level.part_counts.iter().sum::<u32>() as usize, level.indices.len());
+            // Each part's triangles have its own vertices.
+            let (first, second) = level.indices.split_at(level.part_counts[0] as usize);
+            let vertices = mesh.geometry.len() as u32 / 2;
+            assert!(first.iter().all(|i| *i < vertices) && second.iter().all(|i| *i >= vertices));
+            // No hole opens: seen from above the square is covered as it was.
+            let corner = |i: u32| Vec3::from(mesh.geometry[i as usize].position).with_z(0.0);
+            let area = |t: &[u32]| 0.5 * (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).z;
+            let covered: f32 = level.indices.chunks_exact(3).map(area).sum();
+            assert!((covered - 1.0).abs() < 1e-3, "{covered} of the square is covered");
+            before = level;
+        }
+    }
+
+    #[test]
+    fn colour_counts_as_shape_does() {
+        let (plain, parts) = grid(32, 0.0, |_, _| 128);
+        let (speckled, _) = grid(32, 0.0, |u, v| if (437.0 * u + 911.0 * v).sin() < 0.0 { 255 } else { 0 });
+        let first = |mesh| levels(mesh, &parts, None, 0.25).first().map(|level| level.deviation_m).unwrap();
+        assert!(first(&speckled) > 0.3 * COLOR_SHARE, "{}", first(&speckled));
+        assert!(first(&plain) < 1e-3 * COLOR_SHARE, "{}", first(&plain));
+    }
+
+    #[test]
+    fn parts_that_share_vertices_stay_as_they_are() {
+        let (mut mesh, parts) = grid(16, 0.1, |_, _| 128);
+        assert!(!levels(&mesh, &parts, None, 0.25).is_empty());
+        let shared = mesh.indices[0];
+        *mesh.indices.last_mut().unwrap() = shared;
+        assert!(levels(&mesh, &parts, None, 0.25).is_empty());
+        assert!(levels(&MeshData::default(), &[], None, 0.25).is_empty());
+    }
+}
