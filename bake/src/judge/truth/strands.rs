@@ -32,6 +32,9 @@ struct Segment {
     from: DVec3,
     along: DVec3,
     radii: [f64; 2],
+    strand: u32,
+    /// The tile that it was taken from.
+    home: DVec2,
 }
 
 impl Boundable for Segment {
@@ -95,10 +98,11 @@ impl StrandField {
             for i in range.start..range.end.saturating_sub(1) {
                 let (a, b) = (strands.points[i].as_dvec3(), strands.points[i + 1].as_dvec3());
                 let middle = 0.5 * (a + b);
-                let home = DVec3::new(middle.x.floor(), middle.y.floor(), 0.0);
+                let home = middle.truncate().floor();
                 let radii = [strands.radii[i], strands.radii[i + 1]].map(f64::from);
                 if radii != [0.0; 2] {
-                    segments.push(Segment { from: a - home, along: b - a, radii });
+                    let from = a - home.extend(0.0);
+                    segments.push(Segment { from, along: b - a, radii, strand: strand as u32, home });
                 }
             }
         }
@@ -111,7 +115,8 @@ impl StrandField {
         Ok(Self { segments, tree: Some(tree), min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() })
     }
 
-    /// Share of the rays from a small square at height `z`, parallel to the skin, that reach a distant light past all hairs; 0..=1.
+    /// Share of the rays from a small square at height `z`, parallel to the skin, that reach a distant light past all hairs; 0..=1. That is the
+    /// light in the space that hairs stand in, and in them it is dark; what a hair gets itself is [`Self::lights_strand`].
     ///
     /// * `u`, `v`: middle of the square, widths of the tile; any, because the tile repeats
     /// * `z`: height above the skin, widths of the tile
@@ -126,14 +131,27 @@ impl StrandField {
         let count = rays.len();
         let free = rays.filter(|cell| {
             let place = DVec2::new(u, v) + (*cell - 0.5) * footprint;
-            self.is_free(place.extend(z), light)
+            self.is_free(place.extend(z), light, None)
         });
         free.count() as f64 / count as f64
     }
 
-    /// Whether a ray leaves the fur. It is followed a tile's width at a time: within one it can meet the neighbours' hairs only where they lean
+    /// Whether a distant light is seen from a place on a strand past all hairs but that strand. Its copies in other tiles are others, as in the traced
+    /// picture, where each copy is a strand of its own.
+    ///
+    /// * `place`: on the strand's axis, widths of the tile, where [`Strands::points`] has it: not wrapped into the tile
+    /// * `strand`: index of the strand
+    /// * `light_ts`: as in [`Self::transmittance`]
+    ///
+    /// False where the light does not stand above the skin.
+    pub fn lights_strand(&self, place: DVec3, strand: u32, light_ts: DVec3) -> bool {
+        let light = light_ts.try_normalize().filter(|l| l.z > 0.0);
+        light.is_some_and(|light| self.is_free(place, light, Some(strand)))
+    }
+
+    /// Whether a ray leaves the fur past all strands but `own`. It is followed a tile's width at a time: within one it can meet the neighbours' hairs only where they lean
     /// over, and coordinates stay small enough for the tree, which counts in f32.
-    fn is_free(&self, start: DVec3, light: DVec3) -> bool {
+    fn is_free(&self, start: DVec3, light: DVec3, own: Option<u32>) -> bool {
         let Some(tree) = &self.tree else { return true };
         let enter = ((self.min.z - start.z) / light.z).max(0.0);
         let leave = (self.max.z - start.z) / light.z;
@@ -143,17 +161,25 @@ impl StrandField {
             if from >= leave {
                 return true;
             }
-            let mut origin = start + light * from;
-            origin.x = origin.x.rem_euclid(1.0);
-            origin.y = origin.y.rem_euclid(1.0);
-            if self.piece_is_blocked(tree, origin, light, piece.min(leave - from)) {
+            let origin = start + light * from;
+            let tile = origin.truncate().floor();
+            let hides = |segment: &Segment, copy: DVec2| own != Some(segment.strand) || tile + copy != segment.home;
+            if self.piece_is_blocked(tree, origin - tile.extend(0.0), light, piece.min(leave - from), hides) {
                 return false;
             }
         }
         false
     }
 
-    fn piece_is_blocked(&self, tree: &Bvh2, origin: DVec3, way: DVec3, length: f64) -> bool {
+    /// Whether a hair is met of those that `hides` is true of; it is given a segment, and the tile that its copy stands in.
+    fn piece_is_blocked(
+        &self,
+        tree: &Bvh2,
+        origin: DVec3,
+        way: DVec3,
+        length: f64,
+        hides: impl Fn(&Segment, DVec2) -> bool,
+    ) -> bool {
         let end = origin + way * length;
         let (low, high) = (origin.min(end), origin.max(end));
         // Copies of the tile that the piece may touch.
@@ -161,10 +187,12 @@ impl StrandField {
             |axis: usize| (low[axis] - self.max[axis]).ceil() as i64..=(high[axis] - self.min[axis]).floor() as i64;
         copies(0).any(|i| {
             copies(1).any(|j| {
-                let origin = origin - DVec3::new(i as f64, j as f64, 0.0);
+                let copy = DVec2::new(i as f64, j as f64);
+                let origin = origin - copy.extend(0.0);
                 let ray = Ray::new(origin.as_vec3a(), way.as_vec3a(), 0.0, length as f32);
                 !tree.ray_traverse_miss(ray, |_, id| {
-                    if self.segments[id].blocks(origin, way, length) { 0.0 } else { f32::INFINITY }
+                    let segment = &self.segments[id];
+                    if hides(segment, copy) && segment.blocks(origin, way, length) { 0.0 } else { f32::INFINITY }
                 })
             })
         })

@@ -85,6 +85,31 @@ fn an_upright_hair_throws_a_shadow_of_its_length() {
     }
 }
 
+/// A strand that leans from one tile into the next and stands across the way of the light: it is in its own light, and its copies are, wherever the
+/// tile's borders lie. A second strand hides light whatever is left out.
+#[test]
+fn a_strand_hides_no_light_from_itself_but_its_copies_do() {
+    let (radius, root) = (0.02f32, vec3(0.9, 0.5, 0.0));
+    let tip = root + vec3(0.5, 0.0, 0.25);
+    for shift in [Vec3::ZERO, vec3(-3.0, 7.0, 0.0), vec3(0.4, 0.3, 0.0)] {
+        let leaning = [root + shift, tip + shift];
+        let alone = field(&[leaning], radius);
+        let place = leaning[0].lerp(leaning[1], 0.3).as_dvec3();
+        // Along the strand: the rest of it lies in the way.
+        let along = (tip - root).as_dvec3();
+        assert!(alone.lights_strand(place, 0, along) && !alone.lights_strand(place, 1, along));
+        assert!(alone.lights_strand(place, 0, DVec3::new(1.0, 0.0, 0.6)), "above the copy");
+        assert!(!alone.lights_strand(place, 0, DVec3::new(1.0, 0.0, 0.05)), "the copy in the next tile");
+        assert!(!alone.lights_strand(place, 0, DVec3::new(-1.0, 0.0, 0.05)), "the copy in the tile before");
+        assert!(alone.lights_strand(place, 0, DVec3::new(0.0, 1.0, 2.0)));
+        assert!(!alone.lights_strand(place, 0, -DVec3::Z) && !alone.lights_strand(place, 0, DVec3::ZERO));
+        let above = place.as_vec3() + vec3(0.0, 0.0, 0.1);
+        let roof = [above - vec3(0.0, 0.2, 0.0), above + vec3(0.0, 0.2, 0.0)];
+        let both = field(&[leaning, roof], radius);
+        assert!(!both.lights_strand(place, 0, DVec3::Z) && both.lights_strand(place, 0, DVec3::new(1.0, 0.0, 1.0)));
+    }
+}
+
 #[test]
 fn without_hair_all_light_comes_through() {
     for strands in [Strands { height: 0.5, ..Strands::default() }, strands(&[[Vec3::ZERO, Vec3::Z]], 0.0, 1.0)] {
@@ -106,7 +131,7 @@ fn it_repeats_and_light_from_below_or_from_nowhere_is_none() {
         let f = f64::from(i);
         let (u, v, z) = ((f * 0.618).fract(), (f * 0.381).fract(), 0.4 * (f * 0.271).fract());
         let light = towards(80.0 * (f * 0.137).fract(), 360.0 * (f * 0.911).fract());
-        let t = |du: f64, dv: f64| field.is_free(DVec3::new(u + du, v + dv, z), light);
+        let t = |du: f64, dv: f64| field.is_free(DVec3::new(u + du, v + dv, z), light, None);
         assert_eq!(t(0.0, 0.0), t(5.0, -7.0), "{u} {v} {z} {light}");
         shares.push(t(0.0, 0.0));
     }
