@@ -228,26 +228,43 @@ fn the_self_shadow_chart() {
     let sandbox = Sandbox::new();
     let small = ["slice.tile_texels=32", "slice.layers=8", "hair.density=100", "hair.root_radius=0.02"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // The default, maps of a quarter of the size, and the default's as printed.
-    let rows = charted(&sandbox, "self-shadow", "1,3,9", &sets);
+    // The default, plain texels, maps of a quarter of the size, those that the runtime draws, and the same as printed.
+    let rows = charted(&sandbox, "self-shadow", "1,2,11,13,18", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
-    assert_eq!((number(0, "map_size"), number(1, "map_size"), number(2, "map_size")), (512.0, 128.0, 512.0));
-    assert_eq!((rows[0]["form"].as_str(), rows[2]["form"].as_str()), (Some("corrected"), Some("printed")));
-    assert_eq!([0, 1, 2].map(|i| rows[i]["default"] == true), [true, false, false]);
+    let word = |row: usize, name: &str| rows[row][name].as_str().unwrap_or_default().to_owned();
+    let forms = ["baked", "baked", "corrected", "corrected", "printed"];
+    assert_eq!([0, 1, 2, 3, 4].map(|i| word(i, "form")), forms);
+    assert_eq!([0, 1, 2].map(|i| word(i, "pack.shell_format")), ["bc7", "rgba8", ""]);
+    assert_eq!([2, 3, 4].map(|i| number(i, "map_size")), [128.0, 512.0, 512.0]);
+    assert_eq!([0, 1, 2, 3, 4].map(|i| rows[i]["default"] == true), [true, false, false, false, false]);
     for (i, row) in rows.iter().enumerate() {
-        assert!(number(i, "milliseconds") > 0.0 && number(i, "map_layers") == 8.0, "{row}");
+        let baked = i < 2;
+        assert_eq!(number(i, "milliseconds") == 0.0, baked, "{row}");
+        assert!(if baked { row["map_layers"].is_null() } else { number(i, "map_layers") == 8.0 }, "{row}");
+        assert_eq!(row["visibility_seconds"].is_null(), !baked, "{row}");
+        assert!(number(i, "bytes") > 1000.0 && number(i, "hair_rmse") > 0.0, "{row}");
     }
-    // The default holds what was asked of it; coarse maps and the printed form do not, the latter the less the more the light slants.
+    // What is baked is nearer to the light on the hair than maps, and blocks lose little of it.
+    for i in [2, 3, 4] {
+        assert!(number(0, "hair_rmse") < 0.9 * number(i, "hair_rmse"), "{} {}", rows[0], rows[i]);
+    }
+    assert!((number(0, "hair_rmse") - number(1, "hair_rmse")).abs() < 0.01, "{} {}", rows[0], rows[1]);
+    assert!((1e-3..0.05).contains(&number(0, "bc7_over_rgba8_rmse")) && rows[1]["bc7_over_rgba8_rmse"].is_null());
+    assert_eq!(number(3, "bytes"), 2.0 * 512.0 * 512.0 * 8.0);
+    // The maps hold what was asked of them; coarse ones and the printed form do not, the latter the less the more the light slants.
     for (angle, bound) in [(0, 0.04), (30, 0.06), (45, 0.08), (60, 0.10), (75, 0.22)] {
         let name = format!("rmse_{angle}");
-        assert!(number(0, &name) <= bound, "{angle} degrees: {}", number(0, &name));
+        assert!(number(3, &name) <= bound, "{angle} degrees: {}", number(3, &name));
     }
-    assert!(number(1, "rmse") > 1.3 * number(0, "rmse"), "{} {}", rows[0], rows[1]);
-    assert!(number(2, "rmse_75") > 0.2 && number(2, "rmse_75") > 2.5 * number(0, "rmse_75"), "{}", rows[2]);
-    assert_reproduced(&sandbox, &rows[1], &["rmse", "strands_rmse", "off_by_0.1", "rmse_75", "strands_rmse_0"]);
+    assert!(number(2, "rmse") > 1.3 * number(3, "rmse"), "{} {}", rows[2], rows[3]);
+    assert!(number(4, "rmse_75") > 0.2 && number(4, "rmse_75") > 2.5 * number(3, "rmse_75"), "{}", rows[4]);
+    assert_reproduced(&sandbox, &rows[0], &["rmse", "hair_rmse", "bc7_over_rgba8_rmse", "bytes"]);
+    assert_reproduced(&sandbox, &rows[2], &["rmse", "strands_rmse", "off_by_0.1", "rmse_75", "hair_rmse_0"]);
     let svg = std::fs::read_to_string(sandbox.path().join("out/self-shadow.svg")).unwrap();
     assert!(
-        ["hare", "8 layers", "map size", "RMSE of t against", "milliseconds"].iter().all(|text| svg.contains(text))
+        ["hare", "8 layers", "map size", "baked, texels", "RMSE of t", "milliseconds", "bytes"]
+            .iter()
+            .all(|text| svg.contains(text))
     );
 }
 

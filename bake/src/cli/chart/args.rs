@@ -46,7 +46,7 @@ pub(super) enum Topic {
     Surface,
     /// Light per pixel and per vertex: the direction it is computed with against the strand's own, and what that costs
     Lighting,
-    /// Layer-wise shadow maps: what light they let between hairs, against the true way of the light, and what they cost
+    /// Baked visibility and layer-wise shadow maps: what light they let between hairs, against the true way of the light, and what they cost
     SelfShadow,
     /// Shadow-width maps: the soft shadows they make, against a light that is a disc, and what they cost
     SoftShadow,

@@ -55,6 +55,11 @@ impl LightMaps {
         self.filtered(place, texel, Vec4::ZERO)
     }
 
+    /// Bytes of the layer-wise maps on the GPU, two a texel.
+    pub fn layer_bytes(&self) -> u64 {
+        2 * self.layers.len() as u64 * u64::from(self.size).pow(2)
+    }
+
     /// A filtered value of a map of `size * size`, at (u w, v w, .., w).
     pub fn bilinear(&self, map: &[f32], place: Vec4) -> f32 {
         self.filtered(place, |i| map[i], 0.0)

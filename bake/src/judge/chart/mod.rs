@@ -6,6 +6,8 @@
 mod axis;
 mod errors;
 #[cfg(feature = "preview")]
+mod hair_texels;
+#[cfg(feature = "preview")]
 pub mod ink;
 mod labels;
 #[cfg(feature = "preview")]
@@ -14,6 +16,8 @@ pub mod light_maps;
 pub mod lighting;
 #[cfg(feature = "preview")]
 pub mod self_shadow;
+#[cfg(feature = "preview")]
+pub mod self_shadow_forms;
 pub mod shells;
 #[cfg(feature = "preview")]
 pub mod soft_shadow;

@@ -1,26 +1,32 @@
-//! Topic `self-shadow`: how well layer-wise shadow maps know what light the hair lets through, and what the maps cost.
+//! Topic `self-shadow`: how well baked visibility and layer-wise shadow maps know what light the hair lets through, and what they cost.
 //!
 //! The recipe's hair grows on a flat sheet, so that the frame of every tile is known and nothing but hair stands in the light; the tile in its
 //! middle is judged, and about it lies as much sheet as the slanted rays that end on it need. The maps are the runtime's own, drawn by the adapter and
-//! read back; the truths are [`SampledVolume`] and [`StrandField`].
+//! read back; visibility is that of a package of the sheet, decoded. The truths are [`SampledVolume`] and [`StrandField`].
 
 use super::errors::Errors;
+use super::hair_texels::{HairTexel, hair_texels};
 use super::light_maps::LightMaps;
+use super::self_shadow_forms::Form;
 use super::{Cell, Panel};
 use crate::BakeError;
 use crate::judge::truth::{SampledVolume, StrandField};
 use crate::mesh::{Material, Mesh, MeshPart, Model};
 use crate::pipeline::{self, Told};
-use crate::recipe::{DirectionFormat, FinParams, PackParams, Recipe, ShellFormat, SurfaceParams, SurfaceSource};
+use crate::recipe::{
+    BcQuality, DirectionFormat, FinParams, PackParams, Recipe, ShellFormat, SurfaceParams, SurfaceSource,
+};
 use crate::stages::groom::{Lengths, MapImages};
 use crate::stages::hair::{Strands, VolumeParams, simulate};
-use crate::stages::textures::{ShellSet, collect_layers};
-use glam::{DVec3, Vec2, Vec3, vec2, vec3};
+use crate::stages::textures::{ShellSet, collect_layers, decode_texture};
+use glam::{DVec3, Vec2, Vec3, Vec4, vec2, vec3};
 use pelage_formats::meaning::layer_height;
-use pelage_formats::{Limits, Package, TextureFormat};
+use pelage_formats::{FormatError, Limits, Package, TextureFormat};
 use pelage_runtime::shared::layer_shadow::{layer_transmittance, slanted_path};
+use pelage_runtime::shared::visibility::visibility_towards;
 use pelage_runtime::{ShadowParams, SlantForm};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Angles between the light and the skin's normal, degrees.
 pub const ANGLES_DEG: [u32; 5] = [0, 30, 45, 60, 75];
@@ -29,34 +35,35 @@ const AZIMUTHS_DEG: [f64; 3] = [20.0, 140.0, 260.0];
 /// Texels that are judged under each light, and those of them that the strand truth is taken at; all others are skipped evenly.
 const POINTS: usize = 1 << 18;
 const STRAND_POINTS: usize = 6000;
+/// Draws of texels with hair.
+const HAIR_DRAWS: u32 = 6000;
 /// Rays of the strand truth from a texel.
 const RAYS: u32 = 25;
 /// Texels of all layers that are held in memory.
 const MOST_TEXELS: u64 = 1 << 26;
 
-/// A way to make the maps.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Configuration {
-    /// What is varied.
-    pub series: &'static str,
-    /// Its value, short.
-    pub label: String,
-    /// Settings of the runtime.
-    pub shadows: ShadowParams,
-    /// How much of the light a layer takes.
-    pub slant: SlantForm,
-}
-
-impl Configuration {
-    /// Whether it is what the runtime does.
-    pub fn is_default(&self) -> bool {
-        self.shadows == ShadowParams::default() && self.slant == SlantForm::default()
-    }
-}
-
 /// Columns of the chart.
-pub const COLUMNS: [&str; 25] = [
+///
+/// * `form`: `baked`, or of maps the share of light that a layer takes, `corrected` or `printed`; then the settings of either.
+/// * `rmse`, `mean_error`, `off_by_0.1`: t against [`SampledVolume`] in texels of all layers, with hair and without. Maps approximate it, and
+///   visibility that is baked does not: it knows strands.
+/// * `strands_`: the same against [`StrandField::transmittance`] in the same texels, which is the light in the space between hairs. A ray that starts
+///   within a hair is blocked, by the hair that is to be lit as by any other.
+/// * `hair_`: against [`StrandField::lights_strand`] in texels with hair alone, drawn as often as they hold hair, seen from outside or
+///   not: the light that reaches the hair itself past all other strands. It is what hair is shaded with, what baked visibility means, and what the traced
+///   picture has.
+/// * `milliseconds`: drawing all maps; 0 of what is baked. `timing` says by which clock.
+/// * `bytes`: of all maps, or of the visibility texture of dry hair with its mip levels and its layer for the coat, on a GPU that samples its format.
+/// * `visibility_seconds`: the stage `visibility` of the bake of one tile, without encoding; the faster of two runs.
+/// * `map_texels_per_hair_texel`, `map_size_on_model`: [`Sheet::map_texels_per_hair_texel`] and [`Sheet::map_size_on`] the model.
+/// * `_0` to `_75`: of light at that angle to the normal alone, degrees.
+/// * `volume_over_strands_rmse`, `volume_over_hair_rmse`: what is left of an error where maps are perfect.
+/// * `bc7_over_rgba8_rmse`: of t from blocks of BC7 against t from plain texels of the same visibility, in the texels of `hair_`.
+pub const COLUMNS: [&str; 40] = [
     "form",
+    "pack.shell_format",
+    "pack.bc_quality",
+    "visibility.directions",
     "density",
     "map_size",
     "map_layers",
@@ -66,8 +73,13 @@ pub const COLUMNS: [&str; 25] = [
     "strands_rmse",
     "strands_mean_error",
     "strands_off_by_0.1",
+    "hair_rmse",
+    "hair_mean_error",
+    "hair_off_by_0.1",
     "milliseconds",
     "timing",
+    "bytes",
+    "visibility_seconds",
     "map_texels_per_hair_texel",
     "map_size_on_model",
     "rmse_0",
@@ -80,61 +92,43 @@ pub const COLUMNS: [&str; 25] = [
     "strands_rmse_45",
     "strands_rmse_60",
     "strands_rmse_75",
+    "hair_rmse_0",
+    "hair_rmse_30",
+    "hair_rmse_45",
+    "hair_rmse_60",
+    "hair_rmse_75",
     "volume_over_strands_rmse",
+    "volume_over_hair_rmse",
+    "bc7_over_rgba8_rmse",
 ];
 
 /// Panels of the chart.
-pub const PANELS: [Panel; 2] = [
+pub const PANELS: [Panel; 4] = [
+    Panel {
+        cost: "milliseconds",
+        cost_label: "making all maps, milliseconds",
+        error: "hair_rmse",
+        error_label: "RMSE of t on hair against rays past other strands",
+    },
     Panel {
         cost: "milliseconds",
         cost_label: "making all maps, milliseconds",
         error: "rmse",
-        error_label: "RMSE of t against the sampled volume, 0 to 75 degrees",
+        error_label: "RMSE of t against the sampled volume",
     },
     Panel {
-        cost: "milliseconds",
-        cost_label: "making all maps, milliseconds",
-        error: "strands_rmse",
-        error_label: "RMSE of t against rays past the strands, 0 to 75 degrees",
+        cost: "bytes",
+        cost_label: "maps or visibility texture, bytes",
+        error: "hair_rmse",
+        error_label: "RMSE of t on hair against rays past other strands",
+    },
+    Panel {
+        cost: "visibility_seconds",
+        cost_label: "baking visibility, seconds",
+        error: "hair_rmse",
+        error_label: "RMSE of t on hair against rays past other strands",
     },
 ];
-
-/// What to measure for fur of so many layers, the runtime's default first.
-pub fn configurations(layers: u32) -> Vec<Configuration> {
-    let base = ShadowParams::default();
-    // The paper's maps have what the layers have.
-    let ours = SlantForm::Corrected;
-    let mut out =
-        vec![Configuration { series: "as the runtime does", label: String::new(), shadows: base, slant: ours }];
-    let mut add = |series, label: String, slant, shadows: ShadowParams| {
-        if !out.iter().any(|c: &Configuration| (c.shadows, c.slant) == (shadows, slant)) {
-            out.push(Configuration { series, label, shadows, slant });
-        }
-    };
-    for map_size in [64, 128, 256, 512, 1024] {
-        add("map size", format!("{map_size}²"), ours, base.with(|s| s.map_size = map_size));
-    }
-    for map_size in [64, 128, 256, 512, 1024] {
-        let printed = base.with(|s| (s.map_size, s.density) = (map_size, 1.0));
-        add("map size, as printed", format!("{map_size}²"), SlantForm::Printed, printed);
-    }
-    for density in [0.4, 0.7, 1.4, 2.0] {
-        add("density", density.to_string(), ours, base.with(|s| s.density = density));
-    }
-    for part in [0.125, 0.25, 0.5, 0.75] {
-        let map_layers = Some(((layers - 1) as f32 * part).round() as u32 + 1).filter(|n| (2..layers).contains(n));
-        if let Some(n) = map_layers {
-            add("fewer map layers", n.to_string(), ours, base.with(|s| s.map_layers = map_layers));
-            add(
-                "smaller maps, fewer layers",
-                format!("256² × {n}"),
-                ours,
-                base.with(|s| (s.map_layers, s.map_size) = (map_layers, 256)),
-            );
-        }
-    }
-    out
-}
 
 /// A direction that light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,9 +154,12 @@ pub struct Sheet {
     pub package: Vec<u8>,
     /// Layers, skin counted.
     pub layers: u32,
+    recipe: Recipe,
+    lengths: Lengths,
     set: ShellSet,
     volume: SampledVolume,
     field: StrandField,
+    hair: BTreeMap<usize, HairTexel>,
     /// World position of the judged tile's corner, the ways along its u and v, and from the skin to the outermost layer.
     corner: Vec3,
     along: [Vec3; 2],
@@ -188,19 +185,38 @@ impl Sheet {
                 ),
             });
         }
-        let height = f64::from(lengths.length_m / lengths.tile_size_m);
-        let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
-        // The middle tile, and on each side as much as the rays run over that end on it. More would only make the maps coarser.
-        let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
-        let model = sheet_model(tiles * lengths.tile_size_m, tiles);
-        let baked = pipeline::bake(&Told::new("sheet", "sheet", &recipe, &MapImages::default()), &model, &mut |_| ())?;
+        let package = bake_sheet(&recipe, lengths, &mut |_| ())?;
         let strands = strands_of(&recipe, lengths)?;
         let format = TextureFormat::from(recipe.pack.direction_format);
         let set = collect_layers(&strands, &recipe.slice, format)?;
         let volume = SampledVolume::new(&set, strands.height.into())?;
-        let (corner, along, up) = middle_tile(&baked.package)?;
+        let (corner, along, up) = middle_tile(&package)?;
         let layers = recipe.slice.layers;
-        Ok(Self { package: baked.package, layers, set, volume, field: StrandField::new(&strands)?, corner, along, up })
+        let hair = hair_texels(&strands, recipe.slice.tile_texels, layers, HAIR_DRAWS);
+        let field = StrandField::new(&strands)?;
+        Ok(Self { package, layers, recipe, lengths, set, volume, field, hair, corner, along, up })
+    }
+
+    /// Bakes the sheet with visibility, and reads from the package what a runtime reads.
+    ///
+    /// * `blocks`, `directions`: as in [`Form::Baked`]
+    /// * `on_stage`: called with the name of each of [`pipeline::STAGES`] as it begins
+    ///
+    /// # Errors
+    ///
+    /// As [`pipeline::bake`].
+    pub fn visibility(
+        &self,
+        blocks: Option<BcQuality>,
+        directions: u32,
+        on_stage: &mut dyn FnMut(&'static str),
+    ) -> Result<TileVisibility, BakeError> {
+        let mut recipe = self.recipe.clone();
+        (recipe.visibility.enabled, recipe.visibility.directions) = (true, directions);
+        if let Some(quality) = blocks {
+            (recipe.pack.shell_format, recipe.pack.bc_quality) = (ShellFormat::Bc7, quality);
+        }
+        TileVisibility::read(&bake_sheet(&recipe, self.lengths, on_stage)?)
     }
 
     /// Towards the light in world space.
@@ -227,23 +243,31 @@ impl Sheet {
             let (x, y, k) = self.texel(i);
             ((x as f64 + 0.5) * texel, (y as f64 + 0.5) * texel, k as f64 * self.volume.spacing())
         };
-        let points: Vec<usize> = (0..self.texels()).step_by(stride(self.texels(), POINTS)).collect();
+        let mut points: Vec<usize> = (0..self.texels()).step_by(stride(self.texels(), POINTS)).collect();
+        let even = points.len();
+        points.extend(self.hair.keys());
         let through_volume = |i: &usize| {
             let (u, v, z) = place(*i);
             self.volume.transmittance(u, v, z, slant.light_ts)
         };
         let volume = points.par_iter().map(through_volume).collect();
-        let some: Vec<usize> = (0..points.len()).step_by(stride(points.len(), STRAND_POINTS)).collect();
+        let some: Vec<usize> = (0..even).step_by(stride(even, STRAND_POINTS)).collect();
         let past_strands = |p: usize| {
             let (u, v, z) = place(points[p]);
             (p, self.field.transmittance(u, v, z, texel, slant.light_ts, RAYS))
         };
         let strands = some.into_par_iter().map(past_strands).collect();
-        Truth { points, volume, strands }
+        let on_hair = |(i, texel): (usize, &HairTexel)| {
+            let lit = texel.lit(|p| self.field.lights_strand(p.at, p.strand, slant.light_ts));
+            (even + i, lit, texel.times)
+        };
+        let texels: Vec<&HairTexel> = self.hair.values().collect();
+        let hair = texels.into_par_iter().enumerate().map(on_hair).collect();
+        Truth { points, even, volume, strands, hair }
     }
 
-    /// t at the points of a truth as the runtime has it: the map, and of the corrected form half of the own layer.
-    pub fn fast(
+    /// t at the points of a truth as the runtime has it of maps: the map, and of the corrected form half of the own layer.
+    pub fn by_maps(
         &self,
         maps: &LightMaps,
         slant: &Slant,
@@ -270,6 +294,13 @@ impl Sheet {
         truth.points.par_iter().map(t).collect()
     }
 
+    /// t at the points of a truth as the runtime has it of baked visibility. The sheet's hair is the tile's, neither pressed flat nor sheared, so that the
+    /// light in the tile is that above the skin.
+    pub fn by_visibility(&self, visibility: &TileVisibility, slant: &Slant, truth: &Truth) -> Vec<f64> {
+        let towards = slant.light_ts.as_vec3();
+        truth.points.par_iter().map(|i| f64::from(visibility.towards(*i, towards))).collect()
+    }
+
     /// Texels of all layers.
     fn texels(&self) -> usize {
         self.layers as usize * (self.set.texels as usize).pow(2)
@@ -287,35 +318,94 @@ fn stride(count: usize, wanted: usize) -> usize {
     if count <= wanted { 1 } else { count.div_ceil(wanted) | 1 }
 }
 
-/// Transmittances of both truths.
+/// How much light reaches the hair of the tile, as a package has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileVisibility {
+    /// Texels of the finest level, layer after layer from the skin, four bytes each.
+    texels: Vec<u8>,
+    horizon: f32,
+    /// Of the texture with all its levels and layers, in its own format.
+    pub bytes: u64,
+}
+
+impl TileVisibility {
+    fn read(package: &[u8]) -> Result<Self, BakeError> {
+        let package = Package::open(package, &Limits::default()).map_err(fault)?;
+        let lost = || BakeError::Internal("the sheet was baked without visibility".into());
+        let horizon = package.visibility().map_err(fault)?.ok_or_else(lost)?.horizon;
+        let view = package.visibility_textures().map_err(fault)?.ok_or_else(lost)?.dry;
+        let layers = (0..view.layers).map(|layer| decode_texture(&view, 0, layer));
+        Ok(Self { texels: layers.collect::<Result<Vec<_>, _>>()?.concat(), horizon, bytes: view.gpu_bytes() })
+    }
+
+    /// t of a light in that direction, of unit length, in a texel by its index over all layers.
+    fn towards(&self, texel: usize, light_ts: Vec3) -> f32 {
+        let bytes = [0, 1, 2, 3].map(|i| f32::from(self.texels[4 * texel + i]));
+        visibility_towards(Vec4::from(bytes) / 255.0, light_ts, self.horizon)
+    }
+}
+
+/// Transmittances of all truths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// The judged texels: all of them, layer after layer from the skin, or evenly some.
+    /// The judged texels: first all of them, layer after layer from the skin, or evenly some; then those with hair that are drawn.
     points: Vec<usize>,
+    /// How many the first are.
+    even: usize,
     /// Through the volume, at each.
     volume: Vec<f64>,
-    /// Past the strands, at some: index into the points, and value.
+    /// Past the strands, at some of the first: index into the points, and value.
     strands: Vec<(usize, f64)>,
+    /// On the hair past other strands: index into the points, value, and how often it counts.
+    hair: Vec<(usize, f64, u32)>,
+}
+
+impl Truth {
+    /// Pairs of what was found at the points and the truth between the strands.
+    fn between_strands<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
+        self.strands.iter().map(|(i, t)| (found[*i], *t))
+    }
+
+    /// Pairs of what was found at the points and the truth on the hair.
+    fn on_hair<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
+        self.hair.iter().flat_map(|(i, t, times)| Self::repeated((found[*i], *t), *times))
+    }
+
+    fn repeated(pair: (f64, f64), times: u32) -> impl Iterator<Item = (f64, f64)> {
+        std::iter::repeat_n(pair, times as usize)
+    }
 }
 
 /// Errors of a configuration, light by light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Against the volume, and against the strands, by angle.
-    by_angle: [[Errors; 2]; ANGLES_DEG.len()],
-    /// Of the volume against the strands.
-    volume: Errors,
+    /// Against the volume, the strands, and the light on the hair, by angle.
+    by_angle: [[Errors; 3]; ANGLES_DEG.len()],
+    /// Of the volume against the strands, and the light on the hair.
+    volume: [Errors; 2],
+    /// On the hair, of a form with its texels in blocks against the same in plain texels.
+    blocks: Errors,
 }
 
 impl Measured {
-    /// Adds what was found under a light. The volume is met at the same `density` as the maps: what is left is the error of the maps;
-    /// whether that density is right, the strands tell.
-    pub fn add(&mut self, slant: &Slant, fast: &[f64], density: f32, truth: &Truth) {
+    /// Adds what was found at the points of a truth under a light. The volume is met at the same `density` as the maps: what is left is the error of the
+    /// maps; whether that density is right, the strands tell.
+    pub fn add(&mut self, slant: &Slant, found: &[f64], density: f32, truth: &Truth) {
         let through: Vec<f64> = truth.volume.iter().map(|t| t.powf(density.into())).collect();
-        let [volume, strands] = &mut self.by_angle[slant.angle];
-        *volume = volume.and(Errors::of(fast.iter().copied().zip(through.iter().copied())));
-        *strands = strands.and(Errors::of(truth.strands.iter().map(|(i, t)| (fast[*i], *t))));
-        self.volume = self.volume.and(Errors::of(truth.strands.iter().map(|(i, t)| (through[*i], *t))));
+        let even = found.iter().copied().zip(through.iter().copied()).take(truth.even);
+        let [volume, strands, hair] = &mut self.by_angle[slant.angle];
+        *volume = volume.and(Errors::of(even));
+        *strands = strands.and(Errors::of(truth.between_strands(found)));
+        *hair = hair.and(Errors::of(truth.on_hair(found)));
+        let [strands, hair] = &mut self.volume;
+        *strands = strands.and(Errors::of(truth.between_strands(&through)));
+        *hair = hair.and(Errors::of(truth.on_hair(&through)));
+    }
+
+    /// Adds what encoding does: what was found at the points of a truth in blocks, and in plain texels.
+    pub fn add_blocks(&mut self, found: &[f64], plain: &[f64], truth: &Truth) {
+        let pairs = truth.hair.iter().flat_map(|(i, _, times)| Truth::repeated((found[*i], plain[*i]), *times));
+        self.blocks = self.blocks.and(Errors::of(pairs));
     }
 
     fn total(&self, truth: usize) -> Errors {
@@ -323,11 +413,22 @@ impl Measured {
     }
 }
 
-/// What drawing the maps of a configuration took.
+/// What a configuration takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
-    /// All maps, once.
+    /// Drawing all maps, once; 0 without any.
     pub milliseconds: f64,
+    /// Of the maps, or of the visibility texture.
+    pub bytes: u64,
+    /// What only maps have.
+    pub maps: Option<MapCost>,
+    /// Baking visibility; `None` of maps.
+    pub visibility_seconds: Option<f64>,
+}
+
+/// What is to be said of maps alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MapCost {
     /// Where the milliseconds come from.
     pub timing: &'static str,
     /// [`Sheet::map_texels_per_hair_texel`].
@@ -336,24 +437,24 @@ pub struct Cost {
     pub map_size_on_model: f64,
 }
 
-/// The cells of a row, in the order of [`COLUMNS`].
-pub fn cells((shadows, form): (&ShadowParams, SlantForm), layers: u32, measured: &Measured, cost: &Cost) -> Vec<Cell> {
+/// The cells of a row, in the order of [`COLUMNS`]; `layers` of the hair, skin counted.
+pub fn cells(form: &Form, layers: u32, measured: &Measured, cost: &Cost) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
-    let form = if form == SlantForm::Printed { "printed" } else { "corrected" };
-    let totals = [measured.total(0), measured.total(1)];
-    let mut cells = vec![
-        Cell::Text(form.into()),
-        Cell::Number(shadows.density.into()),
-        Cell::Number(shadows.map_size.into()),
-        Cell::Number(shadows.map_layers.unwrap_or(layers).into()),
-    ];
+    let mut cells = form.cells(layers).to_vec();
+    let totals = [0, 1, 2].map(|truth| measured.total(truth));
     cells.extend(totals.iter().flat_map(|e| [number(e.rmse()), number(e.mean()), number(e.off_share())]));
-    cells.extend([Cell::Number(cost.milliseconds), Cell::Text(cost.timing.into())]);
-    cells.extend([cost.texels_per_hair_texel, cost.map_size_on_model].map(Cell::Number));
-    for truth in 0..2 {
+    cells.extend([
+        Cell::Number(cost.milliseconds),
+        cost.maps.map_or(Cell::Empty, |maps| Cell::Text(maps.timing.into())),
+        Cell::Number(cost.bytes as f64),
+        number(cost.visibility_seconds),
+        number(cost.maps.map(|maps| maps.texels_per_hair_texel)),
+        number(cost.maps.map(|maps| maps.map_size_on_model)),
+    ]);
+    for truth in 0..3 {
         cells.extend(measured.by_angle.iter().map(|errors| number(errors[truth].rmse())));
     }
-    cells.push(number(measured.volume.rmse()));
+    cells.extend(measured.volume.iter().chain([&measured.blocks]).map(|errors| number(errors.rmse())));
     cells
 }
 
@@ -380,6 +481,16 @@ fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
         ..PackParams::default()
     };
     sheet
+}
+
+/// Bakes a sheet of that hair; `on_stage` as in [`pipeline::bake`].
+fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_stage: &mut dyn FnMut(&'static str)) -> Result<Vec<u8>, BakeError> {
+    let height = f64::from(lengths.length_m / lengths.tile_size_m);
+    let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
+    // The middle tile, and on each side as much as the rays run over that end on it. More would only make the maps coarser.
+    let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
+    let model = sheet_model(tiles * lengths.tile_size_m, tiles);
+    Ok(pipeline::bake(&Told::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_stage)?.package)
 }
 
 /// A square in the plane y = 0 that looks up, with texture coordinates that count tiles; one of them lies in its middle.
@@ -409,9 +520,13 @@ fn strands_of(recipe: &Recipe, lengths: Lengths) -> Result<Strands, BakeError> {
     simulate(&recipe.hair, &recipe.color, &volume)
 }
 
+/// A fault of the sheet's package.
+fn fault(source: FormatError) -> BakeError {
+    BakeError::Package { file: "sheet".into(), source }
+}
+
 /// Where the package has the tile in the middle of the sheet: its corner at u = v = 0, the ways along u and v, and the fur's height.
 fn middle_tile(bytes: &[u8]) -> Result<(Vec3, [Vec3; 2], Vec3), BakeError> {
-    let fault = |source| BakeError::Package { file: "sheet".into(), source };
     let package = Package::open(bytes, &Limits::default()).map_err(fault)?;
     let lost = || BakeError::Internal("the sheet was baked without a mesh".into());
     let mesh = package.mesh().map_err(fault)?.ok_or_else(lost)?.to_data();

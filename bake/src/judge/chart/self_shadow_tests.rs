@@ -1,3 +1,4 @@
+use super::super::self_shadow_forms::configurations;
 use super::*;
 use crate::recipe::{HairParams, SliceParams};
 use glam::{Mat4, Vec4};
@@ -77,7 +78,7 @@ fn maps_without_error_have_none() {
     let truth = sheet.truth(&slant);
     let shadows = ShadowParams::default().with(|shadows| shadows.density = 1.0);
     let as_drawn = (&shadows, SlantForm::Corrected);
-    let fast = sheet.fast(&maps, &slant, as_drawn, &truth);
+    let fast = sheet.by_maps(&maps, &slant, as_drawn, &truth);
     let mut measured = Measured::default();
     measured.add(&slant, &fast, 1.0, &truth);
     // The volume caps opaque texels, the maps do not.
@@ -86,20 +87,115 @@ fn maps_without_error_have_none() {
     assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));
     maps.layers.iter_mut().flatten().for_each(|t| *t = (*t + 0.2).min(1.0));
     let mut worse = Measured::default();
-    worse.add(&slant, &sheet.fast(&maps, &slant, as_drawn, &truth), 1.0, &truth);
+    worse.add(&slant, &sheet.by_maps(&maps, &slant, as_drawn, &truth), 1.0, &truth);
     assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
+}
+
+/// Errors of what `found` says under all lights.
+fn measured(truths: &[(Slant, Truth)], found: &dyn Fn(&Slant, &Truth) -> Vec<f64>) -> Measured {
+    let mut measured = Measured::default();
+    truths.iter().for_each(|(slant, truth)| measured.add(slant, &found(slant, truth), 1.0, truth));
+    measured
+}
+
+fn lit(sheet: &Sheet) -> Vec<(Slant, Truth)> {
+    slants().into_iter().map(|slant| (slant, sheet.truth(&slant))).collect()
+}
+
+fn baked(sheet: &Sheet, blocks: Option<BcQuality>, directions: u32) -> TileVisibility {
+    sheet.visibility(blocks, directions, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Root of the mean square, and the mean, of the light on the hair.
+fn on_hair(measured: &Measured) -> (f64, f64) {
+    let errors = measured.total(2);
+    (errors.rmse().unwrap_or(f64::NAN), errors.mean().unwrap_or(f64::NAN))
+}
+
+/// What is baked is nearer to the light on the hair than maps can be, and not by chance: it is that of the same texel, layer and light, as each of
+/// the three taken wrongly is farther off. Maps are as good here as any could be: they are the volume itself.
+#[test]
+fn baked_visibility_is_nearer_to_strands_than_perfect_maps() {
+    let sheet = sheet();
+    let truths = lit(&sheet);
+    let hair: u32 = truths[0].1.hair.iter().map(|(_, _, times)| times).sum();
+    assert_eq!(hair, HAIR_DRAWS);
+    assert!(truths[0].1.hair.iter().all(|(i, ..)| sheet.texel(truths[0].1.points[*i]).2 > 0), "skin has no hair");
+    let visibility = baked(&sheet, None, 96);
+    let (error, mean) = on_hair(&measured(&truths, &|slant, truth| sheet.by_visibility(&visibility, slant, truth)));
+    // Texels this coarse mix hair that sees the light with hair that does not.
+    assert!(mean.abs() < 0.05, "{mean}");
+    for density in [0.4, 0.7, 1.0] {
+        let volume = |_: &Slant, truth: &Truth| truth.volume.iter().map(|t| t.powf(density)).collect();
+        let (of_maps, _) = on_hair(&measured(&truths, &volume));
+        assert!(error < 0.9 * of_maps, "{error}, of maps of density {density} {of_maps}");
+    }
+    // Another layer, another row of texels, and light from the other side.
+    let (n, layers) = (16usize, sheet.layers as usize);
+    let moved = |by: usize| {
+        let mut other = visibility.clone();
+        // What is pushed out comes in at the other end; the layer of the coat stays.
+        other.texels[4 * n * n..4 * n * n * layers].rotate_left(4 * by);
+        on_hair(&measured(&truths, &|slant, truth| sheet.by_visibility(&other, slant, truth))).0
+    };
+    let turned = |slant: &Slant, truth: &Truth| {
+        let light_ts = slant.light_ts * DVec3::new(-1.0, -1.0, 1.0);
+        sheet.by_visibility(&visibility, &Slant { light_ts, ..*slant }, truth)
+    };
+    let turned = on_hair(&measured(&truths, &turned)).0;
+    assert_eq!(moved(0), error);
+    let wrong = [moved(2 * n * n), moved(4 * n), turned];
+    assert!(wrong.iter().all(|wrong| *wrong > 1.1 * error), "{error}, wrongly {wrong:?}");
+}
+
+/// Blocks lose little of what plain texels say, but something, and are a quarter as large.
+#[test]
+fn blocks_say_nearly_what_plain_texels_say() {
+    let sheet = sheet();
+    let truths = lit(&sheet);
+    let plain = baked(&sheet, None, 24);
+    for quality in BcQuality::ALL {
+        let blocks = baked(&sheet, Some(*quality), 24);
+        let mut measured = Measured::default();
+        for (slant, truth) in &truths {
+            let [found, plain] = [&blocks, &plain].map(|v| sheet.by_visibility(v, slant, truth));
+            measured.add(slant, &found, 1.0, truth);
+            measured.add_blocks(&found, &plain, truth);
+        }
+        let loss = measured.blocks.rmse().unwrap_or(f64::NAN);
+        assert!(loss > 0.0 && loss < 0.05, "{quality:?}: {loss}");
+        let mean = measured.blocks.mean().unwrap_or(f64::NAN);
+        assert!(mean.abs() < 0.01, "{quality:?}: {mean}");
+        assert_eq!(blocks.horizon, plain.horizon);
+        // Levels of 16, 8, 4, 2 and 1 texels, the last two of them a block each; layers and the coat.
+        let texels: u64 = [16u64, 8, 4, 4, 4].map(|n| n * n).iter().sum();
+        assert_eq!(blocks.bytes, 7 * texels);
+    }
+    assert_eq!(plain.bytes, 7 * 4 * (256 + 64 + 16 + 4 + 1));
 }
 
 #[test]
 fn configurations_differ_and_rows_are_full() {
-    let all = configurations(16);
-    assert!(all.len() > 12 && all[0].shadows == ShadowParams::default());
+    let mut recipe = Recipe::default();
+    let all = configurations(&recipe);
+    assert_eq!(all[0].form, Form::Baked { blocks: Some(BcQuality::Basic), directions: 24 });
+    assert!(all.len() > 20 && all.iter().any(|c| c.form == Form::Baked { blocks: None, directions: 24 }));
     for (i, a) in all.iter().enumerate() {
-        assert!(all[..i].iter().all(|b| (b.shadows, b.slant) != (a.shadows, a.slant)), "{a:?}");
-        let row = cells((&a.shadows, a.slant), 16, &Measured::default(), &Cost::default());
+        assert!(all[..i].iter().all(|b| b.form != a.form), "{a:?}");
+        let row = cells(&a.form, 16, &Measured::default(), &Cost::default());
         assert_eq!(row.len(), COLUMNS.len());
+        assert_eq!(row[0] == Cell::Text("baked".into()), row[6] == Cell::Empty, "{row:?}");
     }
-    assert!(configurations(2).iter().all(|c| c.shadows.map_layers.is_none()));
+    let maps = Form::Maps { shadows: ShadowParams::default(), slant: SlantForm::Corrected };
+    assert!(all[1..].iter().any(|c| c.form == maps));
+    // Who bakes no visibility has maps.
+    recipe.visibility.enabled = false;
+    assert_eq!(configurations(&recipe)[0].form, maps);
+    recipe.slice.layers = 2;
+    let whole = |form| {
+        matches!(form, Form::Baked { .. }) || matches!(form, Form::Maps { shadows, .. } if shadows.map_layers.is_none())
+    };
+    assert!(configurations(&recipe).iter().all(|c| whole(c.form)));
     assert_eq!(slants().len(), 15);
     assert!(slants().iter().all(|s| s.light_ts.is_normalized()));
 }
