@@ -54,6 +54,8 @@ struct TrueView {
 pub struct ShellJudge<'a> {
     source: Source<'a>,
     views: Vec<TrueView>,
+    /// How much of what a recipe has is drawn.
+    detail: LookDetail,
     gpu: Gpu,
     meter: Meter,
 }
@@ -72,11 +74,25 @@ impl<'a> ShellJudge<'a> {
     ) -> Result<Self, Failure> {
         let file = source.bake(recipe)?;
         let truth = Truth::new(&file, &View::default())?;
-        let cameras = cameras(recipe, &truth);
+        let size = (recipe.judge.width, recipe.judge.height);
+        let views = cameras(recipe, &truth);
+        Ok(Self { detail, ..Self::of_views(source, &truth, size, &views, recipe.judge.samples, gpu, doing) })
+    }
+
+    /// Traces the true pictures of that size, pixels, from those cameras, with so many samples per pixel.
+    pub fn of_views(
+        source: Source<'a>,
+        truth: &Truth,
+        size: (u32, u32),
+        cameras: &[Viewpoint],
+        samples: u32,
+        gpu: &Gpu,
+        doing: &mut dyn FnMut(&str),
+    ) -> Self {
         let mut views = Vec::new();
         for (i, camera) in cameras.iter().enumerate() {
-            let view = View { camera: Some(*camera), ..base_view(recipe) }.with(|look| look.fur.detail = detail);
-            let picture = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
+            let view = View { camera: Some(*camera), ..View::sized(size) };
+            let picture = truth.picture(&view, samples, &mut |done, all| {
                 doing(&format!("true picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
             // Through bytes, as the pictures that it is compared with.
@@ -84,7 +100,7 @@ impl<'a> ShellJudge<'a> {
             let fur_px = truth.fur_px(&view);
             views.push(TrueView { view, picture, fur_px });
         }
-        Ok(Self { source, views, gpu: gpu.clone(), meter: Meter::new(gpu) })
+        Self { source, views, detail: EVERYTHING, gpu: gpu.clone(), meter: Meter::new(gpu) }
     }
 
     /// Layers, skin counted, beyond which the pictures do not change where as many are drawn as the fur has pixels.
@@ -109,6 +125,12 @@ impl<'a> ShellJudge<'a> {
         let begun = Instant::now();
         let file = self.source.bake(recipe)?;
         let bake_s = begun.elapsed().as_secs_f64();
+        let (measured, likeness) = self.measure_drawn(&file, self.detail)?;
+        Ok((Measured { bake_s, ..measured }, likeness))
+    }
+
+    /// Draws so much of a package from all views, times it and compares it with the truth. What a bake takes is not measured.
+    pub fn measure_drawn(&self, file: &NamedPackage<'_>, detail: LookDetail) -> Result<(Measured, Likeness), Failure> {
         let mut scene: Option<Stage> = None;
         let (mut sum, mut likenesses) = (Measured::default(), Vec::new());
         for TrueView { view, picture: truth, fur_px } in &self.views {
@@ -117,9 +139,9 @@ impl<'a> ShellJudge<'a> {
                     view.camera.into_iter().for_each(|camera| scene.look_from(camera));
                     scene
                 }
-                None => scene.insert(stage_of(&file, view, || Ok(self.gpu.clone()))?),
+                None => scene.insert(self.stage(file, view, detail)?),
             };
-            scene.draw()?;
+            let frame = scene.draw()?;
             let drawn = Picture::from(&pixels(scene)?);
             let (difference, _) = compare_pictures(&drawn, truth, &CompareParams::default())?;
             likenesses.push(Likeness::of_compared(&difference, &drawn, truth, *fur_px));
@@ -131,6 +153,9 @@ impl<'a> ShellJudge<'a> {
             if frame_ms > sum.frame_ms {
                 sum.frame_ms = frame_ms;
                 sum.fragments = count_fragments(scene)?.map(|counts| counts.iter().map(|(_, count)| count).sum());
+                if let Some(drawn) = frame.report().instances.first() {
+                    (sum.layers, sum.triangles) = (drawn.layers, drawn.triangles);
+                }
             }
             let model = scene.model();
             sum.gpu_bytes = model.gpu_bytes() + scene.copies_bytes() + scene.shadow_bytes();
@@ -142,7 +167,6 @@ impl<'a> ShellJudge<'a> {
             rmse: (sum.rmse / count).sqrt(),
             coverage_error: sum.coverage_error / count,
             package_bytes: file.bytes.len() as u64,
-            bake_s,
             ..sum
         };
         Ok((measured, Likeness::mean(&likenesses)))
@@ -151,10 +175,7 @@ impl<'a> ShellJudge<'a> {
     /// Times recipes in turns: [`ROUNDS`] times each of them from all views, the slowest view counts.
     pub fn time_in_turns(&self, recipes: &[Recipe]) -> Result<Vec<FrameTime>, Failure> {
         let Some(first) = self.views.first() else { return Ok(vec![FrameTime::default(); recipes.len()]) };
-        let stage = |recipe: &Recipe| -> Result<Stage, Failure> {
-            let file = self.source.bake(recipe)?;
-            Ok(stage_of(&file, &first.view, || Ok(self.gpu.clone()))?)
-        };
+        let stage = |recipe: &Recipe| self.stage(&self.source.bake(recipe)?, &first.view, self.detail);
         let mut stages = recipes.iter().map(stage).collect::<Result<Vec<_>, _>>()?;
         let mut rounds = vec![Vec::new(); recipes.len()];
         for _ in 0..ROUNDS {
@@ -175,7 +196,24 @@ impl<'a> ShellJudge<'a> {
         }
         Ok(rounds.into_iter().map(FrameTime::of).collect())
     }
+
+    /// Height of a package's fur in the first view, pixels, as the runtime goes by: at the nearest point of the model. `None` where the package
+    /// has no levels of detail, or the eye is within the model's bounds.
+    pub fn fur_px(&self, file: &NamedPackage<'_>) -> Result<Option<f32>, Failure> {
+        let Some(TrueView { view, .. }) = self.views.first() else { return Ok(None) };
+        let frame = self.stage(file, view, LookDetail::Auto)?.draw()?;
+        Ok(frame.report().instances.first().and_then(|drawn| drawn.fur_px).filter(|px| px.is_finite()))
+    }
+
+    /// A package with so much of its fur.
+    fn stage(&self, file: &NamedPackage<'_>, view: &View, detail: LookDetail) -> Result<Stage, Failure> {
+        let view = view.clone().with(|look| look.fur.detail = detail);
+        Ok(stage_of(file, &view, || Ok(self.gpu.clone()))?)
+    }
 }
+
+/// All that a setting has is drawn: that is what settings differ in.
+const EVERYTHING: LookDetail = LookDetail::Full;
 
 /// Turns in which settings are timed: enough for quartiles.
 const ROUNDS: usize = 7;
@@ -199,15 +237,11 @@ impl Source<'_> {
     }
 }
 
-/// Size and light of all views.
-fn base_view(recipe: &Recipe) -> View {
-    View::sized((recipe.judge.width, recipe.judge.height))
-}
-
 /// The recipe's views; left empty, two that frame the model.
-fn cameras(recipe: &Recipe, truth: &Truth) -> Vec<Viewpoint> {
+pub fn cameras(recipe: &Recipe, truth: &Truth) -> Vec<Viewpoint> {
     if !recipe.judge.views.is_empty() {
         return recipe.judge.views.clone();
     }
-    [framing::TOWARDS_CAMERA, framing::BEHIND].map(|towards| truth.framed(&base_view(recipe), towards)).into()
+    let view = View::sized((recipe.judge.width, recipe.judge.height));
+    [framing::TOWARDS_CAMERA, framing::BEHIND].map(|towards| truth.framed(&view, towards)).into()
 }

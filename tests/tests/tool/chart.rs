@@ -221,6 +221,52 @@ fn assert_reproduced(sandbox: &Sandbox, row: &Value, errors: &[&str]) {
 }
 
 #[test]
+fn the_detail_chart() {
+    if gpu("the_detail_chart").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300", "slice.tile_texels=32"];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    // The largest size and the smallest: what the runtime chooses, all there is, the first step to fewer layers, and a large tile; last the
+    // smallest with the mesh as it is.
+    let rows = charted(&sandbox, "detail", "1,2,3,9,31,32,33,39,40", &sets);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
+    let labels = ["auto", "full", "0.25", "256²", "auto", "full", "0.25", "256²", "unsimplified"];
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!((row["label"].as_str(), row["default"] == true), (Some(labels[i]), labels[i] == "auto"), "{row}");
+        let [width, height] = if i < 4 { [416.0, 212.0] } else { [52.0, 26.0] };
+        assert_eq!(["width", "height", "samples"].map(|name| number(i, name)), [width, height, 8.0]);
+        assert!(number(i, "frame_milliseconds") > 0.0 && (0.0..1.0).contains(&number(i, "flip")), "{row}");
+        assert_eq!(number(i, "slice.tile_texels"), if labels[i] == "256²" { 256.0 } else { 32.0 });
+    }
+    // The fur is as high as the picture is, and what all rows of a size have in common.
+    assert!((number(0, "fur_px") / number(4, "fur_px") - 8.0).abs() < 0.3, "{} and {}", rows[0], rows[4]);
+    assert_eq!([3, 8].map(|i| number(i, "fur_px")), [0, 4].map(|i| number(i, "fur_px")));
+    // Full detail is the same at all sizes, and what is chosen is less where the picture is smaller.
+    let drawn = |row: usize| ["layers", "triangles"].map(|name| number(row, name));
+    assert!(drawn(1) == drawn(5) && drawn(3) == drawn(1) && drawn(1)[0] == 15.0, "{} and {}", rows[1], rows[5]);
+    assert!(drawn(2)[0] < drawn(1)[0] && drawn(2)[1] == drawn(1)[1], "{}", rows[2]);
+    let (auto, full) = (drawn(4), drawn(5));
+    assert!(auto[0] < full[0] && auto[1] < full[1] && auto[0] <= drawn(0)[0], "{} and {}", rows[4], rows[5]);
+    assert_eq!(drawn(8), [auto[0], full[1]], "without simplified lists all triangles are drawn");
+    let fragments = |row: usize| rows[row]["fragments"].as_f64();
+    if let (Some(auto), Some(full), Some(unsimplified)) = (fragments(4), fragments(5), fragments(8)) {
+        assert!(auto < unsimplified && unsimplified < full, "{auto}, {unsimplified} and {full} fragments");
+    }
+    // A size has a front of its own: its truest row is on it, whatever the others are.
+    for size in [0..4, 4..9] {
+        let truest = size.min_by(|a, b| number(*a, "flip").total_cmp(&number(*b, "flip"))).unwrap();
+        assert_eq!(rows[truest]["on_front"], true, "{}", rows[truest]);
+    }
+    let svg = std::fs::read_to_string(sandbox.path().join("out/detail.svg")).unwrap();
+    for text in ["hare", "52x26", "at a quarter of the judge", "auto: as much", "unsimplified", "ringed"] {
+        assert!(svg.contains(text), "no {text:?} in the picture");
+    }
+    assert_reproduced(&sandbox, &rows[4], &["flip", "rmse", "coverage_error", "layers", "triangles", "fur_px"]);
+}
+
+#[test]
 fn the_self_shadow_chart() {
     if gpu("the_self_shadow_chart").is_none() {
         return;

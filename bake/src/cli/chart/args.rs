@@ -42,6 +42,8 @@ impl ChartArgs {
 pub(super) enum Topic {
     /// Layers, tile, filter, formats and fins: how far their pictures are from the true strands, and what they cost
     Shells,
+    /// Layers, triangles and texels at four sizes on screen: how many a picture needs, against the true strands, and what they cost
+    Detail,
     /// Lapped patches: what fewer seams cost in distortion and seconds
     Surface,
     /// Light per pixel and per vertex: the direction it is computed with against the strand's own, and what that costs

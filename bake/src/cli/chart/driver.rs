@@ -155,7 +155,7 @@ fn write(chart: &Chart, folder: &Path, output: &mut Output) -> Result<Exit, Fail
 }
 
 fn rows(chart: &Chart) -> Vec<Value> {
-    let fronts: Vec<_> = chart.front_columns().zip(chart.panels.iter().map(|p| chart.on_front(p))).collect();
+    let fronts = chart.fronts();
     let row = |(i, row): (usize, &Row)| {
         let mut object = Map::new();
         object.insert("series".into(), json!(row.series));

@@ -4,6 +4,8 @@
 //! same for all ([`driver`]).
 
 mod args;
+#[cfg(feature = "preview")]
+mod detail;
 mod driver;
 #[cfg(feature = "preview")]
 mod ink;
@@ -44,7 +46,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
     let subject = Subject::new(args)?;
-    if subject.package.is_some() && !matches!(args.topic, Topic::Shells | Topic::Ink) {
+    if subject.package.is_some() && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Ink) {
         if args.topic == Topic::Surface {
             let why = "a package's mesh is parted into its patches already";
             return Err(Failure::Usage(format!("chart surface needs the model: {why}")));
@@ -66,6 +68,8 @@ fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic
         #[cfg(feature = "preview")]
         Topic::Shells => Box::new(shells::ShellsTopic::new(subject)?),
         #[cfg(feature = "preview")]
+        Topic::Detail => Box::new(detail::DetailTopic::new(subject)?),
+        #[cfg(feature = "preview")]
         Topic::Lighting => Box::new(lighting::LightingTopic::new(subject)?),
         #[cfg(feature = "preview")]
         Topic::SelfShadow => Box::new(self_shadow::SelfShadowTopic::new(subject)?),
@@ -74,7 +78,7 @@ fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic
         #[cfg(feature = "preview")]
         Topic::Ink => Box::new(ink::InkTopic::new(subject)?),
         #[cfg(not(feature = "preview"))]
-        Topic::Ink | Topic::Shells | Topic::Lighting | Topic::SelfShadow | Topic::SoftShadow => {
+        Topic::Ink | Topic::Shells | Topic::Detail | Topic::Lighting | Topic::SelfShadow | Topic::SoftShadow => {
             return Err(Failure::Usage(
                 "light is drawn by the runtime, and this build is without it (feature `preview`)".into(),
             ));

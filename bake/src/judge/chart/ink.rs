@@ -79,12 +79,14 @@ pub const PANELS: [Panel; 2] = [
         cost_label: "frame, milliseconds",
         error: "line_error",
         error_label: "1 - F1 of lines within 2 pixels",
+        only: None,
     },
     Panel {
         cost: "frame_milliseconds",
         cost_label: "frame, milliseconds",
         error: "widest_over_template",
         error_label: "widest stroke over the width of the template",
+        only: None,
     },
 ];
 

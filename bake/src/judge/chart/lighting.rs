@@ -58,12 +58,14 @@ pub const PANELS: [Panel; 2] = [
         cost_label: "shells, milliseconds",
         error: "rmse",
         error_label: "RMSE of eq. (1) against eq. (1) at the strand",
+        only: None,
     },
     Panel {
         cost: "direction_bytes",
         cost_label: "direction texture, bytes",
         error: "direction_error_deg",
         error_label: "mean angle between T and the strand, degrees",
+        only: None,
     },
 ];
 

@@ -1,9 +1,11 @@
 //! Speed against accuracy: tables of configurations, their front, and pictures of both.
 //!
-//! A topic is a module that lists configurations ([`surface`], [`textures`], `ink`, `lighting`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
+//! A topic is a module that lists configurations ([`surface`], [`textures`], `detail`, `ink`, `lighting`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
 //! A chart's figures come with the command that reproduces each, so that nobody has to believe it.
 
 mod axis;
+#[cfg(feature = "preview")]
+pub mod detail;
 mod errors;
 #[cfg(feature = "preview")]
 mod hair_texels;
@@ -84,6 +86,8 @@ pub struct Panel {
     pub error: &'static str,
     /// Label of that axis, with unit.
     pub error_label: &'static str,
+    /// Column and word of the rows that are drawn, where the panels of a chart part its rows between them; `None` draws all.
+    pub only: Option<(&'static str, &'static str)>,
 }
 
 /// A topic, measured.
@@ -104,12 +108,18 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// Cost and error of each row in `panel`; `None` where either is missing.
+    /// Cost and error of each row in `panel`; `None` where either is missing, and for rows that the panel does not draw.
     pub fn points(&self, panel: &Panel) -> Vec<Option<(f64, f64)>> {
         let column = |name: &str| self.columns.iter().position(|c| *c == name);
         let (cost, error) = (column(panel.cost), column(panel.error));
         let of = |row: &Row, column: Option<usize>| column.and_then(|c| row.cells.get(c)).and_then(Cell::number);
-        self.rows.iter().map(|row| Some((of(row, cost)?, of(row, error)?))).collect()
+        let drawn = |row: &Row| {
+            panel.only.is_none_or(|(name, word)| {
+                column(name).and_then(|c| row.cells.get(c)).is_some_and(|cell| cell.text() == word)
+            })
+        };
+        let point = |row: &Row| Some((of(row, cost)?, of(row, error)?)).filter(|_| drawn(row));
+        self.rows.iter().map(point).collect()
     }
 
     /// Whether each row is on the front of `panel`.
@@ -123,26 +133,34 @@ impl Chart {
         let mut header: Vec<String> = vec!["series".into()];
         header.extend(self.columns.iter().map(ToString::to_string));
         header.extend(["adapter".into(), "default".into()]);
-        header.extend(self.front_columns());
+        let fronts = self.fronts();
+        header.extend(fronts.iter().map(|(name, _)| name.clone()));
         header.push("command".into());
         let mut table = vec![header];
-        let fronts: Vec<Vec<bool>> = self.panels.iter().map(|p| self.on_front(p)).collect();
         for (i, row) in self.rows.iter().enumerate() {
             let mut fields = vec![row.series.clone()];
             fields.extend(row.cells.iter().map(Cell::text));
             fields.extend([self.adapter.clone(), u8::from(row.default).to_string()]);
-            fields.extend(fronts.iter().map(|front| u8::from(front[i]).to_string()));
+            fields.extend(fronts.iter().map(|(_, front)| u8::from(front[i]).to_string()));
             fields.push(row.command.clone());
             table.push(fields);
         }
         csv(table)
     }
 
-    /// Names of the columns that say what is on a front.
-    pub fn front_columns(&self) -> impl Iterator<Item = String> {
-        let name =
-            |(i, panel): (usize, &Panel)| if i == 0 { "on_front".into() } else { format!("on_front_{}", panel.cost) };
-        self.panels.iter().enumerate().map(name)
+    /// The columns that say which rows are on a front, each with its name: one for each panel, and one for all that part the rows between them.
+    pub fn fronts(&self) -> Vec<(String, Vec<bool>)> {
+        let mut found: Vec<(&Panel, String, Vec<bool>)> = Vec::new();
+        for panel in &self.panels {
+            let front = self.on_front(panel);
+            let parted = |other: &Panel| panel.only.is_some() && (other.cost, other.error) == (panel.cost, panel.error);
+            let name = if found.is_empty() { "on_front".into() } else { format!("on_front_{}", panel.cost) };
+            match found.iter_mut().find(|(other, ..)| parted(other)) {
+                Some((.., known)) => known.iter_mut().zip(front).for_each(|(known, on)| *known |= on),
+                None => found.push((panel, name, front)),
+            }
+        }
+        found.into_iter().map(|(_, name, front)| (name, front)).collect()
     }
 }
 
@@ -175,8 +193,33 @@ mod tests {
     }
 
     #[test]
+    fn panels_that_part_the_rows_share_a_column() {
+        let row = |size: &str, cost: f64, error: f64| Row {
+            series: String::new(),
+            label: String::new(),
+            cells: vec![Cell::Text(size.into()), Cell::Number(cost), Cell::Number(error)],
+            default: false,
+            command: String::new(),
+        };
+        let panel = |size| Panel { cost: "c", cost_label: "", error: "e", error_label: "", only: Some(("size", size)) };
+        let chart = Chart {
+            topic: "t",
+            title: String::new(),
+            adapter: String::new(),
+            columns: vec!["size", "c", "e"],
+            // The small one is cheaper and truer than all of the large ones, and no choice for those who draw large.
+            rows: vec![row("large", 3.0, 3.0), row("large", 4.0, 4.0), row("small", 1.0, 1.0)],
+            panels: vec![panel("large"), panel("small"), Panel { only: None, ..panel("") }],
+        };
+        assert_eq!(chart.points(&panel("large")), [Some((3.0, 3.0)), Some((4.0, 4.0)), None]);
+        let fronts = [("on_front", [true, false, true]), ("on_front_c", [false, false, true])]
+            .map(|(n, on)| (n.into(), on.into()));
+        assert_eq!(chart.fronts(), fronts);
+    }
+
+    #[test]
     fn csv_quotes_and_rounds() {
-        let panel = Panel { cost: "s", cost_label: "s", error: "e", error_label: "e" };
+        let panel = Panel { cost: "s", cost_label: "s", error: "e", error_label: "e", only: None };
         let cells = vec![Cell::Number(1.0 / 3.0), Cell::Number(f64::NAN), Cell::Empty];
         let row = Row { series: "a, b".into(), label: String::new(), cells, default: true, command: "x \"y\"".into() };
         let chart = Chart {

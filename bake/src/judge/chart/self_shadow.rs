@@ -109,24 +109,28 @@ pub const PANELS: [Panel; 4] = [
         cost_label: "making all maps, milliseconds",
         error: "hair_rmse",
         error_label: "RMSE of t on hair against rays past other strands",
+        only: None,
     },
     Panel {
         cost: "milliseconds",
         cost_label: "making all maps, milliseconds",
         error: "rmse",
         error_label: "RMSE of t against the sampled volume",
+        only: None,
     },
     Panel {
         cost: "bytes",
         cost_label: "maps or visibility texture, bytes",
         error: "hair_rmse",
         error_label: "RMSE of t on hair against rays past other strands",
+        only: None,
     },
     Panel {
         cost: "visibility_seconds",
         cost_label: "baking visibility, seconds",
         error: "hair_rmse",
         error_label: "RMSE of t on hair against rays past other strands",
+        only: None,
     },
 ];
 

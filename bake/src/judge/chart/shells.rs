@@ -49,12 +49,14 @@ pub const PANELS: [Panel; 2] = [
         cost_label: "frame, milliseconds",
         error: "flip",
         error_label: "mean FLIP against the true strands",
+        only: None,
     },
     Panel {
         cost: "package_bytes",
         cost_label: "package, bytes",
         error: "flip",
         error_label: "mean FLIP against the true strands",
+        only: None,
     },
 ];
 
@@ -116,6 +118,10 @@ pub struct Measured {
     pub frame_ms: f64,
     /// Fragment shader runs of that frame; `None` where the adapter does not count them.
     pub fragments: Option<u64>,
+    /// Layers that frame draws, the skin not counted.
+    pub layers: u32,
+    /// Triangles of the mesh that frame draws.
+    pub triangles: u32,
     /// Size of the package.
     pub package_bytes: u64,
     /// Textures, buffers and shadow maps on the device.
@@ -164,7 +170,7 @@ mod tests {
         // The grid is whole: each of its settings is there, whatever its series.
         for tile_texels in TILES {
             for layers in LAYERS {
-                let setting = Setting { layers, tile_texels, fins: base.fins.enabled };
+                let setting = Setting { layers, tile_texels, ..Setting::of(&base) };
                 assert!(all.iter().any(|c| c.recipe == setting.applied_to(&base)), "{setting}");
             }
         }

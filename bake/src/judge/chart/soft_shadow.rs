@@ -93,12 +93,14 @@ pub const PANELS: [Panel; 2] = [
         cost_label: "making the maps, milliseconds",
         error: "rmse",
         error_label: "RMSE of the light's share, all points",
+        only: None,
     },
     Panel {
         cost: "milliseconds",
         cost_label: "making the maps, milliseconds",
         error: "rmse_in_shadow",
         error_label: "RMSE of the light's share, points not in full light",
+        only: None,
     },
 ];
 

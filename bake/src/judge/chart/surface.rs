@@ -43,12 +43,14 @@ pub const PANELS: [Panel; 2] = [
         cost_label: "length of seams / square root of skin area",
         error: "angle_distortion",
         error_label: "angle distortion (0: none)",
+        only: None,
     },
     Panel {
         cost: "seconds",
         cost_label: "surface stage, seconds",
         error: "angle_distortion",
         error_label: "angle distortion (0: none)",
+        only: None,
     },
 ];
 

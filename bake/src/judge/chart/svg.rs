@@ -248,7 +248,7 @@ mod tests {
             default,
             command: String::new(),
         };
-        let panel = Panel { cost: "x", cost_label: "seconds", error: "y", error_label: "error, degrees" };
+        let panel = Panel { cost: "x", cost_label: "seconds", error: "y", error_label: "error, degrees", only: None };
         let chart = Chart {
             topic: "t",
             title: "t".into(),

@@ -89,24 +89,28 @@ pub const PANELS: [Panel; 4] = [
         cost_label: "shell texture, bytes",
         error: "color_rmse",
         error_label: "RMSE of colour, of 255",
+        only: None,
     },
     Panel {
         cost: "shell_encode_seconds",
         cost_label: "encoding the shell texture, seconds",
         error: "color_rmse",
         error_label: "RMSE of colour, of 255",
+        only: None,
     },
     Panel {
         cost: "shell_bytes",
         cost_label: "shell texture, bytes",
         error: "coverage_drift",
         error_label: "largest drift of coverage over the mips",
+        only: None,
     },
     Panel {
         cost: "direction_bytes",
         cost_label: "direction texture, bytes",
         error: "direction_error_deg",
         error_label: "mean error of direction, degrees",
+        only: None,
     },
 ];
 
