@@ -87,7 +87,9 @@ pub(crate) fn prepare(
     let width = shadows.as_ref().and_then(|maps| maps.width.as_ref());
     let shadow_map = width.map_or(&recording.surfaces.white, |width| &width.width.view).clone();
     let created = recording.gpu.created().since(before);
-    let report = FrameReport { passes, instances, created, target_bytes: targets.gpu_bytes() };
+    recording.uniforms.write(recording.gpu);
+    let uploaded_bytes = recording.uniforms.uploaded();
+    let report = FrameReport { passes, instances, created, uploaded_bytes, target_bytes: targets.gpu_bytes() };
     Ok(Frame { draws, shadows, shadow_map, report, _uniforms: recording.finish(), _targets: targets })
 }
 

@@ -10,6 +10,8 @@ pub struct FrameReport {
     pub instances: Vec<InstanceDetail>,
     /// What had to be made for the frame.
     pub created: Created,
+    /// Bytes of uniforms and storage that the queue was given: none where all is as in a frame before.
+    pub uploaded_bytes: u64,
     /// Bytes on the GPU of the textures of the picture's size that the passes hand on. The renderer keeps them for the next frames of
     /// the same size.
     pub target_bytes: u64,

@@ -3,7 +3,7 @@
 use crate::DetailLevel;
 
 /// Layers, skin counted, that a map of what all hair together lets through is drawn of: what comes through them hardly depends on how many there are.
-pub const TOTAL_MAP_LAYERS: u32 = 5;
+pub const TOTAL_MAP_LAYERS: u32 = 3;
 
 /// Share of the fur's height at which a layer lies, of so many with the skin counted, 2 or more: 0 for the skin, layer 0, and 1 for the outermost.
 pub fn layer_height(layer: u32, layers: u32) -> f32 {

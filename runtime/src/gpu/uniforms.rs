@@ -26,6 +26,8 @@ struct Chunk {
     bytes: Vec<u8>,
     /// How many of them the queue has.
     written: usize,
+    /// What the queue was last given.
+    held: Vec<u8>,
 }
 
 /// A slot of the ring while a frame is prepared: bytes are gathered, and written all at once.
@@ -35,13 +37,15 @@ pub(crate) struct Uniforms {
     /// Others hold it as long as their frame needs the slot.
     in_use: Arc<()>,
     alignment: u64,
+    /// Bytes that this frame gave to the queue.
+    uploaded: u64,
 }
 
 impl Uniforms {
     fn new(gpu: &Gpu) -> Self {
         let limits = gpu.device.limits();
         let alignment = limits.min_uniform_buffer_offset_alignment.max(limits.min_storage_buffer_offset_alignment);
-        Self { chunks: Vec::new(), in_use: Arc::new(()), alignment: u64::from(alignment) }
+        Self { chunks: Vec::new(), in_use: Arc::new(()), alignment: u64::from(alignment), uploaded: 0 }
     }
 
     /// Puts values one after the other, each at an offset that a binding may have.
@@ -64,7 +68,7 @@ impl Uniforms {
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
             // With room to grow, or a herd that grows by one a frame would make a buffer in each.
             let buffer = gpu.buffer("pelage uniforms", needed.next_power_of_two().max(CHUNK_BYTES), usage);
-            self.chunks.push(Chunk { buffer, bytes: Vec::new(), written: 0 });
+            self.chunks.push(Chunk { buffer, bytes: Vec::new(), written: 0, held: Vec::new() });
             self.chunks.len() - 1
         });
         let chunk = &mut self.chunks[index];
@@ -77,12 +81,24 @@ impl Uniforms {
         Place { buffer: chunk.buffer.clone(), offset: offset as u64, stride }
     }
 
-    /// Hands to the queue what it does not have yet.
+    /// Hands to the queue what it does not have yet: nothing where the slot holds the same from a frame before.
     pub(crate) fn write(&mut self, gpu: &Gpu) {
-        for chunk in self.chunks.iter_mut().filter(|chunk| chunk.written < chunk.bytes.len()) {
-            gpu.queue.write_buffer(&chunk.buffer, chunk.written as u64, &chunk.bytes[chunk.written..]);
-            chunk.written = chunk.bytes.len();
+        for chunk in &mut self.chunks {
+            let (from, to) = (chunk.written, chunk.bytes.len());
+            let new = &chunk.bytes[from..];
+            if chunk.held.get(from..to) != Some(new) {
+                gpu.queue.write_buffer(&chunk.buffer, from as u64, new);
+                self.uploaded += new.len() as u64;
+                chunk.held.resize(chunk.held.len().max(to), 0);
+                chunk.held[from..to].copy_from_slice(new);
+            }
+            chunk.written = to;
         }
+    }
+
+    /// Bytes that this frame gave to the queue so far.
+    pub(crate) fn uploaded(&self) -> u64 {
+        self.uploaded
     }
 }
 
@@ -130,6 +146,7 @@ impl Ring {
             chunk.bytes.clear();
             chunk.written = 0;
         }
+        slot.uploaded = 0;
         slot
     }
 

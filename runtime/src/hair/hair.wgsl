@@ -74,7 +74,7 @@ fn baked_at(uv: vec2<f32>, layer: u32, wetness: f32, kept: f32, length: f32, slo
             texel = mix(texel, textureSampleLevel(wet_visibility, shell_sampler, uv, layer, instance.map_level), wetness);
         }
     }
-    return Baked(texel, kept, length, slope);
+    return Baked(texel, kept, length, slope, 1.0);
 }
 
 struct Hair {

@@ -10,6 +10,8 @@ struct Baked {
     kept: f32,
     length: f32,
     slope: f32,
+    // light_within of a layer that stands for others below it.
+    within: f32,
 }
 
 // Share of a light in that direction, in the tile frame, that other strands let through.
@@ -22,5 +24,5 @@ fn visible_past_strands(b: Baked, light_ts: vec3<f32>) -> f32 {
         towards = light_in_tile(light_ts, select(1.0, b.length, SHORT), b.slope);
     }
     // What does not grow hides nothing.
-    return 1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon));
+    return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
 }

@@ -137,9 +137,8 @@ impl Recording<'_> {
         self.light.as_ref().and_then(|group| Group::at(group, seen.light_offset))
     }
 
-    /// Hands uniforms to the queue and their slot back to the ring; the frame keeps what this returns.
-    pub(crate) fn finish(mut self) -> Arc<()> {
-        self.uniforms.write(self.gpu);
+    /// Hands the slot of the uniforms, which are written, back to the ring; the frame keeps what this returns.
+    pub(crate) fn finish(self) -> Arc<()> {
         self.ring.give(self.uniforms, self.encoder)
     }
 }

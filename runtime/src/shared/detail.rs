@@ -20,3 +20,19 @@ pub fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, 
 pub fn seen_height(height: f32, stood_for: f32, layers: u32) -> f32 {
     height - 0.25 * (stood_for - 1.0).max(0.0) / (layers - 1) as f32
 }
+
+/// Light on the hair that is seen in a layer of opacity `alpha` which stands for `stood_for` layers, over the light on the layer itself: 0..=1, and 1
+/// where it stands for itself alone.
+///
+/// Below the layer lie others like it, each of which hides α of what is behind it from the eye, and 1 − √(1 − α) from the light. What is seen of all
+/// of them is α Σ qⁱ with q = (1 − α)^1.5, where without shadow it would be α Σ (1 − α)ⁱ. Without it six of the hare's fifteen layers are 8 % too
+/// bright.
+pub fn light_within(alpha: f32, stood_for: f32) -> f32 {
+    if stood_for <= 1.0 {
+        return 1.0;
+    }
+    let a = alpha.clamp(1.0 / 255.0, 1.0 - 1.0 / 2048.0);
+    let one = 1.0 - a;
+    let all = one.powf(stood_for);
+    a * (1.0 - all * all.sqrt()) / ((1.0 - all) * (1.0 - one * one.sqrt()))
+}

@@ -55,3 +55,13 @@ fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
 fn coat_light(path: f32, base: f32, slope: f32) -> f32 {
     return 1.0 / (base + slope * path);
 }
+
+// Light on the hair seen in a layer of that opacity which stands for so many, over the light on the layer itself: below it lie others like it, each
+// of which hides alpha of what is behind it from the eye, and 1 - sqrt(1 - alpha) from the light.
+fn light_within(alpha: f32, stood_for: f32) -> f32 {
+    let a = clamp(alpha, 1.0 / 255.0, 1.0 - 1.0 / 2048.0);
+    let one = 1.0 - a;
+    let all = exp2(stood_for * log2(one));
+    let share = a * (1.0 - all * sqrt(all)) / ((1.0 - all) * (1.0 - one * sqrt(one)));
+    return select(1.0, share, stood_for > 1.0);
+}

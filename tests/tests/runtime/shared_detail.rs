@@ -77,16 +77,40 @@ fn exponents_heights_and_light_on_the_device_are_those_of_the_twin() {
         (0..200).map(|i| [[(1 + i % 15) as f32, (i % 7) as f32 / 7.0, 1.0 + (i % 5) as f32, 0.1 * i as f32]]).collect();
     let Some(gpu) = gpu("exponents_heights_and_light") else { return };
     let expression = "vec4(detail_exponent(u32(in_0.x), 16u, 2u, 7.0 * in_0.y, 1.0, 1.25), \
-                      seen_height(in_0.x / 15.0, in_0.z, 16u), coat_light(in_0.z, 1.0, in_0.w), 0.0)";
+                      seen_height(in_0.x / 15.0, in_0.z, 16u), coat_light(in_0.z, 1.0, in_0.w), light_within(0.05 * in_0.w, in_0.z))";
     for (case, found) in cases.iter().zip(evaluate(gpu, detail::WGSL, expression, &cases)) {
         let [layer, fade, number, slope] = case[0];
         let twin = [
             detail::detail_exponent(layer as u32, 16, 2, 7.0 * fade, 1.0, 1.25),
             detail::seen_height(layer / 15.0, number, 16),
             detail::coat_light(number, 1.0, slope),
+            detail::light_within(0.05 * slope, number),
         ];
-        for (found, twin) in found.iter().zip(twin) {
-            assert!((found - twin).abs() <= 1e-6 * twin.abs().max(1.0), "{case:?}: {found}, expected {twin}");
+        // A device's logarithm of numbers near 1 is coarse.
+        for ((found, twin), least) in found.iter().zip(twin).zip([1e-6, 1e-6, 1e-6, 1e-4]) {
+            assert!((found - twin).abs() <= least * twin.abs().max(1.0), "{case:?}: {found}, expected {twin}");
         }
+    }
+}
+
+#[test]
+fn light_within_a_layer_is_that_of_the_stack_it_stands_for() {
+    for alpha in [0.01, 0.2, 0.77, 0.99f32] {
+        for layers in [1, 2, 4, 7] {
+            let (mut seen, mut lit, mut behind, mut light) = (0.0, 0.0, 1.0, 1.0);
+            for _ in 0..layers {
+                seen += behind * alpha;
+                lit += behind * light * alpha;
+                behind *= 1.0 - alpha;
+                light *= (1.0 - alpha).sqrt();
+            }
+            let found = detail::light_within(alpha, layers as f32);
+            assert!((found - lit / seen).abs() < 2e-5, "{alpha}, {layers}: {found}, expected {}", lit / seen);
+        }
+    }
+    // Nothing jumps where a layer begins to stand for more, and hair that is not there or opaque has an answer.
+    assert!((detail::light_within(0.5, 1.001) - 1.0).abs() < 1e-3);
+    for alpha in [0.0, 1.0] {
+        assert!((0.0..=1.0).contains(&detail::light_within(alpha, 4.0)));
     }
 }

@@ -230,7 +230,7 @@ fn the_detail_chart() {
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // The largest size and the smallest: what the runtime chooses, all there is, the first step to fewer layers, and a large tile; last the
     // smallest with the mesh as it is.
-    let rows = charted(&sandbox, "detail", "1,2,3,9,31,32,33,39,40", &sets);
+    let rows = charted(&sandbox, "detail", "1,2,3,13,43,44,45,55,56", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     let labels = ["auto", "full", "0.25", "256²", "auto", "full", "0.25", "256²", "unsimplified"];
     for (i, row) in rows.iter().enumerate() {

@@ -112,8 +112,8 @@ fn advice_is_given_where_it_helps() {
     }
 }
 
-/// Where there is an adapter, advice was tried: of a hare that is 64 pixels high four layers show, however near to each other all of it lie, while half
-/// the texels do no harm.
+/// Where there is an adapter, advice was tried: of a hare that is 64 pixels high four layers show, however near to each other all of it lie, and
+/// baking fewer of sixteen would be seen, while half the texels do no harm.
 #[test]
 fn advice_that_harms_is_left_out() {
     if gpu("advice_that_harms_is_left_out").is_none() {
@@ -126,10 +126,12 @@ fn advice_that_harms_is_left_out() {
         assert!(found["on_screen"]["layer_gap_px"].as_f64().unwrap() < 0.5, "sizes alone would advise it: {found}");
         let advice = found["advice"].as_array().unwrap();
         let found = |key: &str| advice.iter().find(|a| a["change"].as_str().unwrap().starts_with(key));
-        assert!(found("slice.layers=").is_none(), "{layers} layers: {advice:?}");
-        let tried = found("slice.tile_texels=").unwrap_or_else(|| panic!("{advice:?}"));
-        let [before, after] = ["before", "after"].map(|when| tried["error"][when].as_f64().unwrap());
-        assert!(after <= 1.02 * before && before > 0.0, "{tried}");
+        assert!(found("slice.layers=").is_none() || layers == "64", "{layers} layers: {advice:?}");
+        assert!(found("slice.tile_texels=").is_some(), "{layers} layers: {advice:?}");
+        for tried in advice.iter().filter(|a| a["error"].is_object()) {
+            let [before, after] = ["before", "after"].map(|when| tried["error"][when].as_f64().unwrap());
+            assert!(after <= 1.02 * before && before > 0.0, "{layers} layers: {tried}");
+        }
     }
 }
 

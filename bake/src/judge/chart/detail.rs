@@ -202,12 +202,12 @@ mod tests {
             for tile in TILES {
                 assert_eq!(drawn(LookDetail::Full, tile, true), 1, "a tile of {tile}");
             }
-            // Sixteen layers have two levels, with every number of layers between, and then the coat.
-            for level in [0.25, 0.5, 0.75, 1.0] {
+            // Sixteen layers have three levels, with every number of layers between, and then the coat.
+            for level in [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0] {
                 assert_eq!(drawn(LookDetail::Level(level), base.slice.tile_texels, true), 1, "level {level}");
             }
             assert_eq!(drawn(LookDetail::Auto, base.slice.tile_texels, false), 1);
-            assert_eq!(rows.len(), 2 + 4 + (TILES.len() - 1) + 1);
+            assert_eq!(rows.len(), 2 + 8 + (TILES.len() - 1) + 1);
         }
         for c in &all {
             c.recipe.validate().expect("a valid recipe");
@@ -223,7 +223,7 @@ mod tests {
             all.iter().filter(|c| c.size == 0 && matches!(c.detail, LookDetail::Level(_))).count()
         };
         let recipes = ["slice.layers=32", "slice.layers=32 detail.coat_px=0", "slice.layers=8", "detail.enabled=false"];
-        assert_eq!(recipes.map(count), [8, 8, 0, 0]);
+        assert_eq!(recipes.map(count), [12, 12, 4, 0]);
     }
 
     #[test]

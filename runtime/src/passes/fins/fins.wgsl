@@ -33,7 +33,7 @@ fn baked_at_height(height: f32, kept: f32, length: f32, slope: f32) -> Baked {
             layer - f32(below),
         );
     }
-    return Baked(texel, kept, length, slope);
+    return Baked(texel, kept, length, slope, 1.0);
 }
 
 @vertex

@@ -69,7 +69,10 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         let path = path_through(slanted_path(n_dot_l), in.length);
         arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * path);
     }
-    let baked = baked_at(in.tile_uv, in.layer, groom.y, groom.x, in.length, in.slope);
+    var baked = baked_at(in.tile_uv, in.layer, groom.y, groom.x, in.length, in.slope);
+    if DETAIL && BAKED_SHADOW {
+        baked.within = light_within(hair.color.a, stands_for(in.layer));
+    }
     let direction = grown(hair.direction, in.length, in.slope);
     let point = HairPoint(in.spot, direction, texel.rgb * base.rgb, texel.a, in.tint, groom.y, arriving, baked);
     return vec4(light_hair(point), texel.a);
