@@ -283,8 +283,9 @@ params! {
         enabled: bool = true;
         /// Whether it has index lists of fewer triangles too, for models whose triangles are smaller than pixels.
         simplified: bool = true;
-        /// Pixels between two layers, seen from the side: fur has as many layers as it is high over this, less is finer and dearer.
-        gap_px: f32 = 1.6, in 0.05..=64.0;
+        /// Pixels between two layers, seen from the side: fur has as many layers as it is high over this, less is finer and dearer. More
+        /// leaves a gap between the outermost layer and the next, which shows as a line around the body.
+        gap_px: f32 = 1.15, in 0.05..=64.0;
         /// Share of the size at which a level is drawn in full, at which the next has taken over: 1 switches at once, less goes more
         /// slowly. Between both sizes layers go one after another.
         fade: f32 = 0.5, in 0.1..=1.0;

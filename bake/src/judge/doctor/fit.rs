@@ -30,8 +30,8 @@ mod tests {
             let fitted = fitted(&recipe, &OnScreen { height_px, texel_px, ..OnScreen::default() }, 128);
             (fitted.slice.layers, fitted.slice.tile_texels)
         };
-        assert_eq!(at(11.4, 0.75), (9, 128));
-        assert_eq!(at(22.8, 1.5), (16, 256), "twice as large");
+        assert_eq!(at(11.4, 0.75), (11, 128));
+        assert_eq!(at(22.8, 1.5), (21, 256), "twice as large");
         assert_eq!(at(1e4, 1e4), (64, 2048), "never more than is advised");
         assert_eq!(recipe.hair.root_radius, 0.009, "of the tile");
         assert_eq!(at(0.0, 0.0), (4, 64), "a texel is as wide as a root");
