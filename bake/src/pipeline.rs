@@ -14,11 +14,12 @@ use crate::stages::hair::TileHair;
 use crate::stages::ink::{self, Canvas, InkFiles, SkinInk};
 use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
 use crate::stages::size;
+use crate::stages::strands;
 use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::stages::textures::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::{self, Visibility};
 use crate::steps::Steps;
-use pelage_formats::{Bounds, Shading};
+use pelage_formats::{Bounds, Shading, StrandsData};
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 9] =
@@ -95,6 +96,8 @@ outputs! {
     Visible visible: Option<Visible>,
     /// The strands in layers.
     Shells shells: Shells,
+    /// The strands as the package has them; none where it is to have no strands.
+    Single single: Option<StrandsData>,
     /// The laid model with what varies over it.
     Groomed groomed: Groomed,
     /// Where fins stand.
@@ -209,13 +212,19 @@ pub const STEPS: &[Step] = &[
     Step { stage: "simulate", makes: Hair, reads: &[Laid], run: simulate },
     Step { stage: "visibility", makes: Visible, reads: &[Hair], run: visible },
     Step { stage: "slice", makes: Shells, reads: &[Hair, Visible], run: slice },
+    Step { stage: "slice", makes: Single, reads: &[Hair, Visible], run: single },
     Step { stage: "groom", makes: Groomed, reads: &[Model, Laid], run: groom },
     Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], run: fins },
     Step { stage: "fins", makes: FinTextures, reads: &[Hair, Fins], run: fin_textures },
     Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], run: ink },
     Step { stage: "ink", makes: InkTextures, reads: &[Laid, Hair, Ink], run: ink_textures },
     Step { stage: "textures", makes: Skin, reads: &[Model, Laid, Hair, Groomed], run: skin },
-    Step { stage: "pack", makes: Package, reads: &[Shells, Fins, FinTextures, Ink, InkTextures, Skin], run: pack },
+    Step {
+        stage: "pack",
+        makes: Package,
+        reads: &[Shells, Single, Fins, FinTextures, Ink, InkTextures, Skin],
+        run: pack,
+    },
 ];
 
 /// A finished package.
@@ -359,6 +368,14 @@ fn slice(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     Ok(())
 }
 
+fn single(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, params) = (made(&outputs.hair, Hair)?, &told.recipe.strands);
+    let visible = made(&outputs.visible, Visible)?.as_ref();
+    let visible = [visible.map(|v| &v.dry), visible.and_then(|v| v.wet.as_ref())];
+    outputs.single = Some(params.enabled.then(|| strands::strands(hair, visible, params.points)));
+    Ok(())
+}
+
 fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (model, laid, recipe) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?, told.recipe);
     let self::Laid { bounds, furred, maps, .. } = laid;
@@ -459,6 +476,7 @@ fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         skin: made(&outputs.skin, Skin)?,
         shells: &shells.dry,
         wet_shells: shells.wet.as_ref(),
+        strands: made(&outputs.single, Single)?.as_ref(),
         fins: made(&outputs.fins, Fins)?,
         fin_textures: made(&outputs.fin_textures, FinTextures)?.as_ref(),
         ink,

@@ -29,7 +29,7 @@ pub use material_table::MaterialTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
     HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat,
-    SliceParams, Style, SurfaceParams, SurfaceSource, VisibilityParams,
+    SliceParams, StrandParams, Style, SurfaceParams, SurfaceSource, VisibilityParams,
 };
 pub use pelage_params::SrgbColor;
 
@@ -55,6 +55,8 @@ pelage_params::tables! {
         slice: SliceParams,
         /// How much light reaches the hair.
         visibility: VisibilityParams,
+        /// The strands one by one.
+        strands: StrandParams,
         /// The fins.
         fins: FinParams,
         /// The levels of detail.

@@ -30,7 +30,7 @@ fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<Skin<'a>, FormatEr
             images.push(kept_texture(package, old)?);
         }
     }
-    let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED];
+    let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED, Tag::STRANDS];
     let mut sections = carried(package, |tag| !anew.contains(&tag))?;
     if let Some(mesh) = package.mesh()?.filter(|_| recipe.detail.has_lists()) {
         let lists = simplified(&mesh.to_data(), &manifest, package.animation()?.as_deref());
@@ -69,7 +69,7 @@ fn fault(file: &str, source: FormatError) -> BakeError {
     BakeError::Package { file: file.to_owned(), source }
 }
 
-/// Slices a package as the sections `[slice]`, `[fins]`, `[detail]` and `[pack]` of `recipe` say; what else it says should be the package's own.
+/// Slices a package as the sections `[slice]`, `[strands]`, `[fins]`, `[detail]` and `[pack]` of `recipe` say; what else it says should be the package's own.
 /// A package without fins gets none: on which edges they stand is known from the model alone.
 ///
 /// # Errors

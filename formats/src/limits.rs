@@ -17,6 +17,8 @@ pub struct Limits {
     pub indices: u32,
     /// Fins (default 50 331 648).
     pub fins: u32,
+    /// Strands of the tile (default 16 777 216).
+    pub strands: u32,
     /// Width and height of a texture, texels (default 16 384).
     pub texture_size: u32,
     /// Array layers of a texture (default 2 048).
@@ -32,6 +34,7 @@ impl Default for Limits {
             vertices: 1 << 24,
             indices: 96 << 20,
             fins: 48 << 20,
+            strands: 1 << 24,
             texture_size: 16_384,
             texture_layers: 2048,
         }
@@ -47,6 +50,7 @@ impl Limits {
         vertices: u32::MAX,
         indices: u32::MAX,
         fins: u32::MAX,
+        strands: u32::MAX,
         texture_size: u32::MAX,
         texture_layers: u32::MAX,
     };

@@ -90,6 +90,7 @@ impl<'a> Package<'a> {
             self.animation().err(),
             self.fins().err(),
             self.simplified().err(),
+            self.strands().err(),
             self.ink().err(),
             self.fur_textures().err(),
             self.wet_textures().err(),

@@ -381,6 +381,7 @@ fn limits_are_kept() {
         vertices: 5,
         indices: 12,
         fins: 3,
+        strands: 0,
         texture_size: 8,
         texture_layers: 3,
     };

@@ -265,6 +265,17 @@ params! {
 }
 
 params! {
+    /// `[strands]`: the hair as single strands, for pictures near enough to see them.
+    StrandParams in strands {
+        /// Whether the package has the strands of its tile.
+        enabled: bool = false;
+        /// Points of each strand. Those of half, a quarter and so on of the pieces are drawn where strands are small, so that one more than a power of two
+        /// suits best.
+        points: u32 = 9, in 2..=33;
+    }
+}
+
+params! {
     /// `[fins]`: quads of hair on the edges of the mesh, which show where the layers are seen on edge.
     FinParams in fins {
         /// Whether there are fins: less blur and fewer steps of layers along the outline, for a fifth of a frame.

@@ -117,7 +117,7 @@ fn validate_names_the_key() {
 fn validate_looks_at_every_table() {
     // A number far outside in each table that has one; `detail` was once forgotten.
     type Spoil = fn(&mut Recipe);
-    let wrong: [(&str, Spoil); 13] = [
+    let wrong: [(&str, Spoil); 14] = [
         ("model.unit_m", |r| r.model.unit_m = 0.0),
         ("surface.patch_size", |r| r.surface.patch_size = 1e9),
         ("hair.density", |r| r.hair.density = 0),
@@ -126,6 +126,7 @@ fn validate_looks_at_every_table() {
         ("shading.ambient_floor", |r| r.shading.ambient_floor = 2.0),
         ("slice.layers", |r| r.slice.layers = 1),
         ("visibility.directions", |r| r.visibility.directions = 1),
+        ("strands.points", |r| r.strands.points = 1),
         ("fins.depth", |r| r.fins.depth = Some(0.0)),
         ("detail.gap_px", |r| r.detail.gap_px = 0.0),
         ("ink.speed", |r| r.ink.speed = f32::INFINITY),
@@ -382,6 +383,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             },
             slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
             visibility: VisibilityParams { enabled: color.3, directions: 2 * slice.0 },
+            strands: StrandParams { enabled: !color.3, points: slice.0.clamp(2, 33) },
             fins: FinParams { enabled: fins.0, depth: fins.1 },
             detail: DetailParams {
                 enabled: detail.0,

@@ -2,8 +2,8 @@
 
 use super::textures::ShellTextures;
 use pelage_formats::{
-    Animation, FinData, FormatError, InkData, Manifest, MeshData, Package, PackageWriter, SimplifiedLevel, Tag,
-    TextureEntry, VisibilityInfo,
+    Animation, FinData, FormatError, InkData, Manifest, MeshData, Package, PackageWriter, SimplifiedLevel, StrandsData,
+    Tag, TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -21,6 +21,8 @@ pub enum Content<'a> {
     Ink(InkData),
     /// Index lists of fewer triangles.
     Simplified(Arc<[SimplifiedLevel]>),
+    /// The strands of the tile.
+    Strands(StrandsData),
     /// Which textures say how much light reaches the hair.
     Visibility(VisibilityInfo),
     /// A complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
@@ -45,6 +47,7 @@ pub fn assemble<'a>(
         Content::Fins(fins) => writer.fins(&fins),
         Content::Ink(ink) => writer.ink(&ink),
         Content::Simplified(levels) => writer.simplified(&levels),
+        Content::Strands(strands) => writer.strands(&strands),
         Content::Visibility(info) => writer.visibility(&info),
         Content::Texture(file) => writer.texture(file),
         Content::Bytes(tag, bytes) => writer.section(tag, bytes),

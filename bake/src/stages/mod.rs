@@ -13,6 +13,7 @@ pub mod ink;
 pub mod pack;
 pub mod simplify;
 pub mod size;
+pub mod strands;
 pub mod surface;
 pub mod textures;
 pub mod visibility;

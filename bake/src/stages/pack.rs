@@ -14,7 +14,8 @@ use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTextu
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
     Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, InkData,
-    InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading, VisibilityInfo,
+    InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading, StrandsData,
+    VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -150,6 +151,8 @@ pub struct Pieces<'a> {
     pub shells: &'a ShellTextures,
     /// The shell textures of wet hair, where dry and wet mix.
     pub wet_shells: Option<&'a ShellTextures>,
+    /// The strands of the tile, or none.
+    pub strands: Option<&'a StrandsData>,
     /// The fins.
     pub fins: &'a SkinFins<'a>,
     /// Their textures; without them the package has no fins.
@@ -231,7 +234,8 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     };
     let fins = fins.map(|(_, section)| section);
     let sections = skin.sections.iter().cloned().chain(files).chain(fins).chain(ink.map(Content::Ink));
-    let sections = sections.chain(visibility.map(Content::Visibility));
+    let strands = pieces.strands.cloned().map(Content::Strands);
+    let sections = sections.chain(visibility.map(Content::Visibility)).chain(strands);
     let fault = |fault| BakeError::Internal(format!("the package does not read back: {fault}"));
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }

@@ -8,7 +8,6 @@ pub mod export;
 mod curves;
 mod plant;
 mod skin;
-mod walk;
 
 pub use curves::{CurvePoint, Curves, simplified};
 pub use plant::{GroomReport, grow_on, tile_hair};

@@ -1,7 +1,7 @@
 //! The strands of a package, one by one on its skin.
 //!
 //! A package holds layers and no strands, but its recipe, from which the very strands that were sliced grow again. Every strand of the periodic
-//! tile stands wherever its root falls into a furred triangle, and from there lies on the skin as [`super::walk`] says. At the share s of the
+//! tile stands wherever its root falls into a furred triangle, and from there lies on the skin as [`pelage_formats::meaning::planting`] says. At the share s of the
 //! fur's height a point is moved off the skin as FORMAT.md says of the layers, by s · H along the normal and s² · l · H along the comb,
 //! interpolated between the triangle's corners: the truth fills the volume that the layers are drawn in.
 //!
@@ -11,15 +11,15 @@
 
 use super::curves::{CurvePoint, Curves, simplified};
 use super::skin::{Skin, mix};
-use super::walk::{Crossed, Footing, SurfaceWalk};
 use crate::BakeError;
 use crate::noise::{hash, uniform};
 use crate::recipe::Recipe;
 use crate::stages::groom::{Lengths, Water};
 use crate::stages::hair::{Strands, TileHair};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use pelage_formats::Manifest;
 use pelage_formats::meaning::hair_offset;
+use pelage_formats::meaning::planting::{Crossed, Footing, Roots, SurfaceWalk};
 use rayon::prelude::*;
 
 /// Points of a strand that lie this near to the line without them are left out, radii of the strand. A tenth moves no edge by more than a
@@ -118,7 +118,8 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
 /// [`BakeError::Params`] where that would be more strands than memory holds.
 pub fn grow_on(skin: &Skin, hair: &TileHair, tile_size_m: f64) -> Result<(Curves, GroomReport), BakeError> {
     hair.strands.validate()?;
-    let walk = SurfaceWalk::new(skin);
+    let ground = skin.ground();
+    let walk = SurfaceWalk::new(&ground);
     let area = |t: usize| {
         let [a, b, c] = skin.corners(t).map(|c| c.tile_uv);
         0.5 * (b - a).perp_dot(c - a).abs()
@@ -129,7 +130,11 @@ pub fn grow_on(skin: &Skin, hair: &TileHair, tile_size_m: f64) -> Result<(Curves
         let reason = format!("about {expected:.0} strands on the whole skin, expected at most {MAX_STRANDS:.0}");
         return Err(BakeError::Params { what: "hair.density", reason });
     }
-    let gardener = Gardener { skin, walk: &walk, hair, tile_size_m, roots: Roots::new(&hair.strands) };
+    let roots = (0..hair.strands.len()).filter_map(|i| {
+        let root = hair.strands.points.get(hair.strands.range(i).start)?;
+        (!hair.strands.range(i).is_empty()).then_some((root.truncate().as_dvec2(), i as u32))
+    });
+    let gardener = Gardener { skin, walk: &walk, hair, tile_size_m, roots: Roots::new(roots) };
     let parts: Vec<(Curves, GroomReport)> =
         furred.par_chunks(64).map(|chunk| gardener.plant(chunk.iter().copied())).collect();
     let mut curves = Curves::default();
@@ -219,92 +224,17 @@ impl Gardener<'_> {
         let share = f64::from(strands.points[i].z / strands.height);
         let corners = self.skin.corners(at.triangle);
         let sum = |each: [DVec3; 3]| each[0] * at.weights.x + each[1] * at.weights.y + each[2] * at.weights.z;
+        let by = self.walk.place_weights(at);
+        let place = corners[0].position_ws * by.x + corners[1].position_ws * by.y + corners[2].position_ws * by.z;
         let offset = sum(corners.map(|c| hair_offset(c.normal_ws, c.bitangent_ws, c.lean, share, c.fur_height_m)));
         CurvePoint {
-            position_ws: (self.walk.place_ws(at) + offset).as_vec3(),
+            position_ws: (place + offset).as_vec3(),
             radius_m: (f64::from(strands.radii[i]) * self.tile_size_m) as f32,
             color: strands.colors[i] * tint,
             height: share as f32,
             normal_ws: sum(corners.map(|c| c.normal_ws)).normalize_or(corners[0].normal_ws).as_vec3(),
         }
     }
-}
-
-/// The roots of a tile, sorted into cells of a grid.
-struct Roots {
-    side: usize,
-    /// Root within the tile, 0..1, and strand; cell after cell.
-    roots: Vec<(DVec2, u32)>,
-    starts: Vec<usize>,
-}
-
-impl Roots {
-    fn new(strands: &Strands) -> Self {
-        let side = ((strands.len() as f64 / 2.0).sqrt() as usize).clamp(1, 512);
-        let mut roots: Vec<(DVec2, u32)> = (0..strands.len())
-            .filter(|i| !strands.range(*i).is_empty())
-            .map(|i| {
-                let root = strands.points[strands.range(i).start].truncate().as_dvec2();
-                (root - root.floor(), i as u32)
-            })
-            .collect();
-        let cell = |(root, _): &(DVec2, u32)| {
-            let along = |x: f64| ((x * side as f64) as usize).min(side - 1);
-            along(root.y) * side + along(root.x)
-        };
-        roots.sort_by_key(cell);
-        let starts = (0..=side * side).map(|k| roots.partition_point(|root| cell(root) < k)).collect();
-        Self { side, roots, starts }
-    }
-
-    /// Calls `visit` for every strand, in every copy of the tile, whose root lies in a triangle of tile coordinates, with the weights of the
-    /// corners there. Of triangles side by side, a root on their edge belongs to one.
-    fn for_each_in(&self, corners: [DVec2; 3], mut visit: impl FnMut(usize, DVec3)) {
-        let (low, high) = corners.iter().fold((corners[0], corners[0]), |(l, h), c| (l.min(*c), h.max(*c)));
-        let side = self.side as f64;
-        let cells = |from: f64, to: f64| (from * side).floor() as i64 - 1..=(to * side).floor() as i64 + 1;
-        for y in cells(low.y, high.y) {
-            for x in cells(low.x, high.x) {
-                let tile = DVec2::new(x.div_euclid(self.side as i64) as f64, y.div_euclid(self.side as i64) as f64);
-                let cell =
-                    y.rem_euclid(self.side as i64) as usize * self.side + x.rem_euclid(self.side as i64) as usize;
-                for (root, strand) in &self.roots[self.starts[cell]..self.starts[cell + 1]] {
-                    if let Some(weights) = weights_inside(corners, *root + tile) {
-                        visit(*strand as usize, weights);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Weights of the corners at a point, where it lies in the triangle or on those of its edges that are its own.
-fn weights_inside(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
-    let [a, b, c] = corners;
-    let turn = if (b - a).perp_dot(c - a) < 0.0 { -1.0 } else { 1.0 };
-    let mut weights = DVec3::ZERO;
-    for k in 0..3 {
-        let (from, to) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
-        let side = turn * side_of_edge(from, to, p);
-        // An edge belongs to the triangle that lies above it, or to the right of an upright one.
-        let way = (to - from) * turn;
-        let own = way.x > 0.0 || (way.x == 0.0 && way.y < 0.0);
-        if side < 0.0 || (side == 0.0 && !own) {
-            return None;
-        }
-        weights[k] = side;
-    }
-    let sum = weights.element_sum();
-    (sum > 0.0).then(|| weights / sum)
-}
-
-/// Twice the signed area of the triangle of an edge and a point, computed in the same order for both directions of the edge, so that the
-/// triangles on its two sides see the same rounding.
-fn side_of_edge(from: DVec2, to: DVec2, p: DVec2) -> f64 {
-    let forward = (from.x, from.y) <= (to.x, to.y);
-    let (a, b) = if forward { (from, to) } else { (to, from) };
-    let area = (b - a).perp_dot(p - a);
-    if forward { area } else { -area }
 }
 
 #[cfg(test)]

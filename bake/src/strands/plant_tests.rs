@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
 use crate::strands::{SkinMaterial, SkinPoint};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec2, Vec2, Vec3, Vec4};
 
 /// A flat sheet in the xz plane of `side` × `side` squares of two triangles, a tile a metre; tile coordinates of squares with x beyond
 /// `border` squares are shifted by `shift`: another patch.

@@ -5,6 +5,7 @@ use crate::mesh::Image;
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::textures::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
+use pelage_formats::meaning::planting::Ground;
 use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
 use pelage_formats::{FormatError, GeometryVertex, Package, Pose, SkinVertex};
 use std::collections::HashMap;
@@ -124,6 +125,17 @@ impl Skin {
             });
         }
         Ok(out)
+    }
+
+    /// What planting asks of it.
+    pub fn ground(&self) -> Ground {
+        Ground {
+            triangles: self.triangles.clone(),
+            furred: (0..self.triangles.len()).map(|t| self.material(t).furred).collect(),
+            positions: self.vertices.iter().map(|v| v.position_ws).collect(),
+            tile_uv: self.vertices.iter().map(|v| v.tile_uv).collect(),
+            same_place: self.same_place.clone(),
+        }
     }
 
     /// Corners of a triangle.

@@ -3,10 +3,11 @@
 
 use pelage_bake::BakeError;
 use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, Told};
-use pelage_bake::recipe::Recipe;
+use pelage_bake::recipe::{Recipe, StrandParams};
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, import};
+use pelage_bake::strands::tile_hair;
 use pelage_formats::{Limits, Package};
 use std::path::PathBuf;
 
@@ -276,6 +277,7 @@ fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
             &["fins.enabled=false", "pack.shell_format=rgba8"],
             &["slice.filter_width=1.0", "detail.enabled=false"],
             &["detail.enabled=true", "detail.simplified=false"],
+            &["strands.enabled=true", "strands.points=5"],
         ] {
             sets.iter().try_for_each(|set| other.set(set)).unwrap();
             let (ours, baked) = (reslice(name, &package, &other).unwrap(), bake(name, &other).unwrap().package);
@@ -283,6 +285,53 @@ fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
             assert_eq!(textures(&ours), textures(&baked), "{name}, {sets:?}");
             assert!(ours == baked, "{name}, {sets:?}");
         }
+    }
+}
+
+#[test]
+fn strands_of_a_package_are_those_of_its_tile() {
+    for (name, points, tolerance) in [("hare", 9, 0.004), ("hare", 33, 0.0005), ("torus", 9, 0.01)] {
+        let mut recipe = fur(name);
+        assert!(
+            Package::open(&bake(name, &recipe).unwrap().package, &Limits::default())
+                .unwrap()
+                .strands()
+                .unwrap()
+                .is_none()
+        );
+        recipe.strands = StrandParams { enabled: true, points };
+        let bytes = bake(name, &recipe).unwrap().package;
+        let package = Package::open(&bytes, &Limits::default()).unwrap();
+        let view = package.strands().unwrap().unwrap();
+        let hair = tile_hair(name, package.manifest()).unwrap().unwrap().strands;
+        assert_eq!((view.strand_count() as usize, view.points_per_strand()), (hair.len(), points));
+        let roots: Vec<glam::Vec3> = (0..hair.len()).map(|i| hair.points[hair.range(i).start]).collect();
+        let stored: Vec<_> = view.points().collect();
+        let mut worst = 0.0f32;
+        for (strand, root) in stored.chunks(points as usize).zip(view.roots()) {
+            // In a tile that repeats, a root is near where the difference to it is near a whole number.
+            let apart = |i: &usize| {
+                let d = roots[*i].truncate() - glam::Vec2::from(root);
+                (d - d.round()).length()
+            };
+            let own = (0..hair.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+            assert!(apart(&own) < 2e-5);
+            let place = |p: &pelage_formats::StrandPoint| {
+                let [u, v] = p.aside;
+                roots[own] + glam::Vec3::new(u, v, p.height * hair.height)
+            };
+            let curve: Vec<_> = strand.iter().map(place).collect();
+            for point in &hair.points[hair.range(own)] {
+                let to = |pair: &[glam::Vec3]| {
+                    let along = pair[1] - pair[0];
+                    let t = ((*point - pair[0]).dot(along) / along.length_squared().max(1e-20)).clamp(0.0, 1.0);
+                    point.distance(pair[0] + along * t)
+                };
+                worst = curve.windows(2).map(to).fold(f32::INFINITY, f32::min).max(worst);
+            }
+        }
+        println!("{name}: {points} points lie within {worst:.5} widths of the tile of the strands");
+        assert!(worst < tolerance, "{name}: {worst} with {points} points");
     }
 }
 

@@ -10,6 +10,7 @@ mod fins;
 mod groom;
 mod hair_point;
 mod layers;
+pub mod planting;
 mod skinning;
 mod srgb;
 mod tile_frame;

@@ -12,6 +12,7 @@ pub(crate) mod mesh;
 #[cfg(test)]
 mod probe;
 pub(crate) mod simplified;
+pub(crate) mod strands;
 pub(crate) mod textures;
 pub(crate) mod visibility;
 
@@ -27,6 +28,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &ink::KIND,
     &visibility::KIND,
     &simplified::KIND,
+    &strands::KIND,
     &textures::KIND,
     #[cfg(test)]
     &probe::KIND,

@@ -6,7 +6,7 @@
 //! edge by what is left of its way in that direction. Where there is no neighbour to go on in, it leaves the skin straight ahead in the plane of
 //! its last triangle.
 
-use super::skin::Skin;
+use super::Ground;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
@@ -18,8 +18,9 @@ const MAX_CROSSINGS: u32 = 256;
 const LEAST_AREA: f64 = 1e-9;
 
 /// Which triangles lie side by side, and how tile coordinates run in them.
-pub(super) struct SurfaceWalk<'a> {
-    skin: &'a Skin,
+#[derive(Clone, Debug)]
+pub struct SurfaceWalk<'a> {
+    ground: &'a Ground,
     /// For each corner the triangle across the opposite edge, `NONE` at borders and where more than two meet.
     across: Vec<[u32; 3]>,
     /// For each triangle the change of the three weights along u and along v; `None` where no walk leads.
@@ -28,56 +29,57 @@ pub(super) struct SurfaceWalk<'a> {
 
 /// Where a walk stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Footing {
-    pub(super) triangle: usize,
+pub struct Footing {
+    /// Index of the triangle.
+    pub triangle: usize,
     /// Weights of the corners of that triangle; they add up to 1 and none is negative.
-    pub(super) weights: DVec3,
+    pub weights: DVec3,
     /// Once the walk has left the skin: the way from that point, tile coordinates.
-    pub(super) beyond: Option<DVec2>,
+    pub beyond: Option<DVec2>,
 }
 
 /// What a walk came across.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Crossed {
+pub struct Crossed {
     /// An edge on which tile coordinates jump.
-    pub(super) patch_border: bool,
+    pub patch_border: bool,
     /// The end of the mesh or of the furred part.
-    pub(super) mesh_border: bool,
+    pub mesh_border: bool,
     /// A border whose two sides lead against each other, so that the walk went along it.
-    pub(super) slid: bool,
+    pub slid: bool,
     /// So many edges within a step that the walk left the skin rather than go on.
-    pub(super) lost: bool,
+    pub lost: bool,
 }
 
 impl<'a> SurfaceWalk<'a> {
-    /// Looks at the furred triangles of `skin`.
-    pub(super) fn new(skin: &'a Skin) -> Self {
+    /// Looks at the furred triangles.
+    pub fn new(ground: &'a Ground) -> Self {
         let mut sides: HashMap<[u32; 2], Vec<(u32, usize)>> = HashMap::new();
-        for (t, triangle) in skin.triangles.iter().enumerate() {
-            let p = triangle.map(|v| skin.same_place[v as usize]);
+        for (t, triangle) in ground.triangles.iter().enumerate() {
+            let p = triangle.map(|v| ground.same_place[v as usize]);
             for k in 0..3 {
                 let (a, b) = (p[(k + 1) % 3], p[(k + 2) % 3]);
                 sides.entry([a.min(b), a.max(b)]).or_default().push((t as u32, k));
             }
         }
-        let mut across = vec![[NONE; 3]; skin.triangles.len()];
+        let mut across = vec![[NONE; 3]; ground.triangles.len()];
         for pair in sides.values() {
             if let [(t, k), (s, l)] = pair[..] {
                 across[t as usize][k] = s;
                 across[s as usize][l] = t;
             }
         }
-        let gradients = (0..skin.triangles.len()).map(|t| gradients(skin, t)).collect();
-        Self { skin, across, gradients }
+        let gradients = (0..ground.triangles.len()).map(|t| gradients(ground, t)).collect();
+        Self { ground, across, gradients }
     }
 
     /// Whether hair can root in a triangle.
-    pub(super) fn is_furred(&self, triangle: usize) -> bool {
+    pub fn is_furred(&self, triangle: usize) -> bool {
         self.gradients[triangle].is_some()
     }
 
     /// Goes `by` tile coordinates on.
-    pub(super) fn step(&self, from: &mut Footing, by: DVec2, crossed: &mut Crossed) {
+    pub fn step(&self, from: &mut Footing, by: DVec2, crossed: &mut Crossed) {
         if let Some(way) = &mut from.beyond {
             *way += by;
             return;
@@ -124,7 +126,7 @@ impl<'a> SurfaceWalk<'a> {
 
     /// What is left of a change of the weights along the edge opposite to corner `k`.
     fn along_edge(&self, triangle: usize, k: usize, change: DVec3) -> DVec3 {
-        let corners = self.skin.corners(triangle).map(|c| c.position_ws);
+        let corners = self.ground.corners(triangle, &self.ground.positions);
         let way = corners[0] * change.x + corners[1] * change.y + corners[2] * change.z;
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         let edge = corners[j] - corners[i];
@@ -138,15 +140,15 @@ impl<'a> SurfaceWalk<'a> {
 
     /// Steps over an edge into the neighbour `next`; the corner of it that the edge lies opposite to.
     fn enter(&self, from: &mut Footing, next: usize, crossed: &mut Crossed) -> Option<usize> {
-        let (here, there) = (self.skin.triangles[from.triangle], self.skin.triangles[next]);
-        let place = |v: u32| self.skin.same_place[v as usize];
+        let (here, there) = (self.ground.triangles[from.triangle], self.ground.triangles[next]);
+        let place = |v: u32| self.ground.same_place[v as usize];
         let mut weights = DVec3::ZERO;
         let mut opposite = None;
         for (k, v) in there.iter().enumerate() {
             match (0..3).find(|j| place(here[*j]) == place(*v)) {
                 Some(j) => {
                     weights[k] = from.weights[j];
-                    let tile_uv = |v: u32| self.skin.vertices[v as usize].tile_uv;
+                    let tile_uv = |v: u32| self.ground.tile_uv[v as usize];
                     crossed.patch_border |= tile_uv(here[j]) != tile_uv(*v);
                 }
                 None => opposite = Some(k),
@@ -156,23 +158,22 @@ impl<'a> SurfaceWalk<'a> {
         opposite
     }
 
-    /// Place on the skin, and the surface beside it where the walk has left it. Metres.
-    pub(super) fn place_ws(&self, at: &Footing) -> DVec3 {
-        let corners = self.skin.corners(at.triangle).map(|c| c.position_ws);
-        let sum = |w: DVec3| corners[0] * w.x + corners[1] * w.y + corners[2] * w.z;
+    /// Weights of the corners for the place on the skin; where the walk has left the skin, for that on the plane of its last triangle, and then some
+    /// may be negative.
+    pub fn place_weights(&self, at: &Footing) -> DVec3 {
         match (at.beyond, self.gradients[at.triangle]) {
-            (Some(way), Some([along_u, along_v])) => sum(at.weights + along_u * way.x + along_v * way.y),
-            _ => sum(at.weights),
+            (Some(way), Some([along_u, along_v])) => at.weights + along_u * way.x + along_v * way.y,
+            _ => at.weights,
         }
     }
 }
 
 /// Changes of the weights of a triangle along u and v. `None` on bare parts and where the coordinates collapse.
-fn gradients(skin: &Skin, triangle: usize) -> Option<[DVec3; 2]> {
-    if !skin.material(triangle).furred {
+fn gradients(ground: &Ground, triangle: usize) -> Option<[DVec3; 2]> {
+    if !ground.furred[triangle] {
         return None;
     }
-    let [a, b, c] = skin.corners(triangle).map(|c| c.tile_uv);
+    let [a, b, c] = ground.corners(triangle, &ground.tile_uv);
     let (e, f) = (b - a, c - a);
     let area = e.perp_dot(f);
     let longest = e.length_squared().max(f.length_squared()).max((f - e).length_squared());

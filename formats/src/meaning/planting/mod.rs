@@ -1,0 +1,99 @@
+//! Where the strands of a periodic tile stand on a mesh, and where on it the points of each lie.
+//!
+//! A strand of the tile stands wherever a copy of its root falls into a furred triangle ([`Roots`]), and from there its points lie where a walk over the
+//! mesh leads ([`SurfaceWalk`]). Both ask for the mesh's tile coordinates; what stands there and moves with the skin follows from triangle and weights
+//! ([`Footing`]), whatever the pose.
+
+mod roots;
+mod walk;
+
+pub use roots::Roots;
+pub use walk::{Crossed, Footing, SurfaceWalk};
+
+use glam::{DVec2, DVec3};
+
+/// What planting asks of a mesh. Lists of vertices are as long as each other, and so are those of triangles.
+#[derive(Clone, Debug, Default)]
+pub struct Ground {
+    /// Corners of each triangle, all less than the number of vertices.
+    pub triangles: Vec<[u32; 3]>,
+    /// Whether hair grows on each triangle.
+    pub furred: Vec<bool>,
+    /// Of each vertex, metres, in any pose.
+    pub positions: Vec<DVec3>,
+    /// Of each vertex in the hair tile, 1 a tile.
+    pub tile_uv: Vec<DVec2>,
+    /// For each vertex the first one at the same place that moves alike: a place stands once for each patch, part and seam that meets there.
+    pub same_place: Vec<u32>,
+}
+
+impl Ground {
+    /// What a list of vertices says of the corners of a triangle.
+    pub(crate) fn corners<T: Copy>(&self, triangle: usize, of: &[T]) -> [T; 3] {
+        self.triangles[triangle].map(|v| of[v as usize])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of a metre and a tile, of two triangles; the second stands in another patch, whose coordinates lie `apart` tiles away.
+    fn square(apart: f64) -> Ground {
+        let at = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        Ground {
+            triangles: vec![[0, 1, 2], [3, 4, 5]],
+            furred: vec![true; 2],
+            positions: at.iter().map(|(x, y)| DVec3::new(*x, *y, 0.0)).collect(),
+            tile_uv: at.iter().enumerate().map(|(i, (x, y))| DVec2::new(x + apart * f64::from(i > 2), *y)).collect(),
+            same_place: vec![0, 1, 2, 1, 4, 2],
+        }
+    }
+
+    fn place(ground: &Ground, walk: &SurfaceWalk<'_>, at: &Footing) -> DVec3 {
+        let (weights, corners) = (walk.place_weights(at), ground.corners(at.triangle, &ground.positions));
+        corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z
+    }
+
+    #[test]
+    fn a_walk_leads_straight_over_borders_and_ends() {
+        for apart in [0.0, 5.0] {
+            let ground = square(apart);
+            let walk = SurfaceWalk::new(&ground);
+            let mut at = Footing { triangle: 0, weights: DVec3::new(0.6, 0.2, 0.2), beyond: None };
+            let mut crossed = Crossed::default();
+            walk.step(&mut at, DVec2::new(0.5, 0.4), &mut crossed);
+            assert_eq!((at.triangle, crossed.patch_border, crossed.mesh_border), (1, apart != 0.0, false));
+            assert!(place(&ground, &walk, &at).distance(DVec3::new(0.7, 0.6, 0.0)) < 1e-12, "{at:?}");
+            // Past the end it goes on in the last triangle's plane.
+            walk.step(&mut at, DVec2::new(1.0, 0.0), &mut crossed);
+            assert!(crossed.mesh_border && !crossed.lost && at.beyond.is_some());
+            assert!(place(&ground, &walk, &at).distance(DVec3::new(1.7, 0.6, 0.0)) < 1e-12, "{at:?}");
+        }
+    }
+
+    #[test]
+    fn a_root_stands_in_one_triangle_and_in_every_tile() {
+        // On the edge between both triangles, and within one of them; the numbers say which is which, and where the tile lies does not matter.
+        let roots = Roots::new([(DVec2::new(0.5, 0.5), 7), (DVec2::new(3.25, -0.75), 9)]);
+        for ground in [square(0.0), square(2.0)] {
+            let mut found = Vec::new();
+            for triangle in 0..2 {
+                let corners = ground.corners(triangle, &ground.tile_uv);
+                roots.for_each_in(corners, |strand, weights| {
+                    let place = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
+                    let shift = place - if strand == 7 { DVec2::splat(0.5) } else { DVec2::splat(0.25) };
+                    assert!((shift - shift.round()).length() < 1e-12, "{strand} at {place}");
+                    found.push(strand);
+                });
+            }
+            found.sort_unstable();
+            assert_eq!(found, [7, 9]);
+        }
+        let large = [DVec2::ZERO, DVec2::new(4.0, 0.0), DVec2::new(0.0, 4.0)];
+        let mut count = [0; 10];
+        roots.for_each_in(large, |strand, _| count[strand] += 1);
+        // Whole tiles under the diagonal, and those that it cuts; the root on a diagonal's middle belongs to one of its sides.
+        assert!(count[9] == 10 && (6..=10).contains(&count[7]), "{count:?}");
+    }
+}
