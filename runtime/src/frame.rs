@@ -8,21 +8,25 @@ use crate::light::{Casters, ShadowMaps};
 use crate::params::FrameParams;
 use crate::passes::*;
 use crate::report::{FrameReport, PassReport};
-use crate::scene::{self, Kept};
+use crate::scene::{self, Kept, Seen};
 use crate::shared::receiver::ShadowReceiver;
 use std::sync::Arc;
 
 /// The passes of a frame, in their order. A line is a folder of `passes/`.
 pub(crate) const PASSES: &[&Pass] = &[
     &pose::PASS,
+    &strand_pose::PASS,
     &layer_shadow::PASS,
     &shadow_width::PASS,
+    &strand_shadow::PASS,
+    &strand_light::PASS,
     &ink_normals::PASS,
     &ink_features::PASS,
     &ink_trace::PASS,
     &ink_dilate::PASS,
     &ink_stroke::PASS,
     &skin::PASS,
+    &strands::PASS,
     &fins::PASS,
     &shells::PASS,
     &ink_composite::PASS,
@@ -48,6 +52,7 @@ pub struct Frame {
     /// Nobody else may write to its uniforms, or draw to what it reads, while it lives.
     _uniforms: Arc<()>,
     _targets: Arc<TargetSet>,
+    _instances: Arc<[Seen]>,
 }
 
 /// Prepares a frame: every pass plans, and those before the picture are recorded.
@@ -82,7 +87,8 @@ pub(crate) fn prepare(
         };
         passes.push(PassReport { name: id.name(), ran, reason });
     }
-    let instances = recording.instances.iter().map(|seen| seen.drawing.detail).collect();
+    let seen = recording.instances.clone();
+    let instances = seen.iter().map(|seen| seen.drawing.reported()).collect();
     let (shadows, targets) = (recording.maps.clone(), recording.targets.clone());
     let width = shadows.as_ref().and_then(|maps| maps.width.as_ref());
     let shadow_map = width.map_or(&recording.surfaces.white, |width| &width.width.view).clone();
@@ -90,7 +96,7 @@ pub(crate) fn prepare(
     recording.uniforms.write(recording.gpu);
     let uploaded_bytes = recording.uniforms.uploaded();
     let report = FrameReport { passes, instances, created, uploaded_bytes, target_bytes: targets.gpu_bytes() };
-    Ok(Frame { draws, shadows, shadow_map, report, _uniforms: recording.finish(), _targets: targets })
+    Ok(Frame { draws, shadows, shadow_map, report, _uniforms: recording.finish(), _targets: targets, _instances: seen })
 }
 
 impl Frame {

@@ -69,6 +69,11 @@ impl Instance {
         may && self.model.knows_visibility()
     }
 
+    /// Scale of lengths: cube root of that of volumes.
+    pub(crate) fn scale(&self) -> f32 {
+        Mat3::from_mat4(self.transform).determinant().abs().cbrt()
+    }
+
     pub(crate) fn check_owner(&self) -> Result<(), RuntimeError> {
         if self.owner != Self::NOBODY {
             return Ok(());

@@ -3,10 +3,15 @@
 use crate::frame::PASSES;
 use crate::gpu::Shader;
 use crate::ink::{InkFrame, InkModel};
+use crate::light::DeepOpacity;
+use crate::model::{STRAND_WORKGROUP, Stand, Strand, StrandConstants};
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
-use crate::passes::{fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin};
+use crate::passes::{
+    fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_light, strand_pose, strand_shadow,
+    strands,
+};
 use crate::shared::{frame, receiver, soft_shadow};
-use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform};
+use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform, SCAN_WORKGROUP};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
 use pelage_formats::meaning::{FIN_CORNERS, LEANING_ROWS};
@@ -188,7 +193,7 @@ fn uniform_structs_agree() {
             ambient_floor,
             scale,
             handedness,
-            opacity_exponent,
+            layer_share,
             baked_layers,
             drawn_layers,
             wet_specular,
@@ -207,6 +212,21 @@ fn uniform_structs_agree() {
             coat_light_slope,
         )
     );
+    for source in [strand_pose::SHADER.wgsl, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+        assert_eq!(
+            members(source, "StrandConstants"),
+            fields!(StrandConstants, points, count, dry_points, radius, first, end, share, reserved)
+        );
+    }
+    for source in [strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+        let (wgsl, size) = members(source, "DeepOpacity");
+        let (fields, rust_size) = fields!(DeepOpacity, size, slabs, slabs_per_depth, texel_m, density, reserved);
+        assert_eq!((&wgsl[..5], wgsl[5].1, size), (&fields[..5], fields[5].1, rust_size));
+    }
+    // It reads no more of the frame than how to place corners.
+    let (frame, _) = members(strands::SHADER.wgsl, "Frame");
+    assert_eq!(frame[..], fields!(frame::Frame, clip_from_world).0[..]);
+    assert_eq!(frame[0].1 as usize, offset_of!(frame::Frame, clip_from_world));
     assert_eq!(
         members(soft_shadow::WGSL, "SoftShadow"),
         fields!(soft_shadow::SoftShadow, range_m, penumbra, blur, texel)
@@ -231,6 +251,18 @@ fn storage_structs_agree() {
     assert_eq!(members(fins::SHADER.wgsl, "Fin"), fields!(Fin, a, b, start, length, slab, opacity));
     // Four bytes are one word to the shader.
     assert_eq!(members(fins::SHADER.wgsl, "AttributeVertex"), fields!(AttributeVertex, tile_uv, base_uv, color, groom));
+    assert_eq!(
+        members(strand_pose::SHADER.wgsl, "GeometryVertex"),
+        fields!(GeometryVertex, position, fur_height, normal, lean, tangent)
+    );
+    for source in [strand_pose::SHADER.wgsl, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+        assert_eq!(
+            members(source, "Strand"),
+            fields!(Strand, base_uv, color, groom, of_tile, chance, lean, fur_height)
+        );
+    }
+    let (stand, size) = members(strand_pose::SHADER.wgsl, "Stand");
+    assert_eq!((stand[3].1 as usize, size as usize), (offset_of!(Stand, weights), size_of::<Stand>()));
     let (members, size) = members(pose::SHADER.wgsl, "SkinVertex");
     assert_eq!(size as usize, size_of::<SkinVertex>());
     let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);
@@ -287,6 +319,12 @@ fn vertex_inputs_agree() {
 fn workgroups_agree() {
     let module = parse("pose", pose::SHADER.wgsl);
     assert_eq!(module.entry_points[0].workgroup_size, [pose::WORKGROUP, 1, 1]);
+    for source in [strand_pose::SHADER.wgsl, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+        for entry in &parse("strands", source).entry_points {
+            let expected = if entry.name == "scan_strands" { SCAN_WORKGROUP } else { STRAND_WORKGROUP };
+            assert_eq!(entry.workgroup_size, [expected, 1, 1], "{}", entry.name);
+        }
+    }
     let module = parse("fins", fins::SHADER.wgsl);
     let lights = |source| {
         let module = parse("lights", source);

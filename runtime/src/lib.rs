@@ -79,8 +79,8 @@ pub use model::Model;
 #[cfg(feature = "study")]
 pub use params::{Anchoring, FeatureRule, InkShow, Lighting, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use params::{
-    Detail, FrameParams, FurParams, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions, SelfShadow,
-    ShadowParams, Style, StyleKind,
+    Detail, FrameParams, FurParams, Hair, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions,
+    SelfShadow, ShadowParams, Style, StyleKind,
 };
 pub use passes::{PassId, PassPlace};
 pub use renderer::Renderer;

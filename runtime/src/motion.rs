@@ -17,6 +17,8 @@ struct State {
     model: Model,
     /// Posed vertices, where the model has a skeleton.
     posed: Option<wgpu::Buffer>,
+    /// Posed points of the strands, where the model has some, and the revision that they are of.
+    strands: Option<(wgpu::Buffer, u64)>,
     /// What they are of.
     motion: Option<Motion>,
     pose: Pose,
@@ -41,8 +43,18 @@ pub(crate) struct Moved {
     /// The joint matrices, where the posed vertices are not of them yet.
     pub(crate) joints: Option<Vec<Mat4>>,
     pub(crate) revision: u64,
+    /// Posed points of the strands.
+    pub(crate) strands: Option<PosedStrands>,
     /// The posed skin with its fur, in world space.
     pub(crate) hull: Hull,
+}
+
+/// Points of strands on the posed skin.
+#[derive(Clone, Debug)]
+pub(crate) struct PosedStrands {
+    pub(crate) buffer: wgpu::Buffer,
+    /// They are of another pose.
+    pub(crate) stale: bool,
 }
 
 impl States {
@@ -65,6 +77,9 @@ impl States {
             posed: model.skeleton().map(|_| {
                 let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
                 gpu.buffer("pelage posed vertices", model.geometry().size(), usage)
+            }),
+            strands: model.strands().map(|strands| {
+                (gpu.buffer("pelage posed strands", strands.posed_bytes(), wgpu::BufferUsages::STORAGE), 0)
             }),
             motion: None,
             pose: Pose::default(),
@@ -93,7 +108,12 @@ impl States {
         let fur_m = std::f32::consts::SQRT_2 * model.manifest().fur.height_m;
         model.extent().add_to(&mut hull, &state.pose.joints, instance.transform, fur_m);
         let geometry = state.posed.as_ref().unwrap_or(model.geometry()).clone();
-        Moved { geometry, joints, revision: state.revision, hull }
+        let revision = state.revision;
+        let strands = state.strands.as_mut().map(|(buffer, of)| {
+            let stale = std::mem::replace(of, revision) != revision;
+            PosedStrands { buffer: buffer.clone(), stale }
+        });
+        Moved { geometry, joints, revision, strands, hull }
     }
 
     /// Forgets all poses, so that they are computed anew.
@@ -108,6 +128,10 @@ impl States {
 
     /// Bytes on the GPU.
     pub(crate) fn gpu_bytes(&self) -> u64 {
-        self.owners.values().filter_map(|state| state.posed.as_ref()).map(wgpu::Buffer::size).sum()
+        let of = |state: &State| {
+            let posed = state.posed.as_ref().map_or(0, wgpu::Buffer::size);
+            posed + state.strands.as_ref().map_or(0, |(buffer, _)| buffer.size())
+        };
+        self.owners.values().map(of).sum()
     }
 }

@@ -34,6 +34,7 @@ impl Renderer {
             options: options.clone(),
             states: States::default(),
             shadows: Shelf::default(),
+            ribbons: Shelf::default(),
             ring: Ring::default(),
         };
         Ok(Self { kept })
@@ -76,6 +77,7 @@ impl Renderer {
         }
         // What these frames leave behind is dropped with them.
         let shadows = std::mem::take(&mut self.kept.shadows);
+        let ribbons = std::mem::take(&mut self.kept.ribbons);
         let targets = std::mem::take(&mut self.kept.cache.targets);
         let bind_groups = std::mem::take(&mut self.kept.cache.bind_groups);
         let mut encoder = self.kept.gpu.device.create_command_encoder(&Default::default());
@@ -91,6 +93,7 @@ impl Renderer {
         });
         self.kept.states.forget(Instance::NOBODY);
         self.kept.shadows = shadows;
+        self.kept.ribbons = ribbons;
         self.kept.cache.targets = targets;
         self.kept.cache.bind_groups = bind_groups;
         drop(encoder);
@@ -143,6 +146,7 @@ impl Renderer {
     pub fn invalidate(&mut self) {
         self.kept.states.invalidate();
         self.kept.shadows = Shelf::default();
+        self.kept.ribbons = Shelf::default();
         self.kept.cache.bind_groups.clear();
     }
 

@@ -64,7 +64,7 @@ pub struct InstanceDetail {
     pub level: u32,
     /// How far it has faded to the next level, 0..1.
     pub fade: f32,
-    /// Layers that are drawn, the skin not counted.
+    /// Layers that are drawn, the skin not counted; 0 where single strands are in their place.
     pub layers: u32,
     /// Layers that the package has, the skin not counted.
     pub of_layers: u32,
@@ -74,6 +74,8 @@ pub struct InstanceDetail {
     pub fins: f32,
     /// How far the far coat has taken over, 0..=1.
     pub coat: f32,
+    /// Share of the single strands that is drawn, 0..=1. Layers are as well while `layers` is not 0: they fade when all strands are there.
+    pub strands: f32,
     /// Height of the fur on screen, pixels, at the nearest point of the model; `None` where nothing depends on it. Infinite where the eye is
     /// within the model's bounds.
     pub fur_px: Option<f32>,

@@ -2,7 +2,8 @@
 
 use crate::support::ktx2;
 use pelage_runtime::formats::{
-    Fin, FinData, FinInfo, Limits, Manifest, Package, PackageWriter, TextureEntry, TextureFormat,
+    Fin, FinData, FinInfo, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, TextureEntry,
+    TextureFormat,
 };
 
 /// The same package with another manifest.
@@ -17,6 +18,43 @@ pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8
         })
         .finish()
         .expect("a valid package")
+}
+
+/// The package with strands of the tile.
+pub fn with_strands(bytes: &[u8], strands: &StrandsData) -> Vec<u8> {
+    let package = Package::open(bytes, &Limits::default()).expect("a valid package");
+    let sections = package.sections().iter().enumerate().skip(1);
+    sections
+        .fold(PackageWriter::new(package.manifest().clone()), |w, (i, s)| {
+            w.section(s.tag, package.section_bytes(i).expect("a valid section"))
+        })
+        .strands(strands)
+        .finish()
+        .expect("a valid package")
+}
+
+/// White strands that all light reaches, of five points on a straight line.
+///
+/// * `roots`: in the tile
+/// * `from`: share of the fur's height at which all begin
+/// * `tips`: each strand's tip: way aside, widths of the tile, and share of the fur's height; of wet strands behind those of dry ones, where they can be
+/// * `radius`: widths of the tile
+pub fn straight_strands(roots: &[[f32; 2]], from: f32, tips: &[[f32; 3]], radius: f32) -> StrandsData {
+    const POINTS: u32 = 5;
+    let along = |tip: &[f32; 3]| {
+        let [u, v, height] = *tip;
+        (0..POINTS).map(move |i| {
+            let share = i as f32 / (POINTS - 1) as f32;
+            StrandPoint {
+                aside: [u * share, v * share],
+                height: from + (height - from) * share,
+                radius,
+                color: [255; 3],
+                visibility: [255, 128, 128, 128],
+            }
+        })
+    };
+    StrandsData { points_per_strand: POINTS, roots: roots.to_vec(), points: tips.iter().flat_map(along).collect() }
 }
 
 /// Opacity of every texel of the fins' textures.

@@ -3,7 +3,8 @@
 use crate::support::ktx2;
 use crate::support::sphere::{SphereParams, manifest};
 use pelage_runtime::formats::{
-    AttributeVertex, GeometryVertex, MeshData, PackageWriter, Shading, ShellTextures, TextureEntry, TextureFormat,
+    AttributeVertex, GeometryVertex, MeshData, PackageWriter, Shading, ShellTextures, StrandsData, TextureEntry,
+    TextureFormat,
 };
 
 /// What varies over a plane, or does not.
@@ -17,6 +18,8 @@ pub struct PlaneGroom {
     pub texture: Option<(u32, Vec<[u8; 2]>)>,
     /// Opacity of the layers of wet hair.
     pub wet_opacity: Option<u8>,
+    /// Strands of the tile, and how many tiles lie along an edge of the plane.
+    pub strands: Option<(StrandsData, f32)>,
 }
 
 /// A square of 0.2 m in the plane z = 0, facing +z, whose layers all have the same opacity (0..=255) everywhere.
@@ -35,8 +38,13 @@ pub fn groomed_plane(layers: u32, opacity: u8, shading: Shading, groom: &PlaneGr
         tangent: [1.0, 0.0, 0.0, 1.0],
     };
     let [bareness, wetness] = groom.vertex;
-    let attributes =
-        |base_uv| AttributeVertex { tile_uv: [0.0; 2], base_uv, color: [255; 4], groom: [bareness, wetness, 0, 0] };
+    let tiles = groom.strands.as_ref().map_or(0.0, |(_, tiles)| *tiles);
+    let attributes = |base_uv: [f32; 2]| AttributeVertex {
+        tile_uv: [tiles * base_uv[0], tiles * (1.0 - base_uv[1])],
+        base_uv,
+        color: [255; 4],
+        groom: [bareness, wetness, 0, 0],
+    };
     let mesh = MeshData {
         geometry: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
         attributes: [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].map(attributes).to_vec(),
@@ -66,6 +74,12 @@ pub fn groomed_plane(layers: u32, opacity: u8, shading: Shading, groom: &PlaneGr
         files.push(ktx2::write(TextureFormat::Rg8Unorm, *width, rows.len() as u32 / width, 1, &[texels]));
     }
     manifest.textures = (0..files.len()).map(|i| TextureEntry { name: format!("texture_{i}") }).collect();
-    let writer = PackageWriter::new(manifest).mesh(&mesh);
+    if tiles > 0.0 {
+        manifest.fur.tile_size_m = 0.2 / tiles;
+    }
+    let mut writer = PackageWriter::new(manifest).mesh(&mesh);
+    if let Some((strands, _)) = &groom.strands {
+        writer = writer.strands(strands);
+    }
     files.into_iter().fold(writer, PackageWriter::texture).finish().expect("the plane is a valid package")
 }

@@ -16,6 +16,11 @@ pub(crate) struct Gpu {
     pipelines: AtomicU32,
 }
 
+/// Bytes of the largest buffer that shaders can write.
+pub(crate) fn largest_buffer(limits: &wgpu::Limits) -> u64 {
+    limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
+}
+
 impl Gpu {
     pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let (device, queue) = (device.clone(), queue.clone());

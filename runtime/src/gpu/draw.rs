@@ -32,6 +32,8 @@ pub(crate) struct Draw {
     /// Of indices or vertices.
     pub(crate) range: Range<u32>,
     pub(crate) instances: Range<u32>,
+    /// Arguments that the GPU wrote to the beginning of a buffer, in place of the ranges.
+    pub(crate) indirect: Option<wgpu::Buffer>,
 }
 
 impl Draw {
@@ -44,6 +46,7 @@ impl Draw {
             indices: None,
             range: 0..3,
             instances: 0..1,
+            indirect: None,
         }
     }
 }
@@ -67,14 +70,16 @@ pub(crate) fn record<'d>(pass: &mut wgpu::RenderPass<'_>, draws: impl IntoIterat
                 pass.set_vertex_buffer(slot as u32, vertices.slice(..));
             }
         }
-        match &draw.indices {
-            Some(indices) => {
-                if last.is_none_or(|last| last.indices != draw.indices) {
-                    pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-                }
-                pass.draw_indexed(draw.range.clone(), 0, draw.instances.clone());
-            }
-            None => pass.draw(draw.range.clone(), draw.instances.clone()),
+        if let Some(indices) = &draw.indices
+            && last.is_none_or(|last| last.indices.as_ref() != Some(indices))
+        {
+            pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        }
+        match (&draw.indirect, &draw.indices) {
+            (Some(arguments), Some(_)) => pass.draw_indexed_indirect(arguments, 0),
+            (Some(arguments), None) => pass.draw_indirect(arguments, 0),
+            (None, Some(_)) => pass.draw_indexed(draw.range.clone(), 0, draw.instances.clone()),
+            (None, None) => pass.draw(draw.range.clone(), draw.instances.clone()),
         }
         last = Some(draw);
     }

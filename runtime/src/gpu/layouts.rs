@@ -84,6 +84,22 @@ pub(crate) fn storage<T>(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::
     entry(binding, visibility, ty)
 }
 
+/// An array of `T` that compute shaders write, and read.
+pub(crate) fn storage_out<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    let ty = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: false },
+        has_dynamic_offset: false,
+        min_binding_size: NonZeroU64::new(size_of::<T>() as u64),
+    };
+    entry(binding, wgpu::ShaderStages::COMPUTE, ty)
+}
+
+/// Columns and rows of a dispatch of so many workgroups: one dimension ends at 65 535.
+pub(crate) fn workgroups(count: u32) -> [u32; 2] {
+    let columns = count.clamp(1, 65_535);
+    [columns, count.div_ceil(columns)]
+}
+
 /// A texture of filterable floats for fragments.
 pub(crate) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Texture {

@@ -125,6 +125,7 @@ pub(crate) struct ComputeSpec {
     pub(crate) shader: Shader,
     pub(crate) entry: &'static str,
     pub(crate) groups: Vec<wgpu::BindGroupLayout>,
+    pub(crate) constants: Constants,
 }
 
 #[derive(Debug, Default)]
@@ -150,17 +151,22 @@ fn layout(gpu: &Gpu, label: &str, groups: &[wgpu::BindGroupLayout]) -> wgpu::Pip
     })
 }
 
+/// Override constants as a pipeline takes them.
+fn declared(shader: Shader, constants: &Constants) -> Vec<(&'static str, f64)> {
+    // A browser refuses what the shader does not declare.
+    let declares = |name: &str| shader.wgsl.contains(&format!("override {name}:"));
+    debug_assert!(constants.iter().all(|(name, _)| declares(name)), "{constants:?}");
+    constants.iter().map(|(name, value)| (*name, f64::from(*value))).collect()
+}
+
 impl Pipelines {
     pub(crate) fn render(&mut self, gpu: &Gpu, spec: RenderSpec) -> wgpu::RenderPipeline {
         if let Some(made) = self.renders.get(&spec) {
             return made.clone();
         }
-        // A browser refuses what the shader does not declare.
-        let declares = |name: &str| spec.shader.wgsl.contains(&format!("override {name}:"));
-        debug_assert!(spec.constants.iter().all(|(name, _)| declares(name)), "{:?}", spec.constants);
         let module = self.modules.entry(spec.shader).or_insert_with(|| module(gpu, spec.shader));
         let label = spec.fragment.unwrap_or(spec.vertex);
-        let constants: Vec<_> = spec.constants.iter().map(|(name, value)| (*name, f64::from(*value))).collect();
+        let constants = declared(spec.shader, &spec.constants);
         let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         let streams: Vec<_> = spec
             .streams
@@ -203,12 +209,13 @@ impl Pipelines {
             return made.clone();
         }
         let module = self.modules.entry(spec.shader).or_insert_with(|| module(gpu, spec.shader));
+        let constants = declared(spec.shader, &spec.constants);
         let pipeline = gpu.compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(spec.entry),
             layout: Some(&layout(gpu, spec.entry, &spec.groups)),
             module,
             entry_point: Some(spec.entry),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
         self.computes.entry(spec).or_insert(pipeline).clone()

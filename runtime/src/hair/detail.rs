@@ -5,12 +5,13 @@
 //! another, and give their opacity to those that stay.
 
 use crate::bounds::Hull;
+use crate::gpu::largest_buffer;
 use crate::instance::Instance;
-use crate::model::Model;
-use crate::params::{Detail, FrameParams, FurParams};
+use crate::model::{Model, Strands};
+use crate::params::{Detail, FrameParams, FurParams, Hair};
 use crate::report::InstanceDetail;
 use crate::shared::detail::{detail_count, detail_pairs};
-use glam::{Mat3, Mat4};
+use glam::Mat4;
 use pelage_formats::meaning::{detail_place, simplest_list};
 use pelage_formats::{FurInfo, Manifest};
 use std::ops::Range;
@@ -31,15 +32,60 @@ pub(crate) struct Drawing {
     pub(crate) texel_level: f32,
     /// Which index list is drawn: the mesh's own, 0, or one of those that are simplified.
     pub(crate) list: usize,
+    /// Share of the layers' opacity that single strands leave.
+    pub(crate) layer_share: f32,
+    /// Every how many points of single strands are drawn.
+    pub(crate) point_step: u32,
     /// Layers of the shadow maps that suit it, skin counted; 1 where it draws none.
     pub(crate) map_layers: u32,
 }
 
 impl Drawing {
-    /// What `params` draws of an instance; `hull`: of it as it is posed, in world space.
-    pub(crate) fn of(instance: &Instance, hull: &Hull, params: &FrameParams, clip_from_view: Mat4) -> Self {
-        let manifest = instance.model.manifest();
+    /// What `params` draws of an instance, with so many samples a pixel; `hull`: of it as it is posed, in world space.
+    pub(crate) fn of(
+        instance: &Instance,
+        hull: &Hull,
+        params: &FrameParams,
+        samples: u32,
+        clip_from_view: Mat4,
+    ) -> Self {
         let px_per_m = px_per_m(instance, hull, params, clip_from_view);
+        let drawing = Self::layered(instance, px_per_m, params);
+        let Some(fur) = params.style.fur().filter(|_| crate::study::only_layer(params).is_none()) else {
+            return drawing;
+        };
+        let Some(strands) = instance.model.strands().filter(|_| drawing.has_shells()) else { return drawing };
+        let way = match fur.hair {
+            Hair::Shells => 0.0,
+            Hair::Strands => 1.0,
+            // Who names layers wants to see them.
+            Hair::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
+            Hair::Auto => way_to_strands(px_per_m * strands.mean_width_m * bias(fur.detail), samples),
+        };
+        let point_step = point_step(strands, px_per_m);
+        Self { point_step, ..drawing.with_strands(way) }
+    }
+
+    /// On the way from layers, 0, to single strands, 1: first strands come in between the layers, then the layers fade. The far coat is in both.
+    fn with_strands(mut self, way: f32) -> Self {
+        self.detail.strands = (way / STRANDS_IN).min(1.0) * (1.0 - self.detail.coat);
+        let left = ((1.0 - way) / (1.0 - LAYERS_STAY)).min(1.0);
+        // Many layers hide more together than one: the last of them go slowly.
+        self.layer_share = left * left;
+        self.detail.fins *= self.layer_share;
+        self
+    }
+
+    /// The same on a device of these limits: with fewer points where its buffers do not hold all.
+    pub(crate) fn within(self, limits: &wgpu::Limits, model: &Model) -> Self {
+        let Some(strands) = model.strands().filter(|_| self.has_strands()) else { return self };
+        let fits = |step: &u32| *step >= self.point_step && strands.ribbon_bytes(*step) <= largest_buffer(limits);
+        let point_step = strands.steps().find(fits).unwrap_or(strands.points - 1);
+        Self { point_step, ..self }
+    }
+
+    fn layered(instance: &Instance, px_per_m: f32, params: &FrameParams) -> Self {
+        let manifest = instance.model.manifest();
         let high_px = if px_per_m.is_finite() { manifest.fur.height_m * px_per_m } else { f32::INFINITY };
         let texel_level = texel_level(&manifest.fur, high_px);
         let fur = params.style.fur().filter(|_| crate::study::only_layer(params).is_none());
@@ -86,6 +132,7 @@ impl Drawing {
                 triangles: 0,
                 fins: if layers > 1 { 1.0 } else { 0.0 },
                 coat: 0.0,
+                strands: 0.0,
                 fur_px: None,
             },
             layers,
@@ -94,6 +141,8 @@ impl Drawing {
             weights: [1.0, 0.0],
             texel_level: 0.0,
             list: 0,
+            layer_share: 1.0,
+            point_step: 1,
             map_layers: layers,
         };
         let Some(this) = manifest.detail.get(level).filter(|_| fur.is_some_and(|f| f.layers.is_none())) else {
@@ -128,6 +177,7 @@ impl Drawing {
                 triangles: 0,
                 fins: this.fins + (next.fins - this.fins) * fade,
                 coat,
+                strands: 0.0,
                 fur_px: None,
             },
             layers: baked,
@@ -136,6 +186,8 @@ impl Drawing {
             weights,
             texel_level: 0.0,
             list: 0,
+            layer_share: 1.0,
+            point_step: 1,
             // Maps are not made anew for every number of layers.
             map_layers: of_level + 1,
         }
@@ -143,18 +195,72 @@ impl Drawing {
 
     /// Whether layers are left out, or fade.
     pub(crate) fn is_reduced(&self) -> bool {
-        self.detail.level > 0 || self.detail.fade > 0.0
+        self.detail.level > 0 || self.detail.fade > 0.0 || self.has_strands()
     }
 
-    /// Whether it draws layers above the skin.
+    /// Whether it has layers above the skin, drawn or not.
     pub(crate) fn has_shells(&self) -> bool {
         self.detail.layers > 0
+    }
+
+    /// Whether it draws them.
+    pub(crate) fn draws_shells(&self) -> bool {
+        self.has_shells() && self.layer_share > 0.0
+    }
+
+    /// Whether it draws single strands.
+    pub(crate) fn has_strands(&self) -> bool {
+        self.detail.strands > 0.0
+    }
+
+    /// As reports say it.
+    pub(crate) fn reported(&self) -> InstanceDetail {
+        InstanceDetail { layers: if self.draws_shells() { self.detail.layers } else { 0 }, ..self.detail }
     }
 
     /// Instances of the draw of the shells: layers, or where it is reduced the indices of `detail_layer`.
     pub(crate) fn shell_instances(&self) -> Range<u32> {
         if self.is_reduced() { 0..self.detail.layers } else { 1..self.layers }
     }
+}
+
+/// Mean width of strands on screen, pixels over samples, from which they begin to take the place of layers: thinner ones shimmer more and show no more.
+const MIXED_FROM_PX: f32 = 0.72;
+
+/// Width from which all have, over that.
+const MIXED_TO: f32 = 2.0;
+
+/// Of the way from layers to strands: where all strands have come in, and where layers begin to fade.
+const STRANDS_IN: f32 = 0.6;
+const LAYERS_STAY: f32 = 0.4;
+
+/// How far on the way to single strands hair is where those are so many pixels wide and a pixel has so many samples.
+fn way_to_strands(width_px: f32, samples: u32) -> f32 {
+    let over = width_px * samples as f32 / MIXED_FROM_PX;
+    ((over - 1.0) / (MIXED_TO - 1.0)).clamp(0.0, 1.0)
+}
+
+/// Factor on the size on screen.
+fn bias(detail: Detail) -> f32 {
+    if let Detail::Auto { bias } = detail { bias } else { 1.0 }
+}
+
+/// How far, in pixels, the mean strand may bend away from what is left of it when points are left out.
+const BENT_PX: f32 = 0.12;
+
+/// Fewest pieces of a strand: what two points leave of a coat is not it.
+const FEWEST_PIECES: u32 = 2;
+
+/// Every how many points of strands is drawn, where a metre has so many pixels.
+fn point_step(strands: &Strands, px_per_m: f32) -> u32 {
+    let few = |step: u32| strands.pieces(step) >= FEWEST_PIECES.min(strands.pieces(1));
+    let fits = |step: u32, bent_m: f32| few(step) && bent_m * px_per_m <= BENT_PX;
+    strands
+        .steps()
+        .zip(&strands.bent_m)
+        .filter(|(step, bent_m)| fits(*step, **bent_m))
+        .last()
+        .map_or(1, |(step, _)| step)
 }
 
 /// Level of the hair's textures whose texels are as large as pixels, where fur is `px` pixels high.
@@ -171,8 +277,7 @@ fn px_per_m(instance: &Instance, hull: &Hull, params: &FrameParams, clip_from_vi
     // Of clip space's w, which is the depth of a perspective view and 1 of a parallel one.
     let reach = w.truncate().length();
     let nearest = hull.0.iter().map(|(p, margin)| w.dot(p.extend(1.0)) - reach * margin).fold(f32::INFINITY, f32::min);
-    let scale = Mat3::from_mat4(instance.transform).determinant().abs().cbrt();
-    let px_per_m = scale * 0.5 * params.viewport[1] as f32 * clip_from_view.y_axis.y.abs() / nearest;
+    let px_per_m = instance.scale() * 0.5 * params.viewport[1] as f32 * clip_from_view.y_axis.y.abs() / nearest;
     if nearest > 0.0 { px_per_m } else { f32::INFINITY }
 }
 

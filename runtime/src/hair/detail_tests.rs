@@ -98,3 +98,29 @@ fn what_makes_no_sense_is_refused() {
     Detail::Full.check().unwrap();
     Detail::Level(2.5).check().unwrap();
 }
+
+/// Strands come in before layers go, and the far coat takes over from both.
+#[test]
+fn strands_come_in_before_layers_go() {
+    let (manifest, params) = (manifest(), params());
+    let layers = Drawing::at(&manifest, &params, 1, 0.25);
+    assert_eq!(layers.with_strands(0.0), layers);
+    let come = layers.with_strands(0.3);
+    assert_eq!((come.detail.strands, come.layer_share, come.detail.fins), (0.5, 1.0, layers.detail.fins));
+    assert!(come.is_reduced() && come.draws_shells() && come.has_strands());
+    let go = layers.with_strands(0.7);
+    assert!(go.detail.strands == 1.0 && (go.layer_share - 0.25).abs() < 1e-6 && go.detail.fins < layers.detail.fins);
+    assert!(go.weights == layers.weights && go.draws_shells());
+    let all = layers.with_strands(1.0);
+    assert!(
+        !all.draws_shells() && all.has_shells() && all.reported().layers == 0 && all.map_layers == layers.map_layers
+    );
+    let coat = Drawing::at(&manifest, &params, 2, 0.5);
+    assert_eq!((coat.with_strands(1.0).detail.strands, coat.with_strands(1.0).weights), (0.5, coat.weights));
+}
+
+#[test]
+fn strands_begin_where_samples_find_them() {
+    assert_eq!([0.7, 1.08, 1.45].map(|px| (1e4 * way_to_strands(px, 1)).round() / 1e4), [0.0, 0.5, 1.0]);
+    assert_eq!([0.17, 0.27, 0.37].map(|px| (1e4 * way_to_strands(px, 4)).round() / 1e4), [0.0, 0.5, 1.0]);
+}

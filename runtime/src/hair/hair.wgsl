@@ -38,6 +38,11 @@ fn drawn_layer(index: u32) -> u32 {
     return detail_layer(index, instance.baked_layers, instance.layer_step, instance.layers_gone);
 }
 
+// How many baked layers a drawn one stands for where others are drawn than were baked.
+fn resampled_exponent() -> f32 {
+    return max(f32(instance.baked_layers) - 1.0, 1.0) / (f32(instance.drawn_layers) - 1.0);
+}
+
 // How many layers a drawn one stands for.
 fn stands_for(layer: u32) -> f32 {
     if DETAIL {
@@ -47,7 +52,7 @@ fn stands_for(layer: u32) -> f32 {
         );
     }
     if RESAMPLED {
-        return instance.opacity_exponent;
+        return resampled_exponent();
     }
     return 1.0;
 }

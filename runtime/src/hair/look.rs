@@ -54,6 +54,10 @@ pub(crate) struct Look {
     pub(crate) coat: bool,
     /// Fins are drawn.
     pub(crate) fins: bool,
+    /// Single strands are drawn.
+    pub(crate) strands: bool,
+    /// They shadow each other by the deep opacity map.
+    pub(crate) deep_shadow: bool,
     /// Hair shadows hair, by the layer-wise maps.
     self_shadow: bool,
     /// Hair shadows hair, as the package knows it.
@@ -84,7 +88,9 @@ impl Look {
             resampled: drawing.layers != baked,
             detail: drawing.is_reduced(),
             coat: drawing.detail.coat > 0.0,
-            fins: with_fins && drawing.has_shells() && drawing.detail.fins > 0.0,
+            strands: drawing.has_strands(),
+            deep_shadow: drawing.has_strands() && maps.is_some_and(|key| key.deep.is_some()),
+            fins: with_fins && drawing.draws_shells() && drawing.detail.fins > 0.0,
             self_shadow,
             baked_shadow,
             // Reduced layers are lit at the height of the hair seen in them.
@@ -119,12 +125,21 @@ pub(crate) fn holes(part: &Part) -> Constants {
     vec![on("BASE_COLOR_TEXTURE", part.cutout && part.has_texture), on("CUTOUT", part.cutout)]
 }
 
+/// What all that asks whether hair of a part grows is told.
+pub(crate) fn grown_by(model: &Model, part: &Part) -> Constants {
+    vec![on("GROOM_VERTICES", model.varies().groom), on("GROOM_TEXTURE", part.has_groom_texture)]
+}
+
+/// The same, and whether wet hair is mixed in.
+pub(crate) fn grown(model: &Model, part: &Part) -> Constants {
+    let mut constants = grown_by(model, part);
+    constants.push(on("WET", model.manifest().fur.wet.is_some()));
+    constants
+}
+
 /// What all that reads the hair of a part is told, but for how it leans.
 pub(crate) fn groom(model: &Model, part: &Part) -> Constants {
-    vec![
-        on("SHORT", model.varies().length),
-        on("GROOM_VERTICES", model.varies().groom),
-        on("GROOM_TEXTURE", part.has_groom_texture),
-        on("WET", model.manifest().fur.wet.is_some()),
-    ]
+    let mut constants = grown(model, part);
+    constants.push(on("SHORT", model.varies().length));
+    constants
 }

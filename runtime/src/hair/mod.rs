@@ -4,4 +4,4 @@ mod detail;
 mod look;
 
 pub(crate) use detail::Drawing;
-pub(crate) use look::{Look, groom, hair_wgsl, holes, material};
+pub(crate) use look::{Look, groom, grown, grown_by, hair_wgsl, holes, material};

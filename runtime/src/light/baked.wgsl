@@ -2,6 +2,8 @@
 
 // It says it.
 override BAKED_SHADOW: bool = false;
+// Single strands shadow each other, in the key light, by the deep opacity map.
+override DEEP_SHADOW: bool = false;
 
 struct Baked {
     // visibility_towards reads it.

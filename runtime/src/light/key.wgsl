@@ -26,7 +26,10 @@ fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f3
 
 fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
     let a = p.arriving;
-    let visible = a.visible * visible_past_strands(p.baked, a.light_ts);
+    var visible = a.visible;
+    if !DEEP_SHADOW {
+        visible *= visible_past_strands(p.baked, a.light_ts);
+    }
     let sent = key_fibre(p.direction, a.light_ts, a.half_ts, p.wetness) * (a.facing * visible);
     return p.color * (a.ambient + a.diffuse * sent.x) + a.specular * (sent.y * p.opacity);
 }

@@ -1,5 +1,6 @@
 //! Shadows of the key light: what is asked for, what is drawn, and when it must be drawn again.
 
+use super::deep::{self, DeepHair, DeepKey, DeepOpacity};
 use super::view::LightView;
 use crate::bounds::Hull;
 use crate::camera::Light;
@@ -24,6 +25,8 @@ pub struct ShadowMaps {
     pub(crate) nearest: Map,
     pub(crate) layers: Option<LayerMaps>,
     pub(crate) width: Option<WidthMaps>,
+    /// The deep opacity map of strands.
+    pub(crate) deep: Option<wgpu::Buffer>,
 }
 
 /// A texture and the view of all of it.
@@ -105,9 +108,7 @@ impl ShadowMaps {
 
     /// Size of a texel, metres; of a point light's maps in the middle of their range.
     pub(crate) fn texel_m(&self) -> f32 {
-        let view = &self.key.view;
-        let distance = view.near_m.map_or(1.0, |near| near + 0.5 * view.range_m);
-        view.extent / self.key.params.map_size as f32 * distance
+        self.key.view.texel_m(self.key.params.map_size)
     }
 
     /// Bytes on the GPU.
@@ -119,7 +120,22 @@ impl ShadowMaps {
         };
         let width = self.width.iter().flat_map(|w| [&w.farthest, &w.deepest, &w.shrunk, &w.width]);
         let layers = self.layers.iter().map(|layers| &layers.map);
-        std::iter::once(&self.nearest).chain(layers).chain(width).map(of).sum()
+        let textures: u64 = std::iter::once(&self.nearest).chain(layers).chain(width).map(of).sum();
+        textures + self.deep.as_ref().map_or(0, wgpu::Buffer::size)
+    }
+
+    /// The uniform block of the deep opacity map.
+    pub(crate) fn deep_opacity(&self) -> DeepOpacity {
+        let (view, params) = (&self.key.view, &self.key.params);
+        let Some(key) = self.key.deep else { return DeepOpacity::default() };
+        DeepOpacity {
+            size: key.size,
+            slabs: key.slabs,
+            slabs_per_depth: key.slabs as f32 * view.range_m / key.reach_m,
+            texel_m: view.extent / key.size as f32,
+            density: params.density,
+            reserved: [0.0; 3],
+        }
     }
 }
 
@@ -147,6 +163,8 @@ pub(crate) struct ShadowKey {
     pub(crate) view: LightView,
     pub(crate) params: ShadowParams,
     pub(crate) hair: HairMaps,
+    /// Single strands shadow each other.
+    pub(crate) deep: Option<DeepKey>,
     pub(crate) soft_shadow: bool,
     /// The light's way through a layer grows with its slant.
     pub(crate) slanted: bool,
@@ -166,6 +184,8 @@ pub(crate) struct InstanceKey {
     /// Of its shape: no two shapes of any owners ever have the same.
     pub(crate) revision: u64,
     pub(crate) furry: bool,
+    /// Its single strands are drawn.
+    pub(crate) strands: bool,
     /// Which index list is drawn of it.
     pub(crate) list: usize,
 }
@@ -174,11 +194,13 @@ pub(crate) struct InstanceKey {
 const MAX_MAP_LAYERS: u32 = 256;
 
 impl ShadowKey {
-    /// Of a frame; `None` where it needs no maps. `by_maps`: some instance is shadowed by the layer-wise maps. `layers`: of the finest instance, skin counted; what draws other layers reads between the
-    /// maps. `hull`: of all that throws or receives a shadow.
+    /// Of a frame; `None` where it needs no maps. `by_maps`: some instance is shadowed by the layer-wise maps; `deep`: strands are by a deep opacity
+    /// map, on a device of such limits. `layers`: of the finest instance, skin counted; what draws other layers reads between the maps. `hull`: of all that throws or receives a
+    /// shadow.
     pub(crate) fn new(
         params: &FrameParams,
         by_maps: bool,
+        deep: Option<(DeepHair, wgpu::Limits)>,
         layers: u32,
         hull: &Hull,
         instances: Vec<InstanceKey>,
@@ -190,15 +212,17 @@ impl ShadowKey {
             _ => HairMaps::None,
         };
         // A light without light throws no shadow.
-        if !(hair != HairMaps::None || params.soft_shadow) || params.light.color() == Vec3::ZERO {
+        if !(hair != HairMaps::None || params.soft_shadow || deep.is_some()) || params.light.color() == Vec3::ZERO {
             return None;
         }
         let shadows = params.shadows;
+        let view = LightView::new(&params.light, hull, hull.sphere()?);
         Some(Self {
             light: params.light,
-            view: LightView::new(&params.light, hull, hull.sphere()?),
             params: shadows,
             hair,
+            deep: deep.map(|(hair, limits)| DeepKey::new(shadows.map_size, hair, &view, &limits)),
+            view,
             soft_shadow: params.soft_shadow,
             slanted: hair != HairMaps::None && study::light_is_slanted(params),
             centred: study::penumbra_is_centred(params),
@@ -261,12 +285,14 @@ impl ShadowMaps {
             width: map("pelage shadow width", size, Self::WIDTH_FORMAT),
         });
         let nearest = map("pelage nearest depth", size, Self::DEPTH_FORMAT);
-        Self { key, nearest, layers, width }
+        let deep = key.deep.map(|deep| deep::make(gpu, &deep));
+        Self { key, nearest, layers, width, deep }
     }
 
     /// Whether its textures fit another key.
     fn fits(&self, key: &ShadowKey) -> bool {
-        let of = |k: &ShadowKey| (k.hair, k.soft_shadow, k.map_layers, k.params.map_size, k.params.shrink);
+        let slabs = |k: &ShadowKey| k.deep.map(|deep| (deep.size, deep.slabs));
+        let of = |k: &ShadowKey| (k.hair, slabs(k), k.soft_shadow, k.map_layers, k.params.map_size, k.params.shrink);
         of(&self.key) == of(key)
     }
 }

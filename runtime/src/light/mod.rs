@@ -2,10 +2,12 @@
 //! shaders of this folder: `point.wgsl` has the one function that does it.
 
 mod casters;
+mod deep;
 mod maps;
 mod view;
 
 pub use casters::{CasterPass, Casters};
+pub(crate) use deep::{DeepHair, DeepOpacity};
 pub use maps::ShadowMaps;
 pub(crate) use maps::{HairMaps, InstanceKey, ShadowKey, settle};
 pub use view::LightView;

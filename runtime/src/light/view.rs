@@ -42,6 +42,12 @@ pub struct LightView {
 }
 
 impl LightView {
+    /// Size of a texel of maps of so many a side, metres; of a point light's maps in the middle of their range.
+    pub(crate) fn texel_m(&self, map_size: u32) -> f32 {
+        let distance = self.near_m.map_or(1.0, |near| near + 0.5 * self.range_m);
+        self.extent / map_size as f32 * distance
+    }
+
     /// A view of `hull`, which holds `sphere`, from a light that passed [`Light::homogeneous`].
     pub(crate) fn new(light: &Light, hull: &Hull, sphere: Sphere) -> Self {
         match *light {

@@ -3,6 +3,7 @@
 use super::extent::Extent;
 use super::ink;
 use super::resources::{Fins, Model, Part, Resources, Varies};
+use super::strands;
 use super::upload::Uploader;
 use crate::error::RuntimeError;
 use crate::gpu::{Gpu, Sampling};
@@ -30,8 +31,10 @@ pub(crate) fn load(
 
     use wgpu::BufferUsages as Usage;
     let fins = package.fins()?.filter(|fins| fins.count > 0 && surfaces.fins.is_some());
+    let single = surfaces.strands && package.strands()?.is_some();
     let read = |by_shader| if by_shader { Usage::STORAGE } else { Usage::empty() };
-    let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | read(skinned || fins.is_some()))?;
+    let geometry =
+        uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | read(skinned || fins.is_some() || single))?;
     let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX | read(fins.is_some()))?;
     let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
     let simplified = package.simplified()?;
@@ -71,6 +74,8 @@ pub(crate) fn load(
         Some(*end)
     });
 
+    let strands = if single { strands::load(&uploader, package, &mesh)? } else { None };
+    gpu_bytes += strands.as_ref().map_or(0, strands::Strands::gpu_bytes);
     let base_sampler = sampler("pelage base colour", wgpu::AddressMode::Repeat, options.anisotropy);
     // Materials may share a texture.
     let mut uploaded = vec![None; manifest.textures.len()];
@@ -101,7 +106,9 @@ pub(crate) fn load(
 
     let mut parts: Vec<Part> = Vec::new();
     let (mut previous, mut first_fin) = (None, 0);
-    for (part, indices) in manifest.parts.iter().zip(index_ranges(manifest, &mesh, simplified.as_ref())) {
+    let ranges = index_ranges(manifest, &mesh, simplified.as_ref());
+    for (number, (part, indices)) in manifest.parts.iter().zip(ranges).enumerate() {
+        let hairs = strands.as_ref().map_or(0..0, |strands| strands.of_parts[number].clone());
         let fins = first_fin..fin_ends.next().unwrap_or(first_fin);
         first_fin = fins.end;
         if part.index_count == 0 && fins.is_empty() {
@@ -112,12 +119,14 @@ pub(crate) fn load(
             Some(last) if previous == Some(part.material) => {
                 last.indices.iter_mut().zip(indices).for_each(|(last, next)| last.end = next.end);
                 last.fins.end = fins.end;
+                last.strands.end = hairs.end;
             }
             _ => {
                 let material = &manifest.materials[part.material as usize];
                 parts.push(Part {
                     indices,
                     fins,
+                    strands: hairs,
                     material: materials[part.material as usize].clone(),
                     has_texture: material.base_color_texture.is_some(),
                     has_groom_texture: material.groom_texture.is_some(),
@@ -144,6 +153,7 @@ pub(crate) fn load(
         indices,
         fur,
         fins: fin_resources,
+        strands,
         planar_directions,
         knows_visibility,
         varies,

@@ -4,9 +4,11 @@ mod extent;
 mod ink;
 mod load;
 mod resources;
+mod strands;
 mod upload;
 
 pub(crate) use ink::ModelInk;
 pub(crate) use load::load;
 pub use resources::Model;
 pub(crate) use resources::Part;
+pub(crate) use strands::{CORNER_BYTES, STRAND_WORKGROUP, Stand, Strand, StrandConstants, Strands};

@@ -2,6 +2,7 @@
 
 use super::extent::Extent;
 use super::ink::ModelInk;
+use super::strands::Strands;
 use crate::error::RuntimeError;
 use pelage_formats::{Animation, Clip, Manifest, MeshView};
 use std::ops::Range;
@@ -22,6 +23,7 @@ pub(super) struct Resources {
     pub(super) indices: wgpu::Buffer,
     pub(super) fur: Option<wgpu::BindGroup>,
     pub(super) fins: Option<Fins>,
+    pub(super) strands: Option<Strands>,
     pub(super) planar_directions: bool,
     pub(super) knows_visibility: bool,
     pub(super) varies: Varies,
@@ -73,6 +75,7 @@ pub(crate) struct Part {
     /// Of the mesh, and of each of its simplified lists.
     pub(crate) indices: Vec<Range<u32>>,
     pub(crate) fins: Range<u32>,
+    pub(crate) strands: Range<u32>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
     pub(crate) has_groom_texture: bool,
@@ -129,6 +132,10 @@ impl Model {
 
     pub(crate) fn fins(&self) -> Option<&Fins> {
         self.0.fins.as_ref()
+    }
+
+    pub(crate) fn strands(&self) -> Option<&Strands> {
+        self.0.strands.as_ref()
     }
 
     pub(crate) fn planar_directions(&self) -> bool {

@@ -18,6 +18,18 @@ pub enum SelfShadow {
     Off,
 }
 
+/// What hair is drawn as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hair {
+    /// As single strands where the package has them and they are wide enough on screen to be seen; else as layers.
+    #[default]
+    Auto,
+    /// As layers.
+    Shells,
+    /// As single strands wherever the package has them and the device can draw them, short of the far coat.
+    Strands,
+}
+
 /// How a frame in [`crate::Style::Fur`] is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -29,6 +41,8 @@ pub struct FurParams {
     pub detail: Detail,
     /// Whether fins are drawn where the package has them (default true).
     pub fins: bool,
+    /// What hair is drawn as (default [`Hair::Auto`]).
+    pub hair: Hair,
     /// How hair shadows hair, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
     pub self_shadow: SelfShadow,
 }
@@ -38,7 +52,7 @@ const MAX_LAYERS: u32 = 1024;
 
 impl Default for FurParams {
     fn default() -> Self {
-        Self { layers: None, detail: Detail::default(), fins: true, self_shadow: SelfShadow::Auto }
+        Self { layers: None, detail: Detail::default(), fins: true, hair: Hair::Auto, self_shadow: SelfShadow::Auto }
     }
 }
 

@@ -16,6 +16,10 @@ pub(crate) mod probe;
 pub(crate) mod shadow_width;
 pub(crate) mod shells;
 pub(crate) mod skin;
+pub(crate) mod strand_light;
+pub(crate) mod strand_pose;
+pub(crate) mod strand_shadow;
+pub(crate) mod strands;
 
 use crate::gpu::{Draw, Shader, Target};
 use crate::params::StyleKind;

@@ -3,13 +3,14 @@
 use super::blocks::{fill_lights, frame_block, instance_block, map_level};
 use super::ink::{InkScene, View};
 use super::recording::{Kept, Recording};
+use super::ribbons::Ribbons;
 use super::seen::Seen;
 use crate::bounds::Hull;
 use crate::error::RuntimeError;
 use crate::gpu::{Bound, Place, Shelf, Target, take_targets};
 use crate::hair::{Drawing, Look};
 use crate::instance::Instance;
-use crate::light::{Casters, InstanceKey, ShadowKey, ShadowMaps, settle};
+use crate::light::{Casters, DeepHair, InstanceKey, ShadowKey, ShadowMaps, settle};
 use crate::motion::Moved;
 use crate::params::{FrameParams, MAX_FILL_LIGHTS, SelfShadow};
 use crate::shared::frame as blocks;
@@ -67,6 +68,7 @@ pub(crate) fn begin<'f>(
     kept.cache.bind_groups.next_frame();
     kept.cache.targets.next_frame();
     kept.shadows.next_frame();
+    kept.ribbons.next_frame();
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
     let moved = kept.states.move_to(gpu, instances);
@@ -74,15 +76,15 @@ pub(crate) fn begin<'f>(
         .iter()
         .zip(&moved)
         .map(|(instance, moved)| {
-            let mut drawing = Drawing::of(instance, &moved.hull, params, clip_from_view);
+            let mut drawing = Drawing::of(instance, &moved.hull, params, kept.options.sample_count, clip_from_view);
             // Bounds hold what the manifest says of the fur's height.
             let beyond = instance.model.varies().beyond_height;
             drawing.detail.in_picture = beyond || moved.hull.may_be_seen(clip_from_world);
-            drawing
+            drawing.within(&kept.gpu.device.limits(), &instance.model)
         })
         .collect();
 
-    let key = shadow_key(params, instances, &moved, &drawings, casters.as_ref());
+    let key = shadow_key(params, &kept.gpu.device.limits(), instances, &moved, &drawings, casters.as_ref());
     let targets = take_targets(&mut kept.cache.targets, gpu, params.viewport, targets);
     let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, key)).unzip();
 
@@ -108,11 +110,14 @@ pub(crate) fn begin<'f>(
 
     let seen = instances.iter().zip(moved).zip(drawings).enumerate().map(|(index, ((instance, moved), drawing))| {
         let offset = |place: &Place| place.offset + index as u64 * place.stride;
+        let strands = instance.model.strands().filter(|_| drawing.has_strands() && drawing.detail.in_picture);
+        let ribbons = strands.map(|strands| Ribbons::take(&mut kept.ribbons, gpu, strands, drawing.point_step));
         Seen {
             model: instance.model.clone(),
             look: Look::new(instance, params, &drawing, maps.as_ref().map(|maps| &maps.key)),
             moved,
             drawing,
+            ribbons,
             view_offset: offset(&places),
             light_offset: light_places.as_ref().map_or(0, offset),
         }
@@ -158,6 +163,7 @@ pub(crate) fn begin<'f>(
 /// What the shadow maps of a frame depend on; `None` where it needs none.
 fn shadow_key(
     params: &FrameParams,
+    limits: &wgpu::Limits,
     instances: &[&Instance],
     moved: &[Moved],
     drawings: &[Drawing],
@@ -185,8 +191,18 @@ fn shadow_key(
         transform: instance.transform,
         revision: moved.revision,
         furry: drawing.has_shells(),
+        strands: drawing.has_strands(),
         list: drawing.list,
     };
-    let instances = instances.iter().zip(moved).zip(drawings).map(of).collect();
-    ShadowKey::new(params, by_maps, layers, &hull, instances, casters.map(|c| c.revision))
+    let keys = instances.iter().zip(moved).zip(drawings).map(of).collect();
+    let deep_by = matches!(params.form_of_self_shadow(), SelfShadow::Auto | SelfShadow::Maps);
+    let single = instances.iter().zip(drawings).filter(|(_, drawing)| deep_by && drawing.has_strands());
+    let hair = single.filter_map(|(instance, _)| {
+        let (scale, strands) = (instance.scale(), instance.model.strands()?);
+        let fur_m = instance.model.manifest().fur.height_m;
+        Some(DeepHair { fur_m: scale * fur_m, width_m: scale * strands.mean_width_m })
+    });
+    let deep = hair.reduce(DeepHair::and).map(|hair| (hair, limits.clone()));
+    let instances = keys;
+    ShadowKey::new(params, by_maps, deep, layers, &hull, instances, casters.map(|c| c.revision))
 }

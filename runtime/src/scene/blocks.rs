@@ -88,7 +88,7 @@ pub(super) fn instance_block(
         ambient_floor: study::ambient_floor(params, shading.ambient_floor),
         scale: linear.determinant().abs().cbrt(),
         handedness,
-        opacity_exponent: if drawn > 1 && baked > 1 { (baked - 1) as f32 / (drawn - 1) as f32 } else { 1.0 },
+        layer_share: drawing.layer_share,
         baked_layers: baked,
         // The shaders divide by one less.
         drawn_layers: drawn.max(2),

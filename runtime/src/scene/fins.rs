@@ -32,6 +32,7 @@ pub(crate) fn fin_draws(
             indices: None,
             range: part.fins.start * vertices..part.fins.end * vertices,
             instances: 0..1,
+            indirect: None,
         });
     }
     draws

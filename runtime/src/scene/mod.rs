@@ -3,14 +3,17 @@
 mod begin;
 mod blocks;
 mod depth;
+mod dispatch;
 mod fins;
 mod ink;
 mod recording;
+mod ribbons;
 mod screen;
 mod seen;
 
 pub(crate) use begin::begin;
 pub(crate) use depth::{DEPTH, MapTarget, begin_maps, light_inside, record_depth};
+pub(crate) use dispatch::{Dispatch, record_dispatches};
 pub(crate) use fins::fin_draws;
 pub(crate) use ink::{has_strokes, ink_surface_wgsl};
 pub(crate) use recording::{Kept, Recording, nearer};

@@ -1,9 +1,11 @@
 //! A frame while it is prepared: all that passes plan with.
 
 use super::ink::InkScene;
+use super::ribbons::Ribbons;
 use super::seen::Seen;
 use crate::gpu::{
-    Cache, Constants, Draw, Gpu, Group, RenderSpec, Ring, Shader, Shelf, TargetSet, Uniforms, depth_state, faces,
+    Cache, ComputeSpec, Constants, Draw, Gpu, Group, RenderSpec, Ring, Shader, Shelf, TargetSet, Uniforms, depth_state,
+    faces,
 };
 use crate::light::{Casters, ShadowMaps};
 use crate::model::Part;
@@ -23,6 +25,7 @@ pub(crate) struct Kept {
     pub(crate) options: RendererOptions,
     pub(crate) states: States,
     pub(crate) shadows: Shelf<ShadowMaps>,
+    pub(crate) ribbons: Shelf<Ribbons>,
     pub(crate) ring: Ring,
 }
 
@@ -56,6 +59,12 @@ impl Recording<'_> {
         self.cache.pipelines.render(self.gpu, spec)
     }
 
+    /// The pipeline that a pass computes with.
+    pub(crate) fn compute_pipeline(&mut self, mut spec: ComputeSpec) -> wgpu::ComputePipeline {
+        study::amend_compute(self.params, &mut spec);
+        self.cache.pipelines.compute(self.gpu, spec)
+    }
+
     /// Draws of the `wanted` parts of an instance, once for each of `layers`. `at`: group 0; `hair`: group 2; `spec`: the pipeline of a part.
     pub(crate) fn part_draws(
         &mut self,
@@ -78,6 +87,7 @@ impl Recording<'_> {
                 indices: Some(seen.model.indices().clone()),
                 range: range.clone(),
                 instances: layers.clone(),
+                indirect: None,
             });
         }
         draws

@@ -1,9 +1,11 @@
 //! An instance in a frame.
 
+use super::ribbons::Ribbons;
 use crate::gpu::Group;
 use crate::hair::{Drawing, Look};
 use crate::model::Model;
 use crate::motion::Moved;
+use std::sync::Arc;
 
 /// An instance in a frame.
 #[derive(Debug)]
@@ -13,6 +15,8 @@ pub(crate) struct Seen {
     /// How much of its fur is drawn.
     pub(crate) drawing: Drawing,
     pub(crate) look: Look,
+    /// What its strands are drawn from, where they are in the picture.
+    pub(crate) ribbons: Option<Arc<Ribbons>>,
     /// Where its blocks lie: as the eye sees it, and as the key light does.
     pub(super) view_offset: u64,
     pub(super) light_offset: u64,

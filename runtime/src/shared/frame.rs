@@ -44,7 +44,7 @@ pub(crate) struct Instance {
     pub ambient_floor: f32,
     pub scale: f32,
     pub handedness: f32,
-    pub opacity_exponent: f32,
+    pub layer_share: f32,
     pub baked_layers: u32,
     pub drawn_layers: u32,
     pub wet_specular: f32,

@@ -51,8 +51,8 @@ struct Instance {
     scale: f32,
     // -1 for a mirrored copy, else 1.
     handedness: f32,
-    // baked layers / drawn layers, skin not counted
-    opacity_exponent: f32,
+    // Share of the layers' opacity that single strands leave.
+    layer_share: f32,
     baked_layers: u32,
     drawn_layers: u32,
     // Highlight of wet hair over that of dry hair.

@@ -4,7 +4,7 @@
 //! Shaders keep what has another form in files of their own (`light/forms.wgsl`, `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`): here are files
 //! that take their place. [`amend`] then turns a pipeline that a pass asks for into the one that is studied.
 
-use crate::gpu::{RenderSpec, Shader, on};
+use crate::gpu::{ComputeSpec, RenderSpec, Shader, on};
 use crate::params::{Anchoring, FeatureRule, FrameParams, InkShow, Lighting, PenumbraForm, SlantForm};
 use crate::shared::kajiya_kay;
 
@@ -67,6 +67,13 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
             }
         }
         _ => {}
+    }
+}
+
+/// The same of what is computed.
+pub(crate) fn amend_compute(params: &FrameParams, spec: &mut ComputeSpec) {
+    if spec.shader.name == "pelage strand light" && spec.entry == "light_strands" {
+        spec.constants.push(on("CENTRED", penumbra_is_centred(params)));
     }
 }
 

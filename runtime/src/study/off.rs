@@ -1,6 +1,6 @@
 //! In the place of [`study`](mod.rs) without the feature: pelage draws with its own forms alone.
 
-use crate::gpu::RenderSpec;
+use crate::gpu::{ComputeSpec, RenderSpec};
 use crate::params::FrameParams;
 
 macro_rules! form_wgsl {
@@ -20,6 +20,8 @@ macro_rules! form_wgsl {
 pub(crate) use form_wgsl;
 
 pub(crate) fn amend(_: &FrameParams, _: &mut RenderSpec) {}
+
+pub(crate) fn amend_compute(_: &FrameParams, _: &mut ComputeSpec) {}
 
 pub(crate) fn light_is_slanted(_: &FrameParams) -> bool {
     true

@@ -41,6 +41,12 @@ pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
     attribute(8, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, groom)),
 ];
 
+/// Storage buffers that passes over strands bind at once.
+const STRAND_BUFFERS: u32 = 7;
+
+/// Threads of the workgroup that counts strands: more than all others have.
+pub(crate) const SCAN_WORKGROUP: u32 = 256;
+
 /// Layouts of the bind groups, and what stands in for a texture that there is not.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
@@ -52,6 +58,8 @@ pub(crate) struct Surfaces {
     pub(crate) fur: wgpu::BindGroupLayout,
     /// Group 3, of the fins alone: posed vertices, attributes, fins. `None` where vertex shaders have no storage buffers.
     pub(crate) fins: Option<wgpu::BindGroupLayout>,
+    /// Single strands can be drawn: compute shaders have as many storage buffers as that takes.
+    pub(crate) strands: bool,
     pub(crate) white: wgpu::TextureView,
     pub(crate) white_array: wgpu::TextureView,
     pub(crate) map_sampler: wgpu::Sampler,
@@ -86,6 +94,15 @@ impl Surfaces {
             wgpu::util::TextureDataOrder::LayerMajor,
             &[255; 4],
         );
+        let limits = device.limits();
+        let strands = limits.max_storage_buffers_per_shader_stage >= STRAND_BUFFERS
+            && limits.max_compute_invocations_per_workgroup >= SCAN_WORKGROUP;
+        // What is made of strands by compute shaders is lit there.
+        let stages = match strands {
+            true => wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
+            false => wgpu::ShaderStages::VERTEX_FRAGMENT,
+        };
+        let for_all = |entry| wgpu::BindGroupLayoutEntry { visibility: stages, ..entry };
         let frame = [
             uniform::<frame::Frame>(0, false),
             uniform::<frame::Instance>(1, true),
@@ -93,8 +110,9 @@ impl Surfaces {
             texture(3, D2Array),
             texture(4, D2),
             sampler(5),
-        ];
-        let material = [uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2), texture(3, D2)];
+        ]
+        .map(for_all);
+        let material = [uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2), texture(3, D2)].map(for_all);
         let hair = |binding| texture(binding, D2Array);
         let fur = [hair(0), directions(1), sampler(2), hair(3), directions(4), hair(5), hair(6)];
         let vertices = wgpu::ShaderStages::VERTEX;
@@ -109,8 +127,8 @@ impl Surfaces {
             frame: layout(device, "pelage frame", &frame),
             material: layout(device, "pelage material", &material),
             fur: layout(device, "pelage fur", &fur),
-            fins: (device.limits().max_storage_buffers_per_shader_stage >= 3)
-                .then(|| layout(device, "pelage fins", &fins)),
+            fins: (limits.max_storage_buffers_per_shader_stage >= 3).then(|| layout(device, "pelage fins", &fins)),
+            strands,
             map_sampler: map_sampling.make(device),
             white: white.create_view(&wgpu::TextureViewDescriptor::default()),
             white_array: white

@@ -34,7 +34,7 @@ pub use framing::{Framing, Orbit};
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;
 pub use look::{
-    Background, FillLight, Interval, KeyLight, Look, LookAnchoring, LookDetail, LookFur, LookInk, LookLight,
+    Background, FillLight, Interval, KeyLight, Look, LookAnchoring, LookDetail, LookFur, LookHair, LookInk, LookLight,
     LookLighting, LookPenumbra, LookPicture, LookRule, LookSelfShadow, LookShadow, LookShow, LookSlant, LookSphereMap,
     LookStyle, LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size,
 };

@@ -6,13 +6,13 @@
 use pelage_runtime::formats::{CoatInfo, DetailLevel, InkShading};
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, CasterPass, Casters, Created, Detail, Frame, FrameParams, FrameReport, Hooks, InkBackground, InkParams,
-    Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassPlace, Projection, Renderer, RendererOptions,
-    SelfShadow, Sphere, Style, wgpu,
+    Camera, CasterPass, Casters, Created, Detail, Frame, FrameParams, FrameReport, Hair, Hooks, InkBackground,
+    InkParams, Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassPlace, Projection, Renderer,
+    RendererOptions, SelfShadow, Sphere, Style, wgpu,
 };
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
-use pelage_tests::packages::{with_fins, with_manifest};
+use pelage_tests::packages::{straight_strands, with_fins, with_manifest, with_strands};
 use pelage_tests::pictures::{Counted, Picture, counted};
 use pelage_tests::support::sphere::{SphereParams, package};
 
@@ -28,6 +28,12 @@ fn creature() -> Vec<u8> {
     let row = |j: u32| (0..QUADS).map(move |i| (j * (QUADS + 1) + i, j * (QUADS + 1) + i + 1));
     let edges: Vec<_> = (0..=QUADS).flat_map(row).collect();
     with_fins(&package(&SphereParams { skeleton: true, bare_band: true, ..sphere() }), &edges)
+}
+
+/// One with strands.
+fn hairy() -> Vec<u8> {
+    let roots: Vec<_> = (0..16).map(|i| [(i % 4) as f32 / 4.0, (i / 4) as f32 / 4.0]).collect();
+    with_strands(&creature(), &straight_strands(&roots, 0.0, &[[0.1, 0.2, 1.0]; 16], 0.01))
 }
 
 /// One with the ink style and strokes of fur, which bends too.
@@ -60,6 +66,11 @@ fn in_ink(params: FrameParams) -> FrameParams {
         ink.background = InkBackground::Picture;
         ink.shading = Some(InkShading { fur: 1.0, ..InkShading::default() });
     }))
+}
+
+/// The same as single strands.
+fn in_strands(params: FrameParams) -> FrameParams {
+    params.with_fur(|fur| fur.hair = Hair::Strands)
 }
 
 fn lit_from(params: FrameParams, towards_light: Vec3) -> FrameParams {
@@ -157,6 +168,7 @@ fn a_frame_in_which_nothing_is_new_makes_nothing() {
     for (name, package, params) in [
         ("fur", creature(), front.clone()),
         ("levels of detail", detailed(), front.clone().with_fur(|f| f.detail = Detail::Auto { bias: 0.2 })),
+        ("strands", hairy(), in_strands(front.clone())),
         ("skin", creature(), front.clone().with(|p| p.style = Style::Bare)),
         ("ink", inked(), in_ink(front.clone())),
     ] {
@@ -200,9 +212,11 @@ fn frames_of_one_encoder_and_frames_that_are_kept_draw_as_alone() {
     // Two cameras, and for what has light two lights, whose maps differ.
     let left = lit_from(from(Vec3::new(-0.3, 0.35, 1.0)), Vec3::new(-1.0, 1.0, 0.3));
     let right = lit_from(from(Vec3::new(1.0, 0.2, 0.1)), Vec3::new(0.2, 0.4, 1.0));
-    for (name, package, views) in
-        [("fur", creature(), [left.clone(), right.clone()]), ("ink", inked(), [left, right].map(in_ink))]
-    {
+    for (name, package, views) in [
+        ("fur", creature(), [left.clone(), right.clone()]),
+        ("strands", hairy(), [left.clone(), right.clone()].map(in_strands)),
+        ("ink", inked(), [left, right].map(in_ink)),
+    ] {
         let expected = views.each_ref().map(|view| alone(gpu, &package, view, |one| one.moving(bend(0.4))));
         assert_ne!(expected[0], expected[1], "{name}: both views show the same");
 
@@ -577,6 +591,7 @@ fn two_views_of_one_submission_make_nothing_either() {
     for (name, package, views) in [
         ("two lights", creature(), [near.clone(), lit_from(near.clone(), Vec3::new(-1.0, 1.0, 0.3))]),
         ("near and far", detailed(), [auto.clone(), far(auto)]),
+        ("strands near and far", hairy(), [in_strands(near.clone()), in_strands(far(near.clone()))]),
         ("ink", inked(), [in_ink(near.clone()), in_ink(far(near.clone()))]),
         ("ink of two sizes", inked(), [in_ink(near.clone()), small(in_ink(near))]),
     ] {
@@ -608,7 +623,11 @@ fn two_views_of_one_submission_make_nothing_either() {
 fn a_mark_may_submit_what_is_recorded() {
     let Some(gpu) = gpu("a_mark_may_submit_what_is_recorded") else { return };
     let front = from(Vec3::new(-0.3, 0.35, 1.0));
-    for (name, package, params) in [("fur", creature(), front.clone()), ("ink", inked(), in_ink(front))] {
+    for (name, package, params) in [
+        ("fur", creature(), front.clone()),
+        ("strands", hairy(), in_strands(front.clone())),
+        ("ink", inked(), in_ink(front)),
+    ] {
         let expected = alone(gpu, &package, &params, |one| one.moving(bend(0.4)));
         let mut stage = Stage::new(gpu);
         let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.4));

@@ -17,3 +17,4 @@ mod shared;
 mod shared_detail;
 mod shared_ink;
 mod shells;
+mod strands;

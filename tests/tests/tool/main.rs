@@ -17,4 +17,5 @@ mod mutate;
 mod packages;
 mod reference;
 mod sequences;
+mod strands;
 mod strangers;

@@ -125,6 +125,7 @@ pub fn diagnose(
         view,
         skinned: memory.posed > 0,
         knows_visibility: package.visibility().map_err(fault)?.is_some(),
+        single: package.strands().map_err(fault)?.is_some(),
     });
     let (furry_pixels, mean, most) = raster.layers();
     let scaled = |count: u64| (count as f64 * scale).round() as u64;
@@ -355,6 +356,8 @@ struct Work<'a> {
     skinned: bool,
     /// The package knows how hair shadows hair.
     knows_visibility: bool,
+    /// The package has strands.
+    single: bool,
 }
 
 fn passes(w: &Work<'_>) -> Vec<PassWork> {
@@ -374,8 +377,15 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
     };
     let size = w.view.shadow_map;
     let has_fins = w.fin_quads > 0 && furry && w.drawn > 0;
+    // The frame that is foretold is one of layers.
+    let of_strands = |name| {
+        let reason =
+            if w.single { "foretold is a frame of layers: --hair shells" } else { "the package has no strands" };
+        pass(name, false, reason.into(), 0, None)
+    };
     vec![
         pass("pose", w.skinned, yes_or(w.skinned, "whenever the pose changes".into(), "no skeleton"), w.vertices, None),
+        of_strands("strand_pose"),
         pass(
             "layer_shadow",
             shadows && furry,
@@ -397,7 +407,10 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
             w.vertices,
             None,
         ),
+        of_strands("strand_shadow"),
+        of_strands("strand_light"),
         pass("skin", w.vertices > 0, yes_or(w.vertices > 0, "always".into(), "no triangles"), w.vertices, Some(w.skin)),
+        of_strands("strands"),
         pass(
             "fins",
             has_fins,

@@ -53,7 +53,7 @@ fn light_left(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     }
     alpha *= kept;
     if RESAMPLED {
-        alpha = resampled_opacity(alpha, instance.opacity_exponent);
+        alpha = resampled_opacity(alpha, resampled_exponent());
     }
     let slanted = path_through(slanted_path(in.uv_light.z), in.uv_light.w);
     let path = frame.hair_density * select(1.0, slanted, LIGHT_SLANTED);

@@ -4,7 +4,7 @@
 //! rest vertices. Packages without a skeleton skip it and draw their rest vertices.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Place, Shader, storage};
+use crate::gpu::{Bound, ComputeSpec, Place, Shader, storage, workgroups};
 use crate::params::StyleKind;
 use crate::scene::{Recording, Seen};
 use glam::Mat4;
@@ -81,7 +81,10 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         vec![storage_entry(0, read, false), skin, storage_entry(2, write, false)]
     });
     let groups = vec![joints.clone(), vertices.clone()];
-    let pipeline = frame.cache.pipelines.compute(frame.gpu, ComputeSpec { shader: SHADER, entry: "pose", groups });
+    let pipeline = frame
+        .cache
+        .pipelines
+        .compute(frame.gpu, ComputeSpec { shader: SHADER, entry: "pose", groups, constants: Vec::new() });
     let dispatches: Vec<_> = instances.iter().filter_map(|seen| dispatch(frame, [&joints, &vertices], seen)).collect();
     if dispatches.is_empty() {
         return Outcome::Skipped("no pose changed");
@@ -90,11 +93,10 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let mut pass = frame.encoder.begin_compute_pass(&descriptor);
     pass.set_pipeline(&pipeline);
     for Dispatch { joints: (joints, offset), vertices, groups } in &dispatches {
-        // One dimension of a dispatch ends at 65 535 groups.
-        let columns = (*groups).min(65_535);
         pass.set_bind_group(0, joints, &[*offset]);
         pass.set_bind_group(1, vertices, &[]);
-        pass.dispatch_workgroups(columns, groups.div_ceil(columns), 1);
+        let [columns, rows] = workgroups(*groups);
+        pass.dispatch_workgroups(columns, rows, 1);
     }
     Outcome::recorded(format!("{} of {skinned} skinned instances changed pose", dispatches.len()))
 }

@@ -89,7 +89,7 @@ fn draws(frame: &mut Recording<'_>, seen: &Seen) -> Vec<Draw> {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let (mut all, mut furry, mut drawn) = (Vec::new(), 0, 0);
-    for seen in instances.iter().filter(|seen| seen.in_picture() && seen.drawing.has_shells()) {
+    for seen in instances.iter().filter(|seen| seen.in_picture() && seen.drawing.draws_shells()) {
         let draws = draws(frame, seen);
         if !draws.is_empty() {
             furry += 1;
@@ -107,6 +107,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         (true, _) => "no instances",
         (_, Some(1)) => "one layer is the skin alone",
         _ if !instances.iter().any(Seen::in_picture) => "nothing is in the picture",
+        _ if instances.iter().any(|seen| seen.look.strands) => "single strands are drawn in their place",
         _ if any_reduced(frame) => "the fur is too small on screen: far coats on the skin",
         _ => "no package has fur",
     })

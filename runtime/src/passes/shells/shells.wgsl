@@ -60,7 +60,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         // Colour is premultiplied: it follows its opacity.
         texel *= resampled_opacity(texel.a, times) / texel.a;
     }
-    texel *= groom.x;
+    texel *= groom.x * select(1.0, instance.layer_share, DETAIL);
     let n_dot_l = arriving.light_ts.z;
     let receiver = Receiver(in.place, in.map_layer, MAPS_BETWEEN, n_dot_l);
     arriving.visible = visible_through_hair(receiver) * visible_past_things(receiver);

@@ -1,15 +1,15 @@
 //! What a look comes to for the runtime.
 
 use super::kinds::{
-    Background, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookSelfShadow, LookShow, LookSlant,
-    LookSphereMap, LookStyle, LookWidth,
+    Background, LookAnchoring, LookDetail, LookHair, LookLighting, LookPenumbra, LookRule, LookSelfShadow, LookShow,
+    LookSlant, LookSphereMap, LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
 use crate::{Picture, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    Anchoring, Detail, FeatureRule, FrameParams, FurParams, InkBackground, InkParams, InkShow, Light, Lighting,
+    Anchoring, Detail, FeatureRule, FrameParams, FurParams, Hair, InkBackground, InkParams, InkShow, Light, Lighting,
     LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, Study, Style,
 };
 
@@ -54,6 +54,11 @@ impl Look {
                 LookDetail::Level(level) => Detail::Level(level),
             };
             fur.fins = self.fur.fins;
+            fur.hair = match self.fur.hair {
+                LookHair::Auto => Hair::Auto,
+                LookHair::Shells => Hair::Shells,
+                LookHair::Strands => Hair::Strands,
+            };
             fur.self_shadow = match self.shadow.self_shadow {
                 LookSelfShadow::Auto => SelfShadow::Auto,
                 LookSelfShadow::Baked => SelfShadow::Baked,

@@ -17,6 +17,19 @@ words! {
 }
 
 words! {
+    /// What hair is drawn as.
+    LookHair {
+        /// As single strands where the package has them and they are wide enough to be seen; else as layers.
+        #[default]
+        Auto = "auto",
+        /// As layers.
+        Shells = "shells",
+        /// As single strands wherever the package has them, short of the far coat.
+        Strands = "strands",
+    }
+}
+
+words! {
     /// How hair shadows hair.
     LookSelfShadow {
         /// As the package knows it, and by layer-wise shadow maps where it does not.

@@ -29,6 +29,7 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     ShortForm { flag: "fill-light", value_name: "X,Y,Z[/S]", key: "light.fill", repeats: true },
     short("layers", "N", "fur.layers"),
     short("detail", "full|auto|LEVEL", "fur.detail"),
+    short("hair", "auto|shells|strands", "fur.hair"),
     short("self-shadow", "auto|baked|maps|off", "shadow.self_shadow"),
     short("soft-shadow", "on|off", "shadow.soft_shadow"),
     short("penumbra", "W", "shadow.penumbra"),

@@ -1,8 +1,8 @@
 //! The knobs of a look.
 
 use super::kinds::{
-    Background, FillLight, Interval, LookAnchoring, LookDetail, LookLighting, LookPenumbra, LookRule, LookSelfShadow,
-    LookShow, LookSlant, LookSphereMap, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, Towards,
+    Background, FillLight, Interval, LookAnchoring, LookDetail, LookHair, LookLighting, LookPenumbra, LookRule,
+    LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, Towards,
 };
 use crate::framing::TOWARDS_LIGHT;
 use glam::Vec3;
@@ -68,6 +68,8 @@ params! {
         detail: LookDetail = LookDetail::Auto;
         /// Whether fins along the silhouette are drawn, where the package has them.
         fins: bool = true;
+        /// What hair is drawn as.
+        hair: LookHair = LookHair::Auto;
         /// Where hair is lit.
         lighting: LookLighting = LookLighting::Pixel;
         /// What the slant of the look does to the opacity of a layer.

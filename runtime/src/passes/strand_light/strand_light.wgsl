@@ -1,0 +1,236 @@
+// Makes ribbons of the strands that can be seen: which those are, where each begins among the vertices, and its corners with their light.
+// Strands keep their order, so that a picture is the same every time.
+
+@group(2) @binding(0) var<storage, read> posed: array<vec4<f32>>;
+@group(2) @binding(1) var<storage, read> strands: array<Strand>;
+// Of a point: way aside; height and radius; colour; visibility.
+@group(2) @binding(2) var<storage, read> tile: array<vec4<u32>>;
+@group(2) @binding(3) var<uniform> constants: StrandConstants;
+// Of each strand a bit, 32 in a number: it is seen.
+@group(2) @binding(4) var<storage, read_write> seen: array<atomic<u32>>;
+// The draw's arguments; then of each 32 strands how many are seen before them.
+@group(2) @binding(5) var<storage, read_write> counts: array<u32>;
+// Corners: place in world space, and light.
+@group(2) @binding(6) var<storage, read_write> ribbons: array<vec4<u32>>;
+@group(2) @binding(7) var<storage, read> deep: array<u32>;
+@group(2) @binding(8) var<uniform> deep_opacity: DeepOpacity;
+
+// Every how many points is drawn.
+override POINT_STEP: u32 = 1u;
+
+const WORKGROUP: u32 = 64u;
+const DRAW_ARGUMENTS: u32 = 5u;
+// Roots whose skin faces farther away than this grow hair that the skin hides.
+const FARTHEST_TURNED: f32 = -0.5;
+// How much wider than the picture a strand's first, middle and last point are looked for.
+const MARGIN: f32 = 1.1;
+
+fn world_place(index: u32) -> vec3<f32> {
+    return (instance.world_from_model * vec4(posed[index].xyz, 1.0)).xyz;
+}
+
+fn world_normal(index: u32) -> vec3<f32> {
+    let normal = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * posed[index].xyz;
+    return normalize_or(normal, vec3(0.0, 1.0, 0.0));
+}
+
+fn strand_tint(strand: Strand) -> vec4<f32> {
+    let tint = unpack4x8unorm(strand.color) * material.base_color;
+    if BASE_COLOR_TEXTURE {
+        return tint * textureSampleLevel(base_color_texture, base_color_sampler, strand.base_uv, 0.0);
+    }
+    return tint;
+}
+
+fn may_be_seen(number: u32) -> bool {
+    let strand = strands[number];
+    if strand.chance >= strand_groom(strand).x * constants.share || is_cut(strand_tint(strand).a) {
+        return false;
+    }
+    let first = number * (constants.points + POSED_BEFORE);
+    let root = first + POSED_BEFORE;
+    let position = world_place(root);
+    if dot(world_normal(first), direction_to(frame.eye_ws, position)) < FARTHEST_TURNED {
+        return false;
+    }
+    let a = frame.clip_from_world * vec4(position, 1.0);
+    let b = frame.clip_from_world * vec4(world_place(root + constants.points / 2u), 1.0);
+    let c = frame.clip_from_world * vec4(world_place(root + constants.points - 1u), 1.0);
+    let x = vec3(a.x, b.x, c.x);
+    let y = vec3(a.y, b.y, c.y);
+    let w = vec3(a.w, b.w, c.w);
+    let reach = MARGIN * abs(w);
+    let aside = all(x > reach) || all(x < -reach) || all(y > reach) || all(y < -reach);
+    return !(aside || all(w <= vec3(0.0)));
+}
+
+fn number_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
+    return constants.first + id.y * groups.x * WORKGROUP + id.x;
+}
+
+// Thread for thread a strand of the part.
+@compute @workgroup_size(64)
+fn select_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let number = number_of(id, groups);
+    if number < constants.end && may_be_seen(number) {
+        atomicOr(&seen[number / 32u], 1u << (number % 32u));
+    }
+}
+
+const SCANNERS: u32 = 256u;
+
+var<workgroup> sums: array<u32, 256>;
+
+fn pieces() -> u32 {
+    return (constants.points - 1u) / POINT_STEP;
+}
+
+// Two corners a point.
+fn corners() -> u32 {
+    return 2u * (pieces() + 1u);
+}
+
+// One workgroup: how many are seen before each 32, and the draw's arguments.
+@compute @workgroup_size(256)
+fn scan_strands(@builtin(local_invocation_index) local: u32) {
+    let of_all = constants.count / 32u;
+    let each = (of_all + SCANNERS - 1u) / SCANNERS;
+    let low = min(local * each, of_all);
+    let high = min(low + each, of_all);
+    var sum = 0u;
+    for (var i = low; i < high; i++) {
+        sum += countOneBits(atomicLoad(&seen[i]));
+    }
+    sums[local] = sum;
+    workgroupBarrier();
+    var before = 0u;
+    for (var i = 0u; i < local; i++) {
+        before += sums[i];
+    }
+    for (var i = low; i < high; i++) {
+        counts[DRAW_ARGUMENTS + i] = before;
+        before += countOneBits(atomicLoad(&seen[i]));
+    }
+    if local == SCANNERS - 1u {
+        // Of two triangles a piece; one instance; from the first index, vertex and instance.
+        counts[0] = before * pieces() * 6u;
+        counts[1] = 1u;
+        counts[2] = 0u;
+        counts[3] = 0u;
+        counts[4] = 0u;
+    }
+}
+
+// Share of the key light that the hair before a place in the maps lets through.
+fn visible_through_strands(place: vec4<f32>) -> f32 {
+    if !DEEP_SHADOW {
+        return 1.0;
+    }
+    let at = place.xy / place.w * f32(deep_opacity.size) - 0.5;
+    let corner = floor(at);
+    let share = at - corner;
+    let low = vec2<i32>(corner);
+    let x = mix(deep_texel(low, place.z), deep_texel(low + vec2(1, 0), place.z), share.x);
+    let y = mix(deep_texel(low + vec2(0, 1), place.z), deep_texel(low + vec2(1, 1), place.z), share.x);
+    return mix(x, y, share.y);
+}
+
+fn deep_texel(at: vec2<i32>, depth: f32) -> f32 {
+    let texel = vec2<u32>(clamp(at, vec2(0), vec2(i32(deep_opacity.size) - 1)));
+    let index = texel.y * deep_opacity.size + texel.x;
+    // Slabs of hair that are before the place.
+    let before = (depth - (1.0 - bitcast<f32>(deep[index]))) * deep_opacity.slabs_per_depth;
+    let first = deep_opacity.size * deep_opacity.size + index * deep_opacity.slabs;
+    var sum = 0.0;
+    for (var i = 0u; i < deep_opacity.slabs; i++) {
+        sum += f32(deep[first + i]) * clamp(before - f32(i), 0.0, 1.0);
+    }
+    return exp(-deep_opacity.density * OPACITY_STEP * sum);
+}
+
+fn srgb_channels(c: vec3<f32>) -> vec3<f32> {
+    return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
+}
+
+// Light as nine bits a channel with one exponent of five.
+fn packed_light(light: vec3<f32>) -> u32 {
+    let c = clamp(light, vec3(0.0), vec3(65408.0));
+    let most = max(max(c.r, c.g), max(c.b, 6e-8));
+    // So that the largest of the three has its first bit at the top.
+    var exponent = max(i32(bitcast<u32>(most) >> 23u) - 111, 0);
+    // What rounds up to ten bits needs the next exponent.
+    if most * exp2(f32(24 - exponent)) >= 511.5 {
+        exponent += 1;
+    }
+    let bits = vec3<u32>(c * exp2(f32(24 - exponent)) + 0.5);
+    return bits.r | bits.g << 9u | bits.b << 18u | u32(exponent) << 27u;
+}
+
+@compute @workgroup_size(64)
+fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let number = number_of(id, groups);
+    if number >= constants.end {
+        return;
+    }
+    let of_its = atomicLoad(&seen[number / 32u]);
+    let bit = 1u << (number % 32u);
+    if (of_its & bit) == 0u {
+        return;
+    }
+    let rank = counts[DRAW_ARGUMENTS + number / 32u] + countOneBits(of_its & (bit - 1u));
+    let out = rank * corners();
+    let strand = strands[number];
+    let first = number * (constants.points + POSED_BEFORE);
+    let tint = strand_tint(strand);
+    let grows = strand_groom(strand).x;
+    let wetness = posed[first].w;
+    let normal = world_normal(first);
+    let along_u = posed[first + 1u];
+    let handedness = along_u.w * instance.handedness;
+    let skin = tile_frame(normal, (instance.world_from_model * vec4(along_u.xyz, 0.0)).xyz, handedness);
+    let length = strand.fur_height * material.share_per_m;
+    let root = first + POSED_BEFORE;
+    let last = pieces();
+
+    for (var i = 0u; i <= last; i++) {
+        let k = root + i * POINT_STEP;
+        let height = posed[k].w;
+        let position = world_place(k);
+        let before = posed[select(k, k - POINT_STEP, i > 0u)].xyz;
+        let after = posed[select(k, k + POINT_STEP, i < last)].xyz;
+        let tangent = normalize_or((instance.world_from_model * vec4(after - before, 0.0)).xyz, normal);
+        let eye = direction_to(frame.eye_ws, position);
+
+        let of_tile = strand.of_tile * constants.points + i * POINT_STEP;
+        let point = tile[of_tile];
+        var radius = f32(point.y >> 16u);
+        var color = srgb_channels(unpack4x8unorm(point.z).rgb);
+        var seen_by = unpack4x8unorm(point.w);
+        if WET {
+            let wet = tile[constants.dry_points + of_tile];
+            radius = mix(radius, f32(wet.y >> 16u), wetness);
+            color = mix(color, srgb_channels(unpack4x8unorm(wet.z).rgb), wetness);
+            seen_by = mix(seen_by, unpack4x8unorm(wet.w), wetness);
+        }
+        radius *= constants.radius * instance.scale / 65535.0;
+        let aside = normalize_or(cross(tangent, eye), skin.tangent_ws) * radius;
+
+        let light = direction_to(frame.light_ws, position);
+        let light_ts = to_tile(skin, light);
+        let half_ts = to_tile(skin, half_vector(light, eye));
+        // The side that the eye sees: half of a strand's light never comes through it.
+        let place = map_place(position + eye * radius);
+        let past = visible_past_things(Receiver(place, height * frame.last_map_layer, true, light_ts.z));
+        let slope = lean_slope(strand.lean, height);
+        let arriving = arriving_at(height, light_ts, half_ts, past * visible_through_strands(place));
+        let hair = HairPoint(
+            Spot(position, skin.normal_ws, vec4(skin.tangent_ws, handedness)), to_tile(skin, tangent), color * tint.rgb, 1.0,
+            vec3(1.0), wetness, arriving, Baked(seen_by, grows, length, slope, 1.0),
+        );
+        let lit = packed_light(light_hair(hair));
+        let left = vec4(bitcast<vec3<u32>>(position - aside), lit);
+        let right = vec4(bitcast<vec3<u32>>(position + aside), lit);
+        ribbons[out + 2u * i] = left;
+        ribbons[out + 2u * i + 1u] = right;
+    }
+}

@@ -1,0 +1,97 @@
+// Places the points of all strands of a part on the posed skin, and the skin's frame at their roots.
+
+struct GeometryVertex {
+    position: vec3<f32>,
+    fur_height: f32,
+    normal: vec3<f32>,
+    lean: f32,
+    tangent: vec4<f32>,
+}
+
+struct Stand {
+    a: u32,
+    b: u32,
+    c: u32,
+    // Weights of b and c, snorm of a quarter.
+    weights: u32,
+}
+
+@group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
+@group(0) @binding(1) var<storage, read> stands: array<Stand>;
+@group(0) @binding(2) var<storage, read> strands: array<Strand>;
+// Height and radius of a point are in .y, 16 bits each.
+@group(0) @binding(3) var<storage, read> tile: array<vec4<u32>>;
+@group(0) @binding(4) var<uniform> constants: StrandConstants;
+@group(0) @binding(5) var<storage, read_write> posed: array<vec4<f32>>;
+@group(1) @binding(2) var base_color_sampler: sampler;
+@group(1) @binding(3) var groom_texture: texture_2d<f32>;
+
+// As in hair.wgsl.
+override GROOM_VERTICES: bool = false;
+override GROOM_TEXTURE: bool = false;
+override WET: bool = false;
+
+// Thread for thread a point.
+@compute @workgroup_size(64)
+fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let points = constants.points;
+    let index = constants.first * points + id.y * groups.x * 64u + id.x;
+    if index >= constants.end * points {
+        return;
+    }
+    let number = index / points;
+    let i = index % points;
+    let strand = strands[number];
+    let of_tile = strand.of_tile * points + i;
+    var at = stand_place(stands[index], height_of_point(of_tile));
+    let wetness = strand_groom(strand).y;
+    if WET {
+        // Those of wet hair stand behind all others.
+        let wet = stand_place(stands[constants.count * points + index], height_of_point(constants.dry_points + of_tile));
+        at = mix(at, wet, wetness);
+    }
+    let first = number * (points + POSED_BEFORE);
+    posed[first + POSED_BEFORE + i] = at;
+    if i == 0u {
+        let stand = stands[index];
+        let a = vertices[stand.a];
+        let w = weights_inside(stand);
+        let normal = normalize_or(a.normal * w.x + vertices[stand.b].normal * w.y + vertices[stand.c].normal * w.z, a.normal);
+        let along_u = a.tangent.xyz * w.x + vertices[stand.b].tangent.xyz * w.y + vertices[stand.c].tangent.xyz * w.z;
+        posed[first] = vec4(normal, wetness);
+        posed[first + 1u] = vec4(orthonormal_tangent(along_u, normal), a.tangent.w);
+    }
+}
+
+fn height_of_point(index: u32) -> f32 {
+    return f32(tile[index].y & 0xffffu) / 65535.0;
+}
+
+fn weights_of(stand: Stand) -> vec3<f32> {
+    let weights = 4.0 * unpack2x16snorm(stand.weights);
+    return vec3(1.0 - weights.x - weights.y, weights);
+}
+
+// Beside the skin hair stands as at the skin's end.
+fn weights_inside(stand: Stand) -> vec3<f32> {
+    let inside = clamp(weights_of(stand), vec3(0.0), vec3(1.0));
+    return inside / (inside.x + inside.y + inside.z);
+}
+
+// Where a point at that share of the fur's height is, in the model's space, and the share.
+fn stand_place(stand: Stand, share: f32) -> vec4<f32> {
+    let a = vertices[stand.a];
+    let b = vertices[stand.b];
+    let c = vertices[stand.c];
+    let at = weights_of(stand);
+    let w = weights_inside(stand);
+    let place = a.position * at.x + b.position * at.y + c.position * at.z;
+    let offset = hair_offset_of(a, share) * w.x + hair_offset_of(b, share) * w.y + hair_offset_of(c, share) * w.z;
+    return vec4(place + offset, share);
+}
+
+// The way from the skin to the hair that grows at a vertex, at a share of its height.
+fn hair_offset_of(v: GeometryVertex, share: f32) -> vec3<f32> {
+    let tile = tile_frame(normalize_or(v.normal, vec3(0.0, 1.0, 0.0)), v.tangent.xyz, v.tangent.w);
+    return (tile.normal_ws * share + tile.bitangent_ws * lean_offset(v.lean, share)) * v.fur_height;
+}

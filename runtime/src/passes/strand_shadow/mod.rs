@@ -1,0 +1,112 @@
+//! `strand_shadow`: the deep opacity map of single strands, seen from the key light.
+
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, storage, storage_out, uniform};
+use crate::hair::grown_by;
+use crate::light::{CasterPass, DeepOpacity, HairMaps};
+use crate::model::{Strand, StrandConstants};
+use crate::params::StyleKind;
+use crate::scene::{Dispatch, Recording, record_depth, record_dispatches};
+
+/// The shader.
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage strand shadow",
+    wgsl: concat!(
+        include_str!("../../shared/frame.wgsl"),
+        include_str!("../../shared/skinning.wgsl"),
+        include_str!("../../shared/tile_frame.wgsl"),
+        include_str!("../../surface/place.wgsl"),
+        include_str!("../../light/deep_opacity.wgsl"),
+        include_str!("../../hair/strand.wgsl"),
+        include_str!("strand_shadow.wgsl"),
+    ),
+};
+
+impl PassId {
+    /// Compute: the deep opacity map of strands.
+    pub const STRAND_SHADOW: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "strand_shadow",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Fur],
+    does: "compute: how much hair lies before each point in the key light, in slabs behind the first hair of each texel (a deep opacity map)",
+    runs_when: "strands are drawn with self-shadow, and light, pose or model changed",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+/// Strands are walked to so many points at least.
+const FEWEST_PIECES: u32 = 4;
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let maps = frame.maps.clone();
+    let Some((maps, deep)) = maps.as_deref().and_then(|maps| maps.deep.as_ref().map(|deep| (maps, deep))) else {
+        return Outcome::Skipped("no strands are drawn, or nothing shadows them");
+    };
+    if !frame.redraws_maps() {
+        return Outcome::Skipped("light, poses and models as in the map");
+    }
+    // Where others need it it is there already.
+    if maps.key.hair == HairMaps::None && !maps.key.soft_shadow {
+        record_depth(frame, maps, CasterPass::Nearest);
+    }
+    let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
+        let compute = wgpu::ShaderStages::COMPUTE;
+        let for_compute = |entry| wgpu::BindGroupLayoutEntry { visibility: compute, ..entry };
+        vec![
+            storage::<[f32; 4]>(0, compute),
+            storage::<Strand>(1, compute),
+            storage::<[u32; 4]>(2, compute),
+            for_compute(uniform::<StrandConstants>(3, false)),
+            storage_out::<u32>(4),
+            for_compute(depth_texture(5, wgpu::TextureViewDimension::D2)),
+            for_compute(uniform::<DeepOpacity>(6, false)),
+        ]
+    });
+    let block = frame.uniforms.put(frame.gpu, &[maps.deep_opacity()]);
+    let instances = frame.instances.clone();
+    let (mut first, mut opacity) = (Vec::new(), Vec::new());
+    for seen in instances.iter().filter(|seen| seen.look.strands) {
+        let (Some(strands), Some(posed)) = (seen.model.strands(), &seen.moved.strands) else { continue };
+        let pieces = strands.points - 1;
+        let step = strands.steps().rfind(|step| pieces / step >= FEWEST_PIECES).unwrap_or(1);
+        for part in seen.model.parts().iter().filter(|part| !part.strands.is_empty()) {
+            let place = frame.uniforms.put(frame.gpu, &[strands.constants(&part.strands, 1.0)]);
+            let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
+            let entries = vec![
+                buffer(0, &posed.buffer),
+                buffer(1, &strands.strands),
+                buffer(2, &strands.tile),
+                (3, Bound::block::<StrandConstants>(&place.buffer, place.offset)),
+                buffer(4, deep),
+                (5, Bound::View(maps.nearest.view.clone())),
+                (6, Bound::block::<DeepOpacity>(&block.buffer, block.offset)),
+            ];
+            let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
+            let mut dispatch = |entry| {
+                let surfaces = frame.surfaces;
+                let groups = vec![surfaces.frame.clone(), surfaces.material.clone(), layout.clone()];
+                let mut constants = grown_by(&seen.model, part);
+                constants.push(("POINT_STEP", step));
+                let spec = ComputeSpec { shader: SHADER, entry, groups, constants };
+                Dispatch {
+                    pipeline: frame.compute_pipeline(spec),
+                    groups: vec![frame.seen_from_light(seen), Group::of(&part.material), Group::of(&group)],
+                    threads: part.strands.len() as u32,
+                }
+            };
+            first.push(dispatch("find_first"));
+            opacity.push(dispatch("add_opacity"));
+        }
+    }
+    frame.encoder.clear_buffer(deep, 0, None);
+    // All find what is first before any adds to what is behind it.
+    first.append(&mut opacity);
+    record_dispatches(frame.encoder, SHADER.name, &first);
+    let DeepOpacity { size, slabs, .. } = maps.deep_opacity();
+    Outcome::recorded(format!("{slabs} slabs, {size} x {size}"))
+}

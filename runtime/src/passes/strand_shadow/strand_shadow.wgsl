@@ -1,0 +1,102 @@
+// Draws all strands of a part into the deep opacity map: first how near the first hair of each texel is, then how much of each texel hair
+// covers in each slab behind that. A strand is walked in steps of at most a texel; each adds the area that it covers.
+
+@group(2) @binding(0) var<storage, read> posed: array<vec4<f32>>;
+@group(2) @binding(1) var<storage, read> strands: array<Strand>;
+@group(2) @binding(2) var<storage, read> tile: array<vec4<u32>>;
+@group(2) @binding(3) var<uniform> constants: StrandConstants;
+@group(2) @binding(4) var<storage, read_write> deep: array<atomic<u32>>;
+@group(2) @binding(5) var nearest_skin: texture_depth_2d;
+@group(2) @binding(6) var<uniform> deep_opacity: DeepOpacity;
+
+@group(1) @binding(3) var groom_texture: texture_2d<f32>;
+override GROOM_VERTICES: bool = false;
+override GROOM_TEXTURE: bool = false;
+
+// Every how many points is walked to.
+override POINT_STEP: u32 = 1u;
+
+// Most steps of a piece: one that fills the map is drawn with gaps.
+const MOST_STEPS: f32 = 256.0;
+
+fn walk(number: u32, deposits: bool) {
+    let strand = strands[number];
+    if strand.chance >= strand_groom(strand).x {
+        return;
+    }
+    let points = constants.points;
+    let first = number * (points + POSED_BEFORE);
+    let normal = normalize_or(
+        mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * posed[first].xyz, vec3(0.0, 1.0, 0.0),
+    );
+    var a = (instance.world_from_model * vec4(posed[first + POSED_BEFORE].xyz, 1.0)).xyz;
+    // Behind the skin nothing is lit.
+    if dot(normal, direction_to(frame.light_ws, a)) < -0.5 {
+        return;
+    }
+    let side = f32(deep_opacity.size);
+    var place_a = map_texel(a, side);
+    for (var i = POINT_STEP; i < points; i += POINT_STEP) {
+        let b = (instance.world_from_model * vec4(posed[first + POSED_BEFORE + i].xyz, 1.0)).xyz;
+        let place_b = map_texel(b, side);
+        let texels = distance(place_a.xy, place_b.xy);
+        let steps = clamp(ceil(texels), 1.0, MOST_STEPS);
+        let radius = f32(tile[strand.of_tile * points + i - POINT_STEP / 2u].y >> 16u) / 65535.0 * constants.radius * instance.scale;
+        for (var k = 0.5; k < steps; k += 1.0) {
+            let share = k / steps;
+            let p = mix(place_a, place_b, share);
+            let texel = vec2<i32>(floor(p.xy));
+            if any(texel < vec2(0)) || any(texel >= vec2(i32(deep_opacity.size))) {
+                continue;
+            }
+            let clip = frame.clip_from_world * vec4(mix(a, b, share), 1.0);
+            let skin_texel = texel * vec2<i32>(textureDimensions(nearest_skin)) / i32(deep_opacity.size);
+            if clip.z / clip.w > textureLoad(nearest_skin, skin_texel, 0) {
+                continue;
+            }
+            let index = u32(texel.y) * deep_opacity.size + u32(texel.x);
+            if !deposits {
+                atomicMax(&deep[index], nearness(p.z));
+                continue;
+            }
+            let before = 1.0 - bitcast<f32>(atomicLoad(&deep[index]));
+            let slab = u32(clamp((p.z - before) * deep_opacity.slabs_per_depth, 0.0, f32(deep_opacity.slabs - 1u)));
+            let area = 2.0 * radius / (deep_opacity.texel_m * p.w) * (texels / steps);
+            let of_texels = deep_opacity.size * deep_opacity.size;
+            atomicAdd(&deep[of_texels + index * deep_opacity.slabs + slab], u32(area / OPACITY_STEP + 0.5));
+        }
+        a = b;
+        place_a = place_b;
+    }
+}
+
+// Place in the map in texels, depth, and distance of a point light.
+fn map_texel(position: vec3<f32>, side: f32) -> vec4<f32> {
+    let place = frame.map_from_world * vec4(position, 1.0);
+    return vec4(place.xy / place.w * side, place.zw);
+}
+
+// A number that is the greater the nearer; 0 where there is no hair.
+fn nearness(depth: f32) -> u32 {
+    return bitcast<u32>(clamp(1.0 - depth, 0.0, 1.0));
+}
+
+fn number_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
+    return constants.first + id.y * groups.x * 64u + id.x;
+}
+
+@compute @workgroup_size(64)
+fn find_first(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let number = number_of(id, groups);
+    if number < constants.end {
+        walk(number, false);
+    }
+}
+
+@compute @workgroup_size(64)
+fn add_opacity(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let number = number_of(id, groups);
+    if number < constants.end {
+        walk(number, true);
+    }
+}

@@ -1,0 +1,70 @@
+//! `strands`: hair as ribbons that face the eye, opaque and of true width, into the application's pass with depth tested and written.
+
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{Draw, RenderSpec, Shader, Stream, attribute};
+use crate::model::CORNER_BYTES;
+use crate::params::StyleKind;
+use crate::scene::Recording;
+
+/// The shader.
+pub(crate) const SHADER: Shader = Shader { name: "pelage strands", wgsl: include_str!("strands.wgsl") };
+
+impl PassId {
+    /// Strands one by one.
+    pub const STRANDS: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "strands",
+    place: PassPlace::Picture,
+    styles: &[StyleKind::Fur],
+    does: "strands one by one: opaque ribbons of true width that face the eye, depth written",
+    runs_when: "single hairs are to be seen, and the package has strands",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+/// A corner: place in world space, and light.
+const CORNER: Stream = Stream {
+    stride: CORNER_BYTES,
+    attributes: &[attribute(0, wgpu::VertexFormat::Float32x3, 0), attribute(1, wgpu::VertexFormat::Uint32, 12)],
+};
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let instances = frame.instances.clone();
+    let mut draws = Vec::new();
+    for seen in instances.iter() {
+        let Some(ribbons) = &seen.ribbons else { continue };
+        let spec = RenderSpec {
+            shader: SHADER,
+            vertex: "vs_strands",
+            fragment: Some("fs_strands"),
+            groups: vec![frame.surfaces.frame.clone()],
+            streams: vec![CORNER],
+            constants: Vec::new(),
+            primitive: wgpu::PrimitiveState::default(),
+            colors: vec![frame.picture_color(false)],
+            depth: Some(frame.picture_depth(true, true)),
+            samples: frame.options.sample_count,
+        };
+        draws.push(Draw {
+            pipeline: frame.pipeline(spec),
+            groups: [frame.seen_from_eye(seen), None, None, None],
+            vertices: [Some(ribbons.corners.clone()), None, None, None],
+            indices: Some(ribbons.indices.clone()),
+            range: 0..0,
+            instances: 0..1,
+            indirect: Some(ribbons.counts.clone()),
+        });
+    }
+    if draws.is_empty() {
+        return Outcome::Skipped(match instances.iter().any(|seen| seen.model.strands().is_some()) {
+            _ if !frame.surfaces.strands => "the device has fewer storage buffers in compute shaders than strands take",
+            true => "layers are asked for, or single hairs are too thin on screen to be seen",
+            false => "no package has strands, or none that the device's buffers can hold",
+        });
+    }
+    Outcome::Ran(format!("{} instances", draws.len()), draws)
+}

@@ -1,0 +1,29 @@
+// Strands one by one: ribbons that face the eye, as wide as the hair, with the light of their points.
+
+struct Frame {
+    clip_from_world: mat4x4<f32>,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+struct StrandVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    // A ribbon is too thin for perspective within it to be seen.
+    @location(0) @interpolate(linear) light: vec3<f32>,
+}
+
+// Light of nine bits a channel with one exponent of five.
+fn unpacked_light(bits: u32) -> vec3<f32> {
+    let channels = vec3(bits & 511u, bits >> 9u & 511u, bits >> 18u & 511u);
+    return vec3<f32>(channels) * exp2(f32(bits >> 27u) - 24.0);
+}
+
+@vertex
+fn vs_strands(@location(0) position: vec3<f32>, @location(1) light: u32) -> StrandVarying {
+    return StrandVarying(frame.clip_from_world * vec4(position, 1.0), unpacked_light(light));
+}
+
+@fragment
+fn fs_strands(in: StrandVarying) -> @location(0) vec4<f32> {
+    return vec4(in.light, 1.0);
+}

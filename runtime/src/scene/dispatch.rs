@@ -1,0 +1,29 @@
+//! Dispatches as plain data: passes say what is computed, and one function records it.
+
+use crate::gpu::{Group, workgroups};
+use crate::model::STRAND_WORKGROUP;
+
+/// One dispatch and all it needs.
+#[derive(Debug)]
+pub(crate) struct Dispatch {
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    /// By number.
+    pub(crate) groups: Vec<Option<Group>>,
+    /// Of workgroups of 64.
+    pub(crate) threads: u32,
+}
+
+/// Records dispatches, each of which sees what those before it wrote.
+pub(crate) fn record_dispatches(encoder: &mut wgpu::CommandEncoder, label: &str, dispatches: &[Dispatch]) {
+    let descriptor = wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None };
+    let mut pass = encoder.begin_compute_pass(&descriptor);
+    for Dispatch { pipeline, groups, threads } in dispatches {
+        pass.set_pipeline(pipeline);
+        for (number, group) in groups.iter().enumerate() {
+            let Some(Group { group, offset }) = group else { continue };
+            pass.set_bind_group(number as u32, group, offset.as_slice());
+        }
+        let [columns, rows] = workgroups(threads.div_ceil(STRAND_WORKGROUP));
+        pass.dispatch_workgroups(columns, rows, 1);
+    }
+}

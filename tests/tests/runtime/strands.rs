@@ -1,0 +1,305 @@
+//! Single strands: what they cover, what the groom leaves of them, how they shade each other, and when they take the place of layers.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_bake::judge::compare::compare;
+use pelage_runtime::formats::{Shading, StrandsData};
+use pelage_runtime::glam::{Mat4, Quat, Vec3};
+use pelage_runtime::{
+    Camera, Detail, FrameParams, FrameReport, Hair, Instance, Light, PassId, Projection, Renderer, RendererOptions,
+    SelfShadow, wgpu,
+};
+use pelage_stage::Gpu;
+use pelage_tests::binary::workspace;
+use pelage_tests::gpu::gpu;
+use pelage_tests::packages::straight_strands;
+use pelage_tests::pictures::{Picture, difference, draw, draw_passes};
+use pelage_tests::plane::{PlaneGroom, groomed_plane};
+use pelage_tests::silhouette::bake_plain;
+
+const SIZE: u32 = 256;
+/// Of the square that is seen: a little more than the plane, which is 0.2 m wide.
+const SEEN_M: f32 = 0.25;
+const PX_PER_M: f32 = SIZE as f32 / SEEN_M;
+/// Tiles along an edge of the plane.
+const TILES: f32 = 8.0;
+const TILE_M: f32 = 0.2 / TILES;
+/// Strands of a tile, in rows that do not touch.
+const ROWS: usize = 8;
+
+/// Light that comes alike to all that no hair hides.
+fn even_light() -> Shading {
+    Shading { ambient: [0.0; 3], diffuse: [1.0; 3], specular: [0.0; 3], ..Shading::default() }
+}
+
+/// Straight down, hair in white.
+fn above() -> FrameParams {
+    let projection = Projection::Orthographic { height_m: SEEN_M, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
+    FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [SIZE; 2]).with(|p| {
+        p.light = Light::Directional { towards_light: Vec3::Z, color: Vec3::ONE };
+        p.soft_shadow = false;
+    })
+}
+
+fn in_strands(params: FrameParams) -> FrameParams {
+    params.with_fur(|fur| fur.hair = Hair::Strands)
+}
+
+fn renderer(gpu: &Gpu, samples: u32) -> Renderer {
+    let options = RendererOptions { sample_count: samples, ..RendererOptions::default() };
+    Renderer::new(&gpu.device, &gpu.queue, &options).unwrap()
+}
+
+/// Strands that lie above the skin beside each other, of one width in pixels and 0.6 tiles long.
+fn lying(width_px: f32) -> StrandsData {
+    let roots: Vec<_> = (0..ROWS).map(|i| [0.37 * i as f32 % 1.0, (i as f32 + 0.5) / ROWS as f32]).collect();
+    // A little askew, so that they meet samples of all rows.
+    straight_strands(&roots, 0.5, &[[0.6, 0.07, 0.5]; ROWS], 0.5 * width_px / PX_PER_M / TILE_M)
+}
+
+fn plane(strands: StrandsData, groom: PlaneGroom) -> Vec<u8> {
+    groomed_plane(4, 128, even_light(), &PlaneGroom { strands: Some((strands, TILES)), ..groom })
+}
+
+/// Opacity of the strands alone, pixels.
+fn covered(gpu: &Gpu, package: &[u8], params: &FrameParams, samples: u32) -> f32 {
+    let mut renderer = renderer(gpu, samples);
+    let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
+    let texels = draw_passes(gpu, &mut renderer, params, &[&instance], &[PassId::STRANDS]);
+    texels.chunks_exact(4).map(|texel| f32::from(texel[3]) / 255.0).sum()
+}
+
+/// Pixels that strands cover which do not hide each other.
+fn expected_px(width_px: f32) -> f32 {
+    let length_px = 0.6f32.hypot(0.07) * TILE_M * PX_PER_M;
+    TILES * TILES * ROWS as f32 * length_px * width_px
+}
+
+/// A ribbon an eighth of a pixel wide covers an eighth of what one of a pixel does: drawn at least a pixel wide, as lines are, it would cover eight times
+/// as much.
+#[test]
+fn thin_strands_cover_as_much_as_they_are_wide() {
+    let Some(gpu) = gpu("thin_strands_cover_as_much_as_they_are_wide") else { return };
+    for width_px in [1.5, 0.5, 0.125] {
+        let found = covered(gpu, &plane(lying(width_px), PlaneGroom::default()), &in_strands(above()), 4);
+        let expected = expected_px(width_px);
+        println!("{width_px} px: {found:.1} pixels of {expected:.1}");
+        assert!((found / expected - 1.0).abs() < 0.03, "{width_px} px: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn bare_places_grow_as_few_strands_as_the_groom_says() {
+    let Some(gpu) = gpu("bare_places_grow_as_few_strands_as_the_groom_says") else { return };
+    let grown = |groom| covered(gpu, &plane(lying(1.0), groom), &in_strands(above()), 4) / expected_px(1.0);
+    let vertex = |bareness| grown(PlaneGroom { vertex: [bareness, 0], ..PlaneGroom::default() });
+    for bareness in [0u8, 64, 191, 255] {
+        let (found, expected) = (vertex(bareness), 1.0 - f32::from(bareness) / 255.0);
+        assert!((found - expected).abs() < 0.05, "{bareness}: {found}, expected {expected}");
+    }
+    // A texture whose left half is bare.
+    let texels = [[0u8, 0], [0, 0], [255, 0], [255, 0]].repeat(4);
+    let half = grown(PlaneGroom { texture: Some((4, texels)), ..PlaneGroom::default() });
+    assert!((half - 0.5).abs() < 0.05, "{half}");
+}
+
+/// Wet strands here are half as long as dry ones: between the two they are in between.
+#[test]
+fn wet_strands_are_mixed_with_dry_ones() {
+    let Some(gpu) = gpu("wet_strands_are_mixed_with_dry_ones") else { return };
+    let dry = lying(1.0);
+    let shorter = |p: &pelage_runtime::formats::StrandPoint| pelage_runtime::formats::StrandPoint {
+        aside: p.aside.map(|x| 0.5 * x),
+        ..*p
+    };
+    let wet = dry.points.iter().map(shorter);
+    let both = StrandsData { points: dry.points.iter().copied().chain(wet).collect(), ..dry.clone() };
+    for wetness in [0u8, 85, 255] {
+        let groom = PlaneGroom { vertex: [0, wetness], wet_opacity: Some(128), ..PlaneGroom::default() };
+        let found = covered(gpu, &plane(both.clone(), groom), &in_strands(above()), 4) / expected_px(1.0);
+        let expected = 1.0 - 0.5 * f32::from(wetness) / 255.0;
+        assert!((found - expected).abs() < 0.03, "{wetness}: {found}, expected {expected}");
+    }
+}
+
+/// Mean light of the strands' pixels that are not black.
+fn light(gpu: &Gpu, package: &[u8], params: &FrameParams) -> f64 {
+    let mut renderer = renderer(gpu, 1);
+    let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
+    let texels = draw_passes(gpu, &mut renderer, params, &[&instance], &[PassId::STRANDS]);
+    let lit: Vec<f64> = texels
+        .chunks_exact(4)
+        .filter(|t| t[3] == 255 && t[0] > 0)
+        .map(|t| f64::from(pelage_runtime::formats::meaning::srgb_to_linear(t[0])))
+        .collect();
+    assert!(lit.len() > 1000, "{} pixels", lit.len());
+    lit.iter().sum::<f64>() / lit.len() as f64
+}
+
+/// A wide strand lies below many thin ones, and is seen from below them: what reaches it is exp(-c), where they cover c of each texel of the map.
+#[test]
+fn strands_take_the_light_of_those_below() {
+    let Some(gpu) = gpu("strands_take_the_light_of_those_below") else { return };
+    // Several in each texel of the map.
+    const ABOVE: usize = 128;
+    for cover in [0.25f32, 1.0] {
+        // Lengths of a tile: together they cover as much of it everywhere.
+        let roots: Vec<_> = (0..ABOVE).map(|i| [0.0, (i as f32 + 0.5) / ABOVE as f32]).collect();
+        let mut strands = straight_strands(&roots, 1.0, &[[1.0, 0.0, 1.0]; ABOVE], 0.5 * cover / ABOVE as f32);
+        // So that they are told from what lies below them.
+        strands.points.iter_mut().for_each(|point| point.color = [0; 3]);
+        let below = straight_strands(&[[0.0, 0.51]], 0.0, &[[1.0, 0.0, 0.0]], 0.1);
+        strands.roots.extend(below.roots);
+        strands.points.extend(below.points);
+        let package = plane(strands, PlaneGroom::default());
+        // Strands show the same light to an eye on either side; the plane is not drawn.
+        let projection = Projection::Orthographic { height_m: 0.15, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
+        let below = in_strands(above()).with(|p| {
+            // Nearly straight up, from where the skin still faces the eye enough for its hair to be drawn.
+            p.camera = Camera::look_at(Vec3::new(0.0, -1.0, -0.4), Vec3::ZERO, projection);
+        });
+        let [shaded, plain] = [SelfShadow::Auto, SelfShadow::Off]
+            .map(|s| light(gpu, &package, &below.clone().with_fur(|f| f.self_shadow = s)));
+        println!("{cover}: {shaded:.4} of {plain:.4}, expected {:.4}", (-cover).exp());
+        assert!((shaded / plain - f64::from((-cover).exp())).abs() < 0.06, "{cover}: {shaded} of {plain}");
+    }
+}
+
+/// Scaled, turned and mirrored, with the camera and the light, strands look the same.
+#[test]
+fn strands_follow_the_instance() {
+    let Some(gpu) = gpu("strands_follow_the_instance") else { return };
+    let package = plane(lying(2.0), PlaneGroom::default());
+    let mut renderer = renderer(gpu, 4);
+    let model = renderer.load_bytes(&package).unwrap();
+    // Maps lie elsewhere on what is elsewhere.
+    let above = || in_strands(above()).with_fur(|fur| fur.self_shadow = SelfShadow::Off);
+    let plain = draw(gpu, &mut renderer, &above(), &[&Instance::new(0, &model)]);
+    let (scale, turn, away) = (3.0, Quat::from_rotation_x(0.7), Vec3::new(5.0, -2.0, 1.0));
+    let place = Mat4::from_scale_rotation_translation(Vec3::splat(scale), turn, away);
+    let projection =
+        Projection::Orthographic { height_m: scale * SEEN_M, aspect: 1.0, near_m: 0.0, far_m: scale * 2.0 };
+    let params = above().with(|p| {
+        // Turned about x, so that the way up is still in the picture's plane.
+        p.camera = Camera::look_at(place.transform_point3(Vec3::Z), away, projection);
+        p.light = Light::Directional { towards_light: turn * Vec3::Z, color: Vec3::ONE };
+    });
+    let elsewhere = draw(gpu, &mut renderer, &params, &[&Instance::new(0, &model).at(place)]);
+    assert!(plain.mean(0) > 10.0, "strands are seen: {}", plain.mean(0));
+    assert!(difference(&plain, &elsewhere).mean < 0.6, "{:?}", difference(&plain, &elsewhere));
+    let mirror = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    let mirrored = draw(gpu, &mut renderer, &above(), &[&Instance::new(0, &model).at(mirror)]);
+    let rows = mirrored.rgba.chunks_exact(SIZE as usize);
+    let back = Picture { rgba: rows.flat_map(|row| row.iter().rev().copied()).collect(), ..mirrored.clone() };
+    // The samples of a pixel are no mirror of themselves: edges differ, and strands in other places would by far more.
+    assert!(difference(&plain, &back).mean < 3.0, "{:?}", difference(&plain, &back));
+    assert!(difference(&plain, &mirrored).mean > 10.0, "{:?}", difference(&plain, &mirrored));
+}
+
+fn report(gpu: &Gpu, renderer: &mut Renderer, params: &FrameParams, instance: &Instance) -> FrameReport {
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let frame = renderer.prepare(&mut encoder, params, [instance]).unwrap();
+    gpu.queue.submit([encoder.finish()]);
+    frame.report().clone()
+}
+
+fn ran(report: &FrameReport, id: PassId) -> bool {
+    report.passes.iter().any(|pass| pass.name == id.name() && pass.ran)
+}
+
+#[test]
+fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
+    let Some(gpu) = gpu("strands_take_the_place_of_layers_where_they_are_wide_enough") else { return };
+    let at = |samples, width_px, change: &dyn Fn(&mut pelage_runtime::FurParams)| {
+        let mut renderer = renderer(gpu, samples);
+        let instance = Instance::new(0, &renderer.load_bytes(&plane(lying(width_px), PlaneGroom::default())).unwrap());
+        report(gpu, &mut renderer, &above().with_fur(change), &instance)
+    };
+    let auto = |_: &mut pelage_runtime::FurParams| ();
+    // Width in pixels, samples, share of strands.
+    for (width_px, samples, share) in
+        [(0.7, 1, 0.0), (1.5, 1, 1.0), (0.17, 4, 0.0), (0.234, 4, 0.5), (0.29, 4, 1.0), (0.37, 4, 1.0)]
+    {
+        let report = at(samples, width_px, &auto);
+        let found = report.instances[0].strands;
+        assert!((found - share).abs() < 0.1, "{width_px} px at {samples} samples: {found}, expected {share}");
+        assert_eq!(ran(&report, PassId::STRANDS), share > 0.0);
+        let layers = width_px < 0.3 * 4.0 / samples as f32;
+        assert_eq!(ran(&report, PassId::SHELLS), layers);
+        assert_eq!(report.instances[0].layers, if layers { 3 } else { 0 });
+    }
+    // What is asked for by name goes before.
+    assert!(!ran(&at(4, 2.0, &|fur| fur.hair = Hair::Shells), PassId::STRANDS));
+    assert!(!ran(&at(4, 2.0, &|fur| fur.layers = Some(4)), PassId::STRANDS));
+    assert!(!ran(&at(4, 2.0, &|fur| fur.detail = Detail::Level(0.0)), PassId::STRANDS));
+    assert!(ran(&at(1, 0.05, &|fur| fur.hair = Hair::Strands), PassId::STRANDS));
+    assert!(!ran(&at(1, 0.05, &|fur| fur.hair = Hair::Strands), PassId::SHELLS));
+}
+
+/// Who has too few storage buffers draws layers, and says so.
+#[test]
+fn a_small_device_draws_layers() {
+    if gpu("a_small_device_draws_layers").is_none() {
+        return;
+    }
+    let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..wgpu::Limits::default() };
+    let gpu = Gpu::with(wgpu::Features::empty(), Some(limits)).unwrap();
+    let mut renderer = renderer(&gpu, 4);
+    let instance = Instance::new(0, &renderer.load_bytes(&plane(lying(2.0), PlaneGroom::default())).unwrap());
+    let report = report(&gpu, &mut renderer, &in_strands(above()), &instance);
+    assert!(ran(&report, PassId::SHELLS) && !ran(&report, PassId::STRANDS));
+    let reason = &report.passes.iter().find(|pass| pass.name == PassId::STRANDS.name()).unwrap().reason;
+    assert!(reason.contains("storage buffers"), "{reason}");
+}
+
+/// The hare from where it is layers to where it is strands: between frames no more changes than while it is one of them.
+#[test]
+fn nothing_jumps_between_layers_and_strands() {
+    let Some(gpu) = gpu("nothing_jumps_between_layers_and_strands") else { return };
+    let model = workspace().join("assets/models/hare.glb");
+    let bytes = bake_plain("hare", &model, Some("assets/recipes/hare.toml"), &["strands.enabled=true"]);
+    let mut renderer = renderer(gpu, 4);
+    let instance = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
+    let bounds = instance.model.manifest().bounds;
+    let seen_from = |distance: f32, hair| {
+        let center = Vec3::from(bounds.center);
+        let eye = center + Vec3::new(0.62, 0.28, 0.73).normalize() * bounds.radius * distance;
+        let projection = Projection::Perspective { fov_y_rad: 0.5, aspect: 1.0, near_m: 0.01, far_m: 100.0 };
+        FrameParams::new(Camera::look_at(eye, center, projection), [200; 2]).with_fur(|f| f.hair = hair)
+    };
+    // How far on the way: strands come in, then layers go.
+    let drawn = |renderer: &mut Renderer, distance| {
+        let found = report(gpu, renderer, &seen_from(distance, Hair::Auto), &instance).instances[0];
+        found.strands + if found.layers > 0 { 0.0 } else { 1.0 }
+    };
+    // The distances where strands begin, where they are all, and where layers end, by halving.
+    let mut find = |wanted: f32| {
+        let (mut near, mut far) = (1.5f32, 100.0f32);
+        for _ in 0..40 {
+            let middle = (near * far).sqrt();
+            if drawn(&mut renderer, middle) > wanted { near = middle } else { far = middle }
+        }
+        near
+    };
+    let (far, all, near) = (find(0.001), find(0.999), find(1.5));
+    assert!(far > 1.2 * near, "mixed from {far} to {near}");
+    let mut largest = |hair| {
+        let mut found = 0.0f64;
+        for at in [far, (all * far).sqrt(), all, (all * near).sqrt(), near] {
+            let frames: Vec<_> = (-3..=3)
+                .map(|i| {
+                    let picture = draw(gpu, &mut renderer, &seen_from(at * 1.002f32.powi(i), hair), &[&instance]);
+                    let texels = picture.rgba.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
+                    image::RgbaImage::from_raw(200, 200, texels).unwrap()
+                })
+                .collect();
+            let flip = |pair: &[image::RgbaImage]| compare(&pair[0], &pair[1], [0; 3]).unwrap().0.flip.mean;
+            let here: Vec<f64> = frames.windows(2).map(flip).collect();
+            println!("{hair:?} from {at:.3}: {here:.5?}");
+            found = here.into_iter().fold(found, f64::max);
+        }
+        found
+    };
+    let [mixed, layers, strands] = [Hair::Auto, Hair::Shells, Hair::Strands].map(&mut largest);
+    println!("largest FLIP between frames: {mixed:.5} mixed, {layers:.5} layers, {strands:.5} strands");
+    assert!(mixed < 1.3 * layers.max(strands), "{mixed} against {layers} and {strands}");
+}
