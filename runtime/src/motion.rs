@@ -109,11 +109,19 @@ impl States {
         model.extent().add_to(&mut hull, &state.pose.joints, instance.transform, fur_m);
         let geometry = state.posed.as_ref().unwrap_or(model.geometry()).clone();
         let revision = state.revision;
-        let strands = state.strands.as_mut().map(|(buffer, of)| {
-            let stale = std::mem::replace(of, revision) != revision;
-            PosedStrands { buffer: buffer.clone(), stale }
-        });
+        let posed =
+            |(buffer, of): &(wgpu::Buffer, u64)| PosedStrands { buffer: buffer.clone(), stale: *of != revision };
+        let strands = state.strands.as_ref().map(posed);
         Moved { geometry, joints, revision, strands, hull }
+    }
+
+    /// Notes that a frame poses the strands of an owner. One that draws none of them leaves them as they are.
+    pub(crate) fn pose_strands(&mut self, owner: u64) {
+        if let Some(state) = self.owners.get_mut(&owner)
+            && let Some((_, of)) = &mut state.strands
+        {
+            *of = state.revision;
+        }
     }
 
     /// Forgets all poses, so that they are computed anew.

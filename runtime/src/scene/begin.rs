@@ -84,6 +84,9 @@ pub(crate) fn begin<'f>(
         })
         .collect();
 
+    for (instance, _) in instances.iter().zip(&drawings).filter(|(_, drawing)| drawing.has_strands()) {
+        kept.states.pose_strands(instance.owner);
+    }
     let key = shadow_key(params, &kept.gpu.device.limits(), instances, &moved, &drawings, casters.as_ref());
     let targets = take_targets(&mut kept.cache.targets, gpu, params.viewport, targets);
     let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, key)).unzip();

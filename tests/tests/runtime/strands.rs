@@ -251,6 +251,24 @@ fn a_small_device_draws_layers() {
     assert!(reason.contains("storage buffers"), "{reason}");
 }
 
+/// An animal that was drawn in layers first has the same strands as one that never was.
+#[test]
+fn strands_that_come_later_are_posed() {
+    let Some(gpu) = gpu("strands_that_come_later_are_posed") else { return };
+    let package = plane(lying(2.0), PlaneGroom::default());
+    let drawn = |first: &[Hair]| {
+        let mut renderer = renderer(gpu, 4);
+        let instance = Instance::new(0, &renderer.load_bytes(&package).unwrap());
+        for hair in first {
+            draw(gpu, &mut renderer, &above().with_fur(|fur| fur.hair = *hair), &[&instance]);
+        }
+        draw(gpu, &mut renderer, &in_strands(above()), &[&instance])
+    };
+    let at_once = drawn(&[]);
+    assert!(at_once.mean(0) > 10.0, "strands are seen: {}", at_once.mean(0));
+    assert!(drawn(&[Hair::Shells]) == at_once && drawn(&[Hair::Shells, Hair::Strands, Hair::Shells]) == at_once);
+}
+
 /// The hare from where it is layers to where it is strands: between frames no more changes than while it is one of them.
 #[test]
 fn nothing_jumps_between_layers_and_strands() {
@@ -282,6 +300,11 @@ fn nothing_jumps_between_layers_and_strands() {
     };
     let (far, all, near) = (find(0.001), find(0.999), find(1.5));
     assert!(far > 1.2 * near, "mixed from {far} to {near}");
+    let [layers, strands] = [Hair::Shells, Hair::Strands].map(|hair| {
+        let picture = draw(gpu, &mut renderer, &seen_from(near, hair), &[&instance]);
+        picture.rgba.iter().map(|p| f64::from(p[3])).sum::<f64>()
+    });
+    assert!((strands / layers - 1.0).abs() < 0.05, "strands cover {strands}, layers {layers}");
     let mut largest = |hair| {
         let mut found = 0.0f64;
         for at in [far, (all * far).sqrt(), all, (all * near).sqrt(), near] {
