@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils
+from pxr import Sdf, Usd, UsdGeom, UsdValidation
 from strand_files import pelage, read_text
 
 
@@ -34,7 +34,7 @@ def check(stage, names, strands):
         same(f"{path} points", curves.GetPointsAttr().Get(), rows[:, :3])
         same(f"{path} widths", curves.GetWidthsAttr().Get(), 2 * rows[:, 3])
         same(f"{path} widths' interpolation", str(curves.GetWidthsInterpolation()), "vertex")
-        same(f"{path} size", curves.ComputeUniformDataSize(), len(mine))
+        same(f"{path} size", curves.ComputeUniformDataSize(Usd.TimeCode.Default()), len(mine))
         # Not the attribute but what the library makes of points and widths.
         computed = UsdGeom.Boundable.ComputeExtentFromPlugins(curves, Usd.TimeCode.Default())
         same(f"{path} extent", curves.GetExtentAttr().Get(), computed)
@@ -46,7 +46,7 @@ def check(stage, names, strands):
         same(f"{path} root coordinates", len(root.Get()), len(mine))
         same(f"{path} root coordinates' interpolation", str(root.GetInterpolation()), "uniform")
         same(f"{path} root coordinates' type", str(root.GetTypeName()), str(Sdf.ValueTypeNames.Float2Array))
-        if not all(np.isfinite(np.asarray(list_)).all() for list_ in (color.Get(), root.Get())):
+        if not all(np.isfinite(np.asarray(numbers)).all() for numbers in (color.Get(), root.Get())):
             faults.append(f"{path}: a colour or a coordinate is no finite number")
     return faults
 
@@ -63,9 +63,9 @@ def main():
         strands = read_text(text)
         stage = Usd.Stage.Open(str(usda))
         faults = check(stage, groups, strands)
-        checker = UsdUtils.ComplianceChecker()
-        checker.CheckCompliance(str(usda))
-        faults += checker.GetErrors() + checker.GetFailedChecks() + checker.GetWarnings()
+        validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+        errors = UsdValidation.ValidationContext(validators).Validate(stage)
+        faults += [f"{error.GetName()}: {error.GetMessage()}" for error in errors]
         size = usda.stat().st_size
     print(json.dumps({
         "usd": ".".join(map(str, Usd.GetVersion())),
@@ -73,6 +73,7 @@ def main():
         "groups": groups,
         "strands": len(strands),
         "points": sum(map(len, strands)),
+        "validators": len(validators),
         "faults": faults,
     }, indent=2))  # fmt: skip
     if faults:
