@@ -111,7 +111,7 @@ fn hair_names_the_groups_that_its_header_has_room_for() {
         String::from_utf8(bytes[40..128].to_vec()).unwrap().trim_end_matches('\0').to_owned()
     };
     assert!(info(["coat", "coat", "mane"]).ends_with(": metres, y up, diameters, linear RGB; coat 0; mane 2"));
-    let long = "a_name_of_twenty_one_";
+    let long = "a name for which there is no room beside coat";
     assert!(info(["coat", long, "mane"]).ends_with("; coat 0; ..."), "{}", info(["coat", long, "mane"]));
     assert!(info([&"x".repeat(200), "y", "z"]).ends_with("RGB; ..."));
     // The last one needs no room for a sign that there are more.
