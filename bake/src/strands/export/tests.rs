@@ -197,7 +197,7 @@ fn usda_has_a_prim_for_each_group() {
         assert_eq!(usd_list(prim, "float2[] primvars:surface_uv_coordinate"), uv);
         // As UsdGeomCurves has it: the points' box and half the largest width.
         let [low, high] = [Vec3::min, Vec3::max].map(|f| points.iter().map(|p| p.position_ws).reduce(f).unwrap());
-        let extent: Vec<f32> = [low - 1e-4, high + 1e-4].iter().flat_map(|p| p.to_array()).collect();
+        let extent: Vec<f32> = [low - 1e-4, high + 1e-4].iter().flat_map(Vec3::to_array).collect();
         assert_eq!(usd_list(prim, "float3[] extent"), extent);
         let interpolations: Vec<&str> =
             prim.lines().filter_map(|l| l.trim().strip_prefix("interpolation = ")).collect();
