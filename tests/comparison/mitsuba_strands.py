@@ -4,21 +4,15 @@ import argparse
 import json
 import os
 import resource
-import subprocess
 import tempfile
 import time
 from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
+from strand_files import pelage
 
 TOWARDS_LIGHT = (-0.25, 0.75, 0.6)
-
-
-def pelage(binary, *words):
-    """The JSON object that a subcommand prints."""
-    result = subprocess.run([binary, *map(str, words), "--json", "-q"], check=True, capture_output=True, text=True)
-    return json.loads(result.stdout)
 
 
 def scene(strands, skin, exported, light, spp):

@@ -8,11 +8,12 @@ use super::truth::Truth;
 use super::view::View;
 use super::view_args::parse_seconds;
 use pelage_bake::io::write_atomic_with;
-use pelage_bake::strands::Curves;
 use pelage_bake::strands::export::{StrandFormat, write_mtl, write_obj};
+use pelage_bake::strands::{CurveGroup, Curves};
 use pelage_stage::Size;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Write a package's strands and its skin for other programs
@@ -21,12 +22,16 @@ pub struct ExportArgs {
     /// The package
     #[arg(value_name = "PKG")]
     package: PathBuf,
-    /// Where the strands go: .txt (a line x y z radius per point, a blank line between strands), .pbrt, .glb or .hair
+    /// Where the strands go: .txt (a line x y z radius per point, a blank line between strands), .pbrt, .glb, .hair or
+    /// .usda (curves that Blender opens as hair); all but .txt name the groups of strands, and so does --json
     #[arg(long, value_name = "FILE", required_unless_present = "mesh")]
     strands: Option<PathBuf>,
     /// Where the posed skin goes: .obj, and beside it its materials as .mtl
     #[arg(long, value_name = "OBJ")]
     mesh: Option<PathBuf>,
+    /// Write only the strands of that group, such as coat; may be given again
+    #[arg(long = "group", value_name = "NAME")]
+    groups: Vec<String>,
     /// Write only every N-th strand
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
@@ -57,7 +62,8 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     output.progress("growing strands");
     let truth = Truth::new(&file, &view)?;
     let mut files = Vec::new();
-    let curves = args.thinned(truth.scene.curves());
+    let chosen = args.chosen(truth.scene.curves())?;
+    let curves = args.thinned(&chosen);
     if let Some((path, format)) = strands {
         output.progress("writing strands");
         let points = curves.points.len();
@@ -79,9 +85,11 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
         files.extend([path.to_owned(), materials]);
     }
     let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+    let groups: Vec<Value> = curves.groups().iter().map(group_json).collect();
     let value = json!({
         "files": names,
         "strands": curves.len(),
+        "groups": groups,
         "segments": curves.segments(),
         "of_strands": truth.report.strands,
         "groom": groom_json(&truth.report),
@@ -96,7 +104,11 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     } else {
         String::new()
     };
-    let count = format!("{}{of} strands in {} pieces", curves.len(), curves.segments());
+    let mut count = format!("{}{of} strands in {} pieces", curves.len(), curves.segments());
+    if let groups @ [_, _, ..] = curves.groups() {
+        let each: Vec<String> = groups.iter().map(|group| format!("{} {}", group.name, group.strands.len())).collect();
+        count += &format!(": {}", each.join(", "));
+    }
     output.result(&format!("{}\n{count}", names.join("\n")), &value)?;
     Ok(Exit::Done)
 }
@@ -104,8 +116,30 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
 /// A text of so many points has 100 MB or more.
 const MANY_POINTS: usize = 2_000_000;
 
+fn group_json(group: &CurveGroup) -> Value {
+    json!({ "name": group.name, "first": group.strands.start, "strands": group.strands.len() })
+}
+
 impl ExportArgs {
-    /// The strands that are asked for.
+    /// The groups that are asked for.
+    fn chosen<'a>(&self, curves: &'a Curves) -> Result<Cow<'a, Curves>, Failure> {
+        if self.groups.is_empty() {
+            return Ok(Cow::Borrowed(curves));
+        }
+        let known: BTreeSet<&str> = curves.groups().iter().map(|group| group.name.as_str()).collect();
+        let names: Vec<&str> = self.groups.iter().map(String::as_str).collect();
+        if let Some(unknown) = names.iter().find(|name| !known.contains(*name)) {
+            let known = known.into_iter().collect::<Vec<_>>().join(", ");
+            let expected = if known.is_empty() { "no --group: there are no strands".into() } else { known };
+            return Err(Failure::Usage(format!(
+                "--group {unknown}: no such group of strands in {}, expected {expected}",
+                self.package.display()
+            )));
+        }
+        Ok(Cow::Owned(curves.only(&names)))
+    }
+
+    /// So many of them as are asked for.
     fn thinned<'a>(&self, curves: &'a Curves) -> Cow<'a, Curves> {
         let every = self.every as usize;
         let kept = curves.len().div_ceil(every);

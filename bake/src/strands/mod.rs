@@ -9,6 +9,6 @@ mod curves;
 mod plant;
 mod skin;
 
-pub use curves::{CurvePoint, Curves, simplified};
+pub use curves::{COAT, CurveGroup, CurvePoint, Curves, simplified};
 pub use plant::{GroomReport, grow_on, tile_hair};
 pub use skin::{Skin, SkinMaterial, SkinPoint};

@@ -9,7 +9,7 @@
 //! * Its colour is its own times the skin's at its root.
 //! * Where the groom lets a share of the hair grow, strands stand with that probability; where it is wet to a share, they are wet with it.
 
-use super::curves::{CurvePoint, Curves, simplified};
+use super::curves::{COAT, CurvePoint, Curves, simplified};
 use super::skin::{Skin, mix};
 use crate::BakeError;
 use crate::noise::{hash, uniform};
@@ -170,6 +170,7 @@ struct Gardener<'a> {
 impl Gardener<'_> {
     fn plant(&self, triangles: impl Iterator<Item = usize>) -> (Curves, GroomReport) {
         let mut out = (Curves::default(), GroomReport::default());
+        out.0.begin_group(COAT);
         for triangle in triangles {
             let corners = self.skin.corners(triangle).map(|c| c.tile_uv);
             self.roots.for_each_in(corners, |strand, weights| {
@@ -212,7 +213,8 @@ impl Gardener<'_> {
         }
         report.points_before += points.len() as u64;
         let points = simplified(&points, SIMPLIFICATION);
-        curves.push(&points, wet.is_some());
+        let root_uv = mix(weights, corners.map(|c| c.base_uv));
+        curves.push(&points, wet.is_some(), root_uv);
         report.strands += 1;
         report.crossed_patch_border += u64::from(crossed.patch_border);
         report.crossed_mesh_border += u64::from(crossed.mesh_border);

@@ -22,7 +22,7 @@ fn sheet(side: u32, border: u32, shift: DVec2) -> Skin {
                 bitangent_ws: DVec3::NEG_Z,
                 fur_height_m: 0.5,
                 tile_uv: uv + shift * f64::from(patch),
-                base_uv: Vec2::ZERO,
+                base_uv: uv.as_vec2(),
                 color: Vec4::ONE,
                 groom: Vec2::X,
                 ..SkinPoint::default()
@@ -120,6 +120,17 @@ fn every_root_belongs_to_one_triangle() {
         assert_eq!(roots.len(), found, "a root stands twice");
         // Two by two tiles, half open: each strand of the tile stands four times, those on the outer rim included once.
         assert_eq!(report.strands, u64::from(4 * 16 * side * side), "{report:?}");
+    }
+}
+
+#[test]
+fn strands_are_the_coat_and_know_where_they_root() {
+    let (curves, report) = grow_on(&sheet(6, 3, DVec2::new(5.0, 7.0)), &leaning(40), 1.0).unwrap();
+    let groups = curves.groups();
+    assert_eq!((groups.len(), groups[0].name.as_str(), u64::from(groups[0].strands.end)), (1, COAT, report.strands));
+    for (i, uv) in curves.root_uv.iter().enumerate() {
+        let root = curves.strand(i)[0].position_ws;
+        assert!(uv.distance(Vec2::new(root.x, -root.z)) < 1e-5, "{uv} at {root}");
     }
 }
 

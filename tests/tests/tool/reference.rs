@@ -63,7 +63,7 @@ fn what_the_light_does_shows() {
 #[test]
 fn strands_and_skin_leave_for_other_programs() {
     let sandbox = torus(&["hair.density=60"]);
-    for extension in ["txt", "pbrt", "glb", "hair"] {
+    for extension in ["txt", "pbrt", "glb", "hair", "usda"] {
         let name = format!("strands.{extension}");
         let run = sandbox.run(&["export", "torus.pelage", "--strands", &name, "--mesh", "skin.obj", "--json"]);
         let object = schema::done(&run, "export");
@@ -79,8 +79,16 @@ fn strands_and_skin_leave_for_other_programs() {
             }
             "pbrt" => assert_eq!(String::from_utf8(bytes).unwrap().matches("Shape \"curve\"").count() as u64, segments),
             "glb" => assert!(bytes.starts_with(b"glTF") && bytes.len() as u64 > 28 * points + 8 * segments),
+            "usda" => {
+                let text = String::from_utf8(bytes).unwrap();
+                let points_of = |line: &str| line.matches('(').count() as u64;
+                let list = text.split("point3f[] points = [").nth(1).unwrap().split(']').next().unwrap();
+                assert_eq!((list.lines().count() as u64, points_of(list)), (strands, points));
+                assert!(text.starts_with("#usda 1.0\n") && text.contains("def BasisCurves \"coat\"\n"));
+            }
             _ => assert_eq!(bytes.len() as u64, 128 + 2 * strands + 28 * points),
         }
+        assert_eq!(object["groups"], serde_json::json!([{ "name": "coat", "first": 0, "strands": strands }]));
         assert_eq!(object["files"], serde_json::json!([name, "skin.obj", "skin.mtl"]));
         let obj = std::fs::read_to_string(sandbox.path().join("skin.obj")).unwrap();
         assert_eq!(obj.lines().filter(|l| l.starts_with("f ")).count() as u64, object["triangles"].as_u64().unwrap());
@@ -92,7 +100,11 @@ fn strands_and_skin_leave_for_other_programs() {
         );
     }
     for (args, word) in [
-        (&["--strands", "a.abc"][..], ".txt, .pbrt, .glb, .hair"),
+        (&["--strands", "a.abc"][..], ".txt, .pbrt, .glb, .hair, .usda"),
+        (
+            &["--strands", "a.txt", "--group", "mane"],
+            "--group mane: no such group of strands in torus.pelage, expected coat",
+        ),
         (&["--mesh", "a.ply"], "ends in .obj"),
         (&[], "--strands"),
         (&["--strands", "a.txt", "--clip", "Walk"], "no such clip"),
@@ -100,6 +112,12 @@ fn strands_and_skin_leave_for_other_programs() {
         let run = sandbox.run(&[&["export", "torus.pelage"], args].concat());
         assert!(run.code == Some(1) && run.stderr.contains(word), "{args:?}: {run:?}");
     }
+    let part = |more: &[&str]| {
+        let run = sandbox.run(&[&["export", "torus.pelage", "--strands", "part.txt", "--json"], more].concat());
+        schema::done(&run, "export")["groups"][0]["strands"].as_u64().unwrap()
+    };
+    assert_eq!(part(&["--group", "coat"]), part(&[]));
+    assert_eq!(part(&["--group", "coat", "--every", "3"]), part(&[]).div_ceil(3));
     let run = sandbox.run(&["export", "torus.pelage", "--strands", "no-folder/a.txt"]);
     assert!(run.code == Some(2) && run.stderr.contains("no-folder"), "{run:?}");
 }

@@ -13,7 +13,7 @@ fn strand(curves: &mut Curves, from: Vec3, to: Vec3, radius_m: f32) {
         color: Vec3::new(0.5, 0.25, 0.125),
         normal_ws: Vec3::Z,
     };
-    curves.push(&[point(from, 0.5), point(to, 0.5)], false);
+    curves.push(&[point(from, 0.5), point(to, 0.5)], false, glam::Vec2::ZERO);
 }
 
 fn scene(curves: Curves) -> TrueScene {

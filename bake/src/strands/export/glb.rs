@@ -1,13 +1,13 @@
 //! Strands as binary glTF 2.0: lines with a colour and a radius per point.
 //!
-//! All strands are one primitive of separate lines with indices. Line strips would be one primitive per strand, because core glTF cannot begin
+//! Each group is a node and a mesh of its name, whose strands are one primitive of separate lines with indices. Line strips would be one primitive per strand, because core glTF cannot begin
 //! a strip anew within one: files of tens of thousands of primitives, which viewers take minutes to open.
 
 use super::write_floats;
-use crate::strands::Curves;
+use crate::strands::{CurveGroup, Curves};
 use glam::Vec3;
 use pelage_glb::{Component, Layout, ViewTarget, write_head};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::io::{self, Write};
 
 /// glTF's number for separate lines.
@@ -18,50 +18,69 @@ const LINES: u64 = 1;
 /// # Errors
 /// Those of `out`; [`io::ErrorKind::InvalidInput`] where the file would pass the 4 GiB that the container can count.
 pub fn write_glb(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
-    let (points, lines) = (curves.points.len(), curves.segments());
     let mut layout = Layout::default();
-    let mut add = |bytes: usize, target, component, kind, count, more| {
-        let view = layout.view(bytes, Some(target));
-        layout.accessor(view, None, component, kind, count, more);
-    };
-    let start = curves.points.first().map_or(Vec3::ZERO, |p| p.position_ws);
-    let places = || curves.points.iter().map(|p| p.position_ws);
-    let (low, high) = (places().fold(start, Vec3::min), places().fold(start, Vec3::max));
-    let bounds = json!({ "min": low.to_array(), "max": high.to_array() });
-    add(12 * points, ViewTarget::Vertices, Component::Float, "VEC3", points, bounds);
-    add(12 * points, ViewTarget::Vertices, Component::Float, "VEC3", points, json!({}));
-    add(4 * points, ViewTarget::Vertices, Component::Float, "SCALAR", points, json!({}));
-    add(8 * lines, ViewTarget::Indices, Component::UnsignedInt, "SCALAR", 2 * lines, json!({}));
-    let generator = concat!("pelage ", env!("CARGO_PKG_VERSION"));
-    let document = if lines == 0 {
+    let (nodes, meshes): (Vec<Value>, Vec<Value>) = curves
+        .groups()
+        .iter()
+        .enumerate()
+        .map(|(i, group)| {
+            let primitive = lay_out(curves, group, &mut layout);
+            (json!({ "mesh": i, "name": group.name }), json!({ "name": group.name, "primitives": [primitive] }))
+        })
+        .unzip();
+    let asset = json!({ "version": "2.0", "generator": concat!("pelage ", env!("CARGO_PKG_VERSION")) });
+    let document = if nodes.is_empty() {
         // glTF has no empty lists.
-        json!({ "asset": { "version": "2.0", "generator": generator } })
+        json!({ "asset": asset })
     } else {
         json!({
-            "asset": { "version": "2.0", "generator": generator },
+            "asset": asset,
             "scene": 0,
-            "scenes": [{ "nodes": [0] }],
-            "nodes": [{ "mesh": 0, "name": "strands" }],
-            "meshes": [{ "primitives": [{
-                "attributes": { "POSITION": 0, "COLOR_0": 1, "_RADIUS": 2 },
-                "indices": 3,
-                "mode": LINES,
-            }] }],
+            "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
+            "nodes": nodes,
+            "meshes": meshes,
             "accessors": layout.accessors,
             "bufferViews": layout.views,
             "buffers": [{ "byteLength": layout.length }],
         })
     };
-    write_head(&document, if lines == 0 { 0 } else { layout.length }, out)?;
-    if lines == 0 {
-        return Ok(());
-    }
-    curves.points.iter().try_for_each(|p| write_floats(&p.position_ws.to_array(), out))?;
+    write_head(&document, layout.length, out)?;
+    curves.groups().iter().try_for_each(|group| write_group(curves, group, out))
+}
+
+/// Views and accessors of a group, in the order that [`write_group`] writes; returns its primitive.
+fn lay_out(curves: &Curves, group: &CurveGroup, layout: &mut Layout) -> Value {
+    let points = curves.points_of(group);
+    let lines = points.len() - group.strands.len();
+    let mut add = |bytes: usize, target, component, kind, count, more| {
+        let view = layout.view(bytes, Some(target));
+        layout.accessor(view, None, component, kind, count, more)
+    };
+    let places = || points.iter().map(|p| p.position_ws);
+    let (low, high) = (places().fold(Vec3::INFINITY, Vec3::min), places().fold(Vec3::NEG_INFINITY, Vec3::max));
+    let bounds = json!({ "min": low.to_array(), "max": high.to_array() });
+    let count = points.len();
+    let positions = add(12 * count, ViewTarget::Vertices, Component::Float, "VEC3", count, bounds);
+    let colors = add(12 * count, ViewTarget::Vertices, Component::Float, "VEC3", count, json!({}));
+    let radii = add(4 * count, ViewTarget::Vertices, Component::Float, "SCALAR", count, json!({}));
+    let indices = add(8 * lines, ViewTarget::Indices, Component::UnsignedInt, "SCALAR", 2 * lines, json!({}));
+    json!({
+        "attributes": { "POSITION": positions, "COLOR_0": colors, "_RADIUS": radii },
+        "indices": indices,
+        "mode": LINES,
+    })
+}
+
+fn write_group(curves: &Curves, group: &CurveGroup, out: &mut dyn Write) -> io::Result<()> {
+    let points = curves.points_of(group);
+    points.iter().try_for_each(|p| write_floats(&p.position_ws.to_array(), out))?;
     // The format allows 0..=1.
-    curves.points.iter().try_for_each(|p| write_floats(&p.color.clamp(Vec3::ZERO, Vec3::ONE).to_array(), out))?;
-    curves.points.iter().try_for_each(|p| write_floats(&[p.radius_m], out))?;
-    for ends in curves.offsets.windows(2) {
-        for i in ends[0]..ends[1] - 1 {
+    points.iter().try_for_each(|p| write_floats(&p.color.clamp(Vec3::ZERO, Vec3::ONE).to_array(), out))?;
+    points.iter().try_for_each(|p| write_floats(&[p.radius_m], out))?;
+    let offsets = &curves.offsets[group.strands.start as usize..=group.strands.end as usize];
+    for ends in offsets.windows(2) {
+        // Indices count within the group.
+        for i in ends[0] - offsets[0]..ends[1] - 1 - offsets[0] {
             out.write_all(&i.to_le_bytes())?;
             out.write_all(&(i + 1).to_le_bytes())?;
         }

@@ -1,6 +1,8 @@
 //! The binary format of Cem Yuksel's hair models: a header of 128 bytes, points of each strand, positions, thickness, colours.
+//!
+//! It has no groups: the header's text names each with its first strand, counted from 0, as far as 88 bytes hold them.
 
-use super::{too_many, write_floats};
+use super::{allowed, plain_names, too_many, write_floats};
 use crate::strands::Curves;
 use std::io::{self, Write};
 
@@ -8,6 +10,22 @@ use std::io::{self, Write};
 const ARRAYS: u32 = 1 | 2 | 4 | 16;
 /// The text of the header, padded with zeros.
 const INFO: usize = 88;
+
+/// The header's text, shorter than [`INFO`], so that a zero ends it for readers in C.
+fn info(curves: &Curves) -> String {
+    const MORE: &str = "; ...";
+    let mut text = concat!("pelage ", env!("CARGO_PKG_VERSION"), ": metres, y up, diameters, linear RGB").to_owned();
+    let names = plain_names(curves, |name| allowed(name, |c| !c.is_control()));
+    for (i, (group, name)) in curves.groups().iter().zip(&names).enumerate() {
+        let one = format!("; {name} {}", group.strands.start);
+        let room = INFO - 1 - text.len() - if i + 1 < names.len() { MORE.len() } else { 0 };
+        if one.len() > room {
+            return text + MORE;
+        }
+        text += &one;
+    }
+    text
+}
 
 /// Writes strands. Thickness is the hair's diameter, colours are linear RGB.
 ///
@@ -23,10 +41,9 @@ pub fn write_hair(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     }
     // Defaults for arrays that are not there: thickness, transparency, colour.
     write_floats(&[1.0, 0.0, 1.0, 1.0, 1.0], out)?;
-    let mut info = [0; INFO];
-    let text = concat!("pelage ", env!("CARGO_PKG_VERSION"), ": metres, y up; thickness is diameter; linear RGB");
-    info[..text.len()].copy_from_slice(text.as_bytes());
-    out.write_all(&info)?;
+    let mut text = info(curves).into_bytes();
+    text.resize(INFO, 0);
+    out.write_all(&text)?;
     for strand in 0..curves.len() {
         let pieces = curves.strand(strand).len() - 1;
         let pieces = u16::try_from(pieces).map_err(|_| too_many("pieces of a strand", pieces, u16::MAX.into()))?;

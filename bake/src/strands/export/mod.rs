@@ -1,20 +1,24 @@
 //! Strands and skin in the formats of other programs: the same hair that the traced truth is made of, so that others can judge it.
 //!
-//! Each writer streams to any [`Write`]; lengths are metres in world space, y up, as in the package.
+//! Each writer streams to any [`Write`]; lengths are metres in world space, y up, as in the package. All formats but text, which knows points
+//! alone, name the [groups](Curves::groups).
 
 mod glb;
 mod hair;
 mod obj;
 mod pbrt;
 mod text;
+mod usda;
 
 pub use glb::write_glb;
 pub use hair::write_hair;
 pub use obj::{write_mtl, write_obj};
 pub use pbrt::write_pbrt;
 pub use text::write_text;
+pub use usda::write_usda;
 
-use crate::strands::Curves;
+use crate::strands::{CurveGroup, Curves};
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 /// Formats of strands.
@@ -28,12 +32,14 @@ pub enum StrandFormat {
     Glb,
     /// Cem Yuksel's binary format.
     Hair,
+    /// USD as text, with curves.
+    Usda,
 }
 
 impl StrandFormat {
     /// All of them with the extension that stands for each.
-    pub const EXTENSIONS: [(&'static str, Self); 4] =
-        [("txt", Self::Text), ("pbrt", Self::Pbrt), ("glb", Self::Glb), ("hair", Self::Hair)];
+    pub const EXTENSIONS: [(&'static str, Self); 5] =
+        [("txt", Self::Text), ("pbrt", Self::Pbrt), ("glb", Self::Glb), ("hair", Self::Hair), ("usda", Self::Usda)];
 
     /// The format of a file with that extension, in any case.
     pub fn of_extension(extension: &str) -> Option<Self> {
@@ -51,6 +57,7 @@ impl StrandFormat {
             Self::Pbrt => write_pbrt(curves, out),
             Self::Glb => write_glb(curves, out),
             Self::Hair => write_hair(curves, out),
+            Self::Usda => write_usda(curves, out),
         }
     }
 }
@@ -58,6 +65,26 @@ impl StrandFormat {
 /// Little-endian binary32.
 fn write_floats(numbers: &[f32], out: &mut dyn Write) -> io::Result<()> {
     numbers.iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))
+}
+
+/// Names of the groups as a format can have them; one that another group has already gets a number.
+fn plain_names(curves: &Curves, plain: impl Fn(&str) -> String) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    let mut name = |group: &CurveGroup| {
+        let plain = plain(&group.name);
+        let (mut name, mut number) = (plain.clone(), 2);
+        while !taken.insert(name.clone()) {
+            name = format!("{plain}_{number}");
+            number += 1;
+        }
+        name
+    };
+    curves.groups().iter().map(&mut name).collect()
+}
+
+/// A text in which what `is_allowed` refuses is `_`.
+fn allowed(text: &str, is_allowed: impl Fn(char) -> bool) -> String {
+    text.chars().map(|c| if is_allowed(c) { c } else { '_' }).collect()
 }
 
 /// More than a format can count.

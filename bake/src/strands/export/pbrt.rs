@@ -4,32 +4,47 @@
 //! with the width at its two ends. A strand as one curve of many pieces would have its width run evenly from root to tip, which it does not after
 //! points were left out. `splitdepth 0`: straight pieces gain nothing from being split.
 
-use crate::strands::Curves;
-use glam::Vec3;
+use super::{allowed, plain_names};
+use crate::strands::{CurvePoint, Curves};
+use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 
-/// Writes strands as `Shape "curve"` directives. Their material is diffuse in the mean colour of all points, because pbrt takes a material, and no
-/// colour, per curve.
+/// Writes strands as `Shape "curve"` directives, each group in an attribute block of its own. The material of a group is named `strands/` and its
+/// name, and diffuse in the mean colour of its points, because pbrt takes a material, and no colour, per curve.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_pbrt(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
-    let sum = curves.points.iter().map(|p| p.color.as_dvec3()).sum::<glam::DVec3>();
-    let mean = (sum / curves.points.len().max(1) as f64).as_vec3().clamp(Vec3::ZERO, Vec3::ONE);
     writeln!(out, "# {} strands in {} straight pieces, metres, y up", curves.len(), curves.segments())?;
-    writeln!(out, "AttributeBegin")?;
-    writeln!(out, "Material \"diffuse\" \"rgb reflectance\" [{} {} {}]", mean.x, mean.y, mean.z)?;
-    for strand in 0..curves.len() {
-        for ends in curves.strand(strand).windows(2) {
-            let (a, b) = (ends[0].position_ws, ends[1].position_ws);
-            let inner = [a.lerp(b, 1.0 / 3.0), a.lerp(b, 2.0 / 3.0)];
-            write!(out, "Shape \"curve\" \"string type\" \"cylinder\" \"integer splitdepth\" 0 \"point3 P\" [")?;
-            for p in [a, inner[0], inner[1], b] {
-                write!(out, " {} {} {}", p.x, p.y, p.z)?;
-            }
-            let [from, to] = [ends[0].radius_m, ends[1].radius_m].map(|radius| 2.0 * radius);
-            writeln!(out, " ] \"float width0\" {from} \"float width1\" {to}")?;
+    // Within the quotes of a string, and on the line of a comment.
+    let names = plain_names(curves, |name| allowed(name, |c| !c.is_control() && !"\"\\".contains(c)));
+    for (group, name) in curves.groups().iter().zip(names) {
+        let mean = mean_color(curves.points_of(group));
+        writeln!(out, "\n# group {name}: {} strands\nAttributeBegin", group.strands.len())?;
+        write!(out, "MakeNamedMaterial \"strands/{name}\" \"string type\" \"diffuse\" ")?;
+        writeln!(out, "\"rgb reflectance\" [{} {} {}]", mean.x, mean.y, mean.z)?;
+        writeln!(out, "NamedMaterial \"strands/{name}\"")?;
+        for strand in group.strands.clone() {
+            curves.strand(strand as usize).windows(2).try_for_each(|ends| write_piece(&ends[0], &ends[1], out))?;
         }
+        writeln!(out, "AttributeEnd")?;
     }
-    writeln!(out, "AttributeEnd")
+    Ok(())
+}
+
+/// Linear RGB, 0..=1.
+fn mean_color(points: &[CurvePoint]) -> Vec3 {
+    let sum: DVec3 = points.iter().map(|p| p.color.as_dvec3()).sum();
+    (sum / points.len().max(1) as f64).as_vec3().clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+fn write_piece(from: &CurvePoint, to: &CurvePoint, out: &mut dyn Write) -> io::Result<()> {
+    let (a, b) = (from.position_ws, to.position_ws);
+    let inner = [a.lerp(b, 1.0 / 3.0), a.lerp(b, 2.0 / 3.0)];
+    write!(out, "Shape \"curve\" \"string type\" \"cylinder\" \"integer splitdepth\" 0 \"point3 P\" [")?;
+    for p in [a, inner[0], inner[1], b] {
+        write!(out, " {} {} {}", p.x, p.y, p.z)?;
+    }
+    let [from, to] = [from, to].map(|point| 2.0 * point.radius_m);
+    writeln!(out, " ] \"float width0\" {from} \"float width1\" {to}")
 }

@@ -5,15 +5,21 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// Three strands of 2, 4 and 3 points.
 fn curves() -> Curves {
+    of_groups(["coat"; 3])
+}
+
+/// The same, each strand in a group of that name.
+fn of_groups(names: [&str; 3]) -> Curves {
     let mut curves = Curves::default();
     for (strand, points) in [2, 4, 3].into_iter().enumerate() {
+        curves.begin_group(names[strand]);
         let point = |i: i32| CurvePoint {
             position_ws: Vec3::new(0.1 * strand as f32, i as f32 / 3.0, -1.5e-7 * i as f32),
             radius_m: 1e-4 / (i + 1) as f32,
             color: Vec3::new(0.25, 0.1 * strand as f32, i as f32 * 0.5),
             ..CurvePoint::default()
         };
-        curves.push(&(0..points).map(point).collect::<Vec<_>>(), strand == 1);
+        curves.push(&(0..points).map(point).collect::<Vec<_>>(), strand == 1, Vec2::new(0.25, 0.5 * strand as f32));
     }
     curves
 }
@@ -65,7 +71,7 @@ fn hair_reads_back_by_its_header() {
     }
     let long = CurvePoint::default();
     let mut curves = Curves::default();
-    curves.push(&vec![long; 65_537], false);
+    curves.push(&vec![long; 65_537], false, Vec2::ZERO);
     let error = write_hair(&curves, &mut io::sink()).unwrap_err();
     assert!(error.kind() == io::ErrorKind::InvalidInput && error.to_string().contains("65536 pieces"), "{error}");
 }
@@ -89,6 +95,129 @@ fn pbrt_pieces_are_the_lines_of_the_strands() {
     assert!((Vec3::new(p[3], p[4], p[5]) - a.position_ws.lerp(b.position_ws, 1.0 / 3.0)).length() < 1e-6);
     assert_eq!(inside(shapes[2], "\"float width0\" ", "\""), [2.0 * a.radius_m]);
     assert_eq!(inside(shapes[2], "\"float width1\" ", "\""), [2.0 * b.radius_m]);
+}
+
+#[test]
+fn text_is_points_alone_whatever_the_groups() {
+    let text = |curves: &Curves| written(|out| write_text(curves, out));
+    assert_eq!(text(&of_groups(["coat", "mane", "tail"])), text(&curves()));
+}
+
+#[test]
+fn hair_names_the_groups_that_its_header_has_room_for() {
+    let info = |names: [&str; 3]| {
+        let bytes = written(|out| write_hair(&of_groups(names), out));
+        assert_eq!(bytes[127], 0, "readers in C find the end");
+        String::from_utf8(bytes[40..128].to_vec()).unwrap().trim_end_matches('\0').to_owned()
+    };
+    assert!(info(["coat", "coat", "mane"]).ends_with(": metres, y up, diameters, linear RGB; coat 0; mane 2"));
+    let long = "a name for which there is no room beside coat";
+    assert!(info(["coat", long, "mane"]).ends_with("; coat 0; ..."), "{}", info(["coat", long, "mane"]));
+    assert!(info([&"x".repeat(200), "y", "z"]).ends_with("RGB; ..."));
+    // The last one needs no room for a sign that there are more.
+    let room = 87 - info(["coat"; 3]).len() - "; ".len() - " 2".len();
+    let exact = "é".repeat(room / 2) + &"e".repeat(room % 2);
+    assert!(info(["coat", "coat", &exact]).ends_with(&format!("; coat 0; {exact} 2")));
+    assert!(info(["coat", "coat", &(exact + "e")]).ends_with("; coat 0; ..."));
+}
+
+#[test]
+fn pbrt_has_a_block_and_a_material_for_each_group() {
+    let text = String::from_utf8(written(|out| write_pbrt(&of_groups(["coat", "a \"b\"\n", "coat"]), out))).unwrap();
+    let blocks: Vec<&str> = text.split("\n\n").skip(1).collect();
+    let names = ["coat", "a _b__", "coat_2"];
+    assert_eq!(blocks.len(), 3, "{text}");
+    for ((block, name), pieces) in blocks.iter().zip(names).zip([1, 3, 2]) {
+        assert!(block.starts_with(&format!("# group {name}: 1 strands\nAttributeBegin\n")), "{block}");
+        assert!(
+            block.contains(&format!("\nMakeNamedMaterial \"strands/{name}\" \"string type\" \"diffuse\" ")),
+            "{block}"
+        );
+        assert!(block.contains(&format!("\nNamedMaterial \"strands/{name}\"\n")), "{block}");
+        assert_eq!(block.matches("Shape \"curve\"").count(), pieces);
+        assert!(block.trim_end().ends_with("\nAttributeEnd"), "{block}");
+    }
+    // Each has the mean colour of its own points: green is a tenth of the strand's number.
+    for (block, green) in blocks.iter().zip([0.0, 0.1, 0.2f32]) {
+        let rgb = block.split("\"rgb reflectance\" [").nth(1).and_then(|rest| rest.split(']').next()).unwrap();
+        assert_eq!(rgb.split(' ').nth(1).unwrap().parse::<f32>().unwrap(), green);
+    }
+}
+
+#[test]
+fn glb_has_a_node_and_a_mesh_for_each_group() {
+    let curves = of_groups(["coat", "coat", "mane \"m\""]);
+    let bytes = written(|out| write_glb(&curves, out));
+    let glb = gltf::Gltf::from_slice(&bytes).unwrap();
+    let blob = glb.blob.as_deref().unwrap();
+    let nodes: Vec<gltf::Node<'_>> = glb.default_scene().or(glb.scenes().next()).unwrap().nodes().collect();
+    assert_eq!(nodes.len(), 2);
+    for (node, group) in nodes.iter().zip(curves.groups()) {
+        let mesh = node.mesh().unwrap();
+        assert_eq!((node.name(), mesh.name()), (Some(group.name.as_str()), Some(group.name.as_str())));
+        let primitive = mesh.primitives().next().unwrap();
+        let reader = primitive.reader(|_| Some(blob));
+        let points = curves.points_of(group);
+        assert!(reader.read_positions().unwrap().eq(points.iter().map(|p| p.position_ws.to_array())));
+        let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+        assert_eq!(indices.len(), 2 * (points.len() - group.strands.len()));
+        assert_eq!(indices.iter().max(), Some(&(points.len() as u32 - 1)));
+    }
+}
+
+/// The numbers of a list of a prim.
+fn usd_list(prim: &str, declaration: &str) -> Vec<f32> {
+    let rest = prim.split(&format!("{declaration} = [")).nth(1).unwrap();
+    let list = rest.split(']').next().unwrap();
+    list.split([',', ' ', '\n', '(', ')']).filter(|word| !word.is_empty()).map(|word| word.parse().unwrap()).collect()
+}
+
+#[test]
+fn usda_has_a_prim_for_each_group() {
+    let curves = of_groups(["coat", "coat", "2nd \"m\\a\"\n"]);
+    let text = String::from_utf8(written(|out| write_usda(&curves, out))).unwrap();
+    assert!(text.starts_with("#usda 1.0\n(\n    defaultPrim = \"strands\"\n"), "{text}");
+    assert!(text.contains("metersPerUnit = 1\n") && text.contains("upAxis = \"Y\"\n"), "{text}");
+    let prims: Vec<&str> = text.split("    def BasisCurves ").skip(1).collect();
+    assert_eq!(prims.len(), 2);
+    assert!(prims[0].starts_with("\"coat\"\n    {\n        uniform token type = \"linear\"\n"), "{text}");
+    let named = "\"_2nd__m_a__\" (\n        displayName = \"2nd \\\"m\\\\a\\\"_\"\n    )\n    {\n";
+    assert!(prims[1].starts_with(named), "{text}");
+    for (prim, group) in prims.iter().zip(curves.groups()) {
+        let points = curves.points_of(group);
+        let strands = group.strands.start as usize..group.strands.end as usize;
+        let counts: Vec<f32> = strands.clone().map(|i| curves.strand(i).len() as f32).collect();
+        assert_eq!(usd_list(prim, "int[] curveVertexCounts"), counts);
+        let flat = |of: &dyn Fn(&CurvePoint) -> Vec3| points.iter().flat_map(|p| of(p).to_array()).collect::<Vec<_>>();
+        assert_eq!(usd_list(prim, "point3f[] points"), flat(&|p| p.position_ws));
+        assert_eq!(usd_list(prim, "color3f[] primvars:displayColor"), flat(&|p| p.color));
+        let widths: Vec<f32> = points.iter().map(|p| 2.0 * p.radius_m).collect();
+        assert_eq!(usd_list(prim, "float[] widths"), widths);
+        let uv: Vec<f32> = curves.root_uv[strands].iter().flat_map(|uv| [uv.x, 1.0 - uv.y]).collect();
+        assert_eq!(usd_list(prim, "float2[] primvars:surface_uv_coordinate"), uv);
+        // As UsdGeomCurves has it: the points' box and half the largest width.
+        let [low, high] = [Vec3::min, Vec3::max].map(|f| points.iter().map(|p| p.position_ws).reduce(f).unwrap());
+        let extent: Vec<f32> = [low - 1e-4, high + 1e-4].iter().flat_map(Vec3::to_array).collect();
+        assert_eq!(usd_list(prim, "float3[] extent"), extent);
+        let interpolations: Vec<&str> =
+            prim.lines().filter_map(|l| l.trim().strip_prefix("interpolation = ")).collect();
+        assert_eq!(interpolations, ["\"vertex\"", "\"vertex\"", "\"uniform\""]);
+    }
+    let empty = String::from_utf8(written(|out| write_usda(&Curves::default(), out))).unwrap();
+    assert!(empty.contains("def Xform \"strands\"") && !empty.contains("BasisCurves"), "{empty}");
+}
+
+#[test]
+fn names_in_usda_are_identifiers_that_no_other_group_has() {
+    let names = |names| {
+        let text = String::from_utf8(written(|out| write_usda(&of_groups(names), out))).unwrap();
+        let prims = text.split("    def BasisCurves \"").skip(1).map(|prim| prim.split('"').next().unwrap().to_owned());
+        (prims.collect::<Vec<_>>(), text.matches("displayName").count())
+    };
+    assert_eq!(names(["coat", "_x9", "strands"]).1, 0, "what is an identifier stays");
+    assert_eq!(names(["a b", "a-b", "a_b"]).0, ["a_b", "a_b_2", "a_b_3"]);
+    assert_eq!(names(["1", "_1", ""]), (["_1", "_1_2", "_"].map(str::to_owned).to_vec(), 3));
+    assert_eq!(names(["Mähne", "coat", "Mähne"]).0, ["M_hne", "coat", "M_hne_2"]);
 }
 
 #[test]

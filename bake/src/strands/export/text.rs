@@ -1,4 +1,7 @@
 //! Curves as text: a line `x y z radius` per point, metres in world space, root first; a blank line between strands.
+//!
+//! Groups are not named in it: readers of this form, such as Mitsuba's `linearcurve`, refuse every line that is no point. Their strands stand in
+//! the order of [`Curves::groups`].
 
 use crate::strands::Curves;
 use std::io::{self, Write};
