@@ -133,6 +133,11 @@ pub fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64) -> Solid {
     Solid::RoundCone { a, b, ra, rb }
 }
 
+/// The same pressed flat along x: `share` times as wide. Its axis lies in a plane of y and z.
+pub fn oval(a: DVec3, ra: f64, b: DVec3, rb: f64, share: f64) -> Solid {
+    Solid::Oval { a, b, ra, rb, across: DVec3::X, share }
+}
+
 /// An ellipsoid with half lengths `radii` along the columns of `axes`.
 pub fn ellipsoid(centre: DVec3, radii: DVec3, axes: DMat3) -> Solid {
     Solid::Ellipsoid { centre, radii, axes }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::{sdf::project, trimesh::TriMesh};
+use super::{body::mirror, sdf::project, trimesh::TriMesh};
 
 /// A mesh with a material for each triangle, 0 to begin with.
 #[derive(Clone, Debug)]
@@ -102,4 +102,36 @@ impl Regions {
             values[v as usize] = 0.0;
         }
     }
+}
+
+/// The side x >= 0 of a closed mesh and its mirror image: a closed mesh that is the same on both sides to the last bit. `surface` must be so
+/// as well.
+pub fn mirrored(mesh: TriMesh, surface: &dyn Fn(DVec3) -> f64) -> TriMesh {
+    let mut halves = Regions::new(mesh);
+    halves.paint(1, &|p| p.x, surface);
+    let Regions { mesh, materials } = halves;
+    let count = mesh.positions.len();
+    let (mut kept, mut lost) = (vec![false; count], vec![false; count]);
+    for (t, &material) in mesh.triangles.iter().zip(&materials) {
+        for &v in t {
+            [&mut kept, &mut lost][material][v as usize] = true;
+        }
+    }
+    let mut whole = TriMesh { positions: mesh.positions, triangles: Vec::new() };
+    let mut twin = Vec::with_capacity(count);
+    for v in 0..count {
+        if kept[v] && lost[v] {
+            whole.positions[v].x = 0.0;
+            twin.push(v as u32);
+        } else {
+            twin.push(whole.positions.len() as u32);
+            whole.positions.push(mirror(whole.positions[v]));
+        }
+    }
+    for (&[a, b, c], _) in mesh.triangles.iter().zip(&materials).filter(|(_, m)| **m == 0) {
+        whole.triangles.push([a, b, c]);
+        whole.triangles.push([a, c, b].map(|v| twin[v as usize]));
+    }
+    whole.drop_unused_vertices();
+    whole
 }
