@@ -4,10 +4,10 @@
 //! faces (Farkas 1994, "Anthropometry of the Head and Face"), between those of women and men: vertex to chin 0.23 m, breadth of the skull
 //! 0.15 m, of the cheekbones 0.132 m, of the jaw 0.1 m, distance of the pupils 0.063 m.
 
-use glam::{DMat3, DVec2, DVec3, DVec4, dvec2, dvec3 as v};
+use glam::{DMat3, DVec3, DVec4, dvec2, dvec3 as v};
 
 use super::{
-    body::{self, Body, Comb, Keep, cone, curve, ellipsoid, on_side, oval, pitch, ramp},
+    body::{self, Body, Comb, Keep, almond, bump, chain, cone, curve, ellipsoid, on_side, oval, pitch, ramp},
     glb::{Material, Model, Primitive},
     regions::{Regions, mirrored},
     remesh::Sizing,
@@ -18,20 +18,25 @@ use super::{
     trimesh::TriMesh,
 };
 
+const SKIN: usize = 0;
 const SCALP: usize = 1;
 const BROW: usize = 2;
 const LASH: usize = 3;
 const EYE: usize = 4;
+/// For a while, while the mesh is cut.
+const LIPS: usize = 5;
 
 /// The whorl, from which hair is combed away.
 const WHORL: DVec3 = DVec3::new(0.0, 0.42, -0.07);
 
 /// Centre of the left eye, and its radius.
-const EYE_AT: DVec3 = DVec3::new(0.0315, 0.2645, 0.063);
-const EYE_RADIUS: f64 = 0.0122;
+const EYE_AT: DVec3 = DVec3::new(0.0315, 0.2645, 0.0622);
+const EYE_RADIUS: f64 = 0.0127;
+/// Radius of the lids' outer side.
+const LID_RADIUS: f64 = 0.0143;
 
 /// Half the width of the opening between the lids, and its heights over and under the line of its corners.
-const LIDS: [f64; 3] = [0.0148, 0.0056, 0.0042];
+const LIDS: [f64; 3] = [0.0139, 0.0053, 0.0045];
 
 /// Where the nose's sides, ears and so on are combed: down.
 const DOWN: Comb = Comb::Along(DVec3::new(0.0, -1.0, -0.1));
@@ -41,13 +46,7 @@ fn opening(p: DVec3) -> f64 {
     let [half, over, under] = LIDS;
     let q = dvec2(p.x.abs() - EYE_AT.x, p.y - EYE_AT.y);
     // The outer corner lies a little higher.
-    let q = dvec2(q.x, q.y - 0.055 * q.x);
-    let arc = |q: DVec2, height: f64| {
-        let radius = (half * half + height * height) / (2.0 * height);
-        (q - dvec2(0.0, height - radius)).length() - radius
-    };
-    // The upper lid is highest nearer to the nose, the lower one lowest away from it.
-    arc(dvec2(q.x + 0.0012, q.y), over).max(arc(dvec2(q.x - 0.0012, -q.y), under))
+    almond(dvec2(-q.x, q.y - 0.055 * q.x), half, over, under)
 }
 
 /// Signed distance of the skin, roughly.
@@ -58,7 +57,11 @@ fn field(body: &Body, p: DVec3) -> f64 {
     if at.length_squared() > 0.0009 || at.z < 0.0 {
         return d;
     }
-    let hole = smooth_max(opening(p), EYE_RADIUS - 0.0006 - at.length(), 0.0004);
+    // The fold over the upper lid, a groove.
+    let within = ramp(0.001, 0.004, at.y) * ramp(0.015, 0.01, at.x.abs()) * ramp(0.0, 0.004, at.z);
+    let d = d + 0.0007 * bump(opening(p) - 0.0038, 0.0034) * within;
+    let floor = (EYE_RADIUS - 0.0006 - at.length()).max(0.0035 - at.z);
+    let hole = smooth_max(opening(p), floor, 0.0004);
     smooth_max(d, -hole, 0.0012)
 }
 
@@ -70,10 +73,10 @@ pub fn body() -> Body {
     body.add(ellipsoid(v(0.0, 0.298, -0.012), v(0.0745, 0.082, 0.094), DMat3::IDENTITY), 0.02, hair);
     body.add(ellipsoid(v(0.0, 0.306, 0.03), v(0.0615, 0.058, 0.0575), DMat3::IDENTITY), 0.03, hair);
     body.add(ellipsoid(v(0.0, 0.255, -0.048), v(0.062, 0.058, 0.052), DMat3::IDENTITY), 0.03, hair);
-    body.add(ellipsoid(v(0.0, 0.236, 0.03), v(0.057, 0.075, 0.05), DMat3::IDENTITY), 0.03, DOWN);
+    body.add(ellipsoid(v(0.0, 0.236, 0.03), v(0.0535, 0.075, 0.05), DMat3::IDENTITY), 0.03, DOWN);
     body.add(ellipsoid(v(0.0, 0.2, 0.05), v(0.036, 0.036, 0.037), DMat3::IDENTITY), 0.025, DOWN);
-    body.add(ellipsoid(v(0.0, 0.166, 0.0655), v(0.0215, 0.017, 0.0205), DMat3::IDENTITY), 0.02, DOWN);
-    body.add(ellipsoid(v(0.0, 0.183, 0.03), v(0.04, 0.03, 0.045), pitch(-0.2, 1.0)), 0.03, DOWN);
+    body.add(ellipsoid(v(0.0, 0.166, 0.0655), v(0.019, 0.0165, 0.0205), DMat3::IDENTITY), 0.02, DOWN);
+    body.add(ellipsoid(v(0.0, 0.183, 0.03), v(0.035, 0.03, 0.045), pitch(-0.2, 1.0)), 0.03, DOWN);
     for side in [1.0, -1.0] {
         bones(&mut body, side);
     }
@@ -87,7 +90,7 @@ pub fn body() -> Body {
         ear(&mut body, side);
     }
     // The cut on which it stands.
-    body.carve(ellipsoid(v(0.0, -8.0, -0.03), DVec3::splat(8.0), DMat3::IDENTITY), 0.008, DOWN);
+    body.carve(ellipsoid(v(0.0, -8.0, -0.03), DVec3::splat(8.0), DMat3::IDENTITY), 0.014, DOWN);
     body
 }
 
@@ -98,43 +101,39 @@ fn bones(body: &mut Body, side: f64) {
     body.add(cone(m(v(0.04, 0.244, 0.056)), 0.014, m(v(0.053, 0.249, 0.034)), 0.0115), 0.025, DOWN);
     body.add(cone(m(v(0.053, 0.249, 0.034)), 0.0115, m(v(0.0585, 0.252, 0.002)), 0.0085), 0.022, DOWN);
     // Jaw: from the ear to its angle and on to the chin; the cheek over it.
-    body.add(cone(m(v(0.054, 0.238, -0.003)), 0.011, m(v(0.0405, 0.19, 0.01)), 0.012), 0.025, DOWN);
-    body.add(cone(m(v(0.0405, 0.19, 0.01)), 0.012, m(v(0.012, 0.1635, 0.068)), 0.0125), 0.025, DOWN);
-    body.add(ellipsoid(m(v(0.036, 0.212, 0.038)), v(0.02, 0.03, 0.027), pitch(0.2, 1.0)), 0.025, DOWN);
+    body.add(cone(m(v(0.0535, 0.238, -0.003)), 0.0105, m(v(0.038, 0.191, 0.01)), 0.0115), 0.025, DOWN);
+    body.add(cone(m(v(0.038, 0.191, 0.01)), 0.0115, m(v(0.01, 0.164, 0.068)), 0.0115), 0.025, DOWN);
+    body.add(ellipsoid(m(v(0.037, 0.217, 0.031)), v(0.0205, 0.033, 0.03), pitch(0.2, 1.0)), 0.025, DOWN);
 }
 
 fn neck(body: &mut Body) {
     let m = on_side;
-    body.add(oval(v(0.0, 0.22, -0.034), 0.056, v(0.0, 0.12, -0.036), 0.0565, 0.94), 0.03, DOWN);
-    body.add(cone(v(0.0, 0.12, -0.036), 0.054, v(0.0, 0.04, -0.05), 0.062), 0.02, DOWN);
+    body.add(oval(v(0.0, 0.22, -0.03), 0.051, v(0.0, 0.125, -0.034), 0.0505, 0.93), 0.03, DOWN);
+    body.add(cone(v(0.0, 0.125, -0.034), 0.047, v(0.0, 0.04, -0.052), 0.058), 0.02, DOWN);
     // The larynx, hardly to be seen.
-    body.add(cone(v(0.0, 0.135, 0.007), 0.012, v(0.0, 0.095, 0.0), 0.012), 0.025, DOWN);
+    body.add(cone(v(0.0, 0.135, 0.003), 0.011, v(0.0, 0.095, -0.006), 0.012), 0.025, DOWN);
     // Chest and back.
-    body.add(ellipsoid(v(0.0, -0.02, -0.035), v(0.15, 0.085, 0.075), DMat3::IDENTITY), 0.05, DOWN);
+    body.add(ellipsoid(v(0.0, -0.008, -0.04), v(0.145, 0.08, 0.072), DMat3::IDENTITY), 0.05, DOWN);
     for side in [1.0, -1.0] {
         let out = Comb::Along(m(side, v(0.8, -0.6, 0.0)));
         // Trapezius, from the back of the head over the shoulder; shoulder; collar bone; the strap from behind the ear to the breastbone.
-        body.add(cone(m(side, v(0.022, 0.19, -0.066)), 0.026, m(side, v(0.06, 0.095, -0.068)), 0.032), 0.035, DOWN);
-        body.add(cone(m(side, v(0.06, 0.092, -0.066)), 0.032, m(side, v(0.145, 0.042, -0.05)), 0.026), 0.04, out);
-        body.add(ellipsoid(m(side, v(0.162, -0.004, -0.04)), v(0.046, 0.062, 0.052), DMat3::IDENTITY), 0.04, out);
+        body.add(cone(m(side, v(0.02, 0.19, -0.056)), 0.022, m(side, v(0.045, 0.086, -0.066)), 0.026), 0.035, DOWN);
+        body.add(cone(m(side, v(0.045, 0.085, -0.065)), 0.026, m(side, v(0.14, 0.034, -0.052)), 0.025), 0.045, out);
+        body.add(ellipsoid(m(side, v(0.155, -0.012, -0.046)), v(0.044, 0.06, 0.05), DMat3::IDENTITY), 0.04, out);
         let collar = [
-            (v(0.016, 0.055, 0.018), 0.0085),
-            (v(0.06, 0.06, 0.016), 0.0065),
-            (v(0.105, 0.064, -0.008), 0.0065),
-            (v(0.15, 0.058, -0.03), 0.009),
+            (v(0.016, 0.053, 0.012), 0.008),
+            (v(0.055, 0.056, 0.009), 0.006),
+            (v(0.1, 0.057, -0.014), 0.006),
+            (v(0.142, 0.049, -0.034), 0.008),
         ];
-        for pair in curve(&collar, 3).windows(2) {
-            body.add(cone(m(side, pair[0].0), pair[0].1, m(side, pair[1].0), pair[1].1), 0.018, out);
-        }
+        body.add(chain(&collar.map(|(p, r)| (m(side, p), r)), 3), 0.022, out);
         let strap = [
-            (v(0.056, 0.218, -0.028), 0.012),
-            (v(0.05, 0.17, -0.014), 0.0125),
-            (v(0.034, 0.115, 0.004), 0.0105),
-            (v(0.014, 0.062, 0.014), 0.0065),
+            (v(0.053, 0.218, -0.026), 0.01),
+            (v(0.044, 0.17, -0.014), 0.0105),
+            (v(0.03, 0.115, -0.002), 0.0085),
+            (v(0.013, 0.062, 0.008), 0.0055),
         ];
-        for pair in curve(&strap, 3).windows(2) {
-            body.add(cone(m(side, pair[0].0), pair[0].1, m(side, pair[1].0), pair[1].1), 0.014, DOWN);
-        }
+        body.add(chain(&strap.map(|(p, r)| (m(side, p), r)), 3), 0.014, DOWN);
     }
 }
 
@@ -142,48 +141,38 @@ fn neck(body: &mut Body) {
 fn orbit(body: &mut Body, side: f64) {
     let m = |p: DVec3| on_side(side, p);
     let brow = [
-        (v(0.009, 0.2815, 0.0775), 0.0075),
-        (v(0.025, 0.2865, 0.0745), 0.008),
-        (v(0.043, 0.2865, 0.0625), 0.0075),
-        (v(0.0545, 0.277, 0.0475), 0.0065),
+        (v(0.009, 0.2815, 0.0765), 0.007),
+        (v(0.025, 0.2865, 0.0735), 0.007),
+        (v(0.043, 0.2865, 0.0615), 0.007),
+        (v(0.0535, 0.277, 0.047), 0.006),
     ];
-    for pair in curve(&brow, 3).windows(2) {
-        body.add(cone(m(pair[0].0), pair[0].1, m(pair[1].0), pair[1].1), 0.016, DOWN);
-    }
-    body.carve(ellipsoid(m(v(0.0315, 0.266, 0.089)), v(0.022, 0.0125, 0.0175), DMat3::IDENTITY), 0.016, DOWN);
-    let centre = m(EYE_AT);
-    body.add(ellipsoid(centre, DVec3::splat(EYE_RADIUS + 0.0016), DMat3::IDENTITY), 0.006, DOWN);
-    // The fold over the upper lid.
-    let fold =
-        [v(-0.0125, 0.0045, 0.0125), v(-0.005, 0.0095, 0.0118), v(0.005, 0.0095, 0.0105), v(0.0135, 0.0035, 0.006)];
-    let line = curve(&fold.map(|p| (m(EYE_AT + p), 0.0008)), 3);
-    for pair in line.windows(2) {
-        body.carve(cone(pair[0].0, pair[0].1, pair[1].0, pair[1].1), 0.003, DOWN);
-    }
+    body.add(chain(&brow.map(|(p, r)| (m(p), r)), 3), 0.016, DOWN);
+    body.carve(ellipsoid(m(v(0.0325, 0.266, 0.089)), v(0.0215, 0.0115, 0.0165), DMat3::IDENTITY), 0.016, DOWN);
+    // What fills the socket round the eye, and the lids over it.
+    let soft = m(EYE_AT + v(0.0035, -0.0005, -0.0045));
+    body.add(ellipsoid(soft, v(0.0205, 0.0135, 0.0125), DMat3::IDENTITY), 0.008, DOWN);
+    body.add(ellipsoid(m(EYE_AT), DVec3::splat(LID_RADIUS), DMat3::IDENTITY), 0.005, DOWN);
 }
 
 fn nose(body: &mut Body) {
     let ball = |at: DVec3, radii: DVec3| ellipsoid(at, radii, DMat3::IDENTITY);
     body.add(cone(v(0.0, 0.273, 0.0745), 0.0072, v(0.0, 0.25, 0.0895), 0.0068), 0.016, DOWN);
-    body.add(cone(v(0.0, 0.25, 0.0895), 0.0068, v(0.0, 0.2275, 0.1015), 0.0078), 0.014, DOWN);
-    body.add(ball(v(0.0, 0.2255, 0.1015), v(0.0092, 0.008, 0.0088)), 0.008, DOWN);
-    body.add(cone(v(0.0, 0.2205, 0.103), 0.0038, v(0.0, 0.2155, 0.0905), 0.0042), 0.006, DOWN);
+    body.add(cone(v(0.0, 0.25, 0.0895), 0.0068, v(0.0, 0.2295, 0.1015), 0.0075), 0.014, DOWN);
+    body.add(ball(v(0.0, 0.229, 0.1012), v(0.0085, 0.0076, 0.0086)), 0.008, DOWN);
+    body.add(cone(v(0.0, 0.2235, 0.103), 0.0038, v(0.0, 0.218, 0.0905), 0.0042), 0.006, DOWN);
     for side in [1.0, -1.0] {
         let m = |p: DVec3| on_side(side, p);
-        body.add(ellipsoid(m(v(0.0112, 0.2225, 0.0925)), v(0.0064, 0.0074, 0.0098), pitch(-0.15, 1.0)), 0.006, DOWN);
-        body.carve(ellipsoid(m(v(0.0066, 0.2145, 0.0955)), v(0.0034, 0.005, 0.0058), pitch(-0.2, 1.0)), 0.0025, DOWN);
+        body.add(ellipsoid(m(v(0.0108, 0.225, 0.0925)), v(0.0062, 0.0074, 0.0098), pitch(-0.15, 1.0)), 0.006, DOWN);
+        body.carve(ellipsoid(m(v(0.0064, 0.217, 0.0955)), v(0.0034, 0.005, 0.0058), pitch(-0.2, 1.0)), 0.0025, DOWN);
     }
     // The groove under the nose.
-    body.carve(cone(v(0.0, 0.214, 0.0945), 0.0022, v(0.0, 0.205, 0.0955), 0.0026), 0.006, DOWN);
+    body.carve(cone(v(0.0, 0.2125, 0.0955), 0.002, v(0.0, 0.205, 0.0955), 0.0026), 0.006, DOWN);
 }
 
 /// Half the width of the mouth.
-const MOUTH: f64 = 0.0255;
+const MOUTH: f64 = 0.0265;
 
 fn lips(body: &mut Body) {
-    let line = |points: &[(DVec3, f64)], side: f64| -> Vec<(DVec3, f64)> {
-        curve(points, 4).into_iter().map(|(p, r)| (on_side(side, p), r)).collect()
-    };
     let upper = [
         (v(0.0, 0.1978, 0.0892), 0.0042),
         (v(0.006, 0.1988, 0.0882), 0.0044),
@@ -197,24 +186,20 @@ fn lips(body: &mut Body) {
         (v(MOUTH, 0.1922, 0.0715), 0.002),
     ];
     for side in [1.0, -1.0] {
-        for points in [&upper, &lower] {
-            for pair in line(points, side).windows(2) {
-                body.add(cone(pair[0].0, pair[0].1, pair[1].0, pair[1].1), 0.0045, DOWN);
-            }
+        for points in [upper, lower] {
+            body.add(chain(&points.map(|(p, r)| (on_side(side, p), r)), 4), 0.0045, DOWN);
         }
     }
     // The dent between lower lip and chin, and the line between the lips.
-    body.carve(ellipsoid(v(0.0, 0.1765, 0.0955), v(0.02, 0.0045, 0.011), DMat3::IDENTITY), 0.01, DOWN);
+    body.carve(ellipsoid(v(0.0, 0.1765, 0.0955), v(0.017, 0.0045, 0.011), DMat3::IDENTITY), 0.014, DOWN);
     let parting = [
         (v(0.0, 0.1926, 0.0945), 0.001),
         (v(0.008, 0.1932, 0.0925), 0.001),
         (v(0.0165, 0.1927, 0.0855), 0.001),
-        (v(MOUTH + 0.001, 0.1918, 0.0755), 0.0012),
+        (v(MOUTH - 0.0015, 0.192, 0.0765), 0.0006),
     ];
     for side in [1.0, -1.0] {
-        for pair in line(&parting, side).windows(2) {
-            body.carve(cone(pair[0].0, pair[0].1, pair[1].0, pair[1].1), 0.003, DOWN);
-        }
+        body.carve(chain(&parting.map(|(p, r)| (on_side(side, p), r)), 4), 0.003, DOWN);
     }
 }
 
@@ -248,9 +233,7 @@ fn ear(body: &mut Body, side: f64) {
         (at(-0.004, -0.021, 0.0), 0.003),
         (at(0.0045, -0.0265, 0.0), 0.0042),
     ];
-    for pair in curve(&rim, 3).windows(2) {
-        body.add(cone(pair[0].0, pair[0].1, pair[1].0, pair[1].1), 0.0025, DOWN);
-    }
+    body.add(chain(&rim, 3), 0.0025, DOWN);
     let fold = [
         (at(0.002, 0.0205, 0.001), 0.0018),
         (at(-0.0075, 0.013, 0.0025), 0.0023),
@@ -258,9 +241,7 @@ fn ear(body: &mut Body, side: f64) {
         (at(-0.006, -0.0095, 0.0025), 0.0024),
         (at(-0.001, -0.0145, 0.0025), 0.0028),
     ];
-    for pair in curve(&fold, 3).windows(2) {
-        body.add(cone(pair[0].0, pair[0].1, pair[1].0, pair[1].1), 0.003, DOWN);
-    }
+    body.add(chain(&fold, 3), 0.003, DOWN);
     // Bowl, and the flap before it.
     body.carve(ellipsoid(at(0.002, -0.001, 0.0045), v(0.0075, 0.0095, 0.0068), axes), 0.003, DOWN);
     body.add(ellipsoid(at(0.012, -0.006, 0.0005), v(0.0042, 0.0058, 0.004), axes), 0.004, DOWN);
@@ -273,12 +254,22 @@ fn to_ear(p: DVec3) -> f64 {
     ((q - v(0.0, 0.002, 0.0)) / v(0.0205, 0.034, 0.017)).length() * 0.02 - 0.02
 }
 
+/// Greatest edge length at a place, metres: small about the eyes, the brows and the mouth, whose outlines tell a face.
+fn fineness(p: DVec3) -> f64 {
+    let to = |at: DVec3| (v(p.x.abs(), p.y, p.z) - at).length();
+    let grow = |finest: f64, distance: f64| finest + 0.3 * distance.max(0.0);
+    let eye = grow(0.0011, (to(EYE_AT) - 0.0185).max(opening(p).abs() - 0.006));
+    let mouth = grow(0.0014, to(v(0.008, 0.193, 0.085)) - 0.019);
+    let brow = if p.z > 0.03 { grow(0.0022, brow_distance(p)) } else { f64::MAX };
+    eye.min(mouth).min(brow)
+}
+
 /// Makes the head's mesh: closed, the same on both sides, vertices on the surface.
 pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     let bounds = [v(-0.22, -0.0112, -0.125), v(0.22, 0.39, 0.12)];
-    let sizing = Sizing { sagitta: 0.00022, shortest: 0.0014, longest: 0.0085 };
+    let sizing = Sizing { sagitta: 0.00034, shortest: 0.0017, longest: 0.009, local: fineness };
     let surface = |p: DVec3| field(body, p);
-    let mesh = body::mesh(&surface, bounds, 0.0029, sizing, Keep::Largest)?;
+    let mesh = body::mesh(&surface, bounds, 0.0022, sizing, Keep::Largest)?;
     Ok(mirrored(mesh, &surface))
 }
 
@@ -308,13 +299,16 @@ fn scalp(p: DVec3) -> f64 {
     (height - p.y).max(0.004 - to_ear(p))
 }
 
-/// Below 0 on the brows: a tapering arch.
+/// Distance to the brows seen from the front, tapering arches, metres.
+fn brow_distance(p: DVec3) -> f64 {
+    let line = [(0.0138, 0.2868, 0.0031), (0.0265, 0.2905, 0.0038), (0.041, 0.291, 0.003), (0.0545, 0.2838, 0.001)];
+    let line = Solid::Chain { line: curve(&line.map(|(x, y, r)| (v(x, y, 0.0), r)), 4) };
+    line.distance(v(p.x.abs(), p.y, 0.0))
+}
+
+/// Below 0 on the brows.
 fn brow(p: DVec3) -> f64 {
-    let line = [(0.0125, 0.2835, 0.0042), (0.026, 0.2895, 0.0046), (0.041, 0.2915, 0.0036), (0.0555, 0.2835, 0.0012)];
-    let line = curve(&line.map(|(x, y, r)| (v(x, y, 0.0), r)), 4);
-    let flat = v(p.x.abs(), p.y, 0.0);
-    let to = line.windows(2).map(|k| cone(k[0].0, k[0].1, k[1].0, k[1].1).distance(flat));
-    to.fold(f64::MAX, f64::min).max(0.03 - p.z)
+    brow_distance(p).max(0.03 - p.z)
 }
 
 /// Below 0 on the rim of an upper lid, 2 mm wide.
@@ -329,21 +323,23 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let surface = |p: DVec3| field(body, p);
     let mut regions = Regions::new(mesh);
     regions.paint(SCALP, &scalp, &surface);
+    // The border of the lips' red, along which the mesh is cut as between materials; all of it stays skin.
+    regions.paint(LIPS, &|p| -lips_border(p), &surface);
+    for material in &mut regions.materials {
+        *material = if *material == LIPS { SKIN } else { *material };
+    }
     regions.paint(BROW, &brow, &surface);
     regions.paint(LASH, &lash, &surface);
     regions
 }
 
-/// How much of a lip's red there is at a point, 0..=1.
-fn red_of_lips(p: DVec3) -> f64 {
+/// How far within the lips' red a point lies, metres; negative outside of it.
+fn lips_border(p: DVec3) -> f64 {
     let x = p.x.abs() / MOUTH;
-    if x >= 1.0 || p.z < 0.06 {
-        return 0.0;
-    }
     let arch = 1.0 - x * x;
     let bow = 1.0 + (p.x / 0.004) * (p.x / 0.004);
     let (top, bottom) = (0.1925 + 0.0098 * arch * (1.0 - 0.12 * x) - 0.0016 / (bow * bow), 0.192 - 0.0112 * arch);
-    ramp(-0.0008, 0.0012, (top - p.y).min(p.y - bottom))
+    (top - p.y).min(p.y - bottom).min(p.z - 0.06)
 }
 
 /// The skin's colour, linear RGB.
@@ -353,12 +349,12 @@ fn color(material: usize, p: DVec3) -> DVec4 {
     let mut color = skin;
     // Warmer where blood is near: cheeks, tip of the nose, ears, chin.
     color = color.lerp(red, 0.3 * near(v(0.042, 0.226, 0.062), 0.032));
-    color = color.lerp(red, 0.3 * near(v(0.0, 0.2235, 0.11), 0.016));
+    color = color.lerp(red, 0.3 * near(v(0.0, 0.226, 0.11), 0.016));
     color = color.lerp(red, 0.35 * ramp(0.003, -0.006, to_ear(p)));
     color = color.lerp(red, 0.12 * near(v(0.0, 0.165, 0.085), 0.02));
-    color = color.lerp(lip, red_of_lips(p));
+    color = color.lerp(lip, ramp(-0.0003, 0.0007, lips_border(p)));
     // Shade in the nostrils and between the lids, as hairs and depth would make it.
-    color = color.lerp(v(0.1, 0.035, 0.025), 0.8 * near(v(0.0066, 0.2155, 0.0955), 0.005));
+    color = color.lerp(v(0.1, 0.035, 0.025), 0.8 * near(v(0.0064, 0.218, 0.0955), 0.005));
     if p.z > 0.05 {
         color = color.lerp(v(0.36, 0.17, 0.13), 0.45 * ramp(0.0016, 0.0, opening(p)));
     }
@@ -382,9 +378,9 @@ fn push_eye(to: &mut Primitive, side: f64) {
         (10.5, pupil),
         (11.5, iris.lerp(limbus, 0.5)),
         (15.0, iris * 1.25),
-        (22.0, iris),
-        (26.5, limbus),
-        (29.5, white * 0.75),
+        (21.0, iris),
+        (24.8, limbus),
+        (27.5, white * 0.75),
         (34.0, white),
         (46.0, white),
         (60.0, v(0.66, 0.5, 0.46)),

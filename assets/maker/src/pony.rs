@@ -2,15 +2,15 @@
 //!
 //! Made for long hair on a short coat: its skin has materials of their own where mane, forelock and tail grow, which look like the rest of it.
 
-use glam::{DMat3, DVec3, DVec4, dvec3 as v};
+use glam::{DMat3, DVec3, DVec4, dvec2, dvec3 as v};
 
 use super::{
-    body::{self, Body, Comb, Keep, cone, curve, ellipsoid, on_side, oval, pitch, ramp},
+    body::{self, Body, Comb, Keep, almond, bump, cone, curve, ellipsoid, on_side, oval, pitch, ramp},
     glb::{Material, Model},
     pony_rig,
     regions::{Regions, mirrored},
     remesh::Sizing,
-    sdf::Solid,
+    sdf::{Solid, smooth_max},
     shapes::{METRES_PER_UV, eyes},
     skin::Skin,
     trimesh::TriMesh,
@@ -45,8 +45,10 @@ fn head_axes() -> DMat3 {
 
 /// Centre and radii of an eye.
 fn eye(side: f64) -> (DVec3, DVec3) {
-    (head(side * 0.0605, 0.148, 0.033), DVec3::splat(0.0195))
+    (head(side * 0.0595, 0.148, 0.033), DVec3::splat(EYE_RADIUS))
 }
+
+const EYE_RADIUS: f64 = 0.021;
 
 /// Where an eye looks: outwards, a little forwards.
 fn gaze(side: f64) -> DVec3 {
@@ -71,15 +73,39 @@ fn dock() -> Vec<(DVec3, f64)> {
 }
 
 /// Distance to a line of round cones, metres.
-fn to_line(line: &[(DVec3, f64)], p: DVec3) -> f64 {
-    line.windows(2).fold(f64::MAX, |m, pair| m.min(cone(pair[0].0, pair[0].1, pair[1].0, pair[1].1).distance(p)))
+fn to_line(line: Vec<(DVec3, f64)>, p: DVec3) -> f64 {
+    Solid::Chain { line }.distance(p)
 }
 
-fn add_line(body: &mut Body, line: &[(DVec3, f64)], blend: f64, comb: Option<Comb>) {
-    for pair in line.windows(2) {
-        let own = comb.unwrap_or_else(|| Comb::Along((pair[1].0 - pair[0].0).normalize()));
-        body.add(cone(pair[0].0, pair[0].1, pair[1].0, pair[1].1), blend, own);
+/// Signed distance of the skin, roughly.
+fn field(body: &Body, p: DVec3) -> f64 {
+    let d = body.distance(p);
+    if p.z < 0.5 || p.y < 0.8 {
+        return d;
     }
+    // The mouth: a fold between the lips.
+    let q = on_head(p);
+    let d = d + 0.005 * bump(q.z - MOUTH, 0.012) * ramp(0.345, 0.37, q.y);
+    // Between the lids the skin steps back behind the eye's ball.
+    let (opening, at) = opening(p);
+    if at.length_squared() > 0.002 || at.z < 0.0 {
+        return d;
+    }
+    let hole = smooth_max(opening, EYE_RADIUS - 0.0012 - at.length(), 0.001);
+    smooth_max(d, -hole, 0.003)
+}
+
+/// Where the lips meet, out of the forehead as the head's coordinates say.
+const MOUTH: f64 = -0.037;
+
+/// Below 0 between the lids of the nearer eye, metres; and the point as that eye sees it: to the front, up, and out along its gaze.
+fn opening(p: DVec3) -> (f64, DVec3) {
+    let (centre, _) = eye(1.0);
+    let out = gaze(1.0);
+    let up = (OUT - out * OUT.dot(out)).normalize();
+    let at = v(p.x.abs(), p.y, p.z) - centre;
+    let at = v(at.dot(out.cross(up)), at.dot(up), at.dot(out));
+    (almond(dvec2(at.x, at.y + 0.1 * at.x), 0.0186, 0.0124, 0.0094), at)
 }
 
 /// The body without the eyes.
@@ -91,7 +117,7 @@ pub fn body() -> Body {
         hind_leg(&mut body, side);
     }
     face(&mut body);
-    add_line(&mut body, &dock(), 0.045, None);
+    body.add(Solid::Chain { line: dock() }, 0.045, Comb::Along(v(0.0, -0.95, -0.3)));
     body
 }
 
@@ -99,20 +125,20 @@ fn trunk(body: &mut Body) {
     let back = Comb::Along(v(0.0, -0.35, -0.94));
     let down = Comb::Along(v(0.0, -1.0, -0.12));
     // Barrel, girth, withers, loins, croup.
-    body.add(ellipsoid(v(0.0, 0.722, -0.02), v(0.208, 0.228, 0.4), pitch(0.04, 1.0)), 0.1, back);
+    body.add(ellipsoid(v(0.0, 0.712, -0.02), v(0.208, 0.238, 0.4), pitch(0.04, 1.0)), 0.1, back);
     body.add(ellipsoid(v(0.0, 0.7, 0.24), v(0.165, 0.208, 0.22), DMat3::IDENTITY), 0.1, back);
     body.add(ellipsoid(v(0.0, 0.91, 0.14), v(0.06, 0.085, 0.2), pitch(0.06, 1.0)), 0.11, back);
     body.add(cone(v(0.0, 0.85, 0.08), 0.1, v(0.0, 0.852, -0.3), 0.115), 0.1, back);
-    body.add(ellipsoid(v(0.0, 0.82, -0.34), v(0.165, 0.172, 0.22), pitch(-0.2, 1.0)), 0.1, back);
+    body.add(ellipsoid(v(0.0, 0.812, -0.335), v(0.165, 0.172, 0.215), pitch(-0.2, 1.0)), 0.1, back);
     // Neck, flat from the sides, and its crest.
     let neck = Comb::Along(v(0.0, -0.75, -0.66));
     body.add(oval(v(0.0, 0.86, 0.27), 0.182, v(0.0, 0.99, 0.435), 0.146, 0.52), 0.12, neck);
     body.add(oval(v(0.0, 0.99, 0.435), 0.146, v(0.0, 1.12, 0.555), 0.112, 0.52), 0.04, neck);
-    add_line(body, &crest(), 0.06, Some(Comb::Along(v(0.0, -0.8, -0.6))));
+    body.add(Solid::Chain { line: crest() }, 0.06, Comb::Along(v(0.0, -0.8, -0.6)));
     // Breast.
     for side in [1.0, -1.0] {
-        let at = on_side(side, v(0.06, 0.68, 0.385));
-        body.add(ellipsoid(at, v(0.078, 0.115, 0.085), pitch(0.2, 1.0)), 0.06, down);
+        let at = on_side(side, v(0.06, 0.68, 0.37));
+        body.add(ellipsoid(at, v(0.078, 0.11, 0.075), pitch(0.2, 1.0)), 0.06, down);
     }
 }
 
@@ -137,10 +163,10 @@ fn hind_leg(body: &mut Body, side: f64) {
     // Haunch, buttock, thigh, gaskin, the sinew to the point of the hock, hock.
     body.add(ellipsoid(m(v(0.1, 0.75, -0.34)), v(0.105, 0.22, 0.18), pitch(-0.1, 1.0)), 0.09, down);
     body.add(ellipsoid(m(v(0.083, 0.7, -0.425)), v(0.08, 0.175, 0.115), pitch(0.08, 1.0)), 0.07, down);
-    body.add(cone(hip, 0.14, stifle, 0.088), 0.07, down);
-    body.add(cone(stifle + v(0.0, 0.0, -0.02), 0.086, hock + v(0.0, 0.06, 0.015), 0.044), 0.06, down);
-    let point = hock + v(0.0, 0.05, -0.032);
-    body.add(cone(m(v(0.095, 0.58, -0.44)), 0.045, point, 0.02), 0.05, down);
+    body.add(cone(hip, 0.135, stifle, 0.074), 0.07, down);
+    body.add(cone(stifle + v(0.0, -0.01, -0.03), 0.078, hock + v(0.0, 0.055, 0.012), 0.04), 0.06, down);
+    let point = hock + v(0.0, 0.058, -0.04);
+    body.add(cone(m(v(0.095, 0.57, -0.42)), 0.032, point, 0.0185), 0.03, down);
     body.add(cone(point, 0.022, hock + v(0.0, -0.03, -0.01), 0.03), 0.02, down);
     body.add(ellipsoid(hock, v(0.039, 0.06, 0.046), pitch(0.3, 1.0)), 0.025, down);
     cannon(body, hock, fetlock);
@@ -171,48 +197,28 @@ fn face(body: &mut Body) {
     let ball = |x: f64, s: f64, t: f64, radii: DVec3| ellipsoid(head(x, s, t), radii, axes);
     // Skull, the bridge of the nose, muzzle, chin.
     body.add(ball(0.0, 0.085, 0.008, v(0.074, 0.105, 0.066)), 0.05, comb);
-    body.add(oval(head(0.0, 0.13, 0.006), 0.068, head(0.0, 0.34, -0.002), 0.046, 0.86), 0.03, comb);
-    body.add(ball(0.0, 0.362, -0.006, v(0.046, 0.05, 0.05)), 0.03, comb);
-    body.add(ball(0.0, 0.398, -0.006, v(0.037, 0.024, 0.034)), 0.025, comb);
-    body.add(ball(0.0, 0.372, -0.045, v(0.031, 0.032, 0.02)), 0.015, comb);
+    body.add(oval(head(0.0, 0.13, 0.006), 0.068, head(0.0, 0.34, -0.003), 0.051, 0.88), 0.03, comb);
+    body.add(ball(0.0, 0.362, -0.007, v(0.051, 0.052, 0.053)), 0.03, comb);
+    body.add(ball(0.0, 0.4, -0.008, v(0.042, 0.026, 0.036)), 0.025, comb);
+    body.add(ball(0.0, 0.372, -0.05, v(0.033, 0.034, 0.021)), 0.015, comb);
     for side in [1.0, -1.0] {
         let x = |x: f64| side * x;
         // Cheek with the round edge of its jaw, jaw bar, cheekbone, brow.
         body.add(ball(x(0.045), 0.12, -0.05, v(0.03, 0.085, 0.078)), 0.045, comb);
-        body.add(cone(head(x(0.03), 0.17, -0.085), 0.026, head(x(0.018), 0.35, -0.042), 0.02), 0.04, comb);
+        body.add(cone(head(x(0.03), 0.17, -0.088), 0.026, head(x(0.02), 0.35, -0.045), 0.022), 0.04, comb);
         body.add(cone(head(x(0.064), 0.16, 0.012), 0.014, head(x(0.04), 0.28, 0.006), 0.01), 0.03, comb);
-        body.add(ball(x(0.047), 0.148, 0.028, v(0.03, 0.045, 0.034)), 0.03, comb);
-        body.add(ball(x(0.06), 0.135, 0.047, v(0.024, 0.036, 0.022)), 0.025, comb);
+        body.add(ball(x(0.046), 0.148, 0.026, v(0.027, 0.045, 0.034)), 0.03, comb);
+        body.add(ball(x(0.054), 0.132, 0.053, v(0.023, 0.036, 0.02)), 0.025, comb);
         // Nostril: a wing, hollowed.
-        body.add(ball(x(0.028), 0.372, 0.02, v(0.019, 0.028, 0.02)), 0.02, comb);
+        body.add(ball(x(0.032), 0.372, 0.02, v(0.02, 0.028, 0.02)), 0.02, comb);
         let turned = DMat3::from_cols(DVec3::NEG_X, (ALONG - OUT * 0.5).normalize(), (OUT + ALONG * 0.5).normalize());
-        body.carve(ellipsoid(head(x(0.04), 0.384, 0.016), v(0.013, 0.018, 0.008), turned), 0.008, comb);
-        lids(body, side, comb);
+        body.carve(ellipsoid(head(x(0.046), 0.384, 0.018), v(0.013, 0.018, 0.008), turned), 0.008, comb);
+        // The lids, closed.
+        body.add(ellipsoid(eye(side).0, DVec3::splat(EYE_RADIUS + 0.003), DMat3::IDENTITY), 0.012, comb);
     }
-    // The mouth: a shallow fold between the lips.
-    body.carve(ball(0.0, 0.392, -0.0335, v(0.06, 0.044, 0.0035)), 0.008, comb);
     for side in [1.0, -1.0] {
         ear(body, side);
     }
-}
-
-/// Two arcs of skin over and under the eye.
-fn lids(body: &mut Body, side: f64, comb: Comb) {
-    let (centre, radii) = eye(side);
-    let out = gaze(side);
-    let up = (OUT - out * OUT.dot(out)).normalize();
-    let front = out.cross(up) * side;
-    let r = radii.x;
-    let arc = |to: f64, lift: f64| {
-        let at = |q: f64| {
-            // From corner to corner, `q` -1 to 1, on a ball a little larger than the eye.
-            let way = front * (0.93 * q) + up * (to * (1.0 - q * q)) + out * (lift + 0.25 * (1.0 - q * q));
-            (centre + way.normalize() * r, 0.0042)
-        };
-        [-1.0, -0.66, -0.33, 0.0, 0.33, 0.66, 1.0].map(at)
-    };
-    add_line(body, &arc(0.62, 0.52), 0.008, Some(comb));
-    add_line(body, &arc(-0.55, 0.52), 0.007, Some(comb));
 }
 
 /// An ear: a leaf, hollowed on its face.
@@ -233,18 +239,31 @@ fn ear(body: &mut Body, side: f64) {
     body.carve(ellipsoid(at(0.5) + normal * 0.017, v(0.0165, 0.047, 0.019), axes), 0.008, comb);
 }
 
+/// Greatest edge length at a place, metres: small about eyes, nostrils and mouth, and where long hair grows.
+fn fineness(p: DVec3) -> f64 {
+    let q = on_head(p);
+    let grow = |finest: f64, distance: f64| finest + 0.35 * distance.max(0.0);
+    let eye = grow(0.0036, opening(p).1.length() - 0.028);
+    let muzzle = grow(0.006, (q - v(0.0, 0.385, 0.0)).length() - 0.06);
+    let poll = grow(0.011, (q - v(0.0, 0.036, 0.05)).length() - 0.035);
+    let crest = grow(0.012, (p.x.abs() - 0.022).max(to_line(crest(), p) - 0.06));
+    let dock = grow(0.012, to_line(dock(), p));
+    let ear = grow(0.0095, (p.z - 0.66).max(1.235 - p.y).max(0.61 - p.z));
+    eye.min(muzzle).min(ear).min(poll).min(crest).min(dock)
+}
+
 /// Makes the body's mesh: closed, the same on both sides, vertices on the surface.
 pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     let bounds = [v(-0.3, -0.0312, -0.75), v(0.3, 1.4, 1.0)];
-    let sizing = Sizing { sagitta: 0.0013, shortest: 0.0065, longest: 0.04 };
-    let mesh = body::mesh(&|p| body.distance(p), bounds, 0.008, sizing, Keep::Largest)?;
-    Ok(mirrored(mesh, &|p| body.distance(p)))
+    let sizing = Sizing { sagitta: 0.0013, shortest: 0.0085, longest: 0.038, local: fineness };
+    let mesh = body::mesh(&|p| field(body, p), bounds, 0.008, sizing, Keep::Largest)?;
+    Ok(mirrored(mesh, &|p| field(body, p)))
 }
 
 /// Below 0 in the strip along the crest on which the mane grows, 4 cm wide.
 fn mane(p: DVec3) -> f64 {
     let along = p.z.max(0.0);
-    (p.x.abs() - 0.02).max(to_line(&crest(), p) - 0.02).max(0.15 - along).max((p - POLL).dot(v(0.0, 0.45, 0.9)) + 0.022)
+    (p.x.abs() - 0.02).max(to_line(crest(), p) - 0.05).max(0.15 - along).max((p - POLL).dot(v(0.0, 0.45, 0.9)) + 0.022)
 }
 
 /// Below 0 between the ears, where the forelock grows.
@@ -258,12 +277,12 @@ fn forelock(p: DVec3) -> f64 {
 fn tail(p: DVec3) -> f64 {
     let [(root, _), (bend, _), ..] = pony_rig::TAIL;
     let way = (bend - root).normalize();
-    (to_line(&dock(), p) - 0.03).max(0.042 - (p - root).dot(way))
+    (to_line(dock(), p) - 0.03).max(0.042 - (p - root).dot(way))
 }
 
 /// The skin cut into its materials.
 pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
-    let surface = |p: DVec3| body.distance(p);
+    let surface = |p: DVec3| field(body, p);
     let mut regions = Regions::new(mesh);
     regions.paint(MANE, &mane, &surface);
     regions.paint(FORELOCK, &forelock, &surface);
@@ -284,7 +303,7 @@ fn coat(p: DVec3, n: DVec3) -> DVec4 {
     let mut color = chestnut.lerp(dark, 0.6 * ramp(0.35, 1.0, n.y) * ramp(0.75, 0.95, p.y));
     // Belly, the insides of the legs, and what of the legs is below knee and hock.
     let inside = ramp(0.3, 0.8, -n.x * p.x.signum()) * ramp(0.6, 0.5, p.y);
-    color = color.lerp(mealy, 0.75 * (ramp(0.45, 0.95, -n.y) * ramp(0.75, 0.6, p.y)).max(inside));
+    color = color.lerp(mealy, 0.65 * (ramp(0.45, 0.95, -n.y) * ramp(0.75, 0.6, p.y)).max(inside));
     color = color.lerp(mealy, 0.35 * ramp(0.34, 0.16, p.y));
     let mut length = 1.0 - 0.55 * ramp(0.5, 0.36, p.y);
     let mut shorten = |to: f64, share: f64| length += (f64::min(to, length) - length) * share;
@@ -294,16 +313,16 @@ fn coat(p: DVec3, n: DVec3) -> DVec4 {
         shorten(0.5, on_face);
         // Muzzle and chin pale, then bare dark skin about nostrils and lips.
         color = color.lerp(mealy, 0.9 * ramp(0.3, 0.36, q.y - 0.3 * q.z));
-        let nostril = (p - head(0.04 * p.x.signum(), 0.384, 0.016)).length();
-        let lips = ramp(0.012, 0.003, (q.z + 0.0335).abs()) * ramp(0.34, 0.37, q.y);
+        let nostril = (p - head(0.046 * p.x.signum(), 0.384, 0.018)).length();
+        let lips = ramp(0.012, 0.003, (q.z - MOUTH).abs()) * ramp(0.34, 0.37, q.y);
         color = color.lerp(skin, (0.9 * ramp(0.024, 0.011, nostril)).max(0.75 * lips));
         color = color.lerp(skin, 0.55 * ramp(0.385, 0.415, q.y));
         shorten(0.22, ramp(0.33, 0.385, q.y));
         let (centre, _) = eye(p.x.signum());
         let ring = (p - centre).length();
-        color = color.lerp(mealy, 0.45 * ramp(0.05, 0.034, ring));
-        color = color.lerp(skin, 0.85 * ramp(0.0285, 0.0235, ring));
-        shorten(0.05, ramp(0.045, 0.025, ring));
+        color = color.lerp(mealy, 0.16 * ramp(0.055, 0.034, ring));
+        color = color.lerp(skin, 0.9 * ramp(0.0065, 0.0015, opening(p).0.max(ring - 0.03)));
+        shorten(0.05, ramp(0.05, 0.031, ring));
         // Ears: dark rims and tips, paler inside.
         let [root, tip] = pony_rig::EAR.map(|e| on_side(p.x.signum(), e));
         let t = (p - root).dot(tip - root) / (tip - root).length_squared();
@@ -323,7 +342,7 @@ pub fn model() -> anyhow::Result<Model> {
     let regions = regions(&body, body_mesh(&body)?);
     let weights = pony_rig::weights(&regions.mesh);
     let skin = Skin {
-        field: &|p| body.distance(p),
+        field: &|p| field(&body, p),
         comb: &|p| body.comb(p),
         color: &|material, p, n| if material == HOOF { DVec4::ONE } else { coat(p, n) },
         metres_per_uv: METRES_PER_UV,

@@ -40,7 +40,7 @@ pub const FORELEG: [DVec3; 5] = [
 /// Hip, stifle, hock, fetlock and the hoof's front end of the left hind leg.
 pub const HIND_LEG: [DVec3; 5] = [
     DVec3::new(0.095, 0.75, -0.33),
-    DVec3::new(0.118, 0.56, -0.235),
+    DVec3::new(0.118, 0.59, -0.22),
     DVec3::new(0.1, 0.385, -0.5),
     DVec3::new(0.1, 0.132, -0.485),
     DVec3::new(0.1, 0.0, -0.385),
@@ -48,9 +48,9 @@ pub const HIND_LEG: [DVec3; 5] = [
 
 /// Root, bend and end of the dock, and its radius there.
 pub const TAIL: [(DVec3, f64); 3] = [
-    (DVec3::new(0.0, 0.905, -0.495), 0.036),
-    (DVec3::new(0.0, 0.865, -0.575), 0.03),
-    (DVec3::new(0.0, 0.72, -0.6), 0.017),
+    (DVec3::new(0.0, 0.905, -0.485), 0.033),
+    (DVec3::new(0.0, 0.868, -0.57), 0.025),
+    (DVec3::new(0.0, 0.725, -0.608), 0.013),
 ];
 
 /// Root and tip of the left ear.

@@ -44,6 +44,11 @@ pub enum Solid {
         /// Width along `across` against that of the spheres, above 0 and at most 1.
         share: f64,
     },
+    /// The hulls of neighbouring spheres of a line, as one solid: joined one after another, their blends would swell where they meet.
+    Chain {
+        /// Centres and radii, at least two.
+        line: Vec<(DVec3, f64)>,
+    },
     /// A plate with the outline of a round cone, in the plane through `a` with unit normal `normal`, with a half-round rim.
     Leaf {
         /// Centre of the outline's first circle.
@@ -66,6 +71,11 @@ impl Solid {
     /// inside the ball it is never lower than that of the ball itself.
     pub fn bound(&self) -> (DVec3, f64, f64) {
         match *self {
+            Self::Chain { ref line } => {
+                let (low, high) = line.iter().fold((DVec3::MAX, DVec3::MIN), |m, k| (m.0.min(k.0), m.1.max(k.0)));
+                let middle = (low + high) * 0.5;
+                (middle, line.iter().fold(0.0, |m, k| f64::max(m, (k.0 - middle).length() + k.1)), 1.0)
+            }
             Self::Ellipsoid { centre, radii, .. } => {
                 let longest = radii.max_element();
                 (centre, longest, radii.min_element() / longest)
@@ -87,6 +97,9 @@ impl Solid {
                 if k1 < 1e-9 { -radii.min_element() } else { k0 * (k0 - 1.0) / k1 }
             }
             Self::RoundCone { a, b, ra, rb } => round_cone(p, a, b, ra, rb),
+            Self::Chain { ref line } => {
+                line.windows(2).fold(f64::MAX, |m, k| m.min(round_cone(p, k[0].0, k[1].0, k[0].1, k[1].1)))
+            }
             Self::Oval { a, b, ra, rb, across, share } => {
                 let widen = |q: DVec3| q + across * (across.dot(q - a) * (1.0 / share - 1.0));
                 let (wide, b) = (widen(p), widen(b));
