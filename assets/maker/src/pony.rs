@@ -85,7 +85,7 @@ fn field(body: &Body, p: DVec3) -> f64 {
     }
     // The mouth: a fold between the lips.
     let q = on_head(p);
-    let d = d + 0.005 * bump(q.z - MOUTH, 0.012) * ramp(0.345, 0.37, q.y);
+    let d = d + 0.0035 * bump(q.z - MOUTH, 0.013) * ramp(0.345, 0.37, q.y);
     // Between the lids the skin steps back behind the eye's ball.
     let (opening, at) = opening(p);
     if at.length_squared() > 0.002 || at.z < 0.0 {
@@ -96,7 +96,7 @@ fn field(body: &Body, p: DVec3) -> f64 {
 }
 
 /// Where the lips meet, out of the forehead as the head's coordinates say.
-const MOUTH: f64 = -0.037;
+const MOUTH: f64 = -0.0375;
 
 /// Below 0 between the lids of the nearer eye, metres; and the point as that eye sees it: to the front, up, and out along its gaze.
 fn opening(p: DVec3) -> (f64, DVec3) {
@@ -135,9 +135,10 @@ fn trunk(body: &mut Body) {
     body.add(oval(v(0.0, 0.86, 0.27), 0.182, v(0.0, 0.99, 0.435), 0.146, 0.52), 0.12, neck);
     body.add(oval(v(0.0, 0.99, 0.435), 0.146, v(0.0, 1.12, 0.555), 0.112, 0.52), 0.04, neck);
     body.add(Solid::Chain { line: crest() }, 0.06, Comb::Along(v(0.0, -0.8, -0.6)));
-    // Breast.
+    // From the throat down to the breast.
+    body.add(oval(v(0.0, 0.92, 0.43), 0.12, v(0.0, 0.7, 0.33), 0.12, 0.75), 0.08, neck);
     for side in [1.0, -1.0] {
-        let at = on_side(side, v(0.06, 0.68, 0.37));
+        let at = on_side(side, v(0.058, 0.67, 0.35));
         body.add(ellipsoid(at, v(0.078, 0.11, 0.075), pitch(0.2, 1.0)), 0.06, down);
     }
 }
@@ -150,7 +151,7 @@ fn foreleg(body: &mut Body, side: f64) {
     body.add(ellipsoid(m(v(0.118, 0.79, 0.28)), v(0.07, 0.2, 0.115), pitch(-0.6, 0.8)), 0.09, down);
     body.add(cone(shoulder, 0.085, elbow, 0.076), 0.06, down);
     body.add(ellipsoid(elbow + v(0.0, 0.0, -0.03), v(0.05, 0.07, 0.06), pitch(0.3, 1.0)), 0.05, down);
-    body.add(cone(elbow + v(0.0, -0.03, 0.02), 0.074, knee + v(0.0, 0.05, 0.0), 0.04), 0.04, down);
+    body.add(cone(elbow + v(0.0, -0.03, 0.02), 0.079, knee + v(0.0, 0.05, 0.0), 0.043), 0.04, down);
     body.add(ellipsoid(knee + v(0.0, 0.0, 0.006), v(0.041, 0.055, 0.043), DMat3::IDENTITY), 0.03, down);
     cannon(body, knee, fetlock);
     hoof(body, fetlock, toe);
@@ -164,7 +165,7 @@ fn hind_leg(body: &mut Body, side: f64) {
     body.add(ellipsoid(m(v(0.1, 0.75, -0.34)), v(0.105, 0.22, 0.18), pitch(-0.1, 1.0)), 0.09, down);
     body.add(ellipsoid(m(v(0.083, 0.7, -0.425)), v(0.08, 0.175, 0.115), pitch(0.08, 1.0)), 0.07, down);
     body.add(cone(hip, 0.135, stifle, 0.074), 0.07, down);
-    body.add(cone(stifle + v(0.0, -0.01, -0.03), 0.078, hock + v(0.0, 0.055, 0.012), 0.04), 0.06, down);
+    body.add(cone(stifle + v(0.0, -0.01, -0.03), 0.084, hock + v(0.0, 0.055, 0.012), 0.04), 0.06, down);
     let point = hock + v(0.0, 0.058, -0.04);
     body.add(cone(m(v(0.095, 0.57, -0.42)), 0.032, point, 0.0185), 0.03, down);
     body.add(cone(point, 0.022, hock + v(0.0, -0.03, -0.01), 0.03), 0.02, down);
@@ -176,7 +177,7 @@ fn hind_leg(body: &mut Body, side: f64) {
 /// The straight bone with the sinews behind it, and the joint below.
 fn cannon(body: &mut Body, top: DVec3, fetlock: DVec3) {
     let down = Comb::Along(v(0.0, -1.0, -0.05));
-    body.add(cone(top, 0.034, fetlock + v(0.0, 0.01, 0.006), 0.028), 0.025, down);
+    body.add(cone(top, 0.0355, fetlock + v(0.0, 0.01, 0.006), 0.03), 0.025, down);
     body.add(cone(top + v(0.0, -0.02, -0.014), 0.024, fetlock + v(0.0, 0.0, -0.012), 0.023), 0.015, down);
     body.add(ellipsoid(fetlock, v(0.034, 0.036, 0.038), DMat3::IDENTITY), 0.02, down);
 }
@@ -200,13 +201,14 @@ fn face(body: &mut Body) {
     body.add(oval(head(0.0, 0.13, 0.006), 0.068, head(0.0, 0.34, -0.003), 0.051, 0.88), 0.03, comb);
     body.add(ball(0.0, 0.362, -0.007, v(0.051, 0.052, 0.053)), 0.03, comb);
     body.add(ball(0.0, 0.4, -0.008, v(0.042, 0.026, 0.036)), 0.025, comb);
-    body.add(ball(0.0, 0.372, -0.05, v(0.033, 0.034, 0.021)), 0.015, comb);
+    body.add(ball(0.0, 0.37, -0.0565, v(0.033, 0.035, 0.0205)), 0.012, comb);
     for side in [1.0, -1.0] {
         let x = |x: f64| side * x;
         // Cheek with the round edge of its jaw, jaw bar, cheekbone, brow.
         body.add(ball(x(0.045), 0.12, -0.05, v(0.03, 0.085, 0.078)), 0.045, comb);
         body.add(cone(head(x(0.03), 0.17, -0.088), 0.026, head(x(0.02), 0.35, -0.045), 0.022), 0.04, comb);
-        body.add(cone(head(x(0.064), 0.16, 0.012), 0.014, head(x(0.04), 0.28, 0.006), 0.01), 0.03, comb);
+        body.add(cone(head(x(0.059), 0.16, 0.01), 0.014, head(x(0.038), 0.27, 0.004), 0.01), 0.04, comb);
+        body.add(ball(x(0.028), 0.215, -0.022, v(0.026, 0.075, 0.042)), 0.045, comb);
         body.add(ball(x(0.046), 0.148, 0.026, v(0.027, 0.045, 0.034)), 0.03, comb);
         body.add(ball(x(0.054), 0.132, 0.053, v(0.023, 0.036, 0.02)), 0.025, comb);
         // Nostril: a wing, hollowed.
@@ -277,7 +279,7 @@ fn forelock(p: DVec3) -> f64 {
 fn tail(p: DVec3) -> f64 {
     let [(root, _), (bend, _), ..] = pony_rig::TAIL;
     let way = (bend - root).normalize();
-    (to_line(dock(), p) - 0.03).max(0.042 - (p - root).dot(way))
+    (to_line(dock(), p) - 0.014).max(0.042 - (p - root).dot(way))
 }
 
 /// The skin cut into its materials.
@@ -311,13 +313,15 @@ fn coat(p: DVec3, n: DVec3) -> DVec4 {
     if q.y > -0.2 && p.z > 0.5 {
         let on_face = ramp(0.0, 0.14, q.y + 0.8 * (q.z + 0.05));
         shorten(0.5, on_face);
+        // Not what lies beyond the chin: the throat.
+        let muzzle = ramp(-0.15, -0.11, q.z);
         // Muzzle and chin pale, then bare dark skin about nostrils and lips.
-        color = color.lerp(mealy, 0.9 * ramp(0.3, 0.36, q.y - 0.3 * q.z));
+        color = color.lerp(mealy, 0.9 * ramp(0.3, 0.36, q.y - 0.3 * q.z) * muzzle);
         let nostril = (p - head(0.046 * p.x.signum(), 0.384, 0.018)).length();
         let lips = ramp(0.012, 0.003, (q.z - MOUTH).abs()) * ramp(0.34, 0.37, q.y);
         color = color.lerp(skin, (0.9 * ramp(0.024, 0.011, nostril)).max(0.75 * lips));
-        color = color.lerp(skin, 0.55 * ramp(0.385, 0.415, q.y));
-        shorten(0.22, ramp(0.33, 0.385, q.y));
+        color = color.lerp(skin, 0.55 * ramp(0.385, 0.415, q.y) * muzzle);
+        shorten(0.22, ramp(0.33, 0.385, q.y) * muzzle);
         let (centre, _) = eye(p.x.signum());
         let ring = (p - centre).length();
         color = color.lerp(mealy, 0.16 * ramp(0.055, 0.034, ring));
