@@ -49,9 +49,18 @@ fn opening(p: DVec3) -> f64 {
     almond(dvec2(-q.x, q.y - 0.055 * q.x), half, over, under)
 }
 
+/// Depth of the line between the lips, metres.
+fn parting(p: DVec3) -> f64 {
+    let x = p.x.abs() / MOUTH;
+    if x > 1.2 || p.z < 0.06 {
+        return 0.0;
+    }
+    0.0022 * bump(p.y - 0.192 - 0.001 * (1.0 - x * x), 0.0036) * ramp(1.04, 0.8, x) * ramp(0.06, 0.068, p.z)
+}
+
 /// Signed distance of the skin, roughly.
 fn field(body: &Body, p: DVec3) -> f64 {
-    let d = body.distance(p);
+    let d = body.distance(p) + parting(p);
     // Between the lids the skin steps back behind the eye's ball.
     let at = v(p.x.abs(), p.y, p.z) - EYE_AT;
     if at.length_squared() > 0.0009 || at.z < 0.0 {
@@ -190,17 +199,8 @@ fn lips(body: &mut Body) {
             body.add(chain(&points.map(|(p, r)| (on_side(side, p), r)), 4), 0.0045, DOWN);
         }
     }
-    // The dent between lower lip and chin, and the line between the lips.
+    // The dent between lower lip and chin.
     body.carve(ellipsoid(v(0.0, 0.1765, 0.0955), v(0.017, 0.0045, 0.011), DMat3::IDENTITY), 0.014, DOWN);
-    let parting = [
-        (v(0.0, 0.1926, 0.0945), 0.001),
-        (v(0.008, 0.1932, 0.0925), 0.001),
-        (v(0.0165, 0.1927, 0.0855), 0.001),
-        (v(MOUTH - 0.0015, 0.192, 0.0765), 0.0006),
-    ];
-    for side in [1.0, -1.0] {
-        body.carve(chain(&parting.map(|(p, r)| (on_side(side, p), r)), 4), 0.003, DOWN);
-    }
 }
 
 /// An ear's frame: its middle, and as columns the ways to the front, up and out of its face.
