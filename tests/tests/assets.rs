@@ -212,19 +212,19 @@ fn area(p: &Primitive) -> f64 {
 #[test]
 fn the_pony_is_built_like_one_and_its_long_hair_has_a_place_to_grow() {
     let skin = whole_skin(pony());
-    assert!((7_000..=11_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
+    assert!((9_000..=14_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
     assert!(pony().to_glb().unwrap().len() <= 600_000);
     let [low, high] = bounds(&skin);
     assert!(low.y.abs() < 0.005 && (1.25..1.4).contains(&high.y), "it stands on the ground, ears up: {low} {high}");
     // 1 m at the withers: the highest skin over the elbows.
     let withers = skin.positions.iter().filter(|p| (0.0..0.15).contains(&p.z)).map(|p| p.y).fold(0.0, f64::max);
-    assert!((0.98..1.03).contains(&withers), "{withers}");
+    assert!((0.98..1.05).contains(&withers), "{withers}");
     let [crest, poll, dock, hooves] = ["crest", "poll", "dock", "hooves"].map(|name| part(pony(), name));
     let width = |p: &Primitive| bounds(p)[1].x - bounds(p)[0].x;
     assert!((0.035..0.045).contains(&width(crest)), "{}", width(crest));
     let [withers, top] = bounds(crest);
     assert!(
-        withers.y < 1.02 && top.y > 1.2 && withers.z < 0.2 && top.z > 0.5,
+        withers.y < 1.05 && top.y > 1.2 && withers.z < 0.2 && top.z > 0.5,
         "from the withers to the poll: {withers} {top}"
     );
     assert!(bounds(poll)[0].y > 1.15 && bounds(poll)[0].z > withers.z && width(poll) < 0.07, "{:?}", bounds(poll));
@@ -241,7 +241,7 @@ fn the_pony_is_built_like_one_and_its_long_hair_has_a_place_to_grow() {
 #[test]
 fn the_head_is_as_large_as_life_and_its_scalp_is_even() {
     let skin = whole_skin(head());
-    assert!((9_000..=16_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
+    assert!((14_000..=20_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
     assert!(head().to_glb().unwrap().len() <= 600_000);
     let [low, high] = bounds(&skin);
     assert!(low.y.abs() < 0.005 && (0.36..0.4).contains(&high.y), "{low} {high}");

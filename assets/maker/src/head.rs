@@ -264,13 +264,12 @@ fn fineness(p: DVec3) -> f64 {
     eye.min(mouth).min(brow)
 }
 
-/// Makes the head's mesh: closed, the same on both sides, vertices on the surface.
+/// Makes the head's mesh: closed, vertices on the surface.
 pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     let bounds = [v(-0.22, -0.0112, -0.125), v(0.22, 0.39, 0.12)];
     let sizing = Sizing { sagitta: 0.00034, shortest: 0.0017, longest: 0.009, local: fineness };
     let surface = |p: DVec3| field(body, p);
-    let mesh = body::mesh(&surface, bounds, 0.0022, sizing, Keep::Largest)?;
-    Ok(mirrored(mesh, &surface))
+    body::mesh(&surface, bounds, 0.0022, sizing, Keep::Largest)
 }
 
 /// Below 0 where hair grows on the skull.
@@ -318,7 +317,7 @@ fn lash(p: DVec3) -> f64 {
     (opening(p) - 0.0021).max(-0.0001 - opening(p)).max(over).max(EYE_RADIUS + 0.0004 - q.length()).max(0.004 - q.z)
 }
 
-/// The skin cut into its materials.
+/// The skin cut into its materials, the same on both sides.
 pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let surface = |p: DVec3| field(body, p);
     let mut regions = Regions::new(mesh);
@@ -330,7 +329,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     }
     regions.paint(BROW, &brow, &surface);
     regions.paint(LASH, &lash, &surface);
-    regions
+    mirrored(regions, &surface)
 }
 
 /// How far within the lips' red a point lies, metres; negative outside of it.

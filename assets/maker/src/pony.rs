@@ -58,8 +58,8 @@ fn gaze(side: f64) -> DVec3 {
 /// Line of the crest from the withers to the poll, with the radius of the fat under it.
 fn crest() -> Vec<(DVec3, f64)> {
     let line = [
-        (v(0.0, 0.962, 0.12), 0.032),
-        (v(0.0, 1.005, 0.24), 0.034),
+        (v(0.0, 0.925, 0.1), 0.03),
+        (v(0.0, 0.983, 0.235), 0.032),
         (v(0.0, 1.095, 0.36), 0.035),
         (v(0.0, 1.185, 0.47), 0.032),
         (v(0.0, 1.225, 0.575), 0.03),
@@ -254,12 +254,11 @@ fn fineness(p: DVec3) -> f64 {
     eye.min(muzzle).min(ear).min(poll).min(crest).min(dock)
 }
 
-/// Makes the body's mesh: closed, the same on both sides, vertices on the surface.
+/// Makes the body's mesh: closed, vertices on the surface.
 pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     let bounds = [v(-0.3, -0.0312, -0.75), v(0.3, 1.4, 1.0)];
     let sizing = Sizing { sagitta: 0.0013, shortest: 0.0085, longest: 0.038, local: fineness };
-    let mesh = body::mesh(&|p| field(body, p), bounds, 0.008, sizing, Keep::Largest)?;
-    Ok(mirrored(mesh, &|p| field(body, p)))
+    body::mesh(&|p| field(body, p), bounds, 0.008, sizing, Keep::Largest)
 }
 
 /// Below 0 in the strip along the crest on which the mane grows, 4 cm wide.
@@ -282,7 +281,7 @@ fn tail(p: DVec3) -> f64 {
     (to_line(dock(), p) - 0.014).max(0.042 - (p - root).dot(way))
 }
 
-/// The skin cut into its materials.
+/// The skin cut into its materials, the same on both sides.
 pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let surface = |p: DVec3| field(body, p);
     let mut regions = Regions::new(mesh);
@@ -295,7 +294,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
         p.y - 0.058 - 0.22 * (p.z - (toe.z - 0.052))
     };
     regions.paint(HOOF, &heels, &surface);
-    regions
+    mirrored(regions, &surface)
 }
 
 /// The coat's colour, linear RGB, and how long its hair is as a share of the longest: a chestnut with a mealy muzzle, belly and legs.

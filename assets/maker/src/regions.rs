@@ -104,34 +104,34 @@ impl Regions {
     }
 }
 
-/// The side x >= 0 of a closed mesh and its mirror image: a closed mesh that is the same on both sides to the last bit. `surface` must be so
-/// as well.
-pub fn mirrored(mesh: TriMesh, surface: &dyn Fn(DVec3) -> f64) -> TriMesh {
-    let mut halves = Regions::new(mesh);
-    halves.paint(1, &|p| p.x, surface);
+/// The side x >= 0 of a painted closed mesh and its mirror image, painted alike: a closed mesh that is the same on both sides to the last bit.
+pub fn mirrored(mut halves: Regions, surface: &dyn Fn(DVec3) -> f64) -> Regions {
+    const LOST: usize = usize::MAX;
+    halves.paint(LOST, &|p| p.x, surface);
     let Regions { mesh, materials } = halves;
     let count = mesh.positions.len();
     let (mut kept, mut lost) = (vec![false; count], vec![false; count]);
     for (t, &material) in mesh.triangles.iter().zip(&materials) {
         for &v in t {
-            [&mut kept, &mut lost][material][v as usize] = true;
+            let side = if material == LOST { &mut lost } else { &mut kept };
+            side[v as usize] = true;
         }
     }
-    let mut whole = TriMesh { positions: mesh.positions, triangles: Vec::new() };
+    let mut whole = Regions::new(TriMesh { positions: mesh.positions, triangles: Vec::new() });
     let mut twin = Vec::with_capacity(count);
     for v in 0..count {
         if kept[v] && lost[v] {
-            whole.positions[v].x = 0.0;
+            whole.mesh.positions[v].x = 0.0;
             twin.push(v as u32);
         } else {
-            twin.push(whole.positions.len() as u32);
-            whole.positions.push(mirror(whole.positions[v]));
+            twin.push(whole.mesh.positions.len() as u32);
+            whole.mesh.positions.push(mirror(whole.mesh.positions[v]));
         }
     }
-    for (&[a, b, c], _) in mesh.triangles.iter().zip(&materials).filter(|(_, m)| **m == 0) {
-        whole.triangles.push([a, b, c]);
-        whole.triangles.push([a, c, b].map(|v| twin[v as usize]));
+    for (&[a, b, c], &material) in mesh.triangles.iter().zip(&materials).filter(|(_, m)| **m != LOST) {
+        whole.mesh.triangles.extend([[a, b, c], [a, c, b].map(|v| twin[v as usize])]);
+        whole.materials.extend([material; 2]);
     }
-    whole.drop_unused_vertices();
+    whole.mesh.drop_unused_vertices();
     whole
 }
