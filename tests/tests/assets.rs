@@ -14,7 +14,7 @@ use pelage_assets::{
     charts::{self, ChartReport},
     crane, crane_rig,
     glb::{Model, Primitive},
-    hare, hare_rig, hills, ox, ox_rig, patterns, pose, shapes,
+    hare, hare_rig, head, hills, ox, ox_rig, patterns, pony, pony_rig, pose, shapes,
 };
 use pelage_bake::recipe::Recipe;
 
@@ -42,6 +42,16 @@ fn crane() -> &'static Model {
 fn hills() -> &'static Model {
     static HILLS: OnceLock<Model> = OnceLock::new();
     HILLS.get_or_init(|| hills::model().unwrap())
+}
+
+fn pony() -> &'static Model {
+    static PONY: OnceLock<Model> = OnceLock::new();
+    PONY.get_or_init(|| pony::model().unwrap())
+}
+
+fn head() -> &'static Model {
+    static HEAD: OnceLock<Model> = OnceLock::new();
+    HEAD.get_or_init(|| head::model().unwrap())
 }
 
 fn part<'a>(model: &'a Model, name: &str) -> &'a Primitive {
@@ -116,6 +126,8 @@ fn committed_models_are_what_the_code_makes() {
         ("ox", ox()),
         ("crane", crane()),
         ("hills", hills()),
+        ("pony", pony()),
+        ("head", head()),
         ("torus", &shapes::torus()),
         ("knot", &shapes::knot()),
     ] {
@@ -190,6 +202,74 @@ fn the_crane_stands_on_its_legs_with_its_head_high() {
     assert_eq!(beak[1].z, high.z);
 }
 
+/// Square metres of a part's triangles.
+fn area(p: &Primitive) -> f64 {
+    let corner = |v: u32| p.positions[v as usize];
+    let double = |t: &[u32; 3]| (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).length();
+    0.5 * p.triangles.iter().map(double).sum::<f64>()
+}
+
+#[test]
+fn the_pony_is_built_like_one_and_its_long_hair_has_a_place_to_grow() {
+    let skin = whole_skin(pony());
+    assert!((9_000..=14_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
+    assert!(pony().to_glb().unwrap().len() <= 600_000);
+    let [low, high] = bounds(&skin);
+    assert!(low.y.abs() < 0.005 && (1.25..1.4).contains(&high.y), "it stands on the ground, ears up: {low} {high}");
+    // 1 m at the withers: the highest skin over the elbows.
+    let withers = skin.positions.iter().filter(|p| (0.0..0.15).contains(&p.z)).map(|p| p.y).fold(0.0, f64::max);
+    assert!((0.98..1.05).contains(&withers), "{withers}");
+    let [crest, poll, dock, hooves] = ["crest", "poll", "dock", "hooves"].map(|name| part(pony(), name));
+    let width = |p: &Primitive| bounds(p)[1].x - bounds(p)[0].x;
+    assert!((0.035..0.045).contains(&width(crest)), "{}", width(crest));
+    let [withers, top] = bounds(crest);
+    assert!(
+        withers.y < 1.05 && top.y > 1.2 && withers.z < 0.2 && top.z > 0.5,
+        "from the withers to the poll: {withers} {top}"
+    );
+    assert!(bounds(poll)[0].y > 1.15 && bounds(poll)[0].z > withers.z && width(poll) < 0.07, "{:?}", bounds(poll));
+    assert!(bounds(dock)[1].z < -0.5 && bounds(dock)[0].y > 0.6, "{:?}", bounds(dock));
+    assert!(bounds(hooves)[1].y < 0.08, "{:?}", bounds(hooves));
+    // Short hair on the face, none to speak of at the eyes.
+    let (coat, eyes) = (part(pony(), "body"), part(pony(), "eyes"));
+    let to_eye = |p: DVec3| eyes.positions.iter().map(|e| e.distance(p)).fold(f64::MAX, f64::min);
+    let lids = coat.positions.iter().zip(&coat.colors).filter(|(p, _)| to_eye(**p) < 0.003);
+    let lids: Vec<f64> = lids.map(|(_, c)| c.w).collect();
+    assert!(lids.len() > 4 && lids.iter().all(|l| *l < 0.2), "{lids:?}");
+}
+
+#[test]
+fn the_head_is_as_large_as_life_and_its_scalp_is_even() {
+    let skin = whole_skin(head());
+    assert!((14_000..=20_000).contains(&skin.triangles.len()), "{}", skin.triangles.len());
+    assert!(head().to_glb().unwrap().len() <= 600_000);
+    let [low, high] = bounds(&skin);
+    assert!(low.y.abs() < 0.005 && (0.36..0.4).contains(&high.y), "{low} {high}");
+    let [scalp, brows, lashes] = ["scalp", "brows", "lashes"].map(|name| part(head(), name));
+    assert!((0.055..0.07).contains(&area(scalp)), "{} m² of scalp", area(scalp));
+    assert!((0.0002..0.0012).contains(&area(brows)), "{} m² of brows", area(brows));
+    assert!((0.00004..0.0003).contains(&area(lashes)), "{} m² of lashes", area(lashes));
+    for p in [brows, lashes] {
+        assert!(bounds(p)[0].z > 0.03 && bounds(p)[0].y > 0.25, "{}: {:?}", p.name, bounds(p));
+    }
+    let corner = |v: u32| scalp.positions[v as usize];
+    let edges = scalp.triangles.iter().flat_map(|t| (0..3).map(|k| (corner(t[k]) - corner(t[(k + 1) % 3])).length()));
+    let mut edges: Vec<f64> = edges.collect();
+    edges.sort_by(f64::total_cmp);
+    let at = |share: f64| edges[(share * edges.len() as f64) as usize];
+    assert!(at(0.1) > 0.004 && at(0.9) < 0.0105, "edges of {} to {} m", at(0.1), at(0.9));
+}
+
+#[test]
+fn pony_and_head_are_the_same_on_both_sides() {
+    for model in [pony(), head()] {
+        let skin = whole_skin(model);
+        let places: BTreeSet<PositionKey> = skin.positions.iter().map(|p| key(*p)).collect();
+        let lonely = skin.positions.iter().filter(|p| !places.contains(&key(DVec3::new(-p.x, p.y, p.z)))).count();
+        assert_eq!(lonely, 0, "{}: vertices without a twin", model.name);
+    }
+}
+
 #[test]
 fn hills_stand_behind_each_other_and_the_path_is_flat() {
     assert!(hills().primitives.iter().map(|p| p.triangles.len()).sum::<usize>() <= 12_000);
@@ -217,9 +297,11 @@ fn hills_stand_behind_each_other_and_the_path_is_flat() {
 
 #[test]
 fn surfaces_are_closed_and_face_outwards() {
-    let (torus, knot, ox, crane) = (shapes::torus(), shapes::knot(), whole_skin(ox()), whole_skin(crane()));
+    let (torus, knot) = (shapes::torus(), shapes::knot());
+    let [ox, crane, pony, head] = [ox(), crane(), pony(), head()].map(whole_skin);
     let coat = &hare().primitives[0];
-    for (p, euler) in [(coat, 2), (&ox, 2), (&crane, 2), (&torus.primitives[0], 0), (&knot.primitives[0], 0)] {
+    let skins = [(coat, 2), (&ox, 2), (&crane, 2), (&pony, 2), (&head, 2)];
+    for (p, euler) in skins.into_iter().chain([(&torus.primitives[0], 0), (&knot.primitives[0], 0)]) {
         assert!(is_closed_manifold(p), "{}", p.name);
         assert_eq!(euler_characteristic(p), euler, "{}", p.name);
         assert!(volume(p) > 0.0, "{}", p.name);
@@ -235,7 +317,7 @@ fn surfaces_are_closed_and_face_outwards() {
 
 #[test]
 fn normals_are_unit_and_on_the_triangles_side() {
-    for model in [hare(), ox(), crane(), hills(), &shapes::torus(), &shapes::knot()] {
+    for model in [hare(), ox(), crane(), hills(), pony(), head(), &shapes::torus(), &shapes::knot()] {
         for p in &model.primitives {
             assert!(p.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-6), "{}", p.name);
             for t in &p.triangles {
@@ -321,6 +403,7 @@ fn animals() -> Vec<(&'static Model, Vec<Foot>, [f64; 2])> {
         (hare(), hare_rig::feet(), [hare_rig::HOP_M, hare_rig::HOP_S]),
         (ox(), ox_rig::feet(), [ox_rig::CYCLE_M, ox_rig::CYCLE_S]),
         (crane(), crane_rig::feet(), [crane_rig::CYCLE_M, crane_rig::CYCLE_S]),
+        (pony(), pony_rig::feet(), [pony_rig::CYCLE_M, pony_rig::CYCLE_S]),
     ]
 }
 
@@ -395,7 +478,14 @@ fn every_recipe_parses_and_names_materials_that_exist() {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         let recipe = Recipe::parse(&name, &fs::read_to_string(&path).unwrap()).unwrap_or_else(|e| panic!("{e}"));
         recipe.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
-        let models = [("hare.toml", hare()), ("ox.toml", ox()), ("crane.toml", crane()), ("hills.toml", hills())];
+        let models = [
+            ("hare.toml", hare()),
+            ("ox.toml", ox()),
+            ("crane.toml", crane()),
+            ("hills.toml", hills()),
+            ("pony.toml", pony()),
+            ("head.toml", head()),
+        ];
         if let Some((_, model)) = models.into_iter().find(|m| m.0 == name) {
             let materials: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
             assert!(recipe.model.bare.iter().all(|b| materials.contains(&b.as_str())), "{materials:?}");
@@ -409,9 +499,11 @@ fn every_recipe_parses_and_names_materials_that_exist() {
             "crane.toml",
             "fox.toml",
             "hare.toml",
+            "head.toml",
             "hills.toml",
             "knot.toml",
             "ox.toml",
+            "pony.toml",
             "spots.toml",
             "torus.toml",
             "zebra.toml"

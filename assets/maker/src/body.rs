@@ -1,7 +1,7 @@
 //! Bodies as implicit surfaces: a smooth union of solids, each of which also carries the way its hair is combed.
 
 use anyhow::bail;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::{
     pose::hermite,
@@ -133,6 +133,16 @@ pub fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64) -> Solid {
     Solid::RoundCone { a, b, ra, rb }
 }
 
+/// The same pressed flat along x: `share` times as wide. Its axis lies in a plane of y and z.
+pub fn oval(a: DVec3, ra: f64, b: DVec3, rb: f64, share: f64) -> Solid {
+    Solid::Oval { a, b, ra, rb, across: DVec3::X, share }
+}
+
+/// The smooth line through `points` (place and radius) as one solid, in `steps` pieces between neighbours.
+pub fn chain(points: &[(DVec3, f64)], steps: usize) -> Solid {
+    Solid::Chain { line: curve(points, steps) }
+}
+
 /// An ellipsoid with half lengths `radii` along the columns of `axes`.
 pub fn ellipsoid(centre: DVec3, radii: DVec3, axes: DMat3) -> Solid {
     Solid::Ellipsoid { centre, radii, axes }
@@ -154,6 +164,25 @@ pub fn curve(points: &[(DVec3, f64)], steps: usize) -> Vec<(DVec3, f64)> {
         }));
     }
     line
+}
+
+/// Signed distance to an almond between two arcs, `over` and `under` the line from corner to corner, which is 2 * `half` wide: the opening
+/// between two lids.
+pub fn almond(q: DVec2, half: f64, over: f64, under: f64) -> f64 {
+    let arc = |q: DVec2, height: f64| {
+        let radius = (half * half + height * height) / (2.0 * height);
+        (q - DVec2::new(0.0, height - radius)).length() - radius
+    };
+    // The upper lid is highest nearer to +x, the lower one lowest away from it.
+    let shift = DVec2::new(0.08 * half, 0.0);
+    arc(q - shift, over).max(arc(DVec2::new(q.x, -q.y) + shift, under))
+}
+
+/// 1 at 0, nearly 0 beyond `width` on both sides, smooth.
+pub fn bump(x: f64, width: f64) -> f64 {
+    let q = 2.0 * x / width;
+    let q = 1.0 + q * q;
+    1.0 / (q * q)
 }
 
 /// Mirror image across the plane x = 0.

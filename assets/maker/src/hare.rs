@@ -10,7 +10,7 @@ use super::{
     glb::{Material, Model, Primitive},
     hare_rig::{self, ear},
     regions::Regions,
-    remesh::Sizing,
+    remesh::{Sizing, even},
     sdf::Solid,
     shapes::{METRES_PER_UV, eyes, push_ball},
     skin::Skin,
@@ -153,7 +153,7 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
         &|p| body.distance(p),
         bounds,
         0.004,
-        Sizing { sagitta: 0.00057, shortest: 0.0034, longest: 0.0145 },
+        Sizing { sagitta: 0.00057, shortest: 0.0034, longest: 0.0145, local: even },
         Keep::Largest,
     )
 }

@@ -12,7 +12,7 @@ use super::{
     charts::{Atlas, ChartVertex},
     glb::{Material, Model, Primitive},
     regions::Regions,
-    remesh::Sizing,
+    remesh::{Sizing, even},
     rig::bound_to,
     sdf::smooth_max,
     skin::Skin,
@@ -44,7 +44,7 @@ const NEAR: Ridge = Ridge {
     fold: (0.35, 2.6),
     size: DVec3::new(38.0, 11.0, 9.0),
     cell: 0.6,
-    sizing: Sizing { sagitta: 0.06, shortest: 0.4, longest: 2.0 },
+    sizing: Sizing { sagitta: 0.06, shortest: 0.4, longest: 2.0, local: even },
     peaks: &[
         [-27.0, 0.0, 5.2, 3.6],
         [-23.2, -1.2, 8.6, 3.0],
@@ -65,7 +65,7 @@ const MIDDLE: Ridge = Ridge {
     fold: (0.9, 5.0),
     size: DVec3::new(63.0, 28.0, 15.0),
     cell: 1.1,
-    sizing: Sizing { sagitta: 0.15, shortest: 0.9, longest: 3.6 },
+    sizing: Sizing { sagitta: 0.15, shortest: 0.9, longest: 3.6, local: even },
     peaks: &[
         [-46.0, 0.0, 12.0, 7.0],
         [-37.5, -2.0, 19.5, 6.0],
@@ -88,7 +88,7 @@ const FAR: Ridge = Ridge {
     fold: (1.4, 9.0),
     size: DVec3::new(114.0, 52.0, 27.0),
     cell: 2.0,
-    sizing: Sizing { sagitta: 0.34, shortest: 1.7, longest: 7.0 },
+    sizing: Sizing { sagitta: 0.34, shortest: 1.7, longest: 7.0, local: even },
     peaks: &[
         [-80.0, 0.0, 22.0, 14.0],
         [-62.0, -3.0, 36.0, 10.5],

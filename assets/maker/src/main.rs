@@ -7,7 +7,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
-use pelage_assets::{charts, crane, glb::Model, hare, hills, ox, patterns, preview, shapes};
+use pelage_assets::{charts, crane, glb::Model, hare, head, hills, ox, patterns, pony, preview, shapes};
 
 type Maker = fn() -> anyhow::Result<Model>;
 
@@ -24,11 +24,13 @@ fn main() -> anyhow::Result<()> {
             other => bail!("unknown argument {other:?}; expected --out DIR, --preview DIR or --only NAME"),
         }
     }
-    let makers: [(&str, Maker); 6] = [
+    let makers: [(&str, Maker); 8] = [
         ("hare", hare::model),
         ("ox", ox::model),
         ("crane", crane::model),
         ("hills", hills::model),
+        ("pony", pony::model),
+        ("head", head::model),
         ("torus", || Ok(shapes::torus())),
         ("knot", || Ok(shapes::knot())),
     ];

@@ -10,7 +10,7 @@ use super::{
     glb::{Material, Model},
     ox_rig,
     regions::Regions,
-    remesh::Sizing,
+    remesh::{Sizing, even},
     shapes::eyes,
     skin::Skin,
     trimesh::TriMesh,
@@ -153,7 +153,7 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
         &|p| body.distance(p),
         bounds,
         0.016,
-        Sizing { sagitta: 0.0026, shortest: 0.017, longest: 0.085 },
+        Sizing { sagitta: 0.0026, shortest: 0.017, longest: 0.085, local: even },
         Keep::Largest,
     )
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::{sdf::project, trimesh::TriMesh};
+use super::{body::mirror, sdf::project, trimesh::TriMesh};
 
 /// A mesh with a material for each triangle, 0 to begin with.
 #[derive(Clone, Debug)]
@@ -102,4 +102,36 @@ impl Regions {
             values[v as usize] = 0.0;
         }
     }
+}
+
+/// The side x >= 0 of a painted closed mesh and its mirror image, painted alike: a closed mesh that is the same on both sides to the last bit.
+pub fn mirrored(mut halves: Regions, surface: &dyn Fn(DVec3) -> f64) -> Regions {
+    const LOST: usize = usize::MAX;
+    halves.paint(LOST, &|p| p.x, surface);
+    let Regions { mesh, materials } = halves;
+    let count = mesh.positions.len();
+    let (mut kept, mut lost) = (vec![false; count], vec![false; count]);
+    for (t, &material) in mesh.triangles.iter().zip(&materials) {
+        for &v in t {
+            let side = if material == LOST { &mut lost } else { &mut kept };
+            side[v as usize] = true;
+        }
+    }
+    let mut whole = Regions::new(TriMesh { positions: mesh.positions, triangles: Vec::new() });
+    let mut twin = Vec::with_capacity(count);
+    for v in 0..count {
+        if kept[v] && lost[v] {
+            whole.mesh.positions[v].x = 0.0;
+            twin.push(v as u32);
+        } else {
+            twin.push(whole.mesh.positions.len() as u32);
+            whole.mesh.positions.push(mirror(whole.mesh.positions[v]));
+        }
+    }
+    for (&[a, b, c], &material) in mesh.triangles.iter().zip(&materials).filter(|(_, m)| **m != LOST) {
+        whole.mesh.triangles.extend([[a, b, c], [a, c, b].map(|v| twin[v as usize])]);
+        whole.materials.extend([material; 2]);
+    }
+    whole.mesh.drop_unused_vertices();
+    whole
 }

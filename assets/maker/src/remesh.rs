@@ -21,6 +21,13 @@ pub struct Sizing {
     pub shortest: f64,
     /// Greatest edge length, metres.
     pub longest: f64,
+    /// Greatest edge length at a place, metres, below `shortest` too: for places where more is to be seen than the curvature tells.
+    pub local: fn(DVec3) -> f64,
+}
+
+/// No place is finer than its curvature asks for.
+pub fn even(_: DVec3) -> f64 {
+    f64::MAX
 }
 
 /// Remeshes in place. `field` is negative inside; the mesh must be a closed manifold and stays one.
@@ -114,7 +121,10 @@ impl<'a> Work<'a> {
             let (a, b, c) = (du.dot(tangent), 0.5 * (du.dot(across) + dv.dot(tangent)), dv.dot(across));
             let mean = 0.5 * (a + c);
             let curvature = mean.abs() + (0.25 * (a - c) * (a - c) + b * b).sqrt();
-            (8.0 * sizing.sagitta / curvature.max(1e-6)).sqrt().clamp(sizing.shortest, sizing.longest)
+            (8.0 * sizing.sagitta / curvature.max(1e-6))
+                .sqrt()
+                .clamp(sizing.shortest, sizing.longest)
+                .min((sizing.local)(p))
         };
         let mut wanted: Vec<f64> = self.positions.iter().map(|&p| curvature_length(p)).collect();
         for _ in 0..3 {

@@ -29,6 +29,26 @@ pub enum Solid {
         /// Radius at `b`.
         rb: f64,
     },
+    /// The hull of two spheres, pressed flat: everything along `across` is `share` times as far from `a`.
+    Oval {
+        /// Centre of the first sphere, which pressing leaves where it is.
+        a: DVec3,
+        /// Centre of the second sphere, after pressing.
+        b: DVec3,
+        /// Radius at `a`, before pressing.
+        ra: f64,
+        /// Radius at `b`, before pressing.
+        rb: f64,
+        /// Unit direction of pressing.
+        across: DVec3,
+        /// Width along `across` against that of the spheres, above 0 and at most 1.
+        share: f64,
+    },
+    /// The hulls of neighbouring spheres of a line, as one solid: joined one after another, their blends would swell where they meet.
+    Chain {
+        /// Centres and radii, at least two.
+        line: Vec<(DVec3, f64)>,
+    },
     /// A plate with the outline of a round cone, in the plane through `a` with unit normal `normal`, with a half-round rim.
     Leaf {
         /// Centre of the outline's first circle.
@@ -51,11 +71,17 @@ impl Solid {
     /// inside the ball it is never lower than that of the ball itself.
     pub fn bound(&self) -> (DVec3, f64, f64) {
         match *self {
+            Self::Chain { ref line } => {
+                let (low, high) = line.iter().fold((DVec3::MAX, DVec3::MIN), |m, k| (m.0.min(k.0), m.1.max(k.0)));
+                let middle = (low + high) * 0.5;
+                (middle, line.iter().fold(0.0, |m, k| f64::max(m, (k.0 - middle).length() + k.1)), 1.0)
+            }
             Self::Ellipsoid { centre, radii, .. } => {
                 let longest = radii.max_element();
                 (centre, longest, radii.min_element() / longest)
             }
             Self::RoundCone { a, b, ra, rb } => ((a + b) * 0.5, (b - a).length() * 0.5 + ra.max(rb), 1.0),
+            Self::Oval { a, b, ra, rb, share, .. } => ((a + b) * 0.5, (b - a).length() * 0.5 + ra.max(rb), share),
             Self::Leaf { a, b, ra, rb, rim, .. } => ((a + b) * 0.5, (b - a).length() * 0.5 + ra.max(rb) + rim, 1.0),
         }
     }
@@ -71,6 +97,19 @@ impl Solid {
                 if k1 < 1e-9 { -radii.min_element() } else { k0 * (k0 - 1.0) / k1 }
             }
             Self::RoundCone { a, b, ra, rb } => round_cone(p, a, b, ra, rb),
+            Self::Chain { ref line } => {
+                line.windows(2).fold(f64::MAX, |m, k| m.min(round_cone(p, k[0].0, k[1].0, k[0].1, k[1].1)))
+            }
+            Self::Oval { a, b, ra, rb, across, share } => {
+                let widen = |q: DVec3| q + across * (across.dot(q - a) * (1.0 / share - 1.0));
+                let (wide, b) = (widen(p), widen(b));
+                let (foot, radius) = round_cone_foot(wide, a, b, ra, rb);
+                let away = wide - foot;
+                let length = away.length();
+                // Divided by its own slope, the wide distance is right near the skin: blends stay as wide as asked for.
+                let slope = away + across * (away.dot(across) * (1.0 / share - 1.0));
+                (length - radius) * length / slope.length().max(1e-12)
+            }
             Self::Leaf { a, b, ra, rb, normal, rim } => {
                 let height = (p - a).dot(normal);
                 let outside = (round_cone(p - normal * height, a, b, ra, rb) + rim).max(0.0);
@@ -80,20 +119,26 @@ impl Solid {
     }
 }
 
-/// Distance to the hull of two spheres: the least distance to any sphere of the family between them. With `h` along the
-/// axis and `q` across it, the foot satisfies `(h - t l) / distance = (ra - rb) / l`, hence the closed form of `t`.
+/// Distance to the hull of two spheres.
 fn round_cone(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> f64 {
+    let (foot, radius) = round_cone_foot(p, a, b, ra, rb);
+    (p - foot).length() - radius
+}
+
+/// Centre and radius of the sphere that `p` is nearest to, of the family between two spheres. With `h` along the axis and `q` across it,
+/// the foot satisfies `(h - t l) / distance = (ra - rb) / l`, hence the closed form of `t`.
+fn round_cone_foot(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> (DVec3, f64) {
     let length = (b - a).length();
     if length <= (ra - rb).abs() {
         // One sphere holds the other.
-        return if ra > rb { (p - a).length() - ra } else { (p - b).length() - rb };
+        return if ra > rb { (a, ra) } else { (b, rb) };
     }
     let axis = (b - a) / length;
     let h = (p - a).dot(axis);
     let q = ((p - a) - axis * h).length();
     let slope = (ra - rb) / length;
     let t = ((h - slope * q / (1.0 - slope * slope).sqrt()) / length).clamp(0.0, 1.0);
-    (p - (a + (b - a) * t)).length() - (ra + (rb - ra) * t)
+    (a + (b - a) * t, ra + (rb - ra) * t)
 }
 
 /// Minimum of two distances, rounded where they differ by less than `k` metres.

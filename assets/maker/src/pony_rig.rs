@@ -1,0 +1,164 @@
+//! The pony's skeleton, its skin weights and its walk.
+
+use glam::DVec3;
+
+use super::{
+    body::on_side,
+    gait::{self, Leg, Pose, Step, cycle, wave},
+    glb::{Clip, Joint, Weights},
+    rig::{self, Bone, bound_to},
+    trimesh::TriMesh,
+};
+
+const HIPS: u8 = 0;
+const SPINE: u8 = 1;
+const CHEST: u8 = 2;
+const NECK: u8 = 3;
+const NECK_UPPER: u8 = 4;
+const HEAD: u8 = 5;
+const EARS: [u8; 2] = [6, 7];
+const TAILS: [u8; 2] = [8, 9];
+const FORELEGS: [Leg; 2] = [leg(10), leg(14)];
+const HIND_LEGS: [Leg; 2] = [leg(18), leg(22)];
+
+const fn leg(first: u8) -> Leg {
+    Leg { upper: first, lower: first + 1, cannon: Some(first + 2), foot: first + 3 }
+}
+
+/// Bound wholly to the head: eyes.
+pub const HEAD_ONLY: Weights = bound_to(HEAD);
+
+/// Shoulder, elbow, knee, fetlock and the hoof's front end of the left foreleg.
+pub const FORELEG: [DVec3; 5] = [
+    DVec3::new(0.122, 0.69, 0.4),
+    DVec3::new(0.12, 0.575, 0.27),
+    DVec3::new(0.106, 0.315, 0.298),
+    DVec3::new(0.104, 0.132, 0.292),
+    DVec3::new(0.104, 0.0, 0.395),
+];
+
+/// Hip, stifle, hock, fetlock and the hoof's front end of the left hind leg.
+pub const HIND_LEG: [DVec3; 5] = [
+    DVec3::new(0.095, 0.75, -0.33),
+    DVec3::new(0.118, 0.59, -0.22),
+    DVec3::new(0.1, 0.385, -0.5),
+    DVec3::new(0.1, 0.132, -0.485),
+    DVec3::new(0.1, 0.0, -0.385),
+];
+
+/// Root, bend and end of the dock, and its radius there.
+pub const TAIL: [(DVec3, f64); 3] = [
+    (DVec3::new(0.0, 0.905, -0.485), 0.033),
+    (DVec3::new(0.0, 0.868, -0.57), 0.025),
+    (DVec3::new(0.0, 0.725, -0.608), 0.013),
+];
+
+/// Root and tip of the left ear.
+pub const EAR: [DVec3; 2] = [DVec3::new(0.05, 1.242, 0.632), DVec3::new(0.078, 1.335, 0.652)];
+
+/// Seconds of one cycle of `Walk`.
+pub const CYCLE_S: f64 = 1.1;
+/// How far one cycle of `Walk` goes, metres; the clip itself stays in its place.
+pub const CYCLE_M: f64 = 0.9;
+
+fn bones() -> Vec<Bone> {
+    let v = DVec3::new;
+    let mut bones = vec![
+        Bone::new("hips", None, v(0.0, 0.82, -0.3), v(0.0, 0.78, -0.42), 0.16),
+        Bone::new("spine", Some(HIPS), v(0.0, 0.82, -0.16), v(0.0, 0.78, 0.04), 0.2),
+        Bone::new("chest", Some(SPINE), v(0.0, 0.82, 0.1), v(0.0, 0.76, 0.3), 0.17),
+        Bone::new("neck", Some(CHEST), v(0.0, 0.86, 0.3), v(0.0, 0.98, 0.42), 0.1),
+        Bone::new("neck_upper", Some(NECK), v(0.0, 0.99, 0.43), v(0.0, 1.12, 0.53), 0.08),
+        Bone::new("head", Some(NECK_UPPER), v(0.0, 1.15, 0.57), v(0.0, 0.94, 0.83), 0.06),
+    ];
+    for (name, side) in [("ear_l", 1.0), ("ear_r", -1.0)] {
+        let [root, tip] = EAR.map(|p| on_side(side, p));
+        bones.push(Bone::new(name, Some(HEAD), root + (tip - root) * 0.15, tip, 0.012));
+    }
+    for (k, name) in ["tail", "tail_tip"].into_iter().enumerate() {
+        let parent = if k == 0 { HIPS } else { TAILS[0] };
+        bones.push(Bone::new(name, Some(parent), TAIL[k].0, TAIL[k + 1].0, 0.015));
+    }
+    let arms = [["arm_l", "forearm_l", "cannon_l", "hoof_l"], ["arm_r", "forearm_r", "cannon_r", "hoof_r"]];
+    let thighs = [
+        ["thigh_l", "shank_l", "hind_cannon_l", "hind_hoof_l"],
+        ["thigh_r", "shank_r", "hind_cannon_r", "hind_hoof_r"],
+    ];
+    for (names, parent, places, thickness) in
+        [(arms, CHEST, FORELEG, [0.07, 0.05, 0.03, 0.03]), (thighs, HIPS, HIND_LEG, [0.09, 0.06, 0.03, 0.03])]
+    {
+        for (names, side) in names.into_iter().zip([1.0, -1.0]) {
+            let first = bones.len() as u8;
+            for (k, name) in names.into_iter().enumerate() {
+                let parent = if k == 0 { parent } else { first + k as u8 - 1 };
+                let (from, to) = (on_side(side, places[k]), on_side(side, places[k + 1]));
+                bones.push(Bone::new(name, Some(parent), from, to, thickness[k]));
+            }
+        }
+    }
+    bones
+}
+
+/// The feet: joint, and where in the model the foot's tip rests.
+pub fn feet() -> Vec<(usize, DVec3)> {
+    gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
+}
+
+/// Joints in rest pose.
+pub fn skeleton() -> Vec<Joint> {
+    rig::skeleton(&bones())
+}
+
+/// Skin weights for the vertices of `mesh`.
+pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
+    rig::weights(mesh, &bones(), 0.012, 6)
+}
+
+/// A walk of four beats, looping and in place: left hind, left fore, right hind, right fore. It goes [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
+pub fn walk() -> Clip {
+    gait::clip("Walk", &bones(), CYCLE_S, 32, &stride)
+}
+
+fn stride(phase: f64, pose: &mut Pose<'_>) {
+    // Twice a cycle the weight sinks onto a pair of legs; neck and head nod with it.
+    let beat = |start: f64| wave(2.0 * phase, start);
+    pose.shift(DVec3::new(0.0, -0.024 + 0.009 * beat(0.1), 0.006 * beat(0.3)));
+    pose.pitch(HIPS, 0.7 * beat(0.2));
+    pose.pitch(CHEST, -0.7 * beat(0.3));
+    pose.pitch(NECK, 3.0 + 2.6 * beat(0.35));
+    pose.pitch(NECK_UPPER, 1.0 + 1.6 * beat(0.42));
+    pose.pitch(HEAD, -3.0 - 2.4 * beat(0.5));
+    pose.turn(NECK, DVec3::Y, 2.0 * wave(phase, 0.1));
+    for (ear, side) in EARS.into_iter().zip([1.0, -1.0]) {
+        pose.turn(ear, DVec3::Z, side * (1.0 + 2.5 * beat(0.6)));
+    }
+    for (k, joint) in TAILS.into_iter().enumerate() {
+        pose.turn(joint, DVec3::Z, [5.0, 7.0][k] * wave(phase, 0.1 + 0.09 * k as f64));
+    }
+
+    for (legs, bend, touches) in [
+        (HIND_LEGS, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, -30.0), (0.94, -4.0)], [0.0, 0.5]),
+        (FORELEGS, [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.78, 55.0), (0.95, 2.0)], [0.25, 0.75]),
+    ] {
+        for (leg, touch) in legs.into_iter().zip(touches) {
+            let step = Step { touch, duty: 0.62, front: 0.29, stride: CYCLE_M, lift: 0.07 };
+            let since = step.since(phase);
+            let mut foot = step.foot(phase);
+            foot.pitch_deg = cycle(
+                &[
+                    (0.0, -6.0),
+                    (0.05, 0.0),
+                    (0.25, 0.0),
+                    (0.45, 2.0),
+                    (0.56, 22.0),
+                    (0.64, 48.0),
+                    (0.76, 50.0),
+                    (0.92, 2.0),
+                ],
+                since,
+            );
+            foot.cannon_deg = cycle(&bend, since);
+            pose.lead(&leg, foot);
+        }
+    }
+}
