@@ -53,7 +53,10 @@ rows!(
     short_fur,
     soft_shadow,
     animation,
-    sphere_map
+    sphere_map,
+    opacity_shadow,
+    strand_light,
+    strand_order
 );
 
 /// The rows that need pictures, likewise.
@@ -76,7 +79,7 @@ macro_rules! drawn_rows {
     };
 }
 
-drawn_rows!(shells, ink);
+drawn_rows!(shells, ink, strand_width);
 
 /// What judges the rows must itself be able to fail.
 #[test]
