@@ -221,7 +221,8 @@ fn uniform_structs_agree() {
     }
     for source in [deep_opacity::WGSL, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
         let (wgsl, size) = members(source, "DeepOpacity");
-        let (fields, rust_size) = fields!(DeepOpacity, size, slabs, slabs_per_depth, texel_m, density, whole_from, reserved);
+        let (fields, rust_size) =
+            fields!(DeepOpacity, size, slabs, slabs_per_depth, texel_m, density, whole_from, reserved);
         assert_eq!((&wgsl[..6], wgsl[6].1, size), (&fields[..6], fields[6].1, rust_size));
     }
     // It reads no more of the frame than how to place corners.

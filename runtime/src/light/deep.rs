@@ -139,7 +139,8 @@ mod tests {
         for light in [light, near] {
             let view = LightView::new(&light, &hull, hull.sphere().unwrap());
             let key = |form| {
-                let params = frame(512).with(|p| (p.shadows.slabs, p.study.opacity, p.study.thin_texels) = (16, form, true));
+                let params =
+                    frame(512).with(|p| (p.shadows.slabs, p.study.opacity, p.study.thin_texels) = (16, form, true));
                 DeepKey::new(&params, DeepHair { fur_m: 0.01, width_m: 1.0 }, &hull, &view, &wgpu::Limits::default())
             };
             let [safe, printed] = [OpacityForm::WholeDepth, OpacityForm::Printed].map(key);

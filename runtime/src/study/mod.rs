@@ -5,9 +5,7 @@
 //! that take their place. [`amend`] then turns a pipeline that a pass asks for into the one that is studied.
 
 use crate::gpu::{ComputeSpec, RenderSpec, Shader, on};
-use crate::params::{
-    Anchoring, FeatureRule, FrameParams, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm,
-};
+use crate::params::{Anchoring, FeatureRule, FrameParams, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm};
 use crate::shared::kajiya_kay;
 
 macro_rules! form_wgsl {

@@ -8,7 +8,8 @@
 
 use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{
-    deep_opacity, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, skinning, soft_shadow, tile_frame, visibility,
+    deep_opacity, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, skinning, soft_shadow, tile_frame,
+    visibility,
 };
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;

@@ -55,7 +55,6 @@ rows!(
     animation,
     sphere_map,
     opacity_shadow,
-    strand_light,
     strand_order
 );
 
@@ -79,7 +78,7 @@ macro_rules! drawn_rows {
     };
 }
 
-drawn_rows!(shells, ink, strand_width);
+drawn_rows!(shells, ink, strand_width, strand_light);
 
 /// What judges the rows must itself be able to fail.
 #[test]

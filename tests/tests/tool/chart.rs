@@ -434,7 +434,20 @@ fn the_stability_table() {
     let sandbox = Sandbox::new();
     let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out"]));
     let rows = object["rows"].as_array().unwrap();
-    for method in ["surface", "solver", "Kajiya-Kay", "soft shadow", "animation", "sphere map", "shells", "ink"] {
+    for method in [
+        "surface",
+        "solver",
+        "Kajiya-Kay",
+        "soft shadow",
+        "animation",
+        "sphere map",
+        "shells",
+        "ink",
+        "strand width",
+        "light of strands",
+        "order of strands",
+        "opacity shadow maps",
+    ] {
         assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
     }
     for row in rows {

@@ -50,7 +50,9 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
     let subject = Subject::new(args)?;
-    if subject.package.is_some() && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Strands | Topic::OpacityShadow | Topic::Ink) {
+    if subject.package.is_some()
+        && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Strands | Topic::OpacityShadow | Topic::Ink)
+    {
         if args.topic == Topic::Surface {
             let why = "a package's mesh is parted into its patches already";
             return Err(Failure::Usage(format!("chart surface needs the model: {why}")));

@@ -164,7 +164,9 @@ impl Shared {
 /// Copies the map of a submitted frame into memory.
 fn read_map(gpu: &Gpu, frame: &Frame, configuration: &Configuration) -> Result<DeepMap, Failure> {
     let maps = frame.shadows();
-    let lost = || StageError::Device("it draws no single strands, which need compute shaders with seven storage buffers".into());
+    let lost = || {
+        StageError::Device("it draws no single strands, which need compute shaders with seven storage buffers".into())
+    };
     let (maps, buffer) = maps.and_then(|maps| Some((maps, maps.deep()?))).ok_or_else(lost)?;
     let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("deep opacity readback"),

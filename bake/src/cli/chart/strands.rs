@@ -96,8 +96,9 @@ impl Topic for StrandsTopic<'_> {
         let (subject, recipes, gpu, meter) = (self.subject, &self.recipes, &self.gpu, &self.meter);
         let shared = once(&mut self.shared, || Shared::new(subject, recipes, doing))?;
         let judge = &recipes[0].judge;
-        let (picture, seen, view) =
-            once(&mut self.sizes[size], || Ok(shared.seen(Size::ALL[size], (judge.width, judge.height), judge.samples, doing)))?;
+        let (picture, seen, view) = once(&mut self.sizes[size], || {
+            Ok(shared.seen(Size::ALL[size], (judge.width, judge.height), judge.samples, doing))
+        })?;
         let known = self.groups.iter().position(|(group, _)| *group == (size, samples));
         let known = match known {
             Some(known) => known,

@@ -56,7 +56,12 @@ pub const PANELS: [Panel; 4] = [
     panel("milliseconds", "making the map, milliseconds", "rmse", "RMSE of t on strands against rays"),
     panel("milliseconds", "making the map, milliseconds", "flip", "mean FLIP against the true picture"),
     panel("bytes", "map, bytes", "rmse", "RMSE of t on strands against rays"),
-    panel("milliseconds", "making the map, milliseconds", "largest_step", "largest step of t between slabs, ball of hair"),
+    panel(
+        "milliseconds",
+        "making the map, milliseconds",
+        "largest_step",
+        "largest step of t between slabs, ball of hair",
+    ),
 ];
 
 const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str, error_label: &'static str) -> Panel {
@@ -143,7 +148,8 @@ impl DeepMap {
         let index = y * size as usize + x;
         let first = 1.0 - f32::from_bits(self.texels[index]);
         let from = size as usize * size as usize + index * slabs as usize;
-        let of_slabs: Vec<f32> = self.texels[from..from + slabs as usize].iter().map(|n| *n as f32 * OPACITY_STEP).collect();
+        let of_slabs: Vec<f32> =
+            self.texels[from..from + slabs as usize].iter().map(|n| *n as f32 * OPACITY_STEP).collect();
         light_in_column(self.form, &self.opacity, first, &of_slabs, depth)
     }
 
@@ -172,7 +178,11 @@ pub fn light_in_column(form: OpacityForm, opacity: &DeepOpacity, first: f32, sla
 }
 
 /// The optical depths of a column's slabs: `hair` has depths and what each covers, the nearest anywhere among them.
-pub fn column(form: OpacityForm, opacity: &DeepOpacity, hair: impl Iterator<Item = (f32, f32)> + Clone) -> (f32, Vec<f32>) {
+pub fn column(
+    form: OpacityForm,
+    opacity: &DeepOpacity,
+    hair: impl Iterator<Item = (f32, f32)> + Clone,
+) -> (f32, Vec<f32>) {
     let first = hair.clone().map(|(depth, _)| depth).fold(1.0, f32::min);
     let mut slabs = vec![0.0; opacity.slabs as usize];
     for (depth, covered) in hair {

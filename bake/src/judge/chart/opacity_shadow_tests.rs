@@ -20,7 +20,8 @@ fn a_map_is_read_as_it_was_drawn() {
     let step = (1.0 / OPACITY_STEP) as u32;
     let near = |depth: f32| (1.0 - depth).to_bits();
     let texels = vec![near(0.25), near(0.5), 0, 0, step, 2 * step, step, 0, 0, 0, 0, 0];
-    let opacity = DeepOpacity { size: 2, slabs: 2, slabs_per_depth: 10.0, density: 0.5, texel_m: 0.25, ..DeepOpacity::default() };
+    let opacity =
+        DeepOpacity { size: 2, slabs: 2, slabs_per_depth: 10.0, density: 0.5, texel_m: 0.25, ..DeepOpacity::default() };
     let map = DeepMap { view: view(), opacity, form: OpacityForm::Deep, texels };
     let light = |u: f32, v: f32, depth: f32| map.light_at(Vec3::new(u, v, depth));
     for (u, depth, optical) in
@@ -76,9 +77,7 @@ fn every_form_has_every_size_and_each_row_its_cells() {
     assert_eq!(all.iter().filter(|c| c.default).count(), 1);
     for form in [OpacityForm::Deep, OpacityForm::WholeDepth, OpacityForm::Printed] {
         for size in [256, 512, 1024] {
-            let of = |c: &&Configuration| {
-                c.study.opacity == form && c.shadows.map_size == size && c.study.thin_texels
-            };
+            let of = |c: &&Configuration| c.study.opacity == form && c.shadows.map_size == size && c.study.thin_texels;
             assert_eq!(all.iter().filter(of).count(), if form == OpacityForm::Deep { 3 } else { 1 });
         }
     }

@@ -96,7 +96,9 @@ impl Configuration {
 /// Every way in every size, at each number of samples.
 pub fn configurations() -> Vec<Configuration> {
     let groups = (0..Size::ALL.len()).flat_map(|size| SAMPLES.map(|samples| (size, samples)));
-    groups.flat_map(|(size, samples)| (0..Way::ALL.len()).map(move |way| Configuration { size, samples, way })).collect()
+    groups
+        .flat_map(|(size, samples)| (0..Way::ALL.len()).map(move |way| Configuration { size, samples, way }))
+        .collect()
 }
 
 /// Columns of the chart.
@@ -247,7 +249,8 @@ mod tests {
 
     #[test]
     fn what_is_chosen_is_held_against_the_cheapest_that_is_as_true() {
-        let way = |frame_ms, flip| Found { measured: Measured { frame_ms, flip, ..Measured::default() }, ..Found::default() };
+        let way =
+            |frame_ms, flip| Found { measured: Measured { frame_ms, flip, ..Measured::default() }, ..Found::default() };
         // The cheapest is not as true, the next is a little less true, and the last is truer and dearer.
         let ways = [way(6.0, 0.0100), way(1.0, 0.0200), way(4.0, 0.0101), way(9.0, 0.0050)];
         assert_eq!(over_cheapest(&ways), Some(1.5));

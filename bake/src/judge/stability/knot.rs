@@ -7,19 +7,19 @@ use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::strands::{Curves, Skin, grow_on, tile_hair};
 use glam::{Vec3, vec3};
-use pelage_formats::{Limits, Package, Shading};
+use pelage_formats::{Limits, Package};
 
 /// Towards an eye that sees it well, unit length.
 pub const TOWARDS_EYE: Vec3 = vec3(0.36, 0.48, 0.8);
 /// Of a picture that holds it, metres.
 pub const HEIGHT_M: f32 = 8.0;
 
-/// Its strands in a coat of so many a tile, at rest, its skin, and the constants of its light.
+/// Its strands in a coat of so many a tile, at rest and its skin.
 ///
 /// # Errors
 ///
 /// As [`pipeline::bake`].
-pub fn grown(density: u32) -> Result<(Curves, Skin, Shading), BakeError> {
+pub fn grown(density: u32) -> Result<(Curves, Skin), BakeError> {
     let curve = |a: f32| {
         let out = 2.0 + (3.0 * a).cos();
         vec3(out * (2.0 * a).cos(), out * (2.0 * a).sin(), 1.2 * (3.0 * a).sin())
@@ -43,5 +43,5 @@ pub fn grown(density: u32) -> Result<(Curves, Skin, Shading), BakeError> {
     let lost = || BakeError::Internal("the knot was baked without hair".into());
     let hair = tile_hair("stability", manifest)?.ok_or_else(lost)?;
     let curves = grow_on(&skin, &hair, f64::from(manifest.fur.tile_size_m))?.0;
-    Ok((curves, skin, manifest.shading))
+    Ok((curves, skin))
 }

@@ -17,9 +17,9 @@ pub mod layer_shadows;
 pub mod layers;
 mod measures;
 pub mod mip_levels;
+pub mod opacity_product;
 #[cfg(feature = "preview")]
 pub mod opacity_shadow;
-pub mod opacity_product;
 mod row;
 #[cfg(feature = "preview")]
 pub mod shells;
@@ -65,11 +65,9 @@ pub const ROWS: &[Row] = &[
     sphere_map::ROW,
     #[cfg(feature = "preview")]
     opacity_shadow::ROW,
-    #[cfg(feature = "preview")]
-    strand_light::ROW,
     strand_order::ROW,
 ];
 
 /// The rows that need pictures.
 #[cfg(feature = "preview")]
-pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW, strand_width::ROW];
+pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW, strand_width::ROW, strand_light::ROW];

@@ -13,8 +13,6 @@ use rayon::prelude::*;
 pub struct SeenStrand {
     /// On the axis of the strand, metres in world space.
     pub axis_ws: DVec3,
-    /// Where the ray from the eye meets the strand.
-    pub surface_ws: DVec3,
     /// Along the strand, unit length.
     pub tangent: DVec3,
     /// Towards the eye, unit length.
@@ -34,12 +32,11 @@ impl TrueScene {
         let rows: Vec<u32> = (0..size.1).step_by(step as usize).collect();
         let seen = |x: u32, y: u32| {
             let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + 0.5);
-            let (Hit::Hair { point, share, strand }, distance) = self.tracer.first(origin, way)? else { return None };
+            let (Hit::Hair { point, share, strand }, _) = self.tracer.first(origin, way)? else { return None };
             let (a, b) = (&self.curves().points[point], &self.curves().points[point + 1]);
             let (from, to) = (a.position_ws.as_dvec3(), b.position_ws.as_dvec3());
             Some(SeenStrand {
                 axis_ws: from.lerp(to, share),
-                surface_ws: origin + way * distance,
                 tangent: (to - from).normalize_or(DVec3::Y),
                 to_eye: -way,
                 radius_m: f64::from(a.radius_m) + f64::from(b.radius_m - a.radius_m) * share,
@@ -69,11 +66,5 @@ impl TrueScene {
             self.tracer.is_lit(from, way, reach, start, (true, false))
         });
         Some(lit.count() as f64 / count)
-    }
-
-    /// Whether a light is seen from a point beside a place of a strand past all other strands; the skin hides nothing.
-    pub fn is_lit_past_strands(&self, at: &SeenStrand, from_ws: DVec3, light: &TrueLight) -> bool {
-        let (way, reach) = light.seen_from(from_ws);
-        self.tracer.is_lit(from_ws, way, reach, Start { strand: Some(at.strand), triangle: None }, (true, false))
     }
 }
