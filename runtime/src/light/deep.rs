@@ -56,7 +56,7 @@ impl DeepKey {
         let (slabs, reach_m, whole_from) = if study::opacity_spans_all(params) {
             let (from, to) = depths(hull, view);
             // Between so many planes lies one slab less; as printed, planes are that much nearer to each other.
-            let slabs = (wanted - 1).max(1);
+            let slabs = wanted.saturating_sub(1).max(1);
             let share = if study::spacing_is_printed(params) { slabs as f32 / (slabs + 1) as f32 } else { 1.0 };
             (slabs, (to - from) * view.range_m * share, from)
         } else {

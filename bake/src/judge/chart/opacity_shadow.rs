@@ -196,7 +196,7 @@ pub fn column(
 
 /// A column of slabs as a map of such settings has them, over a depth of `depth_m` in which hair is `fur_m` high.
 pub fn columns_of(form: OpacityForm, shadows: &ShadowParams, depth_m: f32, fur_m: f32) -> DeepOpacity {
-    let between = (shadows.slabs - 1).max(1);
+    let between = shadows.slabs.saturating_sub(1).max(1);
     let (slabs, slabs_per_depth) = match form {
         OpacityForm::Deep => (shadows.slabs, shadows.slabs as f32 * depth_m / (2.0 * fur_m)),
         OpacityForm::WholeDepth => (between, between as f32),
