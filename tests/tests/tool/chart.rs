@@ -321,9 +321,9 @@ fn the_opacity_shadow_chart() {
     assert_eq!(forms, ["deep", "deep", "deep", "whole", "printed", "deep"]);
     assert_eq!([0, 1, 2, 3, 4, 5].map(|i| number(i, "slabs")), [4.0, 4.0, 16.0, 16.0, 16.0, 4.0]);
     assert_eq!([1, 2, 3].map(|i| number(i, "bytes")), [5.0, 17.0, 16.0].map(|n| 4.0 * 512.0 * 512.0 * n));
-    for row in 0..rows.len() {
-        assert!(number(row, "milliseconds") > 0.0 && number(row, "places") > 500.0, "{}", rows[row]);
-        assert_eq!(rows[row]["default"] == true, row == 0);
+    for (i, row) in rows.iter().enumerate() {
+        assert!(number(i, "milliseconds") > 0.0 && number(i, "places") > 500.0, "{row}");
+        assert_eq!(row["default"] == true, i == 0);
     }
     // Planes over all of the body know the light on its coat less well than slabs behind the first hair, and so does the picture.
     for name in ["rmse", "flip", "largest_step", "largest_error"] {
