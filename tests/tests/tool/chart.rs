@@ -298,7 +298,7 @@ fn the_strands_chart() {
     assert_eq!(number(2, "strand_triangles"), 4.0 * number(3, "strand_triangles"));
     // Far away the runtime chooses layers.
     assert_eq!(number(4, "strands"), 0.0, "{}", rows[4]);
-    assert!(number(2, "flip") < number(3, "flip") && number(2, "flip") < number(1, "flip"), "{} {}", rows[1], rows[2]);
+    assert!(number(2, "flip") < 0.95 * number(1, "flip"), "{} and {}", rows[1], rows[2]);
     let svg = std::fs::read_to_string(sandbox.path().join("out/strands.svg")).unwrap();
     for text in ["hare", "a third of the angle", "an eighth of the judge", "auto", "strands of 2 pieces"] {
         assert!(svg.contains(text), "no {text:?} in the picture");
@@ -329,7 +329,8 @@ fn the_opacity_shadow_chart() {
     for name in ["rmse", "flip", "largest_step", "largest_error"] {
         assert!(number(3, name) > 1.1 * number(2, name), "{name}: {} and {}", rows[3], rows[2]);
     }
-    assert!(number(4, "largest_error") > 0.99, "{}", rows[4]);
+    // The light comes back behind the last plane.
+    assert!(number(4, "largest_step") > 0.99 && number(4, "largest_error") > 0.8, "{}", rows[4]);
     assert!(number(5, "mean_error") < number(0, "mean_error"), "the axis is darker: {} and {}", rows[5], rows[0]);
     assert_reproduced(&sandbox, &rows[3], &["rmse", "mean_error", "flip", "largest_step", "places"]);
 }
