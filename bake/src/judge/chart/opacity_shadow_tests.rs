@@ -67,7 +67,7 @@ fn a_ball_tells_forms_apart() {
     }
     let [whole, printed] = [OpacityForm::WholeDepth, OpacityForm::Printed].map(|form| of(form, PLANES));
     assert!(whole.0 > 0.9 && whole.1 > 0.5, "{whole:?}");
-    assert!(printed.0 > 0.99 && printed.1 > 0.99, "{printed:?}");
+    assert!(printed.0 > 0.99 && printed.1 > 0.7, "{printed:?}");
 }
 
 #[test]

@@ -73,7 +73,6 @@ impl Look {
         ShadowParams::default().with(|shadows| {
             shadows.map_size = self.shadow.map_texels;
             shadows.map_layers = self.shadow.map_layers;
-            shadows.slabs = self.shadow.slabs;
             shadows.density = self.shadow.density;
             shadows.penumbra = self.shadow.penumbra;
             shadows.shrink = self.shadow.shrink;

@@ -51,8 +51,6 @@ params! {
         map_texels: u32 = 512, in 16..=8192;
         /// Layers of the layer-wise shadow maps, skin counted; by default as many as are drawn.
         map_layers: Option<u32> = None, in 2..=256, or "drawn";
-        /// Slabs of the map in which single strands shadow each other.
-        slabs: u32 = 4, in 1..=64;
         /// Share of the layers' optical depth that the key light meets.
         density: f32 = 1.0, in 0.0..=4.0;
         /// What the light's slant does to the opacity of a layer.
