@@ -3,13 +3,13 @@
 use crate::frame::PASSES;
 use crate::gpu::Shader;
 use crate::ink::{InkFrame, InkModel};
-use crate::light::DeepOpacity;
 use crate::model::{STRAND_WORKGROUP, Stand, Strand, StrandConstants};
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{
     fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_light, strand_pose, strand_shadow,
     strands,
 };
+use crate::shared::deep_opacity::{self, DeepOpacity};
 use crate::shared::{frame, receiver, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform, SCAN_WORKGROUP};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -42,8 +42,9 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Files of which a build has one or the other: what pelage draws with, and what a study puts in its place.
-const FORMS: [[&str; 2]; 5] = [
+const FORMS: [[&str; 2]; 6] = [
     [include_str!("light/forms.wgsl"), include_str!("study/forms.wgsl")],
+    [include_str!("light/deep_forms.wgsl"), include_str!("study/deep_forms.wgsl")],
     [include_str!("ink/line_forms.wgsl"), include_str!("study/ink_line_forms.wgsl")],
     [include_str!("ink/surface_forms.wgsl"), include_str!("study/ink_surface_forms.wgsl")],
     ["", include_str!("study/yardstick.wgsl")],
@@ -218,10 +219,11 @@ fn uniform_structs_agree() {
             fields!(StrandConstants, points, count, dry_points, radius, first, end, share, reserved)
         );
     }
-    for source in [strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+    for source in [deep_opacity::WGSL, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
         let (wgsl, size) = members(source, "DeepOpacity");
-        let (fields, rust_size) = fields!(DeepOpacity, size, slabs, slabs_per_depth, texel_m, density, reserved);
-        assert_eq!((&wgsl[..5], wgsl[5].1, size), (&fields[..5], fields[5].1, rust_size));
+        let (fields, rust_size) =
+            fields!(DeepOpacity, size, slabs, slabs_per_depth, texel_m, density, whole_from, reserved);
+        assert_eq!((&wgsl[..6], wgsl[6].1, size), (&fields[..6], fields[6].1, rust_size));
     }
     // It reads no more of the frame than how to place corners.
     let (frame, _) = members(strands::SHADER.wgsl, "Frame");

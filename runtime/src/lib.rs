@@ -77,7 +77,9 @@ pub use instance::{Instance, Motion};
 pub use light::{CasterPass, Casters, LightView, ShadowMaps};
 pub use model::Model;
 #[cfg(feature = "study")]
-pub use params::{Anchoring, FeatureRule, InkShow, Lighting, PenumbraForm, SlantForm, SphereMapForm, Study};
+pub use params::{
+    Anchoring, FeatureRule, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
+};
 pub use params::{
     Detail, FrameParams, FurParams, Hair, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions,
     SelfShadow, ShadowParams, Style, StyleKind,

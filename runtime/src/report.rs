@@ -76,6 +76,8 @@ pub struct InstanceDetail {
     pub coat: f32,
     /// Share of the single strands that is drawn, 0..=1. Layers are as well while `layers` is not 0: they fade when all strands are there.
     pub strands: f32,
+    /// Straight pieces that each single strand is drawn in: fewer where it is small on screen; 0 where none is drawn.
+    pub strand_pieces: u32,
     /// Height of the fur on screen, pixels, at the nearest point of the model; `None` where nothing depends on it. Infinite where the eye is
     /// within the model's bounds.
     pub fur_px: Option<f32>,

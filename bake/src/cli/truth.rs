@@ -55,6 +55,12 @@ impl Truth {
     /// Height of the fur in the picture of that view, pixels: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
     #[cfg(feature = "preview")]
     pub fn fur_px(&self, view: &View) -> f64 {
+        f64::from(self.height_m) * self.px_per_m(view)
+    }
+
+    /// Pixels that a metre has in the picture of that view: at the median of the skin's distances from the eye. 0 where nothing is before the eye.
+    #[cfg(feature = "preview")]
+    pub fn px_per_m(&self, view: &View) -> f64 {
         let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.outline, self.height_m);
         let (eye, forward) = (eye.as_dvec3(), (target - eye).normalize_or_zero().as_dvec3());
         let skin = self.scene.skin();
@@ -63,7 +69,7 @@ impl Truth {
         depths.sort_by(f64::total_cmp);
         let Some(depth) = depths.get(depths.len() / 2) else { return 0.0 };
         let view_m = 2.0 * *depth * (0.5 * f64::from(fov_deg).to_radians()).tan();
-        f64::from(self.height_m) / view_m * f64::from(view.size().1)
+        f64::from(view.size().1) / view_m
     }
 
     /// The camera that `render` has for that view.

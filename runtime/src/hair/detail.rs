@@ -62,7 +62,10 @@ impl Drawing {
             Hair::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
             Hair::Auto => way_to_strands(px_per_m * strands.mean_width_m * bias(fur.detail), samples),
         };
-        let point_step = point_step(strands, px_per_m);
+        let point_step = match crate::study::strand_pieces(params) {
+            Some(most) => step_of_pieces(strands, most),
+            None => point_step(strands, px_per_m),
+        };
         Self { point_step, ..drawing.with_strands(way) }
     }
 
@@ -81,7 +84,8 @@ impl Drawing {
         let Some(strands) = model.strands().filter(|_| self.has_strands()) else { return self };
         let fits = |step: &u32| *step >= self.point_step && strands.ribbon_bytes(*step) <= largest_buffer(limits);
         let point_step = strands.steps().find(fits).unwrap_or(strands.points - 1);
-        Self { point_step, ..self }
+        let detail = InstanceDetail { strand_pieces: strands.pieces(point_step), ..self.detail };
+        Self { point_step, detail, ..self }
     }
 
     fn layered(instance: &Instance, px_per_m: f32, params: &FrameParams) -> Self {
@@ -133,6 +137,7 @@ impl Drawing {
                 fins: if layers > 1 { 1.0 } else { 0.0 },
                 coat: 0.0,
                 strands: 0.0,
+                strand_pieces: 0,
                 fur_px: None,
             },
             layers,
@@ -178,6 +183,7 @@ impl Drawing {
                 fins: this.fins + (next.fins - this.fins) * fade,
                 coat,
                 strands: 0.0,
+                strand_pieces: 0,
                 fur_px: None,
             },
             layers: baked,
@@ -250,6 +256,11 @@ const BENT_PX: f32 = 0.12;
 
 /// Fewest pieces of a strand: what two points leave of a coat is not it.
 const FEWEST_PIECES: u32 = 2;
+
+/// Every how many points is drawn for at most so many pieces a strand.
+fn step_of_pieces(strands: &Strands, most: u32) -> u32 {
+    strands.steps().find(|step| strands.pieces(*step) <= most).unwrap_or(strands.points - 1)
+}
 
 /// Every how many points of strands is drawn, where a metre has so many pixels.
 fn point_step(strands: &Strands, px_per_m: f32) -> u32 {

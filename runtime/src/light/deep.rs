@@ -1,8 +1,10 @@
 //! The deep opacity map of strands: how much hair lies before each point in the key light, counted from the first hair of each texel.
 
 use super::view::LightView;
+use crate::bounds::Hull;
 use crate::gpu::{Gpu, largest_buffer};
-use bytemuck::{Pod, Zeroable};
+use crate::params::FrameParams;
+use crate::study;
 
 /// Which map strands need.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,15 +13,14 @@ pub(crate) struct DeepKey {
     pub(crate) size: u32,
     /// Slabs of a texel.
     pub(crate) slabs: u32,
-    /// How deep behind the first hair of a texel its slabs reach, metres.
+    /// How deep the slabs of a texel reach together, metres.
     pub(crate) reach_m: f32,
+    /// Depth at which they begin, where it is not that of the texel's first hair.
+    pub(crate) whole_from: f32,
 }
 
 /// How far behind the first hair the slabs reach, heights of the highest fur.
 const REACH: f32 = 2.0;
-
-/// Slabs of a texel.
-const SLABS: u32 = 4;
 
 /// Least width of a texel over that of a strand: in finer ones a strand hides all of some and nothing of others, and too much light comes past.
 const TEXEL_WIDTHS: f32 = 1.25;
@@ -42,31 +43,45 @@ impl DeepHair {
 }
 
 impl DeepKey {
-    /// Of a map of `map_size` texels a side, or half as many as often as strands or the buffers of the device ask for.
-    pub(crate) fn new(map_size: u32, hair: DeepHair, view: &LightView, limits: &wgpu::Limits) -> Self {
-        let too_fine = |size: u32| view.texel_m(size) < TEXEL_WIDTHS * hair.width_m;
-        let too_large = |size: u32| bytes(size, SLABS) > largest_buffer(limits);
-        let mut size = map_size;
+    /// Of a map as `params` ask for, with texels twice as wide as often as strands or the buffers of the device ask for. `hull`: of all that throws a
+    /// shadow.
+    pub(crate) fn new(
+        params: &FrameParams,
+        hair: DeepHair,
+        hull: &Hull,
+        view: &LightView,
+        limits: &wgpu::Limits,
+    ) -> Self {
+        let wanted = params.shadows.slabs;
+        let (slabs, reach_m, whole_from) = if study::opacity_spans_all(params) {
+            let (from, to) = depths(hull, view);
+            // Between so many planes lies one slab less; as printed, planes are that much nearer to each other.
+            let slabs = wanted.saturating_sub(1).max(1);
+            let share = if study::spacing_is_printed(params) { slabs as f32 / (slabs + 1) as f32 } else { 1.0 };
+            (slabs, (to - from) * view.range_m * share, from)
+        } else {
+            (wanted, REACH * hair.fur_m, 0.0)
+        };
+        let thin = study::texels_may_be_thin(params);
+        let too_fine = |size: u32| !thin && view.texel_m(size) < TEXEL_WIDTHS * hair.width_m;
+        let too_large = |size: u32| bytes(size, slabs) > largest_buffer(limits);
+        let mut size = params.shadows.map_size;
         while size > LEAST_SIZE && (too_fine(size) || too_large(size)) {
             size /= 2;
         }
-        Self { size, slabs: SLABS, reach_m: REACH * hair.fur_m }
+        Self { size, slabs, reach_m, whole_from }
     }
 }
 
-/// The uniform block.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(crate) struct DeepOpacity {
-    pub(crate) size: u32,
-    pub(crate) slabs: u32,
-    /// Slabs in a depth of 1.
-    pub(crate) slabs_per_depth: f32,
-    /// Width of a texel, metres; of a point light at 1 m.
-    pub(crate) texel_m: f32,
-    /// Share of the hair's optical depth that the light meets.
-    pub(crate) density: f32,
-    pub(crate) reserved: [f32; 3],
+/// Depths in the maps between which a hull lies.
+fn depths(hull: &Hull, view: &LightView) -> (f32, f32) {
+    let row = view.map_from_world.row(2);
+    let ends = hull.0.iter().map(|(point, margin)| {
+        let (depth, margin) = (row.dot(point.extend(1.0)), margin / view.range_m);
+        (depth - margin, depth + margin)
+    });
+    let (from, to) = ends.fold((1.0f32, 0.0f32), |(from, to), end| (from.min(end.0), to.max(end.1)));
+    if from < to { (from.max(0.0), to.min(1.0)) } else { (0.0, 1.0) }
 }
 
 /// Bytes of a map of so many texels a side.
@@ -76,7 +91,8 @@ fn bytes(size: u32, slabs: u32) -> u64 {
 
 /// A map that holds nothing yet.
 pub(super) fn make(gpu: &Gpu, key: &DeepKey) -> wgpu::Buffer {
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+    use wgpu::BufferUsages as Usage;
+    let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
     gpu.buffer("pelage deep opacity", bytes(key.size, key.slabs), usage)
 }
 
@@ -84,21 +100,56 @@ pub(super) fn make(gpu: &Gpu, key: &DeepKey) -> wgpu::Buffer {
 #[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
-    use crate::bounds::Hull;
-    use crate::camera::Light;
-    use glam::Vec3;
+    use crate::camera::{Camera, Light, Projection};
+    use glam::{Mat4, Vec3};
+
+    fn frame(map_size: u32) -> FrameParams {
+        let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Projection::Custom(Mat4::IDENTITY));
+        FrameParams::new(camera, [64; 2]).with(|p| p.shadows.map_size = map_size)
+    }
 
     #[test]
     fn texels_are_wider_than_strands_and_fit_into_a_buffer() {
         let hull = Hull(vec![(Vec3::ZERO, 0.5)]);
         let view = LightView::new(&Light::default(), &hull, hull.sphere().unwrap());
-        let limits = wgpu::Limits::default();
-        let size = |map_size, width_m| DeepKey::new(map_size, DeepHair { fur_m: 0.01, width_m }, &view, &limits).size;
+        let key = |params: &FrameParams, width_m| {
+            DeepKey::new(params, DeepHair { fur_m: 0.01, width_m }, &hull, &view, &wgpu::Limits::default())
+        };
+        let size = |map_size, width_m| key(&frame(map_size), width_m).size;
         // The maps are a little wider than the hull: about 2 mm a texel.
         assert!((0.0019..0.0023).contains(&view.texel_m(512)), "{}", view.texel_m(512));
         assert_eq!([0.0005, 0.0015, 0.0018, 0.004, 1.0].map(|width_m| size(512, width_m)), [512, 512, 256, 128, 16]);
         assert_eq!((size(2048, 0.0), size(8192, 0.0), size(100, 0.0)), (2048, 2048, 100));
+        let slabs = |slabs, map_size| key(&frame(map_size).with(|p| p.shadows.slabs = slabs), 0.0);
+        assert_eq!((slabs(4, 512).reach_m, slabs(16, 512).reach_m, slabs(16, 512).slabs), (0.02, 0.02, 16));
+        // 128 MiB hold 17 numbers of 1024² texels, and not those of 2048².
+        assert_eq!((slabs(16, 1024).size, slabs(16, 2048).size), (1024, 1024));
         let both = DeepHair { fur_m: 1.0, width_m: 0.1 }.and(DeepHair { fur_m: 2.0, width_m: 0.05 });
         assert_eq!(both, DeepHair { fur_m: 2.0, width_m: 0.1 });
+    }
+
+    /// 16 planes over a ball of 1 m: the first where it begins, the last where it ends, and as printed a sixteenth of it before that.
+    #[cfg(feature = "study")]
+    #[test]
+    fn planes_span_the_hair() {
+        use crate::params::OpacityForm;
+        let hull = Hull(vec![(Vec3::new(0.3, -2.0, 0.1), 0.5)]);
+        let light = Light::Directional { towards_light: Vec3::new(0.2, 1.0, -0.4), color: Vec3::ONE };
+        let near = Light::Point { position: Vec3::new(0.3, 1.0, 0.2), color: Vec3::ONE };
+        for light in [light, near] {
+            let view = LightView::new(&light, &hull, hull.sphere().unwrap());
+            let key = |form| {
+                let params =
+                    frame(512).with(|p| (p.shadows.slabs, p.study.opacity, p.study.thin_texels) = (16, form, true));
+                DeepKey::new(&params, DeepHair { fur_m: 0.01, width_m: 1.0 }, &hull, &view, &wgpu::Limits::default())
+            };
+            let [safe, printed] = [OpacityForm::WholeDepth, OpacityForm::Printed].map(key);
+            assert!((safe.reach_m - 1.0).abs() < 1e-4 && safe.slabs == 15 && safe.size == 512, "{safe:?}");
+            assert!((printed.reach_m - 15.0 / 16.0).abs() < 1e-4 && printed.slabs == 15, "{printed:?}");
+            let from_m = safe.whole_from * view.range_m + view.near_m.unwrap_or(0.0);
+            let begins = view.map_from_world.row(2).dot(hull.0[0].0.extend(1.0)) - 0.5 / view.range_m;
+            assert!((safe.whole_from - begins).abs() < 1e-5 && from_m > 0.0, "{safe:?}");
+            assert_eq!(safe.whole_from, printed.whole_from);
+        }
     }
 }

@@ -1,11 +1,12 @@
 //! Shadows of the key light: what is asked for, what is drawn, and when it must be drawn again.
 
-use super::deep::{self, DeepHair, DeepKey, DeepOpacity};
+use super::deep::{self, DeepHair, DeepKey};
 use super::view::LightView;
 use crate::bounds::Hull;
 use crate::camera::Light;
 use crate::gpu::{Gpu, Shelf};
 use crate::params::{FrameParams, ShadowParams};
+use crate::shared::deep_opacity::DeepOpacity;
 use crate::shared::receiver::ShadowReceiver;
 use crate::shared::soft_shadow::SoftShadow;
 use crate::study;
@@ -124,8 +125,14 @@ impl ShadowMaps {
         textures + self.deep.as_ref().map_or(0, wgpu::Buffer::size)
     }
 
-    /// The uniform block of the deep opacity map.
-    pub(crate) fn deep_opacity(&self) -> DeepOpacity {
+    /// The map in which single strands shadow each other, with the usage `COPY_SRC`; [`crate::shared::deep_opacity`] says what it holds. `None` where no
+    /// strands are drawn with self-shadow.
+    pub fn deep(&self) -> Option<&wgpu::Buffer> {
+        self.deep.as_ref()
+    }
+
+    /// What the numbers of [`Self::deep`] mean; zeros without it.
+    pub fn deep_opacity(&self) -> DeepOpacity {
         let (view, params) = (&self.key.view, &self.key.params);
         let Some(key) = self.key.deep else { return DeepOpacity::default() };
         DeepOpacity {
@@ -134,7 +141,8 @@ impl ShadowMaps {
             slabs_per_depth: key.slabs as f32 * view.range_m / key.reach_m,
             texel_m: view.extent / key.size as f32,
             density: params.density,
-            reserved: [0.0; 3],
+            whole_from: key.whole_from,
+            reserved: [0.0; 2],
         }
     }
 }
@@ -221,7 +229,7 @@ impl ShadowKey {
             light: params.light,
             params: shadows,
             hair,
-            deep: deep.map(|(hair, limits)| DeepKey::new(shadows.map_size, hair, &view, &limits)),
+            deep: deep.map(|(hair, limits)| DeepKey::new(params, hair, hull, &view, &limits)),
             view,
             soft_shadow: params.soft_shadow,
             slanted: hair != HairMaps::None && study::light_is_slanted(params),

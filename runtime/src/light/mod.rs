@@ -7,7 +7,7 @@ mod maps;
 mod view;
 
 pub use casters::{CasterPass, Casters};
-pub(crate) use deep::{DeepHair, DeepOpacity};
+pub(crate) use deep::DeepHair;
 pub use maps::ShadowMaps;
 pub(crate) use maps::{HairMaps, InstanceKey, ShadowKey, settle};
 pub use view::LightView;

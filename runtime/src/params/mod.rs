@@ -17,5 +17,7 @@ pub use ink::{InkBackground, InkParams, LineWidth};
 pub use renderer::RendererOptions;
 pub use shadows::ShadowParams;
 #[cfg(feature = "study")]
-pub use study::{Anchoring, FeatureRule, InkShow, Lighting, PenumbraForm, SlantForm, SphereMapForm, Study};
+pub use study::{
+    Anchoring, FeatureRule, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
+};
 pub use style::{Style, StyleKind};

@@ -13,6 +13,9 @@ pub struct ShadowParams {
     /// Layers of the layer-wise maps, skin counted, 2..=256; `None` (default) for as many as are drawn. Fewer cost less, and
     /// what lies between two is interpolated.
     pub map_layers: Option<u32>,
+    /// Slabs of the map in which single strands shadow each other, 1..=64 (default 4): they divide twice the height of the highest fur, behind the
+    /// first hair of each texel. More cost memory and time, and know better where hair lies.
+    pub slabs: u32,
     /// Share of the layers' optical depth that the light meets in the maps, 0..=4 (default 1, as they are drawn). What packages know of visibility does
     /// not hang on it.
     pub density: f32,
@@ -27,7 +30,7 @@ pub struct ShadowParams {
 
 impl Default for ShadowParams {
     fn default() -> Self {
-        Self { map_size: 512, map_layers: None, density: 1.0, penumbra: 0.15, shrink: 4 }
+        Self { map_size: 512, map_layers: None, slabs: 4, density: 1.0, penumbra: 0.15, shrink: 4 }
     }
 }
 
@@ -57,6 +60,9 @@ impl ShadowParams {
             && !(2..=256).contains(&layers)
         {
             return fail("ShadowParams::map_layers", layers.to_string(), "2..=256");
+        }
+        if !(1..=64).contains(&self.slabs) {
+            return fail("ShadowParams::slabs", self.slabs.to_string(), "1..=64");
         }
         if !(0.0..=4.0).contains(&self.density) {
             return fail("ShadowParams::density", self.density.to_string(), "0..=4");

@@ -20,6 +20,19 @@ pub enum PenumbraForm {
     Inner,
 }
 
+/// Which slabs hold the hair that shadows single strands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum OpacityForm {
+    /// [`crate::ShadowParams::slabs`] behind the first hair of each texel: a deep opacity map, Yuksel and Keyser 2008.
+    #[default]
+    Deep,
+    /// As many planes at equal distances over the whole depth of the hair, the first where it begins and the last where it ends, and straight between
+    /// them: the opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering in the Nalu Demo") with its spacing mended.
+    WholeDepth,
+    /// The same with the spacing as printed, (z_15 − z_0) / 16 for 16 planes: the last lies before the end, and what is behind it is lit.
+    Printed,
+}
+
 /// Where the key light's diffuse and specular factors, Yang 2006, eq. (1), are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lighting {
@@ -89,6 +102,14 @@ pub struct Study {
     pub light_slant: SlantForm,
     /// Where the penumbra lies.
     pub penumbra: PenumbraForm,
+    /// Which slabs hold the hair that shadows single strands.
+    pub opacity: OpacityForm,
+    /// Whether the light of single strands is looked up on their axis, and not on the side that the eye sees (default false).
+    pub light_on_axis: bool,
+    /// Whether maps of strands' shadows may have texels narrower than a strand (default false: such maps are halved).
+    pub thin_texels: bool,
+    /// Pieces that every strand is drawn in: the most that divide its points, up to so many; `None` (default) by its size on screen.
+    pub strand_pieces: Option<u32>,
     /// Whether ambient light fades towards the skin, γ of Yang 2006, eq. (2) (default true).
     pub ambient_attenuation: bool,
     /// Whether the light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
@@ -118,6 +139,10 @@ impl Default for Study {
             look_slant: SlantForm::Corrected,
             light_slant: SlantForm::Corrected,
             penumbra: PenumbraForm::Centred,
+            opacity: OpacityForm::Deep,
+            light_on_axis: false,
+            thin_texels: false,
+            strand_pieces: None,
             ambient_attenuation: true,
             back_attenuation: true,
             features: FeatureRule::AnyBelow,

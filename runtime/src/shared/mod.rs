@@ -4,6 +4,8 @@
 //!
 //! Each topic's `WGSL` is plain source without entry points or bindings; join it before your own shader.
 
+/// Deep opacity maps: how much hair of a texel lies before a place in the light (formulas 4.10).
+pub mod deep_opacity;
 /// Levels of detail: which layers of hair a level draws, and how many layers each stands for (formulas 4.7, 4.8).
 pub mod detail;
 /// How much of a fin shows, and of the shells beside it (formulas 4.6).

@@ -1,16 +1,19 @@
 //! What only measuring needs: the forms that the papers print beside those that pelage draws with, single layers, the yardstick. Compiled
 //! with the feature `study`; without it [`off.rs`](../off.rs) stands here, and neither code nor shaders know of any of this.
 //!
-//! Shaders keep what has another form in files of their own (`light/forms.wgsl`, `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`): here are files
+//! Shaders keep what has another form in files of their own (`light/forms.wgsl`, `light/deep_forms.wgsl`, `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`): here are files
 //! that take their place. [`amend`] then turns a pipeline that a pass asks for into the one that is studied.
 
 use crate::gpu::{ComputeSpec, RenderSpec, Shader, on};
-use crate::params::{Anchoring, FeatureRule, FrameParams, InkShow, Lighting, PenumbraForm, SlantForm};
+use crate::params::{Anchoring, FeatureRule, FrameParams, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm};
 use crate::shared::kajiya_kay;
 
 macro_rules! form_wgsl {
     ("light") => {
         include_str!("../../study/forms.wgsl")
+    };
+    ("strand shadows") => {
+        include_str!("../../study/deep_forms.wgsl")
     };
     ("ink lines") => {
         include_str!("../../study/ink_line_forms.wgsl")
@@ -72,9 +75,39 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
 
 /// The same of what is computed.
 pub(crate) fn amend_compute(params: &FrameParams, spec: &mut ComputeSpec) {
-    if spec.shader.name == "pelage strand light" && spec.entry == "light_strands" {
-        spec.constants.push(on("CENTRED", penumbra_is_centred(params)));
+    let of_slabs = [
+        on("WHOLE_DEPTH", opacity_spans_all(params)),
+        on("PRINTED_SPACING", spacing_is_printed(params)),
+        on("ON_AXIS", params.study.light_on_axis),
+    ];
+    match (spec.shader.name, spec.entry) {
+        ("pelage strand light", "light_strands") => {
+            spec.constants.push(on("CENTRED", penumbra_is_centred(params)));
+            spec.constants.extend(of_slabs);
+        }
+        ("pelage strand shadow", "add_opacity") => spec.constants.extend(of_slabs),
+        _ => {}
     }
+}
+
+/// Whether the slabs of strands' shadows divide the whole depth of the hair.
+pub(crate) fn opacity_spans_all(params: &FrameParams) -> bool {
+    params.study.opacity != OpacityForm::Deep
+}
+
+/// Whether they do with the printed spacing.
+pub(crate) fn spacing_is_printed(params: &FrameParams) -> bool {
+    params.study.opacity == OpacityForm::Printed
+}
+
+/// Whether the texels of strands' shadows may be narrower than a strand.
+pub(crate) fn texels_may_be_thin(params: &FrameParams) -> bool {
+    params.study.thin_texels
+}
+
+/// Pieces that strands are drawn in, where the size on screen does not say.
+pub(crate) fn strand_pieces(params: &FrameParams) -> Option<u32> {
+    params.study.strand_pieces
 }
 
 /// Whether the light's way through a layer grows with its slant.

@@ -7,6 +7,9 @@ macro_rules! form_wgsl {
     ("light") => {
         include_str!("../../light/forms.wgsl")
     };
+    ("strand shadows") => {
+        include_str!("../../light/deep_forms.wgsl")
+    };
     ("ink lines") => {
         include_str!("../../ink/line_forms.wgsl")
     };
@@ -22,6 +25,22 @@ pub(crate) use form_wgsl;
 pub(crate) fn amend(_: &FrameParams, _: &mut RenderSpec) {}
 
 pub(crate) fn amend_compute(_: &FrameParams, _: &mut ComputeSpec) {}
+
+pub(crate) fn opacity_spans_all(_: &FrameParams) -> bool {
+    false
+}
+
+pub(crate) fn spacing_is_printed(_: &FrameParams) -> bool {
+    false
+}
+
+pub(crate) fn texels_may_be_thin(_: &FrameParams) -> bool {
+    false
+}
+
+pub(crate) fn strand_pieces(_: &FrameParams) -> Option<u32> {
+    None
+}
 
 pub(crate) fn light_is_slanted(_: &FrameParams) -> bool {
     true

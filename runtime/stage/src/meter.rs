@@ -141,6 +141,11 @@ impl Meter {
         Ok(times.into_iter().sum())
     }
 
+    /// Milliseconds of one frame whose pose and shadow maps are made anew: the sum of its passes.
+    pub fn frame_anew(&self, stage: &mut Stage) -> Result<f64, StageError> {
+        Ok(self.passes(stage)?.iter().map(|(_, ms)| ms).sum())
+    }
+
     /// Milliseconds of each pass, in their order.
     fn passes(&self, stage: &mut Stage) -> Result<Vec<(PassId, f64)>, StageError> {
         let mut marked = Vec::new();

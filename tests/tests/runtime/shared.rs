@@ -8,7 +8,8 @@
 
 use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{
-    fins, frame, kajiya_kay, layer_shadow, opacity, receiver, skinning, soft_shadow, tile_frame, visibility,
+    deep_opacity, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, skinning, soft_shadow, tile_frame,
+    visibility,
 };
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
@@ -115,6 +116,32 @@ fn sin_power() {
             p * (1e-6 * f64::from(c[1]) + 1e-6 * (f64::from(c[1]) * f64::from(c[0].max(1e-30)).log2()).abs() + 1e-6)
                 + 1e-12
         },
+    );
+}
+
+#[test]
+fn slabs() {
+    let mut cases: Vec<Case<1>> = Vec::new();
+    for i in -8..=80 {
+        for (slab, slabs) in [(0, 1), (0, 4), (1, 4), (3, 4), (15, 16), (63, 64)] {
+            cases.push([[i as f32 / 16.0 * slabs as f32 / 4.0, slab as f32, slabs as f32, 0.0]]);
+        }
+    }
+    three_ways(
+        "slabs",
+        deep_opacity::WGSL,
+        "vec4(slab_share(in_0.x, u32(in_0.y)), f32(slab_of(in_0.x, u32(in_0.z))), 0.0, 0.0)",
+        &cases,
+        |[c]| {
+            let [behind, slab, slabs] = [c[0], c[1], c[2]].map(f64::from);
+            let of = (0..slabs as u32).rev().map(f64::from).find(|k| behind >= *k).unwrap_or(0.0);
+            [(behind.min(slab + 1.0) - slab).max(0.0), of, 0.0, 0.0]
+        },
+        |[c]| {
+            let slab = deep_opacity::slab_of(c[0], c[2] as u32);
+            [deep_opacity::slab_share(c[0], c[1] as u32), slab as f32, 0.0, 0.0]
+        },
+        |_, _| 1e-6,
     );
 }
 

@@ -53,7 +53,9 @@ rows!(
     short_fur,
     soft_shadow,
     animation,
-    sphere_map
+    sphere_map,
+    opacity_shadow,
+    strand_order
 );
 
 /// The rows that need pictures, likewise.
@@ -76,7 +78,7 @@ macro_rules! drawn_rows {
     };
 }
 
-drawn_rows!(shells, ink);
+drawn_rows!(shells, ink, strand_width, strand_light);
 
 /// What judges the rows must itself be able to fail.
 #[test]

@@ -267,6 +267,75 @@ fn the_detail_chart() {
 }
 
 #[test]
+fn the_strands_chart() {
+    if gpu("the_strands_chart").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300"];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    // Close up with four samples, and half as large with one: what the runtime chooses, layers, strands of 8 and of 2 pieces.
+    let rows = charted(&sandbox, "strands", "7,8,10,12,37,38,40,42", &sets);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
+    for (i, row) in rows.iter().enumerate() {
+        let (size, [width, height, samples]) =
+            if i < 4 { ("close", [208.0, 106.0, 4.0]) } else { ("half", [104.0, 53.0, 1.0]) };
+        assert_eq!((row["size"].as_str(), row["default"] == true), (Some(size), i == 4), "{row}");
+        assert_eq!(["width", "height", "samples"].map(|name| number(i, name)), [width, height, samples]);
+        let (frame, anew) = (number(i, "frame_milliseconds"), number(i, "anew_milliseconds"));
+        assert!(frame > 0.0 && anew > 0.0 && (0.0..1.0).contains(&number(i, "flip")), "{row}");
+        assert_eq!(row["over_cheapest"].as_f64().is_some_and(|ratio| ratio >= 1.0), i % 4 == 0, "{row}");
+    }
+    // Six times as far away, as the picture has them.
+    let widths = number(0, "strand_px") / number(4, "strand_px");
+    assert!((widths / 6.0 - 1.0).abs() < 0.05, "{widths}");
+    // Strands are drawn where they are asked for, in as many pieces; layers have none, and a smaller package.
+    assert_eq!([1, 2, 3, 5, 6, 7].map(|i| number(i, "pieces")), [0.0, 8.0, 2.0, 0.0, 8.0, 2.0]);
+    // From afar the coat has taken over some of them.
+    assert_eq!([1, 2, 3, 5].map(|i| number(i, "strands")), [0.0, 1.0, 1.0, 0.0]);
+    assert!((0.1..=1.0).contains(&number(6, "strands")), "{}", rows[6]);
+    assert!(number(1, "package_bytes") < number(2, "package_bytes"));
+    assert_eq!(number(2, "strand_triangles"), 4.0 * number(3, "strand_triangles"));
+    // Far away the runtime chooses layers.
+    assert_eq!(number(4, "strands"), 0.0, "{}", rows[4]);
+    assert!(number(2, "flip") < 0.95 * number(1, "flip"), "{} and {}", rows[1], rows[2]);
+    let svg = std::fs::read_to_string(sandbox.path().join("out/strands.svg")).unwrap();
+    for text in ["hare", "a third of the angle", "an eighth of the judge", "auto", "strands of 2 pieces"] {
+        assert!(svg.contains(text), "no {text:?} in the picture");
+    }
+    assert_reproduced(&sandbox, &rows[4], &["flip", "rmse", "coverage_error", "strand_px", "layers"]);
+}
+
+#[test]
+fn the_opacity_shadow_chart() {
+    if gpu("the_opacity_shadow_chart").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let small = ["judge.width=417", "judge.height=212", "judge.samples=8", "hair.density=500"];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    // What the runtime does; of 512² 4 slabs, 16 slabs, 16 planes and those as printed; light on the axis.
+    let rows = charted(&sandbox, "opacity-shadow", "1,3,9,12,15,17", &sets);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
+    let forms: Vec<_> = rows.iter().map(|row| row["form"].as_str().unwrap_or_default()).collect();
+    assert_eq!(forms, ["deep", "deep", "deep", "whole", "printed", "deep"]);
+    assert_eq!([0, 1, 2, 3, 4, 5].map(|i| number(i, "slabs")), [4.0, 4.0, 16.0, 16.0, 16.0, 4.0]);
+    assert_eq!([1, 2, 3].map(|i| number(i, "bytes")), [5.0, 17.0, 16.0].map(|n| 4.0 * 512.0 * 512.0 * n));
+    for (i, row) in rows.iter().enumerate() {
+        assert!(number(i, "milliseconds") > 0.0 && number(i, "places") > 500.0, "{row}");
+        assert_eq!(row["default"] == true, i == 0);
+    }
+    // Planes over all of the body know the light on its coat less well than slabs behind the first hair, and so does the picture.
+    for name in ["rmse", "flip", "largest_step", "largest_error"] {
+        assert!(number(3, name) > 1.1 * number(2, name), "{name}: {} and {}", rows[3], rows[2]);
+    }
+    // The light comes back behind the last plane.
+    assert!(number(4, "largest_step") > 0.99 && number(4, "largest_error") > 0.8, "{}", rows[4]);
+    assert!(number(5, "mean_error") < number(0, "mean_error"), "the axis is darker: {} and {}", rows[5], rows[0]);
+    assert_reproduced(&sandbox, &rows[3], &["rmse", "mean_error", "flip", "largest_step", "places"]);
+}
+
+#[test]
 fn the_self_shadow_chart() {
     if gpu("the_self_shadow_chart").is_none() {
         return;
@@ -368,7 +437,20 @@ fn the_stability_table() {
     let sandbox = Sandbox::new();
     let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out"]));
     let rows = object["rows"].as_array().unwrap();
-    for method in ["surface", "solver", "Kajiya-Kay", "soft shadow", "animation", "sphere map", "shells", "ink"] {
+    for method in [
+        "surface",
+        "solver",
+        "Kajiya-Kay",
+        "soft shadow",
+        "animation",
+        "sphere map",
+        "shells",
+        "ink",
+        "strand width",
+        "light of strands",
+        "order of strands",
+        "opacity shadow maps",
+    ] {
         assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
     }
     for row in rows {

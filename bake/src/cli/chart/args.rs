@@ -44,12 +44,16 @@ pub(super) enum Topic {
     Shells,
     /// Layers, triangles and texels at four sizes on screen: how many a picture needs, against the true strands, and what they cost
     Detail,
+    /// Single strands and layers, close and at five sizes, with one sample a pixel and four: how far from the true strands, and what they cost
+    Strands,
     /// Lapped patches: what fewer seams cost in distortion and seconds
     Surface,
     /// Light per pixel and per vertex: the direction it is computed with against the strand's own, and what that costs
     Lighting,
     /// Baked visibility and layer-wise shadow maps: what light they let between hairs, against the true way of the light, and what they cost
     SelfShadow,
+    /// Maps of slabs in which single strands shadow each other, deep and over the whole depth: their light and picture against the true ones, and what they cost
+    OpacityShadow,
     /// Shadow-width maps: the soft shadows they make, against a light that is a disc, and what they cost
     SoftShadow,
     /// Ink lines: how far they are from the contours and creases of the mesh, how wide they grow, how they flicker, and what they cost

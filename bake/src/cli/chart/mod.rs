@@ -16,12 +16,16 @@ mod light_bench;
 mod lighting;
 mod machine;
 #[cfg(feature = "preview")]
+mod opacity_shadow;
+#[cfg(feature = "preview")]
 mod self_shadow;
 #[cfg(feature = "preview")]
 mod shells;
 #[cfg(feature = "preview")]
 mod soft_shadow;
 mod stability;
+#[cfg(feature = "preview")]
+mod strands;
 mod subject;
 mod surface;
 mod textures;
@@ -46,7 +50,9 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
     let subject = Subject::new(args)?;
-    if subject.package.is_some() && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Ink) {
+    if subject.package.is_some()
+        && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Strands | Topic::OpacityShadow | Topic::Ink)
+    {
         if args.topic == Topic::Surface {
             let why = "a package's mesh is parted into its patches already";
             return Err(Failure::Usage(format!("chart surface needs the model: {why}")));
@@ -70,15 +76,26 @@ fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic
         #[cfg(feature = "preview")]
         Topic::Detail => Box::new(detail::DetailTopic::new(subject)?),
         #[cfg(feature = "preview")]
+        Topic::Strands => Box::new(strands::StrandsTopic::new(subject)?),
+        #[cfg(feature = "preview")]
         Topic::Lighting => Box::new(lighting::LightingTopic::new(subject)?),
         #[cfg(feature = "preview")]
         Topic::SelfShadow => Box::new(self_shadow::SelfShadowTopic::new(subject)?),
+        #[cfg(feature = "preview")]
+        Topic::OpacityShadow => Box::new(opacity_shadow::OpacityShadowTopic::new(subject)?),
         #[cfg(feature = "preview")]
         Topic::SoftShadow => Box::new(soft_shadow::SoftShadowTopic::new(subject)?),
         #[cfg(feature = "preview")]
         Topic::Ink => Box::new(ink::InkTopic::new(subject)?),
         #[cfg(not(feature = "preview"))]
-        Topic::Ink | Topic::Shells | Topic::Detail | Topic::Lighting | Topic::SelfShadow | Topic::SoftShadow => {
+        Topic::Ink
+        | Topic::Shells
+        | Topic::Detail
+        | Topic::Strands
+        | Topic::Lighting
+        | Topic::SelfShadow
+        | Topic::OpacityShadow
+        | Topic::SoftShadow => {
             return Err(Failure::Usage(
                 "light is drawn by the runtime, and this build is without it (feature `preview`)".into(),
             ));

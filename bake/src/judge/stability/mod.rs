@@ -11,12 +11,15 @@ pub mod hair_simulation;
 pub mod ink;
 #[cfg(feature = "preview")]
 pub mod kajiya_kay;
+mod knot;
 #[cfg(feature = "preview")]
 pub mod layer_shadows;
 pub mod layers;
 mod measures;
 pub mod mip_levels;
 pub mod opacity_product;
+#[cfg(feature = "preview")]
+pub mod opacity_shadow;
 mod row;
 #[cfg(feature = "preview")]
 pub mod shells;
@@ -28,6 +31,11 @@ pub mod soft_shadow;
 pub mod solver;
 #[cfg(feature = "preview")]
 pub mod sphere_map;
+#[cfg(feature = "preview")]
+pub mod strand_light;
+pub mod strand_order;
+#[cfg(feature = "preview")]
+pub mod strand_width;
 pub mod surface;
 
 pub use measures::{grow, mean, opacity, slice, texels, transmittances};
@@ -55,8 +63,11 @@ pub const ROWS: &[Row] = &[
     animation::ROW,
     #[cfg(feature = "preview")]
     sphere_map::ROW,
+    #[cfg(feature = "preview")]
+    opacity_shadow::ROW,
+    strand_order::ROW,
 ];
 
 /// The rows that need pictures.
 #[cfg(feature = "preview")]
-pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW];
+pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW, strand_width::ROW, strand_light::ROW];

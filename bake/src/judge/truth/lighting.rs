@@ -46,7 +46,7 @@ impl TrueLight {
     }
 
     /// Unit direction from a point towards the middle of the light, and how far that is, metres.
-    fn seen_from(&self, point_ws: DVec3) -> (DVec3, f64) {
+    pub(super) fn seen_from(&self, point_ws: DVec3) -> (DVec3, f64) {
         match *self {
             Self::Directional { towards_light_ws, .. } => {
                 (towards_light_ws.as_dvec3().normalize_or(DVec3::Y), f64::INFINITY)

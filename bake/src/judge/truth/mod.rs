@@ -17,6 +17,7 @@ mod ink_lines;
 mod lighting;
 mod picture;
 mod sight;
+mod strand_light;
 mod strands;
 mod tracer;
 mod volume;
@@ -27,6 +28,7 @@ pub use ink_lines::{ContourForm, LineKind, LineParams, LineSegment, TrueLines, V
 pub use lighting::{TrueLight, TrueLighting};
 pub use picture::{Rays, TracedPicture, TrueScene};
 pub use sight::{Look, SeenPoint, Sight};
+pub use strand_light::SeenStrand;
 pub use strands::StrandField;
 pub use volume::SampledVolume;
 

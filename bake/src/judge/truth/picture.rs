@@ -41,7 +41,7 @@ pub struct Rays {
 
 /// Strands and skin, ready to be traced.
 pub struct TrueScene {
-    tracer: Tracer,
+    pub(super) tracer: Tracer,
     material: Material,
 }
 

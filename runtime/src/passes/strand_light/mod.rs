@@ -3,16 +3,18 @@
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, on, storage, storage_out, uniform};
 use crate::hair::{groom, hair_wgsl, material};
-use crate::light::{DeepOpacity, ShadowMaps};
+use crate::light::ShadowMaps;
 use crate::model::{Part, STRAND_WORKGROUP, Strand, StrandConstants};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, Seen, record_dispatches};
+use crate::shared::deep_opacity::DeepOpacity;
 
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand light",
     wgsl: hair_wgsl!(
-        include_str!("../../light/deep_opacity.wgsl"),
+        include_str!("../../shared/deep_opacity.wgsl"),
+        crate::study::form_wgsl!("strand shadows"),
         include_str!("../../hair/strand.wgsl"),
         include_str!("strand_light.wgsl"),
     ),

@@ -138,14 +138,14 @@ fn visible_through_strands(place: vec4<f32>) -> f32 {
 fn deep_texel(at: vec2<i32>, depth: f32) -> f32 {
     let texel = vec2<u32>(clamp(at, vec2(0), vec2(i32(deep_opacity.size) - 1)));
     let index = texel.y * deep_opacity.size + texel.x;
-    // Slabs of hair that are before the place.
-    let before = (depth - (1.0 - bitcast<f32>(deep[index]))) * deep_opacity.slabs_per_depth;
+    let begin = slabs_begin(1.0 - bitcast<f32>(deep[index]), deep_opacity.whole_from);
+    let behind = (depth - begin) * deep_opacity.slabs_per_depth;
     let first = deep_opacity.size * deep_opacity.size + index * deep_opacity.slabs;
     var sum = 0.0;
     for (var i = 0u; i < deep_opacity.slabs; i++) {
-        sum += f32(deep[first + i]) * clamp(before - f32(i), 0.0, 1.0);
+        sum += f32(deep[first + i]) * slab_share(behind, i);
     }
-    return exp(-deep_opacity.density * OPACITY_STEP * sum);
+    return exp(-deep_opacity.density * OPACITY_STEP * sum * shadowing(behind, deep_opacity.slabs));
 }
 
 fn srgb_channels(c: vec3<f32>) -> vec3<f32> {
@@ -218,8 +218,7 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let light = direction_to(frame.light_ws, position);
         let light_ts = to_tile(skin, light);
         let half_ts = to_tile(skin, half_vector(light, eye));
-        // The side that the eye sees: half of a strand's light never comes through it.
-        let place = map_place(position + eye * radius);
+        let place = map_place(position + eye * (radius * radii_towards_eye()));
         let past = visible_past_things(Receiver(place, height * frame.last_map_layer, true, light_ts.z));
         let slope = lean_slope(strand.lean, height);
         let arriving = arriving_at(height, light_ts, half_ts, past * visible_through_strands(place));

@@ -3,10 +3,11 @@
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, storage, storage_out, uniform};
 use crate::hair::grown_by;
-use crate::light::{CasterPass, DeepOpacity, HairMaps};
+use crate::light::{CasterPass, HairMaps};
 use crate::model::{Strand, StrandConstants};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_depth, record_dispatches};
+use crate::shared::deep_opacity::DeepOpacity;
 
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
@@ -16,7 +17,8 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../surface/place.wgsl"),
-        include_str!("../../light/deep_opacity.wgsl"),
+        include_str!("../../shared/deep_opacity.wgsl"),
+        crate::study::form_wgsl!("strand shadows"),
         include_str!("../../hair/strand.wgsl"),
         include_str!("strand_shadow.wgsl"),
     ),

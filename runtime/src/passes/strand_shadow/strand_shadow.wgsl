@@ -59,8 +59,12 @@ fn walk(number: u32, deposits: bool) {
                 atomicMax(&deep[index], nearness(p.z));
                 continue;
             }
-            let before = 1.0 - bitcast<f32>(atomicLoad(&deep[index]));
-            let slab = u32(clamp((p.z - before) * deep_opacity.slabs_per_depth, 0.0, f32(deep_opacity.slabs - 1u)));
+            let begin = slabs_begin(1.0 - bitcast<f32>(atomicLoad(&deep[index])), deep_opacity.whole_from);
+            let behind = (p.z - begin) * deep_opacity.slabs_per_depth;
+            if !is_kept(behind, deep_opacity.slabs) {
+                continue;
+            }
+            let slab = slab_of(behind, deep_opacity.slabs);
             let area = 2.0 * radius / (deep_opacity.texel_m * p.w) * (texels / steps);
             let of_texels = deep_opacity.size * deep_opacity.size;
             atomicAdd(&deep[of_texels + index * deep_opacity.slabs + slab], u32(area / OPACITY_STEP + 0.5));

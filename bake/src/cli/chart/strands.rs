@@ -1,0 +1,211 @@
+//! `pelage chart strands`: single strands beside layers at six sizes, against the traced picture.
+
+use super::driver::{Plan, PlannedRow, Topic, once};
+use super::machine::measured_on;
+use super::subject::Subject;
+use crate::cli::exit::Failure;
+use crate::cli::shell_judge::Source;
+use crate::cli::staged::{pixels, stage_of};
+use crate::cli::truth::{self, Truth};
+use crate::cli::view::View;
+use pelage_bake::judge::chart::Cell;
+use pelage_bake::judge::chart::shells::Measured;
+use pelage_bake::judge::chart::strands::{
+    COLUMNS, Configuration, Found, Seen, Size, Way, cells, configurations, panels,
+};
+use pelage_bake::judge::compare::{CompareParams, compare_pictures};
+use pelage_bake::picture::Picture;
+use pelage_bake::recipe::Recipe;
+use pelage_stage::{Gpu, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
+
+/// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what else the machine does only adds.
+const TURNS: usize = 5;
+const FRAMES: usize = 3;
+
+/// The topic.
+pub struct StrandsTopic<'a> {
+    subject: &'a Subject,
+    /// Without strands, and with them.
+    recipes: [Recipe; 2],
+    configurations: Vec<Configuration>,
+    gpu: Gpu,
+    meter: Meter,
+    shared: Option<Shared>,
+    sizes: [Option<(Picture, Seen, View)>; Size::ALL.len()],
+    /// What was found of all ways of a size with so many samples.
+    groups: Vec<((usize, u32), Vec<Found>)>,
+}
+
+/// What all sizes need.
+struct Shared {
+    /// Without strands, and with them.
+    packages: [NamedPackage<'static>; 2],
+    truth: Truth,
+    camera: Viewpoint,
+    /// Mean width of the strands' points, metres.
+    width_m: f64,
+}
+
+impl<'a> StrandsTopic<'a> {
+    /// Lists the configurations and opens the adapter. Packages with strands and without are baked, whatever the recipe says of that.
+    pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
+        let with = |enabled| {
+            let mut recipe = subject.recipe.clone();
+            recipe.strands.enabled = enabled;
+            recipe
+        };
+        let gpu = Gpu::open()?;
+        Ok(Self {
+            subject,
+            recipes: [with(false), with(true)],
+            configurations: configurations(),
+            meter: Meter::new(&gpu),
+            gpu,
+            shared: None,
+            sizes: [const { None }; Size::ALL.len()],
+            groups: Vec::new(),
+        })
+    }
+}
+
+impl Topic for StrandsTopic<'_> {
+    fn plan(&self) -> Plan {
+        let row = |c: &Configuration| PlannedRow {
+            series: Way::ALL[c.way].series.into(),
+            label: if c.samples == 1 { "1 sample".into() } else { format!("{} samples", c.samples) },
+            default: c.is_default(),
+            command: None,
+        };
+        let judge = &self.recipes[0].judge;
+        Plan {
+            topic: "strands",
+            title: format!(
+                "{}, close and from twice to an eighth of {}x{} pixels: strands and layers against the true strands",
+                self.subject.name, judge.width, judge.height
+            ),
+            adapter: measured_on(&self.gpu.info.name),
+            columns: COLUMNS.to_vec(),
+            panels: panels(),
+            rows: self.configurations.iter().map(row).collect(),
+        }
+    }
+
+    fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
+        let configuration = self.configurations[index];
+        let Configuration { size, samples, .. } = configuration;
+        let (subject, recipes, gpu, meter) = (self.subject, &self.recipes, &self.gpu, &self.meter);
+        let shared = once(&mut self.shared, || Shared::new(subject, recipes, doing))?;
+        let judge = &recipes[0].judge;
+        let (picture, seen, view) = once(&mut self.sizes[size], || {
+            Ok(shared.seen(Size::ALL[size], (judge.width, judge.height), judge.samples, doing))
+        })?;
+        let known = self.groups.iter().position(|(group, _)| *group == (size, samples));
+        let known = match known {
+            Some(known) => known,
+            None => {
+                doing("drawing");
+                let found = group(gpu, meter, &shared.packages, view, picture, samples)?;
+                self.groups.push(((size, samples), found));
+                self.groups.len() - 1
+            }
+        };
+        Ok(cells(&configuration, seen, &self.groups[known].1, meter.clock().word()))
+    }
+}
+
+impl Shared {
+    fn new(subject: &Subject, recipes: &[Recipe; 2], doing: &mut dyn FnMut(&str)) -> Result<Self, Failure> {
+        doing("baking");
+        let Subject { file, name, model, images, package, .. } = subject;
+        let source = match package {
+            Some(package) => Source::Package(package),
+            None => Source::Model { file, name, model, images },
+        };
+        let packages = [source.bake(&recipes[0])?, source.bake(&recipes[1])?];
+        let size = (recipes[0].judge.width, recipes[0].judge.height);
+        let truth = Truth::new(&packages[1], &View::default())?;
+        let framed = || truth.framed(&View::sized(size), framing::TOWARDS_CAMERA);
+        let camera = recipes[0].judge.views.first().copied().unwrap_or_else(framed);
+        let points = &truth.scene.curves().points;
+        let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len().max(1) as f64;
+        Ok(Self { packages, truth, camera, width_m })
+    }
+
+    /// The true picture of a size, what its ways share, and its view.
+    fn seen(&self, size: Size, judged: (u32, u32), samples: u32, doing: &mut dyn FnMut(&str)) -> (Picture, Seen, View) {
+        let pixels = size.pixels(judged);
+        let view = View { camera: Some(size.camera(self.camera)), ..View::sized(pixels) };
+        let picture = self.truth.picture(&view, samples, &mut |done, all| {
+            doing(&format!("true picture, {} %", 100 * done / all.max(1)));
+        });
+        // Through bytes, as the pictures that it is compared with.
+        let picture = Picture::from(&truth::encode(&picture, view.look.background()));
+        let seen = Seen {
+            pixels,
+            true_samples: samples,
+            strand_px: self.truth.px_per_m(&view) * self.width_m,
+            strands: self.truth.scene.curves().len(),
+        };
+        (picture, seen, view)
+    }
+}
+
+/// Draws all ways of a size with so many samples, compares them with the truth and times them in turns.
+fn group(
+    gpu: &Gpu,
+    meter: &Meter,
+    packages: &[NamedPackage<'static>; 2],
+    view: &View,
+    truth: &Picture,
+    samples: u32,
+) -> Result<Vec<Found>, Failure> {
+    let (mut stages, mut all) = (Vec::new(), Vec::new());
+    for way in Way::ALL {
+        let file = &packages[usize::from(!way.needs_no_strands())];
+        let view = view.clone().with(|look| {
+            (look.fur.hair, look.fur.detail, look.picture.samples) = (way.hair, way.detail, Samples(samples));
+        });
+        let mut stage = stage_of(file, &view, || Ok(gpu.clone()))?;
+        stage.params.study.strand_pieces = way.pieces;
+        all.push(drawn(&mut stage, file, truth)?);
+        stages.push(stage);
+    }
+    for _ in 0..TURNS {
+        for (stage, found) in stages.iter_mut().zip(&mut all) {
+            let ms = &mut found.measured.frame_ms;
+            // What the frame before left in the caches is another way's.
+            meter.frame(stage)?;
+            for _ in 0..FRAMES {
+                *ms = ms.min(meter.frame(stage)?);
+            }
+            found.anew_ms = found.anew_ms.min(meter.frame_anew(stage)?);
+        }
+    }
+    Ok(all)
+}
+
+/// A way, drawn once; not timed yet.
+fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<Found, Failure> {
+    let frame = stage.draw()?;
+    let drawn = Picture::from(&pixels(stage)?);
+    let (difference, _) = compare_pictures(&drawn, truth, &CompareParams::default())?;
+    let detail = frame.report().instances.first().copied();
+    let of = |value: fn(&pelage_runtime::InstanceDetail) -> u32| detail.as_ref().map_or(0, value);
+    let (layers, triangles, pieces) = (of(|d| d.layers), of(|d| d.triangles), of(|d| d.strand_pieces));
+    drop(frame);
+    let measured = Measured {
+        flip: difference.flip.mean,
+        flip_covered: difference.flip.covered,
+        rmse: difference.rmse,
+        coverage_error: difference.coverage,
+        frame_ms: f64::INFINITY,
+        fragments: count_fragments(stage)?.map(|counts| counts.iter().map(|(_, count)| count).sum()),
+        layers,
+        triangles,
+        package_bytes: file.bytes.len() as u64,
+        gpu_bytes: stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes(),
+        bake_s: 0.0,
+    };
+    let strands = detail.map_or(0.0, |d| d.strands);
+    Ok(Found { measured, anew_ms: f64::INFINITY, strands, pieces })
+}

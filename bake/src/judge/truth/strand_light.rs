@@ -1,0 +1,70 @@
+//! The light on the strands that an eye sees: what maps of strands' shadows should hold.
+
+use super::camera::{RayCaster, TrueCamera};
+use super::lighting::TrueLight;
+use super::picture::TrueScene;
+use super::tracer::{Hit, Start};
+use super::{seed_of, stratified};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// A place of a strand that an eye sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenStrand {
+    /// On the axis of the strand, metres in world space.
+    pub axis_ws: DVec3,
+    /// Along the strand, unit length.
+    pub tangent: DVec3,
+    /// Towards the eye, unit length.
+    pub to_eye: DVec3,
+    /// Of the strand here, metres.
+    pub radius_m: f64,
+    strand: u32,
+}
+
+/// How far the rays of a place start from it along its strand, radii: a map tells no nearer places from each other.
+const ALONG: f64 = 4.0;
+
+impl TrueScene {
+    /// The strands that a camera sees in the middle of every `step`th pixel of a picture of `size` pixels, row by row. `step` 0 counts as 1.
+    pub fn seen_strands(&self, camera: &TrueCamera, size: (u32, u32), step: u32) -> Vec<SeenStrand> {
+        let (rays, step) = (RayCaster::new(camera, size), step.max(1));
+        let rows: Vec<u32> = (0..size.1).step_by(step as usize).collect();
+        let seen = |x: u32, y: u32| {
+            let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + 0.5);
+            let (Hit::Hair { point, share, strand }, _) = self.tracer.first(origin, way)? else { return None };
+            let (a, b) = (&self.curves().points[point], &self.curves().points[point + 1]);
+            let (from, to) = (a.position_ws.as_dvec3(), b.position_ws.as_dvec3());
+            Some(SeenStrand {
+                axis_ws: from.lerp(to, share),
+                tangent: (to - from).normalize_or(DVec3::Y),
+                to_eye: -way,
+                radius_m: f64::from(a.radius_m) + f64::from(b.radius_m - a.radius_m) * share,
+                strand,
+            })
+        };
+        let row = |y: &u32| (0..size.0).step_by(step as usize).filter_map(|x| seen(x, *y)).collect::<Vec<_>>();
+        rows.par_iter().flat_map_iter(row).collect()
+    }
+
+    /// Share of a light that reaches a place of a strand past all others, 0..=1: of that many rays, rounded up to a square number, from the side that the
+    /// eye sees, over its width and four radii up and down, as [`TrueScene::picture`] has it. `None` where the skin hides the light.
+    pub fn light_on_strand(&self, at: &SeenStrand, light: &TrueLight, rays: u32) -> Option<f64> {
+        let start = Start { strand: Some(at.strand), triangle: None };
+        let (way, reach) = light.seen_from(at.axis_ws);
+        if !self.tracer.is_lit(at.axis_ws, way, reach, start, (false, true)) {
+            return None;
+        }
+        let across = at.to_eye.cross(at.tangent).normalize_or(at.to_eye.any_orthonormal_vector());
+        let front = at.tangent.cross(across);
+        let offsets = stratified(seed_of(&at.axis_ws.to_array()), rays);
+        let count = offsets.len() as f64;
+        let lit = offsets.filter(|offset| {
+            let aside = 2.0 * *offset - 1.0;
+            let on_round = across * aside.x + front * (1.0 - aside.x * aside.x).max(0.0).sqrt();
+            let from = at.axis_ws + (on_round + at.tangent * (ALONG * aside.y)) * at.radius_m;
+            self.tracer.is_lit(from, way, reach, start, (true, false))
+        });
+        Some(lit.count() as f64 / count)
+    }
+}

@@ -1,0 +1,24 @@
+// Beside a deep opacity map the opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering in the Nalu Demo"), whose slabs
+// divide the whole depth of the hair; chosen by overrides; in the place of light/deep_forms.wgsl.
+
+override WHOLE_DEPTH: bool = false;
+// The last plane lies where the printed spacing puts it, a sixteenth before the end: what is behind it is in no plane, and no plane shadows it.
+override PRINTED_SPACING: bool = false;
+override ON_AXIS: bool = false;
+
+fn slabs_begin(first: f32, whole: f32) -> f32 {
+    return select(first, whole, WHOLE_DEPTH);
+}
+
+fn is_kept(behind: f32, slabs: u32) -> bool {
+    return !PRINTED_SPACING || behind < f32(slabs);
+}
+
+fn shadowing(behind: f32, slabs: u32) -> f32 {
+    // The weights of the planes, max(0, 1 - |z - z_i| / dz), end one spacing behind the last.
+    return select(1.0, clamp(f32(slabs) + 1.0 - behind, 0.0, 1.0), PRINTED_SPACING);
+}
+
+fn radii_towards_eye() -> f32 {
+    return select(1.0, 0.0, ON_AXIS);
+}
