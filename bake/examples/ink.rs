@@ -5,7 +5,7 @@
 
 use image::GrayImage;
 use pelage_bake::io::read_map_images;
-use pelage_bake::recipe::{ImagePath, Recipe};
+use pelage_bake::recipe::{FilePath, Recipe};
 use pelage_bake::stages::hair::{VolumeParams, simulate};
 use pelage_bake::stages::ink::{self, Plane};
 use pelage_bake::steps::Steps;
@@ -27,7 +27,7 @@ fn main() -> anyhow::Result<()> {
     }
     let strands = simulate(&recipe.hair, &recipe.color, &volume)?;
     let images = read_map_images("recipe", &|name| name.into(), &recipe)?;
-    let scan = |path: &Option<ImagePath>| path.as_ref().map(|p| (p.0.clone(), images.get(&p.0)));
+    let scan = |path: &Option<FilePath>| path.as_ref().map(|p| (p.0.clone(), images.get(&p.0)));
     let band = scan(&recipe.ink.stroke_image).map(|(path, image)| ink::stroke_band(&path, image?)).transpose()?;
     let tile = scan(&recipe.ink.wash_image).map(|(path, image)| ink::wash_tile(&path, image?)).transpose()?;
     let mut rows = Vec::new();

@@ -1,6 +1,7 @@
 //! The only module of the library that touches files.
 
 use crate::BakeError;
+use crate::guides::read::GuideFormat;
 use crate::image_file::{MAX_TEXELS, decode_image};
 use crate::mesh::Model;
 use crate::picture::Picture;
@@ -155,7 +156,7 @@ fn stays_inside(folder: &Path, relative: &Path) -> bool {
     }
 }
 
-/// Reads the images that a recipe names.
+/// Reads the images and the files of strands that a recipe names.
 ///
 /// * `file`: the recipe as the user named it, for messages
 /// * `place`: where the image of a name is
@@ -174,6 +175,18 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
         texels_left -= u64::from(image.width) * u64::from(image.height);
         read.inputs.push(input_record("image", name, &bytes));
         read.images.insert(name.to_owned(), image);
+    }
+    for (key, name) in recipe.strand_files() {
+        let path = place(name);
+        let fail = |reason: String| BakeError::Input { file: file.to_owned(), place: key.clone(), reason };
+        let extension = path.extension().unwrap_or_default().to_string_lossy().into_owned();
+        let format = GuideFormat::of_extension(&extension).ok_or_else(|| {
+            let known: Vec<String> = GuideFormat::EXTENSIONS.iter().map(|(e, _)| format!(".{e}")).collect();
+            fail(format!("{}: expected a name that ends in {}", path.display(), known.join(", ")))
+        })?;
+        let bytes = read_named_file(&path).map_err(|error| fail(error.to_string()))?;
+        read.strands.insert(name.to_owned(), format.read(&path.display().to_string(), &bytes)?);
+        read.inputs.push(input_record("strands", name, &bytes));
     }
     Ok(read)
 }

@@ -8,6 +8,7 @@
 
 mod angle;
 pub mod error;
+pub mod guides;
 pub(crate) mod image_file;
 pub mod io;
 pub mod judge;

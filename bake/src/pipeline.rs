@@ -11,6 +11,7 @@ use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, Coat, Colors, GroomTextures, Lay, Lengths, MapImages, Maps, Pattern};
 use crate::stages::hair::TileHair;
+use crate::stages::hair_groups;
 use crate::stages::ink::{self, Canvas, InkFiles, SkinInk};
 use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
 use crate::stages::size;
@@ -19,7 +20,7 @@ use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::stages::textures::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::{self, Visibility};
 use crate::steps::Steps;
-use pelage_formats::{Bounds, Shading, StrandsData};
+use pelage_formats::{Bounds, HairGroup, Shading, StrandsData};
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 9] =
@@ -100,6 +101,8 @@ outputs! {
     Single single: Option<StrandsData>,
     /// The laid model with what varies over it.
     Groomed groomed: Groomed,
+    /// Hair on guides, and what there was to say of it.
+    Guided guided: (Vec<HairGroup>, Vec<String>),
     /// Where fins stand.
     Fins fins: SkinFins<'a>,
     /// What fins show; none where the package is to have no fins.
@@ -214,6 +217,7 @@ pub const STEPS: &[Step] = &[
     Step { stage: "slice", makes: Shells, reads: &[Hair, Visible], run: slice },
     Step { stage: "slice", makes: Single, reads: &[Hair, Visible], run: single },
     Step { stage: "groom", makes: Groomed, reads: &[Model, Laid], run: groom },
+    Step { stage: "groom", makes: Guided, reads: &[Model, Laid, Groomed], run: guided },
     Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], run: fins },
     Step { stage: "fins", makes: FinTextures, reads: &[Hair, Fins], run: fin_textures },
     Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], run: ink },
@@ -222,7 +226,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "pack",
         makes: Package,
-        reads: &[Shells, Single, Fins, FinTextures, Ink, InkTextures, Skin],
+        reads: &[Shells, Single, Guided, Fins, FinTextures, Ink, InkTextures, Skin],
         run: pack,
     },
 ];
@@ -399,6 +403,23 @@ fn height_m(hair: &TileHair, lengths: Lengths) -> f32 {
     hair.strands.height * lengths.tile_size_m
 }
 
+fn guided(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid, groomed) =
+        (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?, made(&outputs.groomed, Groomed)?);
+    let ground = hair_groups::Ground {
+        file: told.file,
+        mesh: &groomed.surface.mesh,
+        rest: &groomed.surface.rest,
+        radius_m: laid.bounds.radius,
+        materials: &model.materials,
+        files: told.images,
+    };
+    let mut warnings = Vec::new();
+    let groups = hair_groups::groups(&told.recipe.strands, &ground, &mut warnings)?;
+    outputs.guided = Some((groups, warnings));
+    Ok(())
+}
+
 fn fins(_: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (laid, hair) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?);
     let groomed = made(&outputs.groomed, Groomed)?;
@@ -477,6 +498,7 @@ fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         shells: &shells.dry,
         wet_shells: shells.wet.as_ref(),
         strands: made(&outputs.single, Single)?.as_ref(),
+        hair: made(&outputs.guided, Guided)?,
         fins: made(&outputs.fins, Fins)?,
         fin_textures: made(&outputs.fin_textures, FinTextures)?.as_ref(),
         ink,

@@ -15,17 +15,19 @@
 //! ```
 
 mod comb_marks;
+mod hair_group;
 mod ink;
 mod maps;
 mod material_groom;
-mod material_table;
+mod named_table;
 mod params;
 
 pub use comb_marks::CombMarkParams;
+pub use hair_group::{HairGroupParams, TuftParams};
 pub use ink::{InkFill, InkParams, MaterialInk};
-pub use maps::{Channel, ColorMap, ImagePath, ScalarMap, VectorMap};
+pub use maps::{Channel, ColorMap, FilePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
-pub use material_table::MaterialTable;
+pub use named_table::MaterialTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
     HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat,
@@ -94,6 +96,17 @@ impl From<pelage_params::OutOfRange> for BakeError {
     fn from(pelage_params::OutOfRange { name, reason }: pelage_params::OutOfRange) -> Self {
         Self::Params { what: name, reason }
     }
+}
+
+/// The paths among those that keys may name, each once with the key that names it first.
+fn each_once<'a>(named: impl IntoIterator<Item = (String, Option<&'a str>)>) -> Vec<(String, &'a str)> {
+    let mut paths: Vec<(String, &str)> = Vec::new();
+    for (key, path) in named {
+        if let Some(path) = path.filter(|path| paths.iter().all(|(_, known)| known != path)) {
+            paths.push((key, path));
+        }
+    }
+    paths
 }
 
 /// A fault of a recipe, in a file or, where it has no line, on the command line.
@@ -178,13 +191,18 @@ impl Recipe {
         for (key, path) in [("stroke_image", &ink.stroke_image), ("wash_image", &ink.wash_image)] {
             named.push((format!("ink.{key}"), path.as_ref().map(|path| path.0.as_str())));
         }
-        let mut images: Vec<(String, &str)> = Vec::new();
-        for (key, path) in named {
-            if let Some(path) = path.filter(|path| images.iter().all(|(_, known)| known != path)) {
-                images.push((key, path));
-            }
+        for (i, group) in self.strands.group.iter().enumerate() {
+            named.push((format!("strands.group, table {i}, mask"), group.mask.as_ref().and_then(ScalarMap::image)));
         }
-        images
+        each_once(named)
+    }
+
+    /// The files of strands that it names, each path once with the key that names it first.
+    pub fn strand_files(&self) -> Vec<(String, &str)> {
+        fn path((i, group): (usize, &HairGroupParams)) -> (String, Option<&str>) {
+            (format!("strands.group, table {i}, file"), group.file.as_ref().map(|path| path.0.as_str()))
+        }
+        each_once(self.strands.group.iter().enumerate().map(path))
     }
 
     /// Checks every value against its range.

@@ -100,8 +100,10 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
             warnings: Vec::new(),
         });
     }
+    let groups = package.hair_groups().map_err(fault)?.to_vec();
     let mut outputs = Outputs {
         hair: Some(hair),
+        guided: Some((groups, Vec::new())),
         fins: Some(SkinFins { section: fins, depth: None }),
         ink: Some(ink),
         ink_textures: Some(ink_textures),

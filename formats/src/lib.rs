@@ -53,6 +53,7 @@ pub use package::Package;
 pub use sampling::Pose;
 pub use sections::animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
 pub use sections::fins::{Fin, FinData, FinsView};
+pub use sections::hair::{HairGroup, OnTriangle};
 pub use sections::ink::{InkData, InkInfo, InkShading, InkTextures, InkVertex, InkView};
 pub use sections::manifest::choice::{Choice, ChoiceLimits, Trial};
 pub use sections::manifest::data::{

@@ -17,7 +17,7 @@ pub struct Limits {
     pub indices: u32,
     /// Fins (default 50 331 648).
     pub fins: u32,
-    /// Strands of the tile (default 16 777 216).
+    /// Strands of the tile, and hairs on guides (default 16 777 216).
     pub strands: u32,
     /// Width and height of a texture, texels (default 16 384).
     pub texture_size: u32,

@@ -91,6 +91,7 @@ impl<'a> Package<'a> {
             self.fins().err(),
             self.simplified().err(),
             self.strands().err(),
+            self.hair_groups().err(),
             self.ink().err(),
             self.fur_textures().err(),
             self.wet_textures().err(),

@@ -16,6 +16,11 @@ pub struct Sphere {
 pub(crate) struct Hull(pub(crate) Vec<(Vec3, f32)>);
 
 impl Hull {
+    /// The same with wider margins.
+    pub(crate) fn widened(&self, by_m: f32) -> Self {
+        Self(self.0.iter().map(|(point, margin)| (*point, margin + by_m)).collect())
+    }
+
     /// Least and greatest coordinate along a unit direction from `origin`.
     pub(crate) fn range(&self, origin: Vec3, axis: Vec3) -> (f32, f32) {
         let along = self.0.iter().map(|(point, margin)| ((*point - origin).dot(axis), *margin));

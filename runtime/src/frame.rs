@@ -16,9 +16,10 @@ use std::sync::Arc;
 pub(crate) const PASSES: &[&Pass] = &[
     &pose::PASS,
     &strand_pose::PASS,
+    &hair_pose::PASS,
+    &strand_shadow::PASS,
     &layer_shadow::PASS,
     &shadow_width::PASS,
-    &strand_shadow::PASS,
     &strand_light::PASS,
     &ink_normals::PASS,
     &ink_features::PASS,

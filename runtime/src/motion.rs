@@ -3,7 +3,7 @@
 use crate::bounds::Hull;
 use crate::gpu::Gpu;
 use crate::instance::{Instance, Motion};
-use crate::model::Model;
+use crate::model::{Model, Strands};
 use glam::Mat4;
 use pelage_formats::Pose;
 use std::collections::HashMap;
@@ -17,8 +17,8 @@ struct State {
     model: Model,
     /// Posed vertices, where the model has a skeleton.
     posed: Option<wgpu::Buffer>,
-    /// Posed points of the strands, where the model has some, and the revision that they are of.
-    strands: Option<(wgpu::Buffer, u64)>,
+    /// Of each set of the model's strands.
+    strands: Vec<StrandState>,
     /// What they are of.
     motion: Option<Motion>,
     pose: Pose,
@@ -43,16 +43,28 @@ pub(crate) struct Moved {
     /// The joint matrices, where the posed vertices are not of them yet.
     pub(crate) joints: Option<Vec<Mat4>>,
     pub(crate) revision: u64,
-    /// Posed points of the strands.
-    pub(crate) strands: Option<PosedStrands>,
+    /// Posed points of each set of the model's strands.
+    pub(crate) strands: Vec<PosedStrands>,
     /// The posed skin with its fur, in world space.
     pub(crate) hull: Hull,
+}
+
+/// A set of strands on the posed skin.
+#[derive(Debug)]
+struct StrandState {
+    points: wgpu::Buffer,
+    /// Points of its guides, where it follows some.
+    guides: Option<wgpu::Buffer>,
+    /// The revision that both are of.
+    revision: u64,
 }
 
 /// Points of strands on the posed skin.
 #[derive(Clone, Debug)]
 pub(crate) struct PosedStrands {
     pub(crate) buffer: wgpu::Buffer,
+    /// Points of their guides, where they follow some: relative to their roots.
+    pub(crate) guides: Option<wgpu::Buffer>,
     /// They are of another pose.
     pub(crate) stale: bool,
 }
@@ -78,9 +90,7 @@ impl States {
                 let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
                 gpu.buffer("pelage posed vertices", model.geometry().size(), usage)
             }),
-            strands: model.strands().map(|strands| {
-                (gpu.buffer("pelage posed strands", strands.posed_bytes(), wgpu::BufferUsages::STORAGE), 0)
-            }),
+            strands: model.strands().iter().map(|strands| StrandState::new(gpu, strands)).collect(),
             motion: None,
             pose: Pose::default(),
             revision: 0,
@@ -109,18 +119,21 @@ impl States {
         model.extent().add_to(&mut hull, &state.pose.joints, instance.transform, fur_m);
         let geometry = state.posed.as_ref().unwrap_or(model.geometry()).clone();
         let revision = state.revision;
-        let posed =
-            |(buffer, of): &(wgpu::Buffer, u64)| PosedStrands { buffer: buffer.clone(), stale: *of != revision };
-        let strands = state.strands.as_ref().map(posed);
+        let posed = |of: &StrandState| PosedStrands {
+            buffer: of.points.clone(),
+            guides: of.guides.clone(),
+            stale: of.revision != revision,
+        };
+        let strands = state.strands.iter().map(posed).collect();
         Moved { geometry, joints, revision, strands, hull }
     }
 
-    /// Notes that a frame poses the strands of an owner. One that draws none of them leaves them as they are.
-    pub(crate) fn pose_strands(&mut self, owner: u64) {
+    /// Notes that a frame poses a set of strands of an owner. One that draws none of them leaves them as they are.
+    pub(crate) fn pose_strands(&mut self, owner: u64, set: usize) {
         if let Some(state) = self.owners.get_mut(&owner)
-            && let Some((_, of)) = &mut state.strands
+            && let Some(of) = state.strands.get_mut(set)
         {
-            *of = state.revision;
+            of.revision = state.revision;
         }
     }
 
@@ -138,8 +151,23 @@ impl States {
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let of = |state: &State| {
             let posed = state.posed.as_ref().map_or(0, wgpu::Buffer::size);
-            posed + state.strands.as_ref().map_or(0, |(buffer, _)| buffer.size())
+            posed + state.strands.iter().map(StrandState::gpu_bytes).sum::<u64>()
         };
         self.owners.values().map(of).sum()
+    }
+}
+
+impl StrandState {
+    fn new(gpu: &Gpu, strands: &Strands) -> Self {
+        let buffer = |label, bytes| gpu.buffer(label, bytes, wgpu::BufferUsages::STORAGE);
+        Self {
+            points: buffer("pelage posed strands", strands.posed_bytes()),
+            guides: strands.guided().map(|guided| buffer("pelage posed guides", guided.guides.size())),
+            revision: 0,
+        }
+    }
+
+    fn gpu_bytes(&self) -> u64 {
+        self.points.size() + self.guides.as_ref().map_or(0, wgpu::Buffer::size)
     }
 }

@@ -49,6 +49,12 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
     gpu_bytes += mesh.map_or(0, |m| m.bytes());
     let fins = package.fins()?;
     gpu_bytes += fins.map_or(0, |f| f.fins.len() as u64);
+    let single = package.strands()?;
+    let hair: Vec<_> = package
+        .hair_groups()?
+        .iter()
+        .map(|g| json!({ "name": g.name, "hairs": g.hair_count(), "points": g.points, "guides": g.guide_roots.len() }))
+        .collect();
     let ink = package.ink()?;
     gpu_bytes += ink.as_ref().map_or(0, |ink| ink.vertices.len() as u64);
     let mut anatomy = anatomy(package)?;
@@ -72,6 +78,8 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
         "layers": manifest.fur.layers,
         "fins": fins.map_or(0, |f| f.count),
         "strands": manifest.fur.strands,
+        "single_strands": single.map_or(0, |view| view.strand_count()),
+        "hair": hair,
         "tile_texels": manifest.fur.tile_texels,
         "tile_size_m": manifest.fur.tile_size_m,
         "height_m": manifest.fur.height_m,
@@ -137,6 +145,13 @@ fn table(name: &str, object: &Value) -> String {
             object["fins"]
         )
     });
+    if object["single_strands"] != 0 {
+        row("strands", format!("{} of the tile, one by one", object["single_strands"]));
+    }
+    for h in list("hair") {
+        let [hairs, points] = ["hairs", "points"].map(|key| number(&h[key]));
+        row("hair", format!("{:?}, {hairs} of {points} points, {} guides", text(&h["name"]), number(&h["guides"])));
+    }
     anatomy::rows(object, &mut row);
     for t in list("textures") {
         let (name, format, bytes) = (text(&t["name"]), text(&t["format"]), human_bytes(number(&t["bytes"])));

@@ -3,8 +3,9 @@
 use super::exit::Failure;
 use super::view::View;
 use glam::Vec3;
+use pelage_bake::BakeError;
 use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScene};
-use pelage_bake::strands::{GroomReport, Skin, grow_on, tile_hair};
+use pelage_bake::strands::{GroomReport, Skin, grow_groups, grow_on, tile_hair};
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_stage::{KeyLight, LookSelfShadow, LookStyle, NamedPackage, Viewpoint, find_clip, within};
@@ -31,10 +32,18 @@ impl Truth {
             LookStyle::Bare => None,
             _ => tile_hair(&file.name, manifest)?,
         };
-        let (curves, report) = match &hair {
+        let (mut curves, mut report) = match &hair {
             Some(hair) => grow_on(&skin, hair, f64::from(manifest.fur.tile_size_m))?,
             None => Default::default(),
         };
+        let groups = package.hair_groups().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
+        if view.look.picture.style != LookStyle::Bare && !groups.is_empty() {
+            let grown = grow_groups(&groups, &Skin::posed(&file.name, package, None)?, &skin);
+            report.strands += grown.len() as u64;
+            report.points_before += grown.points.len() as u64;
+            curves.append(&grown);
+            report.segments = curves.segments() as u64;
+        }
         if view.look.picture.style == LookStyle::Bare {
             skin.materials.iter_mut().for_each(|material| material.furred = false);
         }

@@ -1,8 +1,8 @@
 //! `[ink]`: the model as an ink-wash painting.
 
-use super::maps::{ImagePath, ScalarMap};
+use super::maps::{FilePath, ScalarMap};
 use super::material_groom::SHARE;
-use super::material_table::material_table;
+use super::named_table::{MaterialTable, named_table};
 use pelage_formats::InkShading;
 use pelage_params::{PowerOfTwo, Range, params, words};
 
@@ -22,9 +22,9 @@ words! {
     }
 }
 
-material_table! {
+named_table! {
     /// The ink of the materials that `name` matches: what is given here stands in for what `[ink]` says. Later tables win.
-    MaterialInk {
+    MaterialInk of "a material" {
         /// `blank` leaves the paper white, `wash` washes, `solid` is full dark ink.
         fill: InkFill, in ();
         /// As `ink.center`, for the wash of these materials alone.
@@ -33,6 +33,12 @@ material_table! {
         amount: ScalarMap, in SHARE;
         /// As `ink.lines`.
         line: ScalarMap, in SHARE;
+    }
+}
+
+impl MaterialTable for MaterialInk {
+    fn material_name(&self) -> &str {
+        &self.name
     }
 }
 
@@ -74,7 +80,7 @@ params! {
         material: Vec<MaterialInk> = Vec::new();
         /// A scanned stroke in place of the painted one: an image of one stroke that runs from left to right, its outer edge above. The path is
         /// from the recipe's folder.
-        stroke_image: Option<ImagePath> = None;
+        stroke_image: Option<FilePath> = None;
         /// Width of the stroke at the outline, as a share of the radius of the body that it goes round.
         stroke_width: f32 = 0.09, in 0.01..=0.9;
         /// How much the stroke swells and thins, and how uneven its edge is.
@@ -84,7 +90,7 @@ params! {
         /// Width and height of the stroke texture, texels.
         stroke_texels: u32 = 256, in 32..=2048, as PowerOfTwo;
         /// A painting, or a part of one, that the grain and blotches of the wash are taken from. The path is from the recipe's folder.
-        wash_image: Option<ImagePath> = None;
+        wash_image: Option<FilePath> = None;
         /// How strongly ink gathers where a wash dries: 0 soft blotches, 1 dark marks round them.
         wash_edges: f32 = 0.5, in SHARE;
         /// Width and height of the wash texture, texels.

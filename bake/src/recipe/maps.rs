@@ -86,9 +86,9 @@ pub enum ColorMap {
     Image(String),
 }
 
-/// The path of an image, from the recipe's folder: relative, so that a recipe means the same wherever its folder lies.
+/// The path of an image, or of a file of strands, from the recipe's folder: relative, so that a recipe means the same wherever its folder lies.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ImagePath(pub String);
+pub struct FilePath(pub String);
 
 /// A path and what follows its last `#`.
 fn split(text: &str) -> (&str, Option<&str>) {
@@ -96,7 +96,7 @@ fn split(text: &str) -> (&str, Option<&str>) {
 }
 
 /// A path that a recipe may name.
-fn image_path(text: &str) -> Option<String> {
+fn file_path(text: &str) -> Option<String> {
     // Both kinds of slash, and drives, so that a recipe is refused alike on every system.
     let drive = text.as_bytes().get(1) == Some(&b':');
     let legal = !text.is_empty() && text != VERTEX && !text.starts_with(['/', '\\']) && !drive;
@@ -174,7 +174,7 @@ impl Field for ScalarMap {
         if source == VERTEX {
             return Some(Self::Vertex(channel));
         }
-        image_path(source).map(|path| Self::Image { path, channel })
+        file_path(source).map(|path| Self::Image { path, channel })
     }
 
     fn in_range(&self, range: &Self::Range) -> bool {
@@ -203,8 +203,8 @@ impl Field for VectorMap {
         let Raw::String(text) = raw else { return <[f32; 3]>::from_raw(raw).map(Self::Constant) };
         match split(text) {
             (VERTEX, None) => Some(Self::Vertex),
-            (path, None) => image_path(path).map(|path| Self::Image { path, flow: false }),
-            (path, Some("uv")) => image_path(path).map(|path| Self::Image { path, flow: true }),
+            (path, None) => file_path(path).map(|path| Self::Image { path, flow: false }),
+            (path, Some("uv")) => file_path(path).map(|path| Self::Image { path, flow: true }),
             _ => None,
         }
     }
@@ -234,7 +234,7 @@ impl Field for ColorMap {
     fn from_raw(raw: &Raw) -> Option<Self> {
         match raw {
             Raw::String(text) if text == VERTEX => Some(Self::Vertex),
-            Raw::String(text) if !text.starts_with('#') => image_path(text).map(Self::Image),
+            Raw::String(text) if !text.starts_with('#') => file_path(text).map(Self::Image),
             _ => SrgbColor::from_raw(raw).map(Self::Constant),
         }
     }
@@ -254,16 +254,16 @@ impl Field for ColorMap {
     }
 }
 
-impl Field for ImagePath {
+impl Field for FilePath {
     type Range = ();
 
     fn expected((): &()) -> String {
-        "the relative path of an image".into()
+        "the relative path of a file".into()
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
         match raw {
-            Raw::String(text) => image_path(text).map(Self),
+            Raw::String(text) => file_path(text).map(Self),
             _ => None,
         }
     }

@@ -1,7 +1,7 @@
 //! What a recipe says about the hair of single materials: `[[groom.material]]`.
 
 use super::maps::{ColorMap, ScalarMap, VectorMap};
-use super::material_table::material_table;
+use super::named_table::{MaterialTable, named_table};
 use pelage_params::Range;
 
 /// Range of maps that are shares.
@@ -9,9 +9,9 @@ pub(super) const SHARE: Range<f32> = 0.0..=1.0;
 /// Range of the density map.
 pub(super) const DENSITY: Range<f32> = 0.25..=4.0;
 
-material_table! {
+named_table! {
     /// The groom of the materials that `name` matches: what is given here stands in for what `[groom]` says. Later tables win.
-    MaterialGroom {
+    MaterialGroom of "a material" {
         /// As `groom.length`.
         length: ScalarMap, in SHARE;
         /// As `groom.density`.
@@ -26,5 +26,11 @@ material_table! {
         bare: ScalarMap, in SHARE;
         /// As `groom.color`.
         color: ColorMap, in ();
+    }
+}
+
+impl MaterialTable for MaterialGroom {
+    fn material_name(&self) -> &str {
+        &self.name
     }
 }

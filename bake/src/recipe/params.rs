@@ -1,7 +1,8 @@
 //! The parameters of each stage, with their meaning, range and default in one place.
 
 use super::comb_marks::CombMarkParams;
-use super::maps::{ColorMap, ImagePath, ScalarMap, VectorMap};
+use super::hair_group::{HairGroupParams, TuftParams};
+use super::maps::{ColorMap, FilePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
 use pelage_params::{PowerOfTwo, SrgbColor, params, words};
 use pelage_stage::Viewpoint;
@@ -168,7 +169,7 @@ params! {
         base_color: bool = true;
         /// Pattern of the coat: an image laid through the model at rest, which multiplies the hair's colour. It needs no texture
         /// coordinates. The path is from the recipe's folder.
-        pattern: Option<ImagePath> = None;
+        pattern: Option<FilePath> = None;
         /// How it is laid: `x`, `y` and `z` project it along that axis, `box` along all three, softly blended by the normal.
         pattern_projection: PatternProjection = PatternProjection::Box;
         /// Width of the image on the model, metres. Left out, the image spans the model once.
@@ -267,11 +268,15 @@ params! {
 params! {
     /// `[strands]`: the hair as single strands, for pictures near enough to see them.
     StrandParams in strands {
-        /// Whether the package has the strands of its tile.
+        /// Whether the package has the strands of its tile, which are the coat's.
         enabled: bool = false;
         /// Points of each strand. Those of half, a quarter and so on of the pieces are drawn where strands are small, so that one more than a power of two
         /// suits best.
         points: u32 = 9, in 2..=33;
+        /// Hair on guides: `[[strands.group]]` with a `name`, for manes, tails, a head of hair. It is there whether or not `enabled` is.
+        group: Vec<HairGroupParams> = Vec::new();
+        /// A few thick hairs at a place: `[[strands.tuft]]` with a `name`, for whiskers, lashes and brows. They are there whether or not `enabled` is.
+        tuft: Vec<TuftParams> = Vec::new();
     }
 }
 

@@ -276,7 +276,7 @@ fn inks() -> impl Strategy<Value = InkParams> {
         prop_oneof![(0f32..=1.0).prop_map(ScalarMap::Constant), Just(ScalarMap::Vertex(crate::recipe::Channel::Blue))]
     };
     let place = || [-1e3f32..=1e3, -1e3..=1e3, -1e3..=1e3];
-    let path = || of("[a-z /.]{1,9}".prop_filter_map("a path", |p| ImagePath::from_raw(&Raw::String(p))));
+    let path = || of("[a-z /.]{1,9}".prop_filter_map("a path", |p| FilePath::from_raw(&Raw::String(p))));
     let fill = of(prop::sample::select(InkFill::ALL));
     let material = ("\\PC{1,9}", fill, of(place()), of(share()), of(share()))
         .prop_map(|(name, fill, center, amount, line)| MaterialInk { name, fill, center, amount, line });
@@ -299,6 +299,33 @@ fn inks() -> impl Strategy<Value = InkParams> {
             ..InkParams::default()
         },
     )
+}
+
+/// A group of which every key is given where `share` is above a half.
+fn some_group(count: u32, share: f32) -> HairGroupParams {
+    let given = share > 0.5;
+    HairGroupParams {
+        name: format!("hair {count}"),
+        material: given.then(|| "M\"ane*".to_owned()),
+        mask: Some(ScalarMap::Constant(share)),
+        file: given.then(|| FilePath("hair/guides.tfx".into())),
+        turn_deg: given.then_some([share, -90.0, 0.0]),
+        hairs: Some(count),
+        style: given.then_some(Style::Curly),
+        root_color: given.then_some(SrgbColor([share; 3])),
+        parting_m: Some(share - 0.5),
+        ..HairGroupParams::default()
+    }
+}
+
+fn some_tuft(count: u32, share: f32) -> TuftParams {
+    TuftParams {
+        name: "brow".into(),
+        at: Some([share, 0.0, -1.0]),
+        mirrored: Some(share > 0.5),
+        hairs: Some(count),
+        ..TuftParams::default()
+    }
 }
 
 fn recipes() -> impl Strategy<Value = Recipe> {
@@ -346,7 +373,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
     });
     let judge = (prop::collection::vec(view, 0..3), 16u32..=4096, 1u32..=65_536);
     let coat = (
-        (prop::option::of("[a-z /.]{1,9}".prop_filter_map("a path", |p| ImagePath::from_raw(&Raw::String(p)))),),
+        (prop::option::of("[a-z /.]{1,9}".prop_filter_map("a path", |p| FilePath::from_raw(&Raw::String(p)))),),
         (prop::sample::select(PatternProjection::ALL), prop::sample::select(PatternWrap::ALL), 6u32..=13),
     );
     let rest = (
@@ -383,7 +410,12 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             },
             slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
             visibility: VisibilityParams { enabled: color.3, directions: 2 * slice.0 },
-            strands: StrandParams { enabled: !color.3, points: slice.0.clamp(2, 33) },
+            strands: StrandParams {
+                enabled: !color.3,
+                points: slice.0.clamp(2, 33),
+                group: vec![some_group(slice.0, shading.2); slice.1 as usize % 3],
+                tuft: vec![some_tuft(slice.0, shading.2); slice.1 as usize % 2],
+            },
             fins: FinParams { enabled: fins.0, depth: fins.1 },
             detail: DetailParams {
                 enabled: detail.0,

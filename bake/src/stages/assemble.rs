@@ -2,8 +2,8 @@
 
 use super::textures::ShellTextures;
 use pelage_formats::{
-    Animation, FinData, FormatError, InkData, Manifest, MeshData, Package, PackageWriter, SimplifiedLevel, StrandsData,
-    Tag, TextureEntry, VisibilityInfo,
+    Animation, FinData, FormatError, HairGroup, InkData, Manifest, MeshData, Package, PackageWriter, SimplifiedLevel,
+    StrandsData, Tag, TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -23,6 +23,8 @@ pub enum Content<'a> {
     Simplified(Arc<[SimplifiedLevel]>),
     /// The strands of the tile.
     Strands(StrandsData),
+    /// Hair on guides.
+    Hair(Vec<HairGroup>),
     /// Which textures say how much light reaches the hair.
     Visibility(VisibilityInfo),
     /// A complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
@@ -48,6 +50,7 @@ pub fn assemble<'a>(
         Content::Ink(ink) => writer.ink(&ink),
         Content::Simplified(levels) => writer.simplified(&levels),
         Content::Strands(strands) => writer.strands(&strands),
+        Content::Hair(groups) => writer.hair_groups(&groups),
         Content::Visibility(info) => writer.visibility(&info),
         Content::Texture(file) => writer.texture(file),
         Content::Bytes(tag, bytes) => writer.section(tag, bytes),

@@ -4,10 +4,12 @@
 //! whose results it reads and nothing that judges it.
 
 pub mod assemble;
+mod cells;
 pub mod detail;
 pub mod fins;
 pub mod groom;
 pub mod hair;
+pub mod hair_groups;
 pub mod import;
 pub mod ink;
 pub mod pack;

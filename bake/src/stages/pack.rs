@@ -13,9 +13,9 @@ use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
-    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, InkData,
-    InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading, StrandsData,
-    VisibilityInfo,
+    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairGroup,
+    InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading,
+    StrandsData, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -153,6 +153,8 @@ pub struct Pieces<'a> {
     pub wet_shells: Option<&'a ShellTextures>,
     /// The strands of the tile, or none.
     pub strands: Option<&'a StrandsData>,
+    /// Hair on guides, and what there was to say of it.
+    pub hair: &'a (Vec<HairGroup>, Vec<String>),
     /// The fins.
     pub fins: &'a SkinFins<'a>,
     /// Their textures; without them the package has no fins.
@@ -208,6 +210,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
         }
     }
     let mut warnings = skin.manifest.warnings.clone();
+    warnings.extend(pieces.hair.1.iter().cloned());
     warnings.extend(pieces.ink.iter().flat_map(|(ink, _)| ink.warnings.iter().cloned()));
     let (names, files) = textures.finish();
     // What the model's size decides may lie where no recipe may.
@@ -235,7 +238,8 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     let fins = fins.map(|(_, section)| section);
     let sections = skin.sections.iter().cloned().chain(files).chain(fins).chain(ink.map(Content::Ink));
     let strands = pieces.strands.cloned().map(Content::Strands);
-    let sections = sections.chain(visibility.map(Content::Visibility)).chain(strands);
+    let hair = (!pieces.hair.0.is_empty()).then(|| Content::Hair(pieces.hair.0.clone()));
+    let sections = sections.chain(visibility.map(Content::Visibility)).chain(strands).chain(hair);
     let fault = |fault| BakeError::Internal(format!("the package does not read back: {fault}"));
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }

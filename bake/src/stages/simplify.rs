@@ -4,11 +4,11 @@
 //! change is not only where the skin lies, but also where the outermost layer does, which texels of the tile lie there, how the skin is coloured,
 //! and how joints move it. All of it is measured in metres.
 
-use glam::{IVec3, Mat4, Vec3};
+use super::cells::{Cells, closest};
+use glam::{Mat4, Vec3};
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify_scale, simplify_with_attributes_and_locks};
 use pelage_formats::{Animation, MeshData, Part, SimplifiedLevel};
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// Numbers of a vertex beside its position that a collapse keeps.
 const ATTRIBUTES: usize = 17;
@@ -115,72 +115,6 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
     let mut found: Vec<f32> = gone.par_iter().step_by(step).map(of).filter(|d| d.is_finite()).collect();
     found.sort_by(f32::total_cmp);
     found.get((found.len() as f32 * (1.0 - DEVIATING)) as usize).or(found.last()).copied().unwrap_or_default()
-}
-
-/// Barycentric coordinates of the point of a triangle that is closest to `p` (Ericson, *Real-Time Collision Detection*, 5.1.5).
-fn closest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return Vec3::X;
-    }
-    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
-    if d3 >= 0.0 && d4 <= d3 {
-        return Vec3::Y;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        let v = d1 / (d1 - d3);
-        return Vec3::new(1.0 - v, v, 0.0);
-    }
-    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
-    if d6 >= 0.0 && d5 <= d6 {
-        return Vec3::Z;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        let w = d2 / (d2 - d6);
-        return Vec3::new(1.0 - w, 0.0, w);
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return Vec3::new(0.0, 1.0 - w, w);
-    }
-    let sum = (va + vb + vc).recip();
-    Vec3::new(va * sum, vb * sum, vc * sum)
-}
-
-/// Triangles by the cells of a grid that their boxes meet.
-struct Cells {
-    size: f32,
-    of_cell: HashMap<IVec3, Vec<u32>>,
-}
-
-impl Cells {
-    fn new(triangles: &[[u32; 3]], place: &dyn Fn(u32) -> Vec3, size: f32) -> Self {
-        let mut of_cell: HashMap<IVec3, Vec<u32>> = HashMap::new();
-        for (number, corners) in (0..).zip(triangles) {
-            let [a, b, c] = corners.map(place);
-            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-            let [low, high] = [low, high].map(|p| (p / size).floor().as_ivec3());
-            for x in low.x..=high.x {
-                for y in low.y..=high.y {
-                    for z in low.z..=high.z {
-                        of_cell.entry(IVec3::new(x, y, z)).or_default().push(number);
-                    }
-                }
-            }
-        }
-        Self { size, of_cell }
-    }
-
-    /// Those in the cell of a point and the cells about it.
-    fn near(&self, p: Vec3) -> impl Iterator<Item = u32> + '_ {
-        let cell = (p / self.size).floor().as_ivec3();
-        let about = (0..27).map(move |i| cell + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
-        about.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied()
-    }
 }
 
 /// The part whose triangles have each vertex; `None` where two parts share one.

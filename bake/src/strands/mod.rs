@@ -6,9 +6,11 @@
 pub mod export;
 
 mod curves;
+mod groups;
 mod plant;
 mod skin;
 
 pub use curves::{COAT, CurveGroup, CurvePoint, Curves, simplified};
+pub use groups::grow_groups;
 pub use plant::{GroomReport, grow_on, tile_hair};
 pub use skin::{Skin, SkinMaterial, SkinPoint};

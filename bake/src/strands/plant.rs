@@ -24,7 +24,7 @@ use rayon::prelude::*;
 
 /// Points of a strand that lie this near to the line without them are left out, radii of the strand. A tenth moves no edge by more than a
 /// tenth of the hair's half width, and is far below what a pixel shows.
-const SIMPLIFICATION: f64 = 0.1;
+pub(super) const SIMPLIFICATION: f64 = 0.1;
 /// Strands that one scene may hold: about 12 GiB.
 const MAX_STRANDS: f64 = 2e7;
 

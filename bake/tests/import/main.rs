@@ -6,6 +6,7 @@ mod crosscheck;
 mod data;
 mod faults;
 mod geometry;
+mod hair;
 mod io;
 mod motion;
 mod mutation;

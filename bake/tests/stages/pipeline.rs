@@ -299,7 +299,7 @@ fn strands_of_a_package_are_those_of_its_tile() {
                 .unwrap()
                 .is_none()
         );
-        recipe.strands = StrandParams { enabled: true, points };
+        recipe.strands = StrandParams { enabled: true, points, ..StrandParams::default() };
         let bytes = bake(name, &recipe).unwrap().package;
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         let view = package.strands().unwrap().unwrap();

@@ -8,6 +8,7 @@ mod coat;
 mod direction;
 mod fins;
 mod groom;
+pub mod hair_groups;
 mod hair_point;
 mod layers;
 pub mod planting;

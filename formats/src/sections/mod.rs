@@ -5,6 +5,7 @@
 
 pub(crate) mod animation;
 pub(crate) mod fins;
+pub(crate) mod hair;
 pub(crate) mod ink;
 pub(crate) mod kind;
 pub(crate) mod manifest;
@@ -29,6 +30,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &visibility::KIND,
     &simplified::KIND,
     &strands::KIND,
+    &hair::KIND,
     &textures::KIND,
     #[cfg(test)]
     &probe::KIND,

@@ -8,7 +8,7 @@ use crate::bounds::Hull;
 use crate::gpu::largest_buffer;
 use crate::instance::Instance;
 use crate::model::{Model, Strands};
-use crate::params::{Detail, FrameParams, FurParams, Hair};
+use crate::params::{Detail, FrameParams, FurParams, Hair, Style};
 use crate::report::InstanceDetail;
 use crate::shared::detail::{detail_count, detail_pairs};
 use glam::Mat4;
@@ -36,8 +36,23 @@ pub(crate) struct Drawing {
     pub(crate) layer_share: f32,
     /// Every how many points of single strands are drawn.
     pub(crate) point_step: u32,
+    /// Pixels that a metre of it has on screen, times the application's bias.
+    px_per_m: f32,
     /// Layers of the shadow maps that suit it, skin counted; 1 where it draws none.
     pub(crate) map_layers: u32,
+}
+
+/// How an instance draws one of its model's sets of strands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DrawnSet {
+    /// Index into the model's.
+    pub(crate) set: usize,
+    /// Share of the strands.
+    pub(crate) share: f32,
+    /// How much wider they are than they grow.
+    pub(crate) widened: f32,
+    /// Every how many points is drawn.
+    pub(crate) step: u32,
 }
 
 impl Drawing {
@@ -50,11 +65,12 @@ impl Drawing {
         clip_from_view: Mat4,
     ) -> Self {
         let px_per_m = px_per_m(instance, hull, params, clip_from_view);
-        let drawing = Self::layered(instance, px_per_m, params);
+        let detail = params.style.fur().map_or(1.0, |fur| bias(fur.detail));
+        let drawing = Self { px_per_m: px_per_m * detail, ..Self::layered(instance, px_per_m, params) };
         let Some(fur) = params.style.fur().filter(|_| crate::study::only_layer(params).is_none()) else {
             return drawing;
         };
-        let Some(strands) = instance.model.strands().filter(|_| drawing.has_shells()) else { return drawing };
+        let Some(strands) = instance.model.coat_strands().filter(|_| drawing.has_shells()) else { return drawing };
         let way = match fur.hair {
             Hair::Shells => 0.0,
             Hair::Strands => 1.0,
@@ -81,11 +97,32 @@ impl Drawing {
 
     /// The same on a device of these limits: with fewer points where its buffers do not hold all.
     pub(crate) fn within(self, limits: &wgpu::Limits, model: &Model) -> Self {
-        let Some(strands) = model.strands().filter(|_| self.has_strands()) else { return self };
+        let Some(strands) = model.coat_strands().filter(|_| self.has_strands()) else { return self };
         let fits = |step: &u32| *step >= self.point_step && strands.ribbon_bytes(*step) <= largest_buffer(limits);
         let point_step = strands.steps().find(fits).unwrap_or(strands.points - 1);
         let detail = InstanceDetail { strand_pieces: strands.pieces(point_step), ..self.detail };
         Self { point_step, detail, ..self }
+    }
+
+    /// Which of the model's sets of strands it draws, with so many samples a pixel, on a device of these limits. Groups of hair are drawn as strands at
+    /// any size: where they are thinner than samples find them, fewer and wider ones.
+    pub(crate) fn sets(&self, model: &Model, style: &Style, samples: u32, limits: &wgpu::Limits) -> Vec<DrawnSet> {
+        if style.fur().is_none() {
+            return Vec::new();
+        }
+        let of = |(set, strands): (usize, &Strands)| {
+            if strands.guided().is_none() {
+                let (share, step) = (self.detail.strands, self.point_step);
+                return self.has_strands().then_some(DrawnSet { set, share, widened: 1.0, step });
+            }
+            let width_px = self.px_per_m * strands.mean_width_m * samples as f32;
+            let share = (width_px / THINNEST_PX).clamp(FEWEST_HAIRS, 1.0);
+            let fits = |step: &u32| strands.ribbon_bytes(*step) <= largest_buffer(limits);
+            let wanted = point_step(strands, self.px_per_m);
+            let step = strands.steps().find(|step| *step >= wanted && fits(step)).unwrap_or(strands.points - 1);
+            Some(DrawnSet { set, share, widened: share.recip(), step })
+        };
+        model.strands().iter().enumerate().filter_map(of).collect()
     }
 
     fn layered(instance: &Instance, px_per_m: f32, params: &FrameParams) -> Self {
@@ -148,6 +185,7 @@ impl Drawing {
             list: 0,
             layer_share: 1.0,
             point_step: 1,
+            px_per_m: f32::INFINITY,
             map_layers: layers,
         };
         let Some(this) = manifest.detail.get(level).filter(|_| fur.is_some_and(|f| f.layers.is_none())) else {
@@ -194,6 +232,7 @@ impl Drawing {
             list: 0,
             layer_share: 1.0,
             point_step: 1,
+            px_per_m: f32::INFINITY,
             // Maps are not made anew for every number of layers.
             map_layers: of_level + 1,
         }
@@ -229,6 +268,12 @@ impl Drawing {
         if self.is_reduced() { 0..self.detail.layers } else { 1..self.layers }
     }
 }
+
+/// Width of hairs on screen, pixels over samples, below which fewer and wider ones stand for them.
+const THINNEST_PX: f32 = 0.36;
+
+/// Least share of them.
+const FEWEST_HAIRS: f32 = 0.02;
 
 /// Mean width of strands on screen, pixels over samples, from which they begin to take the place of layers: thinner ones shimmer more and show no more.
 const MIXED_FROM_PX: f32 = 0.72;

@@ -1,7 +1,7 @@
 //! What the shaders of hair are told by override constants: what a package or a frame does not need is compiled away. A branch on a uniform
 //! costs its body on rasterisers that mask instead of jump.
 
-use super::detail::Drawing;
+use super::detail::{Drawing, DrawnSet};
 use crate::gpu::{Constants, on};
 use crate::instance::Instance;
 use crate::light::{HairMaps, ShadowKey};
@@ -54,7 +54,7 @@ pub(crate) struct Look {
     pub(crate) coat: bool,
     /// Fins are drawn.
     pub(crate) fins: bool,
-    /// Single strands are drawn.
+    /// Single strands are drawn, of the coat or of groups of hair.
     pub(crate) strands: bool,
     /// They shadow each other by the deep opacity map.
     pub(crate) deep_shadow: bool,
@@ -62,6 +62,8 @@ pub(crate) struct Look {
     self_shadow: bool,
     /// Hair shadows hair, as the package knows it.
     baked_shadow: bool,
+    /// What the package does not know: hair on guides shadows it too.
+    guided_shadow: bool,
     /// The layer-wise maps are of other layers than are drawn.
     pub(crate) maps_between: bool,
     /// The layer-wise maps have another number of layers than were baked.
@@ -76,7 +78,13 @@ pub(crate) struct Look {
 
 impl Look {
     /// Of an instance of which `drawing` is drawn, under the shadow maps of `maps`.
-    pub(crate) fn new(instance: &Instance, params: &FrameParams, drawing: &Drawing, maps: Option<&ShadowKey>) -> Self {
+    pub(crate) fn new(
+        instance: &Instance,
+        params: &FrameParams,
+        drawing: &Drawing,
+        sets: &[DrawnSet],
+        maps: Option<&ShadowKey>,
+    ) -> Self {
         let manifest = instance.model.manifest();
         let baked = manifest.fur.layers;
         let baked_shadow = instance.reads_baked_shadow(params);
@@ -88,11 +96,12 @@ impl Look {
             resampled: drawing.layers != baked,
             detail: drawing.is_reduced(),
             coat: drawing.detail.coat > 0.0,
-            strands: drawing.has_strands(),
-            deep_shadow: drawing.has_strands() && maps.is_some_and(|key| key.deep.is_some()),
+            strands: !sets.is_empty(),
+            deep_shadow: !sets.is_empty() && maps.is_some_and(|key| key.deep.is_some()),
             fins: with_fins && drawing.draws_shells() && drawing.detail.fins > 0.0,
             self_shadow,
             baked_shadow,
+            guided_shadow: baked_shadow && maps.is_some_and(|key| key.guided() && key.hair != HairMaps::None),
             // Reduced layers are lit at the height of the hair seen in them.
             maps_between: self_shadow && (map_layers != drawing.layers || drawing.is_reduced()),
             maps_resampled: map_layers != baked,
@@ -109,6 +118,7 @@ impl Look {
             on("SPECULAR", self.shading.specular != [0.0; 3]),
             on("SELF_SHADOW", self.self_shadow),
             on("BAKED_SHADOW", self.baked_shadow),
+            on("GUIDED_SHADOW", self.guided_shadow),
             on("SOFT_SHADOW", self.soft_shadow),
             on("FILL_LIGHTS", self.fill_lights),
         ]

@@ -3,5 +3,5 @@
 mod detail;
 mod look;
 
-pub(crate) use detail::Drawing;
+pub(crate) use detail::{Drawing, DrawnSet};
 pub(crate) use look::{Look, groom, grown, grown_by, hair_wgsl, holes, material};

@@ -15,6 +15,8 @@ pub(crate) struct DeepKey {
     pub(crate) slabs: u32,
     /// How deep the slabs of a texel reach together, metres.
     pub(crate) reach_m: f32,
+    /// Some of the hair follows guides: what of it lies before each texel is kept besides.
+    pub(crate) guided: bool,
     /// Depth at which they begin, where it is not that of the texel's first hair.
     pub(crate) whole_from: f32,
 }
@@ -33,12 +35,17 @@ const LEAST_SIZE: u32 = 16;
 pub(crate) struct DeepHair {
     pub(crate) fur_m: f32,
     pub(crate) width_m: f32,
+    pub(crate) guided: bool,
 }
 
 impl DeepHair {
     /// What suits both.
     pub(crate) fn and(self, other: Self) -> Self {
-        Self { fur_m: self.fur_m.max(other.fur_m), width_m: self.width_m.max(other.width_m) }
+        Self {
+            fur_m: self.fur_m.max(other.fur_m),
+            width_m: self.width_m.max(other.width_m),
+            guided: self.guided || other.guided,
+        }
     }
 }
 
@@ -69,7 +76,7 @@ impl DeepKey {
         while size > LEAST_SIZE && (too_fine(size) || too_large(size)) {
             size /= 2;
         }
-        Self { size, slabs, reach_m, whole_from }
+        Self { size, slabs, reach_m, whole_from, guided: hair.guided }
     }
 }
 
@@ -86,7 +93,7 @@ fn depths(hull: &Hull, view: &LightView) -> (f32, f32) {
 
 /// Bytes of a map of so many texels a side.
 fn bytes(size: u32, slabs: u32) -> u64 {
-    4 * u64::from(size) * u64::from(size) * u64::from(1 + slabs)
+    4 * u64::from(size) * u64::from(size) * u64::from(2 + slabs)
 }
 
 /// A map that holds nothing yet.
@@ -113,7 +120,13 @@ mod tests {
         let hull = Hull(vec![(Vec3::ZERO, 0.5)]);
         let view = LightView::new(&Light::default(), &hull, hull.sphere().unwrap());
         let key = |params: &FrameParams, width_m| {
-            DeepKey::new(params, DeepHair { fur_m: 0.01, width_m }, &hull, &view, &wgpu::Limits::default())
+            DeepKey::new(
+                params,
+                DeepHair { fur_m: 0.01, width_m, guided: false },
+                &hull,
+                &view,
+                &wgpu::Limits::default(),
+            )
         };
         let size = |map_size, width_m| key(&frame(map_size), width_m).size;
         // The maps are a little wider than the hull: about 2 mm a texel.
@@ -124,8 +137,12 @@ mod tests {
         assert_eq!((slabs(4, 512).reach_m, slabs(16, 512).reach_m, slabs(16, 512).slabs), (0.02, 0.02, 16));
         // 128 MiB hold 17 numbers of 1024² texels, and not those of 2048².
         assert_eq!((slabs(16, 1024).size, slabs(16, 2048).size), (1024, 1024));
-        let both = DeepHair { fur_m: 1.0, width_m: 0.1 }.and(DeepHair { fur_m: 2.0, width_m: 0.05 });
-        assert_eq!(both, DeepHair { fur_m: 2.0, width_m: 0.1 });
+        let both = DeepHair { fur_m: 1.0, width_m: 0.1, guided: false }.and(DeepHair {
+            fur_m: 2.0,
+            width_m: 0.05,
+            guided: true,
+        });
+        assert_eq!(both, DeepHair { fur_m: 2.0, width_m: 0.1, guided: true });
     }
 
     /// 16 planes over a ball of 1 m: the first where it begins, the last where it ends, and as printed a sixteenth of it before that.
@@ -141,7 +158,13 @@ mod tests {
             let key = |form| {
                 let params =
                     frame(512).with(|p| (p.shadows.slabs, p.study.opacity, p.study.thin_texels) = (16, form, true));
-                DeepKey::new(&params, DeepHair { fur_m: 0.01, width_m: 1.0 }, &hull, &view, &wgpu::Limits::default())
+                DeepKey::new(
+                    &params,
+                    DeepHair { fur_m: 0.01, width_m: 1.0, guided: false },
+                    &hull,
+                    &view,
+                    &wgpu::Limits::default(),
+                )
             };
             let [safe, printed] = [OpacityForm::WholeDepth, OpacityForm::Printed].map(key);
             assert!((safe.reach_m - 1.0).abs() < 1e-4 && safe.slabs == 15 && safe.size == 512, "{safe:?}");

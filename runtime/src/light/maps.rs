@@ -192,8 +192,8 @@ pub(crate) struct InstanceKey {
     /// Of its shape: no two shapes of any owners ever have the same.
     pub(crate) revision: u64,
     pub(crate) furry: bool,
-    /// Its single strands are drawn.
-    pub(crate) strands: bool,
+    /// Which of its sets of strands are drawn.
+    pub(crate) sets: Vec<usize>,
     /// Which index list is drawn of it.
     pub(crate) list: usize,
 }
@@ -214,7 +214,8 @@ impl ShadowKey {
         instances: Vec<InstanceKey>,
         casters: Option<u64>,
     ) -> Option<Self> {
-        let hair = match params.self_shadow() && layers > 1 {
+        let guided = deep.as_ref().is_some_and(|(hair, _)| hair.guided);
+        let hair = match params.self_shadow() && (layers > 1 || guided) {
             true if by_maps => HairMaps::LayerWise,
             true if params.soft_shadow => HairMaps::Total,
             _ => HairMaps::None,
@@ -245,6 +246,13 @@ impl ShadowKey {
     }
 }
 
+impl ShadowKey {
+    /// Whether hair on guides throws a shadow.
+    pub(crate) fn guided(&self) -> bool {
+        self.deep.is_some_and(|deep| deep.guided)
+    }
+}
+
 impl ShadowMaps {
     fn new(gpu: &Gpu, key: ShadowKey) -> Self {
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT
@@ -269,7 +277,11 @@ impl ShadowMaps {
         };
         let small = size.div_ceil(key.params.shrink);
         let layers = (key.hair != HairMaps::None).then(|| {
-            let count = if key.hair == HairMaps::Total { 1 } else { key.map_layers };
+            let count = match key.hair {
+                // Hair on guides alone has one of its own.
+                HairMaps::Total => 1 + u32::from(key.guided()),
+                _ => key.map_layers,
+            };
             // Each layer starts as a copy of the one above.
             let copied = attachment | wgpu::TextureUsages::COPY_DST;
             let texture = texture("pelage layer shadow", size, count, Self::LAYER_FORMAT, copied);
@@ -300,7 +312,9 @@ impl ShadowMaps {
     /// Whether its textures fit another key.
     fn fits(&self, key: &ShadowKey) -> bool {
         let slabs = |k: &ShadowKey| k.deep.map(|deep| (deep.size, deep.slabs));
-        let of = |k: &ShadowKey| (k.hair, slabs(k), k.soft_shadow, k.map_layers, k.params.map_size, k.params.shrink);
+        let of = |k: &ShadowKey| {
+            (k.hair, k.guided(), slabs(k), k.soft_shadow, k.map_layers, k.params.map_size, k.params.shrink)
+        };
         of(&self.key) == of(key)
     }
 }

@@ -7,6 +7,8 @@
 
 // Hair shadows hair: t of eq. (3).
 override SELF_SHADOW: bool = false;
+// Hair on guides shades what knows of its own hair alone.
+override GUIDED_SHADOW: bool = false;
 // Things throw soft shadows: Attenu_Shadow of eq. (3).
 override SOFT_SHADOW: bool = false;
 
@@ -59,11 +61,16 @@ fn width_texel(place: vec4<f32>) -> vec4<f32> {
 
 // Share of the key light that other things let through: Attenu_Shadow of eq. (3).
 fn visible_past_things(r: Receiver) -> f32 {
+    var past = 1.0;
+    if GUIDED_SHADOW {
+        // The outermost of the maps: nothing but that hair is above it.
+        past = textureSampleLevel(layer_maps, map_sampler, r.place.xy / r.place.w, textureNumLayers(layer_maps) - 1u, 0.0).r;
+    }
     if !SOFT_SHADOW {
-        return 1.0;
+        return past;
     }
     let path = slanted_path(r.n_dot_l);
-    return soft_shadow(width_texel(r.place), r.place.z, r.place.w, path, soft_shadow_of_frame(), CENTRED);
+    return past * soft_shadow(width_texel(r.place), r.place.z, r.place.w, path, soft_shadow_of_frame(), CENTRED);
 }
 
 // Both, for skin without hair of its own. The maps of hair know the first surface only: where that is another, its hair is not what is

@@ -31,7 +31,7 @@ pub(crate) fn load(
 
     use wgpu::BufferUsages as Usage;
     let fins = package.fins()?.filter(|fins| fins.count > 0 && surfaces.fins.is_some());
-    let single = surfaces.strands && package.strands()?.is_some();
+    let single = surfaces.strands && (package.strands()?.is_some() || !package.hair_groups()?.is_empty());
     let read = |by_shader| if by_shader { Usage::STORAGE } else { Usage::empty() };
     let geometry =
         uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | read(skinned || fins.is_some() || single))?;
@@ -74,8 +74,8 @@ pub(crate) fn load(
         Some(*end)
     });
 
-    let strands = if single { strands::load(&uploader, package, &mesh)? } else { None };
-    gpu_bytes += strands.as_ref().map_or(0, strands::Strands::gpu_bytes);
+    let strands = if single { strands::load(&uploader, package, &mesh)? } else { Vec::new() };
+    gpu_bytes += strands.iter().map(strands::Strands::gpu_bytes).sum::<u64>();
     let base_sampler = sampler("pelage base colour", wgpu::AddressMode::Repeat, options.anisotropy);
     // Materials may share a texture.
     let mut uploaded = vec![None; manifest.textures.len()];
@@ -108,7 +108,7 @@ pub(crate) fn load(
     let (mut previous, mut first_fin) = (None, 0);
     let ranges = index_ranges(manifest, &mesh, simplified.as_ref());
     for (number, (part, indices)) in manifest.parts.iter().zip(ranges).enumerate() {
-        let hairs = strands.as_ref().map_or(0..0, |strands| strands.of_parts[number].clone());
+        let hairs: Vec<Range<u32>> = strands.iter().map(|strands| strands.of_parts[number].clone()).collect();
         let fins = first_fin..fin_ends.next().unwrap_or(first_fin);
         first_fin = fins.end;
         if part.index_count == 0 && fins.is_empty() {
@@ -119,7 +119,7 @@ pub(crate) fn load(
             Some(last) if previous == Some(part.material) => {
                 last.indices.iter_mut().zip(indices).for_each(|(last, next)| last.end = next.end);
                 last.fins.end = fins.end;
-                last.strands.end = hairs.end;
+                last.strands.iter_mut().zip(hairs).for_each(|(last, next)| last.end = next.end);
             }
             _ => {
                 let material = &manifest.materials[part.material as usize];

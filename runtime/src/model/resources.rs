@@ -23,7 +23,7 @@ pub(super) struct Resources {
     pub(super) indices: wgpu::Buffer,
     pub(super) fur: Option<wgpu::BindGroup>,
     pub(super) fins: Option<Fins>,
-    pub(super) strands: Option<Strands>,
+    pub(super) strands: Vec<Strands>,
     pub(super) planar_directions: bool,
     pub(super) knows_visibility: bool,
     pub(super) varies: Varies,
@@ -75,7 +75,8 @@ pub(crate) struct Part {
     /// Of the mesh, and of each of its simplified lists.
     pub(crate) indices: Vec<Range<u32>>,
     pub(crate) fins: Range<u32>,
-    pub(crate) strands: Range<u32>,
+    /// Of each of the model's sets of strands.
+    pub(crate) strands: Vec<Range<u32>>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
     pub(crate) has_groom_texture: bool,
@@ -134,8 +135,19 @@ impl Model {
         self.0.fins.as_ref()
     }
 
-    pub(crate) fn strands(&self) -> Option<&Strands> {
-        self.0.strands.as_ref()
+    /// Its strands: those of the coat first where it has some, then groups of hair.
+    pub(crate) fn strands(&self) -> &[Strands] {
+        &self.0.strands
+    }
+
+    /// The strands of its coat.
+    pub(crate) fn coat_strands(&self) -> Option<&Strands> {
+        self.0.strands.first().filter(|strands| strands.guided().is_none())
+    }
+
+    /// How far groups of hair reach from the skin, metres.
+    pub(crate) fn hair_reach_m(&self) -> f32 {
+        self.0.strands.iter().filter_map(Strands::guided).map(|guided| guided.reach_m).fold(0.0, f32::max)
     }
 
     pub(crate) fn planar_directions(&self) -> bool {

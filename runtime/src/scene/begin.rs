@@ -4,11 +4,11 @@ use super::blocks::{fill_lights, frame_block, instance_block, map_level};
 use super::ink::{InkScene, View};
 use super::recording::{Kept, Recording};
 use super::ribbons::Ribbons;
-use super::seen::Seen;
+use super::seen::{Seen, SeenSet};
 use crate::bounds::Hull;
 use crate::error::RuntimeError;
 use crate::gpu::{Bound, Place, Shelf, Target, take_targets};
-use crate::hair::{Drawing, Look};
+use crate::hair::{Drawing, DrawnSet, Look};
 use crate::instance::Instance;
 use crate::light::{Casters, DeepHair, InstanceKey, ShadowKey, ShadowMaps, settle};
 use crate::motion::Moved;
@@ -79,15 +79,21 @@ pub(crate) fn begin<'f>(
             let mut drawing = Drawing::of(instance, &moved.hull, params, kept.options.sample_count, clip_from_view);
             // Bounds hold what the manifest says of the fur's height.
             let beyond = instance.model.varies().beyond_height;
-            drawing.detail.in_picture = beyond || moved.hull.may_be_seen(clip_from_world);
+            drawing.detail.in_picture = beyond || with_hair(instance, moved).may_be_seen(clip_from_world);
             drawing.within(&kept.gpu.device.limits(), &instance.model)
         })
         .collect();
 
-    for (instance, _) in instances.iter().zip(&drawings).filter(|(_, drawing)| drawing.has_strands()) {
-        kept.states.pose_strands(instance.owner);
+    let limits = kept.gpu.device.limits();
+    let drawn_sets: Vec<Vec<DrawnSet>> = instances
+        .iter()
+        .zip(&drawings)
+        .map(|(instance, drawing)| drawing.sets(&instance.model, &params.style, kept.options.sample_count, &limits))
+        .collect();
+    for (instance, sets) in instances.iter().zip(&drawn_sets) {
+        sets.iter().for_each(|drawn| kept.states.pose_strands(instance.owner, drawn.set));
     }
-    let key = shadow_key(params, &kept.gpu.device.limits(), instances, &moved, &drawings, casters.as_ref());
+    let key = shadow_key(params, &limits, instances, &moved, &drawings, &drawn_sets, casters.as_ref());
     let targets = take_targets(&mut kept.cache.targets, gpu, params.viewport, targets);
     let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, key)).unzip();
 
@@ -111,16 +117,20 @@ pub(crate) fn begin<'f>(
     });
     let light_places = from_light.as_ref().map(|(_, places)| places.clone());
 
-    let seen = instances.iter().zip(moved).zip(drawings).enumerate().map(|(index, ((instance, moved), drawing))| {
+    let all = instances.iter().zip(moved).zip(drawings).zip(&drawn_sets).enumerate();
+    let seen = all.map(|(index, (((instance, moved), drawing), drawn))| {
         let offset = |place: &Place| place.offset + index as u64 * place.stride;
-        let strands = instance.model.strands().filter(|_| drawing.has_strands() && drawing.detail.in_picture);
-        let ribbons = strands.map(|strands| Ribbons::take(&mut kept.ribbons, gpu, strands, drawing.point_step));
+        let mut set = |drawn: &DrawnSet| {
+            let strands = &instance.model.strands()[drawn.set];
+            let take = || Ribbons::take(&mut kept.ribbons, gpu, strands, drawn.step);
+            SeenSet { drawn: *drawn, ribbons: drawing.detail.in_picture.then(take) }
+        };
         Seen {
             model: instance.model.clone(),
-            look: Look::new(instance, params, &drawing, maps.as_ref().map(|maps| &maps.key)),
+            look: Look::new(instance, params, &drawing, drawn, maps.as_ref().map(|maps| &maps.key)),
+            sets: drawn.iter().map(&mut set).collect(),
             moved,
             drawing,
-            ribbons,
             view_offset: offset(&places),
             light_offset: light_places.as_ref().map_or(0, offset),
         }
@@ -163,6 +173,14 @@ pub(crate) fn begin<'f>(
     })
 }
 
+/// How thick hair on guides lies, over its reach.
+const THICKNESS: f32 = 0.12;
+
+/// An instance in world space with all its hair.
+fn with_hair(instance: &Instance, moved: &Moved) -> Hull {
+    moved.hull.widened(instance.scale() * instance.model.hair_reach_m())
+}
+
 /// What the shadow maps of a frame depend on; `None` where it needs none.
 fn shadow_key(
     params: &FrameParams,
@@ -170,6 +188,7 @@ fn shadow_key(
     instances: &[&Instance],
     moved: &[Moved],
     drawings: &[Drawing],
+    drawn_sets: &[Vec<DrawnSet>],
     casters: Option<&Casters<'_>>,
 ) -> Option<ShadowKey> {
     // The finest instance decides; without one that reads them there are no layer-wise maps.
@@ -184,26 +203,30 @@ fn shadow_key(
         return None;
     }
     let mut hull = Hull::default();
-    moved.iter().for_each(|moved| hull.0.extend(&moved.hull.0));
+    instances.iter().zip(moved).for_each(|(instance, moved)| hull.0.extend(with_hair(instance, moved).0));
     hull.0.extend(casters.and_then(|c| c.bounds).map(|b| (b.center, b.radius)));
     // A model that no joint holds is a point.
     if hull.0.is_empty() {
         hull.0.extend(instances.iter().map(|i| (i.transform.w_axis.truncate(), 0.0)));
     }
-    let of = |((instance, moved), drawing): ((&&Instance, &Moved), &Drawing)| InstanceKey {
+    let of = |(((instance, moved), drawing), sets): (((&&Instance, &Moved), &Drawing), &Vec<DrawnSet>)| InstanceKey {
         transform: instance.transform,
         revision: moved.revision,
         furry: drawing.has_shells(),
-        strands: drawing.has_strands(),
+        sets: sets.iter().map(|drawn| drawn.set).collect(),
         list: drawing.list,
     };
-    let keys = instances.iter().zip(moved).zip(drawings).map(of).collect();
+    let keys = instances.iter().zip(moved).zip(drawings).zip(drawn_sets).map(of).collect();
     let deep_by = matches!(params.form_of_self_shadow(), SelfShadow::Auto | SelfShadow::Maps);
-    let single = instances.iter().zip(drawings).filter(|(_, drawing)| deep_by && drawing.has_strands());
-    let hair = single.filter_map(|(instance, _)| {
-        let (scale, strands) = (instance.scale(), instance.model.strands()?);
-        let fur_m = instance.model.manifest().fur.height_m;
-        Some(DeepHair { fur_m: scale * fur_m, width_m: scale * strands.mean_width_m })
+    let single = instances.iter().zip(drawn_sets).filter(|_| deep_by);
+    let hair = single.flat_map(|(instance, sets)| {
+        let scale = instance.scale();
+        sets.iter().map(move |drawn| {
+            let strands = &instance.model.strands()[drawn.set];
+            let fur_m = strands.guided().map_or(instance.model.manifest().fur.height_m, |g| THICKNESS * g.reach_m);
+            let guided = strands.guided().is_some();
+            DeepHair { fur_m: scale * fur_m, width_m: scale * strands.mean_width_m, guided }
+        })
     });
     let deep = hair.reduce(DeepHair::and).map(|hair| (hair, limits.clone()));
     let instances = keys;

@@ -18,4 +18,4 @@ pub(crate) use fins::fin_draws;
 pub(crate) use ink::{has_strokes, ink_surface_wgsl};
 pub(crate) use recording::{Kept, Recording, nearer};
 pub(crate) use screen::{Screen, ink_screen_wgsl};
-pub(crate) use seen::Seen;
+pub(crate) use seen::{Seen, StrandSet};

@@ -2,9 +2,10 @@
 
 use super::ribbons::Ribbons;
 use crate::gpu::Group;
-use crate::hair::{Drawing, Look};
-use crate::model::Model;
-use crate::motion::Moved;
+use crate::hair::{Drawing, DrawnSet, Look};
+use crate::model::{Model, Part, Strands};
+use crate::motion::{Moved, PosedStrands};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// An instance in a frame.
@@ -15,14 +16,49 @@ pub(crate) struct Seen {
     /// How much of its fur is drawn.
     pub(crate) drawing: Drawing,
     pub(crate) look: Look,
-    /// What its strands are drawn from, where they are in the picture.
-    pub(crate) ribbons: Option<Arc<Ribbons>>,
+    /// Its sets of strands that are drawn.
+    pub(crate) sets: Vec<SeenSet>,
     /// Where its blocks lie: as the eye sees it, and as the key light does.
     pub(super) view_offset: u64,
     pub(super) light_offset: u64,
 }
 
+/// A set of strands in a frame.
+#[derive(Debug)]
+pub(crate) struct SeenSet {
+    pub(crate) drawn: DrawnSet,
+    /// What it is drawn from, where it may be in the picture.
+    pub(crate) ribbons: Option<Arc<Ribbons>>,
+}
+
+/// A set with all that passes read of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StrandSet<'a> {
+    pub(crate) drawn: &'a DrawnSet,
+    pub(crate) strands: &'a Strands,
+    pub(crate) posed: &'a PosedStrands,
+    pub(crate) ribbons: Option<&'a Arc<Ribbons>>,
+}
+
+impl StrandSet<'_> {
+    /// The parts that it grows on, and which of its strands each has.
+    pub(crate) fn parts<'p>(&self, parts: &'p [Part]) -> impl Iterator<Item = (&'p Part, &'p Range<u32>)> {
+        let set = self.drawn.set;
+        parts.iter().map(move |part| (part, &part.strands[set])).filter(|(_, strands)| !strands.is_empty())
+    }
+}
+
 impl Seen {
+    /// Its sets of strands that are drawn.
+    pub(crate) fn strands(&self) -> impl Iterator<Item = StrandSet<'_>> {
+        self.sets.iter().map(|set| StrandSet {
+            drawn: &set.drawn,
+            strands: &self.model.strands()[set.drawn.set],
+            posed: &self.moved.strands[set.drawn.set],
+            ribbons: set.ribbons.as_ref(),
+        })
+    }
+
     /// Whether any of it may be in the picture.
     pub(crate) fn in_picture(&self) -> bool {
         self.drawing.detail.in_picture

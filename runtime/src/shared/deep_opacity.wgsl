@@ -1,5 +1,6 @@
 // Deep opacity maps: how much hair lies before a point in the key light, counted from the first hair of each texel (after Yuksel and Keyser
-// 2008). The buffer holds for each texel how near its first hair is, and behind those for each texel the hair of each slab.
+// 2008). The buffer holds for each texel how near its first hair is, behind those for each texel the hair of each slab, and behind those for each
+// texel all hair on guides.
 
 // 32 bytes.
 struct DeepOpacity {

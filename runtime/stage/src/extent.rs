@@ -3,8 +3,9 @@
 use crate::framing::outermost;
 use crate::{NamedPackage, StageError};
 use glam::Vec3;
+use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{posed, skin_matrix};
-use pelage_formats::{Animation, GeometryVertex, MeshView, Package, Pose, SkinVertex};
+use pelage_formats::{Animation, GeometryVertex, HairGroup, MeshView, OnTriangle, Package, Pose, SkinVertex};
 use pelage_params::glob;
 
 /// Moments of a clip that are looked at in a second of it. A trot takes half a second, so that each swing of a leg is seen five times.
@@ -39,15 +40,18 @@ pub fn outline(
     let is_kept = |i: usize| kept.as_ref().is_none_or(|kept| kept.get(i).is_some_and(|kept| *kept));
     let mut pose = Pose::default();
     let mut skin = mesh.skin();
-    let vertices = mesh.geometry().map(|vertex| (vertex, skin.next()));
-    let vertices: Vec<_> = vertices.enumerate().filter(|(i, _)| is_kept(*i)).map(|(_, vertex)| vertex).collect();
+    let all: Vec<_> = mesh.geometry().map(|vertex| (vertex, skin.next())).collect();
+    let vertices: Vec<_> = all.iter().enumerate().filter(|(i, _)| is_kept(*i)).map(|(_, vertex)| *vertex).collect();
+    let mut tips = guide_tips(&package.hair_groups().map_err(|error| file.fault(error))?, &mesh);
+    tips.retain(|tip| tip.corners.iter().all(|v| is_kept(*v as usize)));
     let place = |pose: &Pose, (vertex, skin): &(GeometryVertex, Option<SkinVertex>)| match skin {
         Some(skin) => Vec3::from(posed(vertex, skin_matrix(pose, skin)).position),
         None => Vec3::from(vertex.position),
     };
     let Some((clip, duration_s)) = clip.filter(|_| mesh.skin().next().is_some()) else {
         pose.sample(&animation, None, 0.0);
-        return Ok(vertices.iter().map(|vertex| place(&pose, vertex)).collect());
+        let hair = tips.iter().map(|tip| tip.place(|v| place(&pose, &all[v as usize])));
+        return Ok(vertices.iter().map(|vertex| place(&pose, vertex)).chain(hair).collect());
     };
     let outer = outer_of_joints(&vertices, animation.joints.len());
     let steps = (duration_s * MOMENTS_PER_S).ceil().clamp(MOMENTS[0], MOMENTS[1]) as usize;
@@ -55,8 +59,44 @@ pub fn outline(
     for step in 0..=steps {
         pose.sample(&animation, Some(clip), duration_s * step as f32 / steps as f32);
         points.extend(outer.iter().map(|i| place(&pose, &vertices[*i])));
+        points.extend(tips.iter().map(|tip| tip.place(|v| place(&pose, &all[v as usize]))));
     }
     Ok(points)
+}
+
+/// Guides of a group that are looked at, at most.
+const TIPS: usize = 64;
+
+/// The tip of a guide.
+struct GuideTip {
+    /// Of the triangle that it roots in.
+    corners: [u32; 3],
+    root: OnTriangle,
+    /// From the root, in the frame of that triangle.
+    offset: Vec3,
+}
+
+impl GuideTip {
+    fn place(&self, position: impl Fn(u32) -> Vec3) -> Vec3 {
+        let corners = self.corners.map(position);
+        self.root.place(corners) + triangle_frame(corners) * self.offset
+    }
+}
+
+/// Tips of some guides of each group.
+fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
+    let indices: Vec<u32> = if groups.is_empty() { Vec::new() } else { mesh.indices().collect() };
+    let of = |group: &HairGroup| {
+        let roots: Vec<OnTriangle> = group.roots().collect();
+        let some = (0..roots.len()).step_by(roots.len().div_ceil(TIPS).max(1));
+        let tip = |i: usize| {
+            let first = 3 * roots[i].triangle as usize;
+            let corners = [indices[first], indices[first + 1], indices[first + 2]];
+            GuideTip { corners, root: roots[i], offset: group.guide(i).last().copied().unwrap_or_default() }
+        };
+        some.map(tip).collect::<Vec<_>>()
+    };
+    groups.iter().flat_map(of).collect()
 }
 
 /// Of the vertices that each joint moves most, those that lie outermost as the mesh is stored, in 26 directions.

@@ -25,7 +25,7 @@ const RUNTIME: [&[&str]; 12] = [
 const BAKE: [&[&str]; 11] = [
     &["error", "noise", "angle", "steps", "unfinished"],
     &["mesh", "mask"],
-    &["image_file", "sample"],
+    &["image_file", "sample", "guides"],
     &["picture", "y4m"],
     &["recipe"],
     &["stages"],

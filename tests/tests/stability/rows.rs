@@ -44,6 +44,7 @@ rows!(
     surface,
     solver,
     hair_simulation,
+    parting,
     opacity_product,
     layers,
     mip_levels,

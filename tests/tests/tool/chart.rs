@@ -450,6 +450,7 @@ fn the_stability_table() {
         "light of strands",
         "order of strands",
         "opacity shadow maps",
+        "hair on guides",
     ] {
         assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
     }

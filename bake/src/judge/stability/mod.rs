@@ -20,6 +20,7 @@ pub mod mip_levels;
 pub mod opacity_product;
 #[cfg(feature = "preview")]
 pub mod opacity_shadow;
+pub mod parting;
 mod row;
 #[cfg(feature = "preview")]
 pub mod shells;
@@ -48,6 +49,7 @@ pub const ROWS: &[Row] = &[
     surface::ROW,
     solver::ROW,
     hair_simulation::ROW,
+    parting::ROW,
     opacity_product::ROW,
     layers::ROW,
     mip_levels::ROW,

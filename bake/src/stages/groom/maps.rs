@@ -3,6 +3,7 @@
 
 use super::glob;
 use crate::BakeError;
+use crate::guides::Guides;
 use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
 use crate::recipe::{ColorMap, GroomParams, MaterialTable, ScalarMap, VectorMap};
 use crate::sample::{Encoding, Wrap, bilinear};
@@ -15,6 +16,8 @@ use std::collections::BTreeMap;
 pub struct MapImages {
     /// By path as the recipe writes it.
     pub images: BTreeMap<String, Image>,
+    /// Strands of files, by path as the recipe writes it.
+    pub strands: BTreeMap<String, Guides>,
     /// The files that were read, in the order of reading.
     pub inputs: Vec<InputRecord>,
 }

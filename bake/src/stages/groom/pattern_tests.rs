@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::mesh::{Material, Mesh, MeshPart, Model};
-use crate::recipe::{GroomParams, ImagePath};
+use crate::recipe::{FilePath, GroomParams};
 use crate::stages::groom::{Maps, colors};
 use crate::stages::surface::{Source, SurfaceParams, parameterize};
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
@@ -58,11 +58,11 @@ struct Painted {
 const BOUNDS: Bounds = Bounds { min: [-0.42, -0.12, -0.42], max: [0.42, 0.12, 0.42], center: [0.0; 3], radius: 0.42 };
 
 fn params(projection: PatternProjection) -> ColorParams {
-    ColorParams { pattern: Some(ImagePath("p.png".into())), pattern_projection: projection, ..ColorParams::default() }
+    ColorParams { pattern: Some(FilePath("p.png".into())), pattern_projection: projection, ..ColorParams::default() }
 }
 
 fn images(image: Image) -> MapImages {
-    MapImages { images: [("p.png".to_owned(), image)].into(), inputs: Vec::new() }
+    MapImages { images: [("p.png".to_owned(), image)].into(), ..MapImages::default() }
 }
 
 fn paint(model: &Model, pattern: &Pattern<'_>) -> Painted {

@@ -28,7 +28,7 @@ pub use wash::wash;
 
 use crate::BakeError;
 use crate::mesh::{Image, Model};
-use crate::recipe::{ColorParams, GroomParams, HairParams, ImagePath, InkParams, PackParams, Recipe, ShellFormat};
+use crate::recipe::{ColorParams, FilePath, GroomParams, HairParams, InkParams, PackParams, Recipe, ShellFormat};
 use crate::stages::assemble::NamedTexture;
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
@@ -143,7 +143,7 @@ pub fn textures(
         steps.step();
         file
     };
-    let scan = |path: &Option<ImagePath>, read: fn(&str, &Image) -> Result<Plane, BakeError>| {
+    let scan = |path: &Option<FilePath>, read: fn(&str, &Image) -> Result<Plane, BakeError>| {
         path.as_ref().map(|path| read(&path.0, images.get(&path.0)?)).transpose()
     };
     let (band, tile) = (scan(&params.stroke_image, stroke_band)?, scan(&params.wash_image, wash_tile)?);

@@ -9,17 +9,24 @@
 //! rasteriser.
 
 use super::{Outcome, Pass, PassId, PassPlace, any_reduced};
-use crate::gpu::{Draw, RenderSpec, Shader, depth_state, on, record};
+use crate::gpu::{Bound, Draw, RenderSpec, Shader, depth_state, on, record, storage, uniform};
 use crate::hair::{groom, hair_wgsl, holes};
 use crate::light::{CasterPass, HairMaps, ShadowMaps};
 use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{DEPTH, MapTarget, Recording, Seen, begin_maps, light_inside, record_depth};
+use crate::shared::deep_opacity::DeepOpacity;
 use glam::Vec3;
 
 /// The shader.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage layer shadow", wgsl: hair_wgsl!(include_str!("layer_shadow.wgsl")) };
+
+/// The shader of what hair on guides lets through.
+pub(crate) const GUIDED: Shader = Shader {
+    name: "pelage hair light",
+    wgsl: concat!(include_str!("../../shared/deep_opacity.wgsl"), include_str!("guided.wgsl")),
+};
 
 impl PassId {
     /// Transmittance of the hair above each layer, seen from the key light.
@@ -33,7 +40,7 @@ pub(crate) const PASS: Pass = Pass {
     styles: &[StyleKind::Fur],
     does: "the transmittance of the hair above each layer, seen from the key light, into an array of R16Float maps (Yang 2006, §3); of all hair into one, where packages know how hair shadows hair",
     runs_when: "self-shadow on, fur drawn, and light, pose or model changed",
-    shaders: &[DEPTH, SHADER],
+    shaders: &[DEPTH, SHADER, GUIDED],
     targets: &[],
     run,
 };
@@ -78,6 +85,29 @@ fn draws(frame: &mut Recording<'_>) -> Vec<Draw> {
     draws
 }
 
+/// Records what hair on guides lets through, from the deep opacity map; full light where there is none.
+fn record_guided(frame: &mut Recording<'_>, maps: &ShadowMaps, target: &wgpu::TextureView) {
+    let Some(deep) = maps.deep.as_ref().filter(|_| maps.key.guided()) else {
+        drop(begin_maps(frame.encoder, SHADER.name, MapTarget::Light(target)));
+        return;
+    };
+    let layout = frame.cache.layouts.get(frame.gpu, GUIDED.name, || {
+        vec![storage::<u32>(0, wgpu::ShaderStages::FRAGMENT), uniform::<DeepOpacity>(1, false)]
+    });
+    let place = frame.uniforms.put(frame.gpu, &[maps.deep_opacity()]);
+    let block = Bound::block::<DeepOpacity>(&place.buffer, place.offset);
+    let group = frame.cache.bind_groups.get(
+        frame.gpu,
+        GUIDED.name,
+        &layout,
+        vec![(0, Bound::Buffer(deep.clone())), (1, block)],
+    );
+    let spec = RenderSpec::screen(GUIDED, ["vs_guided", "fs_guided"], layout, ShadowMaps::LAYER_FORMAT);
+    let spec = RenderSpec { constants: vec![("MAP_SIZE", maps.key.params.map_size)], ..spec };
+    let draw = Draw::screen(frame.pipeline(spec), &group);
+    record(&mut begin_maps(frame.encoder, GUIDED.name, MapTarget::Light(target)), [&draw]);
+}
+
 /// Records all maps over the nearest skin.
 fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     let Some(layers) = &maps.layers else { return };
@@ -89,15 +119,18 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     };
     let texels = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
     let Some((outermost, below)) = layers.slices.split_last() else { return };
+    // Nothing is above the outermost layer but hair on guides, wherever that is.
+    record_guided(frame, maps, outermost);
     if maps.key.hair == HairMaps::Total {
-        drop(begin_maps(frame.encoder, SHADER.name, MapTarget::Light(outermost)));
+        let all = below.first().unwrap_or(outermost);
+        if !below.is_empty() {
+            frame.encoder.copy_texture_to_texture(place(1), place(0), texels);
+        }
         draws.iter_mut().for_each(|draw| draw.instances = 1..maps.key.map_layers);
-        let target = MapTarget::LightBefore { light: outermost, nearest: &maps.nearest.view };
+        let target = MapTarget::LightBefore { light: all, nearest: &maps.nearest.view };
         record(&mut begin_maps(frame.encoder, SHADER.name, target), &draws);
         return;
     }
-    // Nothing is above the outermost layer.
-    drop(begin_maps(frame.encoder, SHADER.name, MapTarget::Light(outermost)));
     for (layer, target) in (1..below.len() as u32 + 1).zip(below).rev() {
         // What the layers above left, also where this one is not: its neighbours may be seen through there.
         frame.encoder.copy_texture_to_texture(place(layer), place(layer - 1), texels);
@@ -110,7 +143,10 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
     if let Some(maps) = maps.as_deref().filter(|maps| frame.redraws_maps() && maps.key.hair != HairMaps::None) {
-        record_depth(frame, maps, CasterPass::Nearest);
+        // Single strands needed it before.
+        if maps.deep.is_none() {
+            record_depth(frame, maps, CasterPass::Nearest);
+        }
         record_layers(frame, maps);
     }
     match maps.filter(|maps| maps.key.hair != HairMaps::None) {

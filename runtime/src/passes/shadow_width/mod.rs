@@ -141,7 +141,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     match maps.as_deref().filter(|maps| maps.key.soft_shadow) {
         Some(maps) if frame.redraws_maps() => {
             // Where hair shadows hair it is there already.
-            if maps.key.hair == HairMaps::None {
+            if maps.key.hair == HairMaps::None && maps.deep.is_none() {
                 record_depth(frame, maps, CasterPass::Nearest);
             }
             record_depth(frame, maps, CasterPass::Farthest);

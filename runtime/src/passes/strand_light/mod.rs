@@ -6,7 +6,7 @@ use crate::hair::{groom, hair_wgsl, material};
 use crate::light::ShadowMaps;
 use crate::model::{Part, STRAND_WORKGROUP, Strand, StrandConstants};
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, Seen, record_dispatches};
+use crate::scene::{Dispatch, Recording, Seen, StrandSet, record_dispatches};
 use crate::shared::deep_opacity::DeepOpacity;
 
 /// The shader.
@@ -15,6 +15,7 @@ pub(crate) const SHADER: Shader = Shader {
     wgsl: hair_wgsl!(
         include_str!("../../shared/deep_opacity.wgsl"),
         crate::study::form_wgsl!("strand shadows"),
+        include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/strand.wgsl"),
         include_str!("strand_light.wgsl"),
     ),
@@ -37,15 +38,19 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-fn constants(seen: &Seen, part: &Part) -> Vec<(&'static str, u32)> {
-    let mut constants = material(part);
-    constants.extend(seen.look.lights());
-    constants.extend(groom(&seen.model, part));
-    constants.extend([
-        on("LEAN", seen.model.varies().lean),
-        on("DEEP_SHADOW", seen.look.deep_shadow),
-        ("POINT_STEP", seen.drawing.point_step),
-    ]);
+fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
+    let mut constants = seen.look.lights();
+    constants.extend([on("DEEP_SHADOW", seen.look.deep_shadow), ("POINT_STEP", set.drawn.step)]);
+    // The map of single strands has that hair too.
+    constants.retain(|(name, _)| *name != "GUIDED_SHADOW");
+    // The skin and its groom say nothing of hair on guides.
+    if set.strands.guided().is_some() {
+        constants.push(on("OWN_COLOR", true));
+    } else {
+        constants.extend(material(part));
+        constants.extend(groom(&seen.model, part));
+        constants.push(on("LEAN", seen.model.varies().lean));
+    }
     constants
 }
 
@@ -75,18 +80,16 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let [mut select, mut scan, mut light] = [Vec::new(), Vec::new(), Vec::new()];
     let mut count = 0;
-    for seen in instances.iter() {
-        let (Some(strands), Some(posed), Some(ribbons)) = (seen.model.strands(), &seen.moved.strands, &seen.ribbons)
-        else {
-            continue;
-        };
-        for (number, part) in seen.model.parts().iter().filter(|part| !part.strands.is_empty()).enumerate() {
-            let place = frame.uniforms.put(frame.gpu, &[strands.constants(&part.strands, seen.drawing.detail.strands)]);
+    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+        let (strands, Some(ribbons)) = (set.strands, set.ribbons) else { continue };
+        for (number, (part, of_part)) in set.parts(seen.model.parts()).enumerate() {
+            let drawn = set.drawn;
+            let place = frame.uniforms.put(frame.gpu, &[strands.constants(of_part, drawn.share, drawn.widened)]);
             let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
             // Without a map nothing is read of what stands in for it.
             let deep = maps.and_then(|maps| maps.deep.as_ref()).unwrap_or(&strands.tile);
             let entries = vec![
-                buffer(0, &posed.buffer),
+                buffer(0, &set.posed.buffer),
                 buffer(1, &strands.strands),
                 buffer(2, &strands.tile),
                 (3, Bound::block::<StrandConstants>(&place.buffer, place.offset)),
@@ -100,14 +103,14 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             let mut dispatch = |entry, threads| {
                 let surfaces = frame.surfaces;
                 let groups = vec![surfaces.frame.clone(), surfaces.material.clone(), layout.clone()];
-                let spec = ComputeSpec { shader: SHADER, entry, groups, constants: constants(seen, part) };
+                let spec = ComputeSpec { shader: SHADER, entry, groups, constants: constants(seen, &set, part) };
                 Dispatch {
                     pipeline: frame.compute_pipeline(spec),
                     groups: vec![frame.seen_from_eye(seen), Group::of(&part.material), Group::of(&group)],
                     threads,
                 }
             };
-            let threads = part.strands.len() as u32;
+            let threads = of_part.len() as u32;
             select.push(dispatch("select_strands", threads));
             if number == 0 {
                 // One workgroup for all parts.
@@ -120,7 +123,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if select.is_empty() {
         return Outcome::Skipped("no single hairs are to be seen");
     }
-    for ribbons in instances.iter().filter_map(|seen| seen.ribbons.as_ref()) {
+    for ribbons in instances.iter().flat_map(Seen::strands).filter_map(|set| set.ribbons) {
         frame.encoder.clear_buffer(&ribbons.seen, 0, None);
     }
     // Each sees what those before it wrote.

@@ -34,7 +34,13 @@ fn world_normal(index: u32) -> vec3<f32> {
     return normalize_or(normal, vec3(0.0, 1.0, 0.0));
 }
 
+// Hair on guides, whose colour is its own.
+override OWN_COLOR: bool = false;
+
 fn strand_tint(strand: Strand) -> vec4<f32> {
+    if OWN_COLOR {
+        return vec4(1.0);
+    }
     let tint = unpack4x8unorm(strand.color) * material.base_color;
     if BASE_COLOR_TEXTURE {
         return tint * textureSampleLevel(base_color_texture, base_color_sampler, strand.base_uv, 0.0);

@@ -3,7 +3,7 @@
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, storage, storage_out, uniform};
 use crate::hair::grown;
-use crate::model::{Stand, Strand, StrandConstants};
+use crate::model::{Growth, Stand, Strand, StrandConstants};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches};
 use pelage_formats::GeometryVertex;
@@ -14,6 +14,7 @@ pub(crate) const SHADER: Shader = Shader {
     wgsl: concat!(
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
+        include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/strand.wgsl"),
         include_str!("strand_pose.wgsl"),
     ),
@@ -29,8 +30,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_pose",
     place: PassPlace::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: places the points of all strands on the posed skin once for all later passes",
-    runs_when: "strands are drawn, and the pose changed",
+    does: "compute: places the points of a coat's strands on the posed skin once for all later passes",
+    runs_when: "strands of a coat are drawn, and the pose changed",
     shaders: &[SHADER],
     targets: &[],
     run,
@@ -39,7 +40,7 @@ pub(crate) const PASS: Pass = Pass {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     // A device that cannot draw them cannot make these layouts.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
-        return Outcome::Skipped("no strands are drawn, or no pose changed");
+        return Outcome::Skipped("no strands of a coat are drawn, or no pose changed");
     }
     let instances = frame.instances.clone();
     let compute = wgpu::ShaderStages::COMPUTE;
@@ -55,21 +56,22 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         ]
     });
     let mut dispatches = Vec::new();
-    for seen in instances.iter().filter(|seen| seen.look.strands) {
-        let (Some(strands), Some(posed)) = (seen.model.strands(), &seen.moved.strands) else { continue };
-        if !posed.stale {
+    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+        let Growth::Coat { stands } = &set.strands.growth else { continue };
+        if !set.posed.stale {
             continue;
         }
-        for part in seen.model.parts().iter().filter(|part| !part.strands.is_empty()) {
-            let place = frame.uniforms.put(frame.gpu, &[strands.constants(&part.strands, 1.0)]);
+        let strands = set.strands;
+        for (part, of_part) in set.parts(seen.model.parts()) {
+            let place = frame.uniforms.put(frame.gpu, &[strands.constants(of_part, 1.0, 1.0)]);
             let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
             let entries = vec![
                 buffer(0, &seen.moved.geometry),
-                buffer(1, &strands.stands),
+                buffer(1, stands),
                 buffer(2, &strands.strands),
                 buffer(3, &strands.tile),
                 (4, Bound::block::<StrandConstants>(&place.buffer, place.offset)),
-                buffer(5, &posed.buffer),
+                buffer(5, &set.posed.buffer),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let groups = vec![layout.clone(), frame.surfaces.material.clone()];
@@ -78,12 +80,12 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             dispatches.push(Dispatch {
                 pipeline: frame.compute_pipeline(spec),
                 groups: vec![Group::of(&group), Group::of(&part.material)],
-                threads: strands.points * part.strands.len() as u32,
+                threads: strands.points * of_part.len() as u32,
             });
         }
     }
     if dispatches.is_empty() {
-        return Outcome::Skipped("no strands are drawn, or no pose changed");
+        return Outcome::Skipped("no strands of a coat are drawn, or no pose changed");
     }
     let strands: u32 = dispatches.len() as u32;
     record_dispatches(frame.encoder, SHADER.name, &dispatches);

@@ -1,9 +1,9 @@
 //! `strand_shadow`: the deep opacity map of single strands, seen from the key light.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, storage, storage_out, uniform};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, on, storage, storage_out, uniform};
 use crate::hair::grown_by;
-use crate::light::{CasterPass, HairMaps};
+use crate::light::CasterPass;
 use crate::model::{Strand, StrandConstants};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_depth, record_dispatches};
@@ -19,6 +19,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../surface/place.wgsl"),
         include_str!("../../shared/deep_opacity.wgsl"),
         crate::study::form_wgsl!("strand shadows"),
+        include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/strand.wgsl"),
         include_str!("strand_shadow.wgsl"),
     ),
@@ -52,10 +53,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if !frame.redraws_maps() {
         return Outcome::Skipped("light, poses and models as in the map");
     }
-    // Where others need it it is there already.
-    if maps.key.hair == HairMaps::None && !maps.key.soft_shadow {
-        record_depth(frame, maps, CasterPass::Nearest);
-    }
+    // Those that come after it need the same.
+    record_depth(frame, maps, CasterPass::Nearest);
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
         let compute = wgpu::ShaderStages::COMPUTE;
         let for_compute = |entry| wgpu::BindGroupLayoutEntry { visibility: compute, ..entry };
@@ -72,15 +71,15 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let block = frame.uniforms.put(frame.gpu, &[maps.deep_opacity()]);
     let instances = frame.instances.clone();
     let (mut first, mut opacity) = (Vec::new(), Vec::new());
-    for seen in instances.iter().filter(|seen| seen.look.strands) {
-        let (Some(strands), Some(posed)) = (seen.model.strands(), &seen.moved.strands) else { continue };
+    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+        let strands = set.strands;
         let pieces = strands.points - 1;
         let step = strands.steps().rfind(|step| pieces / step >= FEWEST_PIECES).unwrap_or(1);
-        for part in seen.model.parts().iter().filter(|part| !part.strands.is_empty()) {
-            let place = frame.uniforms.put(frame.gpu, &[strands.constants(&part.strands, 1.0)]);
+        for (part, of_part) in set.parts(seen.model.parts()) {
+            let place = frame.uniforms.put(frame.gpu, &[strands.constants(of_part, 1.0, 1.0)]);
             let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
             let entries = vec![
-                buffer(0, &posed.buffer),
+                buffer(0, &set.posed.buffer),
                 buffer(1, &strands.strands),
                 buffer(2, &strands.tile),
                 (3, Bound::block::<StrandConstants>(&place.buffer, place.offset)),
@@ -92,13 +91,14 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             let mut dispatch = |entry| {
                 let surfaces = frame.surfaces;
                 let groups = vec![surfaces.frame.clone(), surfaces.material.clone(), layout.clone()];
-                let mut constants = grown_by(&seen.model, part);
+                let coat = strands.guided().is_none();
+                let mut constants = if coat { grown_by(&seen.model, part) } else { vec![on("GUIDED", true)] };
                 constants.push(("POINT_STEP", step));
                 let spec = ComputeSpec { shader: SHADER, entry, groups, constants };
                 Dispatch {
                     pipeline: frame.compute_pipeline(spec),
                     groups: vec![frame.seen_from_light(seen), Group::of(&part.material), Group::of(&group)],
-                    threads: part.strands.len() as u32,
+                    threads: of_part.len() as u32,
                 }
             };
             first.push(dispatch("find_first"));

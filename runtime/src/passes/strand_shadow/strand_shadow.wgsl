@@ -13,6 +13,9 @@
 override GROOM_VERTICES: bool = false;
 override GROOM_TEXTURE: bool = false;
 
+// It is hair on guides.
+override GUIDED: bool = false;
+
 // Every how many points is walked to.
 override POINT_STEP: u32 = 1u;
 
@@ -67,7 +70,11 @@ fn walk(number: u32, deposits: bool) {
             let slab = slab_of(behind, deep_opacity.slabs);
             let area = 2.0 * radius / (deep_opacity.texel_m * p.w) * (texels / steps);
             let of_texels = deep_opacity.size * deep_opacity.size;
-            atomicAdd(&deep[of_texels + index * deep_opacity.slabs + slab], u32(area / OPACITY_STEP + 0.5));
+            let opacity = u32(area / OPACITY_STEP + 0.5);
+            atomicAdd(&deep[of_texels + index * deep_opacity.slabs + slab], opacity);
+            if GUIDED {
+                atomicAdd(&deep[of_texels * (1u + deep_opacity.slabs) + index], opacity);
+            }
         }
         a = b;
         place_a = place_b;

@@ -35,8 +35,8 @@ const CORNER: Stream = Stream {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let mut draws = Vec::new();
-    for seen in instances.iter() {
-        let Some(ribbons) = &seen.ribbons else { continue };
+    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+        let Some(ribbons) = set.ribbons else { continue };
         let spec = RenderSpec {
             shader: SHADER,
             vertex: "vs_strands",
@@ -60,11 +60,11 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         });
     }
     if draws.is_empty() {
-        return Outcome::Skipped(match instances.iter().any(|seen| seen.model.strands().is_some()) {
+        return Outcome::Skipped(match instances.iter().any(|seen| !seen.model.strands().is_empty()) {
             _ if !frame.surfaces.strands => "the device has fewer storage buffers in compute shaders than strands take",
             true => "layers are asked for, or single hairs are too thin on screen to be seen",
             false => "no package has strands, or none that the device's buffers can hold",
         });
     }
-    Outcome::Ran(format!("{} instances", draws.len()), draws)
+    Outcome::Ran(format!("{} sets of strands", draws.len()), draws)
 }

@@ -1,12 +1,12 @@
-//! Tables for single materials: `[[groom.material]]`, `[[ink.material]]`.
+//! Tables with a name: for single materials, `[[groom.material]]` and `[[ink.material]]`, and for groups of hair.
 
 /// Declares such a table, and how its list and each of its keys are read, checked and written. Every key besides `name` may be left out.
-macro_rules! material_table {
-    ($(#[$struct_meta:meta])* $table:ident { $($(#[$meta:meta])* $key:ident: $ty:ty, in $range:expr;)+ }) => {
+macro_rules! named_table {
+    ($(#[$struct_meta:meta])* $table:ident of $what:literal { $($(#[$meta:meta])* $key:ident: $ty:ty, in $range:expr;)+ }) => {
         $(#[$struct_meta])*
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $table {
-            /// Name of a material. `*` stands for any characters, `?` for one.
+            #[doc = concat!("Name of ", $what, ".")]
             pub name: String,
             $($(#[$meta])* pub $key: Option<$ty>,)+
         }
@@ -22,12 +22,6 @@ macro_rules! material_table {
                     _ => return Err(pelage_params::unknown_key(key, Self::KEYS)),
                 }
                 Ok(())
-            }
-        }
-
-        impl super::MaterialTable for $table {
-            fn material_name(&self) -> &str {
-                &self.name
             }
         }
 
@@ -56,14 +50,13 @@ macro_rules! material_table {
                     }
                 }
                 if read.name.is_empty() {
-                    return Err(Some("found no name, expected the name of a material".into()));
+                    return Err(Some(concat!("found no name, expected the name of ", $what).into()));
                 }
                 Ok(read)
             }
 
             fn in_range(&self) -> bool {
-                use pelage_params::Field as _;
-                !self.name.is_empty() $(&& self.$key.as_ref().is_none_or(|map| map.in_range(&$range)))+
+                !self.name.is_empty() $(&& self.$key.as_ref().is_none_or(|map| pelage_params::Field::in_range(map, &$range)))+
             }
 
             fn to_toml(&self) -> String {
@@ -76,7 +69,7 @@ macro_rules! material_table {
         }
     };
 }
-pub(super) use material_table;
+pub(super) use named_table;
 
 /// What a recipe says about the materials of a name.
 pub trait MaterialTable {

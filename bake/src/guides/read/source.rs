@@ -1,0 +1,64 @@
+//! A file that is held against its length.
+
+use crate::error::BakeError;
+use glam::Vec3;
+
+/// A file's bytes under its name.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub(super) file: &'a str,
+    pub(super) bytes: &'a [u8],
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn fault(&self, place: String, reason: impl Into<String>) -> BakeError {
+        BakeError::Input { file: self.file.to_owned(), place, reason: reason.into() }
+    }
+
+    /// `len` bytes from `at`, which are `what`.
+    pub(super) fn slice(&self, at: u64, len: u64, what: &str) -> Result<&'a [u8], BakeError> {
+        let end = at.checked_add(len).filter(|end| *end <= self.bytes.len() as u64);
+        let Some(end) = end else {
+            let reason = format!("{what} are {len} bytes from here, the file ends at {}", self.bytes.len());
+            return Err(self.fault(format!("byte {at}"), reason));
+        };
+        Ok(&self.bytes[at as usize..end as usize])
+    }
+
+    pub(super) fn u32(&self, at: u64, what: &str) -> Result<u32, BakeError> {
+        let bytes = self.slice(at, 4, what)?;
+        Ok(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+    }
+
+    pub(super) fn f32(&self, at: u64, what: &str) -> Result<f32, BakeError> {
+        self.u32(at, what).map(f32::from_bits)
+    }
+
+    /// `count` rows of `width` floats from `at`, of which `keep` are read, all finite.
+    pub(super) fn rows<const N: usize>(
+        &self,
+        at: u64,
+        count: u64,
+        width: u64,
+        what: &str,
+    ) -> Result<Vec<[f32; N]>, BakeError> {
+        let bytes = self.slice(at, count.saturating_mul(4 * width), what)?;
+        let mut rows = Vec::with_capacity(count as usize);
+        for (k, row) in bytes.chunks_exact(4 * width as usize).enumerate() {
+            let mut numbers = [0.0; N];
+            for (i, number) in numbers.iter_mut().enumerate() {
+                *number = f32::from_le_bytes([row[4 * i], row[4 * i + 1], row[4 * i + 2], row[4 * i + 3]]);
+                if !number.is_finite() {
+                    let place = format!("byte {}", at + k as u64 * 4 * width + 4 * i as u64);
+                    return Err(self.fault(place, format!("{what}: row {k} has {number}, expected finite numbers")));
+                }
+            }
+            rows.push(numbers);
+        }
+        Ok(rows)
+    }
+}
+
+pub(super) fn points(rows: &[[f32; 3]]) -> Vec<Vec3> {
+    rows.iter().copied().map(Vec3::from).collect()
+}

@@ -1,0 +1,117 @@
+//! Hair that is no coat: `[[strands.group]]` and `[[strands.tuft]]`.
+
+use super::maps::{FilePath, ScalarMap};
+use super::material_groom::SHARE;
+use super::named_table::named_table;
+use super::params::Style;
+use pelage_params::{Range, SrgbColor};
+
+/// Range of coordinates, metres.
+const PLACE: Range<f32> = -1e6..=1e6;
+/// Range of lengths, metres.
+const LENGTH: Range<f32> = 1e-4..=100.0;
+/// Range of radii, metres.
+const RADIUS: Range<f32> = 1e-6..=0.1;
+
+named_table! {
+    /// Hair that follows guides. A key that is left out has the default in brackets.
+    HairGroupParams of "a group of hair" {
+        /// Name of the materials that it grows on, its scalp; `*` stands for any characters, `?` for one (all).
+        material: String, in ();
+        /// How dense it is there, over where it is densest: a number, the vertex colours or an image (1). Where it is less than 0.01 nothing grows.
+        mask: ScalarMap, in SHARE;
+        /// Strands to take as guides, from the recipe's folder: .hair (Cem Yuksel), .tfx (TressFX) or .txt (lines of x y z). Hair then grows where the scalp has
+        /// some near. Without, guides grow.
+        file: FilePath, in ();
+        /// What a length of 1 in that file is, metres (1).
+        scale_m: f32, in 1e-6..=1e6;
+        /// By how many degrees the file is turned about x, then y, then z ([0, 0, 0]).
+        turn_deg: [f32; 3], in -360.0..=360.0;
+        /// Where the file's origin is, metres ([0, 0, 0]).
+        at: [f32; 3], in PLACE;
+        /// How far from the scalp a strand of the file may root to be a guide, metres: its beginning is led there (a tenth of the model's radius).
+        loose_m: f32, in 0.0..=1e6;
+        /// Every how many strands of the file is a guide (1).
+        every: u32, in 1..=1_000_000;
+        /// Guides that grow where there is no file (300).
+        guides: u32, in 1..=20_000;
+        /// Hairs that follow them; 0 takes the guides for the hairs (20000).
+        hairs: u32, in 0..=4_000_000;
+        /// Points of each hair: one more than a power of two suits best (17).
+        points: u32, in 2..=65;
+        /// Points of each guide, of which hairs are smooth curves (8; 29 where it is curly).
+        guide_points: u32, in 2..=65;
+        /// Length of the guides that grow, metres (a sixth of the model's radius).
+        length_m: f32, in LENGTH;
+        /// How guides grow: `straight` and `wet` fall, `curly` falls in helices, `messy` falls in waves, `lying` follows the skin (straight).
+        style: Style, in ();
+        /// Where they fall to: a direction at rest ([0, -1, 0]).
+        fall: [f32; 3], in PLACE;
+        /// How they are combed where they leave the skin: a direction at rest, of which the part along the skin counts ([0, 0, 0]: none).
+        comb: [f32; 3], in PLACE;
+        /// Where hair parts: x of a plane, metres, from which it is combed to both sides (none).
+        parting_m: f32, in PLACE;
+        /// How steeply hair leaves the skin where it is combed: 1 as much up as along (0.5).
+        rise: f32, in 0.0..=10.0;
+        /// How long hair keeps the way it leaves the skin in, over its length (0.08).
+        stiffness: f32, in 0.001..=10.0;
+        /// How far from the skin hair lies at most, over its length (0.06).
+        lift: f32, in 0.0..=1.0;
+        /// Radius from the root to the middle, metres (0.00005).
+        root_radius_m: f32, in RADIUS;
+        /// Radius at the tip, metres (a third of that at the root).
+        tip_radius_m: f32, in 0.0..=0.1;
+        /// Colour at the root; the skin's does not matter ("#3a2a1c").
+        root_color: SrgbColor, in ();
+        /// Colour at the tip ("#6b4a2f").
+        tip_color: SrgbColor, in ();
+        /// How much brighter or darker single hairs are (0.2).
+        color_variation: f32, in SHARE;
+        /// Share of the length that the shortest hair lacks (0.15).
+        length_variation: f32, in 0.0..=0.95;
+        /// How much hairs of a lock come together at their tips (0.5).
+        clump: f32, in SHARE;
+        /// Hairs of a lock (60).
+        lock_hairs: u32, in 1..=1_000_000;
+        /// How far the tips of stray hairs are aside, over their length (0.1).
+        stray: f32, in SHARE;
+        /// Another number is another chance (1).
+        seed: u32, in 0..=4_000_000_000;
+    }
+}
+
+named_table! {
+    /// A few thick hairs at a place: whiskers, lashes, brows. A key that is left out has the default in brackets.
+    TuftParams of "a tuft" {
+        /// Middle of it, near the skin, metres in world space at rest: it stands where the skin is nearest. It may not be left out.
+        at: [f32; 3], in PLACE;
+        /// Whether the same stands on the other side, x turned about (false).
+        mirrored: bool, in ();
+        /// Hairs of it (12).
+        hairs: u32, in 1..=10_000;
+        /// How far from the middle they root, metres (0.005).
+        spread_m: f32, in 0.0..=100.0;
+        /// Length, metres (0.05).
+        length_m: f32, in LENGTH;
+        /// Which way they go, as much as away from the skin ([0, 0, 0]).
+        direction: [f32; 3], in PLACE;
+        /// How far their tips hang down, over their length (0.15).
+        bend: f32, in -1.0..=1.0;
+        /// How far they fan out (0.3).
+        fan: f32, in SHARE;
+        /// Radius at the root, metres (0.0003).
+        root_radius_m: f32, in RADIUS;
+        /// Radius at the tip, metres (a sixth of that at the root).
+        tip_radius_m: f32, in 0.0..=0.1;
+        /// Colour at the root ("#e8e0d4").
+        root_color: SrgbColor, in ();
+        /// Colour at the tip ("#f4efe8").
+        tip_color: SrgbColor, in ();
+        /// Points of each hair (9).
+        points: u32, in 2..=65;
+        /// Share of the length that the shortest hair lacks (0.4).
+        length_variation: f32, in 0.0..=0.95;
+        /// Another number is another chance (1).
+        seed: u32, in 0..=4_000_000_000;
+    }
+}

@@ -1,0 +1,78 @@
+//! Triangles near a place.
+
+use glam::{IVec3, Vec3};
+use std::collections::HashMap;
+
+/// Barycentric coordinates of the point of a triangle that is closest to `p` (Ericson, *Real-Time Collision Detection*, 5.1.5).
+pub(crate) fn closest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return Vec3::X;
+    }
+    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return Vec3::Y;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let v = d1 / (d1 - d3);
+        return Vec3::new(1.0 - v, v, 0.0);
+    }
+    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return Vec3::Z;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let w = d2 / (d2 - d6);
+        return Vec3::new(1.0 - w, 0.0, w);
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return Vec3::new(0.0, 1.0 - w, w);
+    }
+    let sum = (va + vb + vc).recip();
+    Vec3::new(va * sum, vb * sum, vc * sum)
+}
+
+/// Triangles by the cells of a grid that their boxes meet.
+pub(crate) struct Cells {
+    size: f32,
+    of_cell: HashMap<IVec3, Vec<u32>>,
+}
+
+impl Cells {
+    pub(crate) fn new(triangles: &[[u32; 3]], place: &dyn Fn(u32) -> Vec3, size: f32) -> Self {
+        let mut of_cell: HashMap<IVec3, Vec<u32>> = HashMap::new();
+        for (number, corners) in (0..).zip(triangles) {
+            let [a, b, c] = corners.map(place);
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            let [low, high] = [low, high].map(|p| (p / size).floor().as_ivec3());
+            for x in low.x..=high.x {
+                for y in low.y..=high.y {
+                    for z in low.z..=high.z {
+                        of_cell.entry(IVec3::new(x, y, z)).or_default().push(number);
+                    }
+                }
+            }
+        }
+        Self { size, of_cell }
+    }
+
+    /// Those that may be within `reach` of a point; some more than once.
+    pub(crate) fn within(&self, p: Vec3, reach: f32) -> impl Iterator<Item = u32> + '_ {
+        let [low, high] = [p - reach, p + reach].map(|p| (p / self.size).floor().as_ivec3());
+        let cells = (low.x..=high.x).flat_map(move |x| (low.y..=high.y).map(move |y| (x, y)));
+        let cells = cells.flat_map(move |(x, y)| (low.z..=high.z).map(move |z| IVec3::new(x, y, z)));
+        cells.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied()
+    }
+
+    /// Those in the cell of a point and the cells about it.
+    pub(crate) fn near(&self, p: Vec3) -> impl Iterator<Item = u32> + '_ {
+        let cell = (p / self.size).floor().as_ivec3();
+        let about = (0..27).map(move |i| cell + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
+        about.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied()
+    }
+}

@@ -1,0 +1,79 @@
+//! The skin at rest as something that hair lies on.
+
+use crate::stages::cells::{Cells, closest};
+use glam::Vec3;
+use pelage_formats::OnTriangle;
+
+/// The triangles of a mesh at rest.
+pub(super) struct Body<'a> {
+    pub(super) triangles: &'a [[u32; 3]],
+    positions: &'a [Vec3],
+    normals: &'a [Vec3],
+    cells: Cells,
+    /// Mean length of an edge, metres.
+    edge_m: f32,
+}
+
+/// The place of the skin that is nearest to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest {
+    pub(super) at: OnTriangle,
+    pub(super) place: Vec3,
+    /// Of the skin there, of unit length.
+    pub(super) normal: Vec3,
+    pub(super) distance_m: f32,
+}
+
+impl<'a> Body<'a> {
+    pub(super) fn new(triangles: &'a [[u32; 3]], positions: &'a [Vec3], normals: &'a [Vec3]) -> Self {
+        let place = |v: u32| positions[v as usize];
+        let edges: f32 = triangles.iter().map(|t| place(t[0]).distance(place(t[1]))).sum();
+        let edge_m = (edges / triangles.len().max(1) as f32).max(1e-9);
+        Self { triangles, positions, normals, cells: Cells::new(triangles, &place, edge_m), edge_m }
+    }
+
+    pub(super) fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// Normal of the skin, of unit length.
+    pub(super) fn normal(&self, at: &OnTriangle) -> Vec3 {
+        let [a, b, c] = self.triangles[at.triangle as usize].map(|v| self.normals[v as usize]);
+        let mixed = a * at.weights[0] + b * at.weights[1] + c * at.weights[2];
+        mixed.try_normalize().unwrap_or(Vec3::Y)
+    }
+
+    /// The nearest place within `reach` metres on triangles that `of` accepts.
+    pub(super) fn nearest(&self, p: Vec3, reach_m: f32, of: impl Fn(u32) -> bool) -> Option<Nearest> {
+        // Most places are near: the search widens only where there is nothing.
+        let mut reach = self.edge_m.min(reach_m);
+        loop {
+            let found = self.nearest_within(p, reach, &of);
+            if found.is_some() || reach >= reach_m {
+                return found;
+            }
+            reach = (2.0 * reach).min(reach_m);
+        }
+    }
+
+    fn nearest_within(&self, p: Vec3, reach_m: f32, of: &impl Fn(u32) -> bool) -> Option<Nearest> {
+        let mut found: Option<Nearest> = None;
+        for triangle in self.cells.within(p, reach_m).filter(|t| of(*t)) {
+            let at = OnTriangle { triangle, weights: closest(p, self.corners(triangle)).to_array() };
+            let place = at.place(self.corners(triangle));
+            let distance_m = place.distance(p);
+            let nearer = found.is_none_or(|f| (distance_m, triangle) < (f.distance_m, f.at.triangle));
+            if distance_m <= reach_m && nearer {
+                found = Some(Nearest { at, place, normal: Vec3::ZERO, distance_m });
+            }
+        }
+        found.map(|near| Nearest { normal: self.normal(&near.at), ..near })
+    }
+
+    /// How far a place is from the skin, metres, below 0 within the body, and the skin there; `None` farther away than `reach_m`.
+    pub(super) fn depth(&self, p: Vec3, reach_m: f32) -> Option<(f32, Nearest)> {
+        let near = self.nearest(p, reach_m, |_| true)?;
+        let outside = (p - near.place).dot(near.normal) >= 0.0;
+        Some((if outside { near.distance_m } else { -near.distance_m }, near))
+    }
+}

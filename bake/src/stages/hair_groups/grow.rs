@@ -1,0 +1,124 @@
+//! Guides that grow: each leaves the skin along its normal and turns to where it falls or is combed to, without going into the body.
+
+use super::body::Body;
+use crate::noise::{along, uniform};
+use crate::recipe::Style;
+use glam::{Quat, Vec3};
+use pelage_formats::OnTriangle;
+use pelage_formats::meaning::hair_groups::smoothed;
+
+/// Steps of a guide.
+const STEPS: usize = 48;
+/// How often a step is pushed out of the body.
+const PUSHES: usize = 3;
+
+/// How guides grow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Growth {
+    pub(super) style: Style,
+    /// Where they fall to, of unit length.
+    pub(super) fall: Vec3,
+    /// How they are combed at the skin, of unit length or zero.
+    pub(super) comb: Vec3,
+    /// x of the plane from which they are combed to both sides, metres.
+    pub(super) parting_m: Option<f32>,
+    /// How steeply combed hair leaves the skin.
+    pub(super) rise: f32,
+    pub(super) length_m: f32,
+    /// How long hair keeps the way it leaves the skin in, over its length.
+    pub(super) stiffness: f32,
+    /// How far from the skin it lies at most, over its length.
+    pub(super) lift: f32,
+    pub(super) guide_points: usize,
+}
+
+/// Waves of messy hair over its length.
+const WAVES: f32 = 3.0;
+/// Turns of curly hair over its length, and their radius over it.
+const TURNS: f32 = 4.0;
+const CURL: f32 = 0.035;
+
+impl Growth {
+    /// A guide from that root: its points, of which the first is there.
+    pub(super) fn guide(&self, body: &Body<'_>, root: &OnTriangle, seed: u64) -> Vec<Vec3> {
+        let start = root.place(body.corners(root.triangle));
+        let step_m = self.length_m / STEPS as f32;
+        // Hair lies on hair: each guide at another distance from the skin.
+        let lift_m = self.lift * self.length_m * (0.25 + 0.75 * uniform(seed, 1));
+        let wet = matches!(self.style, Style::Wet | Style::Lying);
+        let turned = 1.0 - libm::expf(-1.0 / (STEPS as f32 * self.stiffness * if wet { 0.3 } else { 1.0 }));
+        let reach_m = (2.0 * lift_m).max(4.0 * step_m);
+        let mut way = self.first_way(start, body.normal(root), seed);
+        let mut points = vec![start];
+        for k in 1..=STEPS {
+            let at = points[k - 1];
+            let share = k as f32 / STEPS as f32;
+            let mut target = self.fall;
+            if self.style == Style::Lying
+                && let Some((_, near)) = body.depth(at, reach_m)
+            {
+                target = target.reject_from_normalized(near.normal);
+            }
+            if self.style == Style::Messy {
+                target += 0.9 * along(seed, WAVES * share);
+            }
+            way = way.lerp(target.try_normalize().unwrap_or(way), turned).try_normalize().unwrap_or(way);
+            // Near the root hair is near the skin.
+            let clear_m = lift_m * (4.0 * share).min(1.0) * if wet { 0.4 } else { 1.0 };
+            let mut next = at + way * step_m;
+            for _ in 0..PUSHES {
+                let Some((depth_m, near)) = body.depth(next, reach_m).filter(|(depth_m, _)| *depth_m < clear_m) else {
+                    break;
+                };
+                next += near.normal * (clear_m - depth_m).min(step_m);
+                let along_skin = (next - at).try_normalize().unwrap_or(near.normal);
+                next = at + along_skin * step_m;
+            }
+            // What the body turned aside goes on from there.
+            way = (next - at).try_normalize().unwrap_or(way);
+            points.push(next);
+        }
+        if self.style == Style::Curly {
+            points = self.curled(&points, seed);
+        }
+        smoothed(&points, self.guide_points)
+    }
+
+    /// The way in which hair leaves the skin: combed, or else where it will fall, as far as that lies along the skin.
+    fn first_way(&self, root: Vec3, normal: Vec3, seed: u64) -> Vec3 {
+        let aside = self.parting_m.map_or(Vec3::ZERO, |x| if root.x < x { Vec3::NEG_X } else { Vec3::X });
+        let combed = self.comb + aside;
+        let wanted = if combed == Vec3::ZERO { self.fall } else { combed };
+        let along_skin = wanted.reject_from_normalized(normal);
+        // At the crown nothing says where to: there every hair goes its own way.
+        let chance = 0.15 * along(seed, 0.5).reject_from_normalized(normal);
+        (along_skin + chance)
+            .normalize_or_zero()
+            .lerp(normal, self.rise / (1.0 + self.rise))
+            .try_normalize()
+            .unwrap_or(normal)
+    }
+
+    /// The same about which a helix goes, wider and wider from the root.
+    fn curled(&self, points: &[Vec3], seed: u64) -> Vec<Vec3> {
+        let begin = std::f32::consts::TAU * uniform(seed, 2);
+        let mut before = (points[1] - points[0]).normalize_or(Vec3::Y);
+        let mut side = before.any_orthonormal_vector();
+        let last = points.len() - 1;
+        (0..points.len())
+            .map(|k| {
+                let along = points[(k + 1).min(last)] - points[k.max(1) - 1];
+                let axis = along.try_normalize().unwrap_or(before);
+                side = Quat::from_rotation_arc(before, axis) * side;
+                before = axis;
+                let share = k as f32 / last as f32;
+                let angle = begin + std::f32::consts::TAU * TURNS * share;
+                let about = side * libm::cosf(angle) + axis.cross(side) * libm::sinf(angle);
+                points[k] + about * (CURL * self.length_m * (3.0 * share).min(1.0))
+            })
+            .enumerate()
+            // Roots stay.
+            .map(|(k, p)| if k == 0 { points[0] } else { p })
+            .collect()
+    }
+}

@@ -1,0 +1,321 @@
+//! `groom`, hair that is no coat: `[[strands.group]]` and `[[strands.tuft]]` as the package stores them.
+//!
+//! Of a group that is its scalp, its guides and numbers; the hairs follow from them where the package is loaded
+//! ([`pelage_formats::meaning::hair_groups`]).
+
+mod body;
+mod grow;
+mod tuft;
+
+#[cfg(test)]
+mod tests;
+
+use crate::BakeError;
+use crate::guides::Guides;
+use crate::mesh::{Material, Mesh, RestPose};
+use crate::recipe::{HairGroupParams, ScalarMap, SrgbColor, StrandParams, Style, TuftParams};
+use crate::stages::groom::{MapImages, scalar_at};
+use body::Body;
+use glam::{EulerRot, Mat4, Quat, Vec3};
+use grow::Growth;
+use pelage_formats::meaning::hair_groups::{Near, roots, smoothed, triangle_frame};
+use pelage_formats::{HairGroup, OnTriangle};
+use pelage_params::glob;
+use rayon::prelude::*;
+
+/// Guides of a file may root so far from the scalp, over the model's radius: others are left out.
+const LOOSE: f32 = 0.1;
+/// Share of their points that is led to the scalp.
+const LED: f32 = 0.4;
+/// Guides that a group can have.
+const MOST_GUIDES: usize = 1 << 16;
+/// Density below which nothing grows.
+const BARE: f32 = 0.01;
+
+/// What hair grows on.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<'a> {
+    /// The model as the user named it, for messages.
+    pub file: &'a str,
+    /// The mesh as the package has it.
+    pub mesh: &'a Mesh,
+    /// Its rest pose.
+    pub rest: &'a RestPose,
+    /// Radius of that, metres.
+    pub radius_m: f32,
+    /// Materials of the model.
+    pub materials: &'a [Material],
+    /// Images and files of strands that the recipe names.
+    pub files: &'a MapImages,
+}
+
+/// Makes the groups of a recipe, and says in `warnings` what was repaired or left out.
+///
+/// # Errors
+/// [`BakeError::Input`] naming the table where nothing can grow: a material that does not exist, no triangle, no guide that touches the scalp.
+pub fn groups(
+    params: &StrandParams,
+    ground: &Ground<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<HairGroup>, BakeError> {
+    if params.group.is_empty() && params.tuft.is_empty() {
+        return Ok(Vec::new());
+    }
+    let body = Body::new(&ground.mesh.triangles, &ground.rest.positions, &ground.rest.normals);
+    let mut made = Vec::new();
+    for (number, group) in params.group.iter().enumerate() {
+        let fail = |reason: String| fault(ground, "group", number, &group.name, reason);
+        made.push(group_of(group, ground, &body, warnings).map_err(|reason| match reason {
+            Fault::Here(reason) => fail(reason),
+            Fault::Elsewhere(error) => error,
+        })?);
+    }
+    for (number, tuft) in params.tuft.iter().enumerate() {
+        let found = tuft_of(tuft, ground, &body).map_err(|r| fault(ground, "tuft", number, &tuft.name, r))?;
+        made.push(found);
+    }
+    Ok(made)
+}
+
+fn fault(ground: &Ground<'_>, table: &str, number: usize, name: &str, reason: String) -> BakeError {
+    BakeError::Input {
+        file: ground.file.to_owned(),
+        place: format!("strands.{table}, table {number} {name:?}"),
+        reason,
+    }
+}
+
+/// Why a group cannot be made: something about it, or a fault of this code.
+enum Fault {
+    Here(String),
+    Elsewhere(BakeError),
+}
+
+impl From<BakeError> for Fault {
+    fn from(error: BakeError) -> Self {
+        Self::Elsewhere(error)
+    }
+}
+
+fn group_of(
+    params: &HairGroupParams,
+    ground: &Ground<'_>,
+    body: &Body<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<HairGroup, Fault> {
+    let scalp = scalp(params, ground)?;
+    let length_m = params.length_m.unwrap_or(ground.radius_m / 6.0);
+    let style = params.style.unwrap_or(Style::Straight);
+    let guide_points = params.guide_points.unwrap_or(if style == Style::Curly { 29 } else { 8 });
+    let root_radius_m = params.root_radius_m.unwrap_or(5e-5);
+    let mut group = HairGroup {
+        name: params.name.clone(),
+        hairs: params.hairs.unwrap_or(20_000),
+        points: params.points.unwrap_or(17),
+        guide_points,
+        seed: params.seed.unwrap_or(1),
+        root_radius_m,
+        tip_radius_m: params.tip_radius_m.unwrap_or(root_radius_m / 3.0).min(root_radius_m),
+        root_color: bytes(params.root_color, [0x3a, 0x2a, 0x1c]),
+        tip_color: bytes(params.tip_color, [0x6b, 0x4a, 0x2f]),
+        color_variation: params.color_variation.unwrap_or(0.2),
+        length_variation: params.length_variation.unwrap_or(0.15),
+        clump: params.clump.unwrap_or(0.5),
+        lock_hairs: params.lock_hairs.unwrap_or(60),
+        stray: params.stray.unwrap_or(0.1),
+        scalp,
+        ..HairGroup::default()
+    };
+    let guides = match &params.file {
+        Some(path) => {
+            let strands = ground.files.strands.get(&path.0);
+            let missing = || BakeError::Internal(format!("the strands {:?} were not read", path.0));
+            let guides = read_guides(params, &group, strands.ok_or_else(missing)?, ground, body, warnings)?;
+            group.scalp = beside(&group.scalp, &guides, body);
+            guides
+        }
+        None => {
+            let fall = Vec3::from(params.fall.unwrap_or([0.0, -1.0, 0.0])).try_normalize();
+            let growth = Growth {
+                style,
+                fall: fall.ok_or_else(|| Fault::Here("fall is [0, 0, 0], expected a direction".into()))?,
+                comb: Vec3::from(params.comb.unwrap_or_default()).normalize_or_zero(),
+                parting_m: params.parting_m,
+                rise: params.rise.unwrap_or(0.5),
+                length_m,
+                stiffness: params.stiffness.unwrap_or(0.08),
+                lift: params.lift.unwrap_or(0.06),
+                guide_points: guide_points as usize,
+            };
+            grown_guides(&group, params.guides.unwrap_or(300), &growth, body)
+        }
+    };
+    group.set_guides(&in_frames(&guides, body));
+    Ok(group)
+}
+
+/// Triangles that a group grows on, and how dense.
+fn scalp(params: &HairGroupParams, ground: &Ground<'_>) -> Result<Vec<(u32, u16)>, Fault> {
+    let pattern = params.material.as_deref().unwrap_or("*");
+    let mask = params.mask.clone().unwrap_or(ScalarMap::Constant(1.0));
+    let named = |part: &&crate::mesh::MeshPart| {
+        ground.materials.get(part.material).is_some_and(|material| glob(pattern, &material.name))
+    };
+    let parts: Vec<_> = ground.mesh.parts.iter().filter(named).collect();
+    if parts.is_empty() {
+        let known: Vec<String> = ground.materials.iter().map(|material| format!("{:?}", material.name)).collect();
+        let reason = format!("no triangle has a material named {pattern:?}, expected one of {}", known.join(", "));
+        return Err(Fault::Here(reason));
+    }
+    let mut scalp = Vec::new();
+    for part in parts {
+        for triangle in part.first_triangle..part.first_triangle + part.triangle_count {
+            let mut share = 0.0;
+            for v in ground.mesh.triangles[triangle] {
+                share += scalar_at(ground.files, ground.mesh, part, &mask, v as usize)?.unwrap_or(1.0) / 3.0;
+            }
+            if share >= BARE {
+                scalp.push((triangle as u32, (share * 65535.0).round().clamp(1.0, 65535.0) as u16));
+            }
+        }
+    }
+    if scalp.is_empty() {
+        let reason = format!("the mask leaves none of the triangles of {pattern:?}, expected some that are not black");
+        return Err(Fault::Here(reason));
+    }
+    Ok(scalp)
+}
+
+/// Guides that grow on the scalp of a group, spread as its hairs are.
+fn grown_guides(group: &HairGroup, count: u32, growth: &Growth, body: &Body<'_>) -> Vec<(OnTriangle, Vec<Vec3>)> {
+    let roots: Vec<OnTriangle> = roots(group, count, &|triangle| body.corners(triangle));
+    let grow = |(number, root): (usize, &OnTriangle)| {
+        let seed = u64::from(group.seed) << 32 | number as u64;
+        (*root, growth.guide(body, root, seed))
+    };
+    roots.par_iter().enumerate().map(grow).collect()
+}
+
+/// Guides of a file, the beginning of each led to where the scalp is nearest to its root; the rest stays where it is.
+fn read_guides(
+    params: &HairGroupParams,
+    group: &HairGroup,
+    strands: &Guides,
+    ground: &Ground<'_>,
+    body: &Body<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<(OnTriangle, Vec<Vec3>)>, Fault> {
+    let [x, y, z] = params.turn_deg.unwrap_or_default().map(f32::to_radians);
+    let turn = Quat::from_euler(EulerRot::ZYX, z, y, x);
+    let placed = Mat4::from_scale_rotation_translation(
+        Vec3::splat(params.scale_m.unwrap_or(1.0)),
+        turn,
+        params.at.unwrap_or_default().into(),
+    );
+    let mut on_scalp = vec![false; body.triangles.len()];
+    group.scalp.iter().for_each(|(triangle, _)| on_scalp[*triangle as usize] = true);
+    let every = params.every.unwrap_or(1) as usize;
+    let chosen: Vec<usize> = (0..strands.len()).step_by(every).collect();
+    let loose_m = params.loose_m.unwrap_or(LOOSE * ground.radius_m);
+    let guide = |index: &usize| {
+        let points: Vec<Vec3> = strands.strand(*index).iter().map(|p| placed.transform_point3(*p)).collect();
+        let root = body.nearest(points[0], loose_m, |triangle| on_scalp[triangle as usize])?;
+        let last = (points.len() - 1) as f32;
+        let led = |(k, p): (usize, &Vec3)| {
+            let left = (1.0 - k as f32 / (LED * last)).max(0.0);
+            *p + (root.place - points[0]) * (left * left)
+        };
+        let moved: Vec<Vec3> = points.iter().enumerate().map(led).collect();
+        Some((root.at, smoothed(&moved, group.guide_points as usize)))
+    };
+    let guides: Vec<_> = chosen.par_iter().filter_map(guide).collect();
+    if guides.is_empty() {
+        let bounds = strands.points.iter().map(|p| placed.transform_point3(*p));
+        let (low, high) = bounds.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        let reason = format!(
+            "none of the {} strands of the file roots within {loose_m:.3} m of the scalp: they lie from {low} to {high}; \
+             expected scale_m, turn_deg and at that put them on the model, whose radius is {:.3} m",
+            chosen.len(),
+            ground.radius_m
+        );
+        return Err(Fault::Here(reason));
+    }
+    if guides.len() > MOST_GUIDES {
+        let reason = format!("{} guides, expected at most {MOST_GUIDES}: `every` takes fewer", guides.len());
+        return Err(Fault::Here(reason));
+    }
+    if guides.len() < chosen.len() {
+        let gone = chosen.len() - guides.len();
+        warnings.push(format!(
+            "strands.group {:?}: {gone} of {} guides root farther than {loose_m:.3} m from the scalp and are left out",
+            params.name,
+            chosen.len()
+        ));
+    }
+    if strands.left_out > 0 {
+        warnings.push(format!(
+            "strands.group {:?}: {} strands of the file have no length and are left out",
+            params.name, strands.left_out
+        ));
+    }
+    Ok(guides)
+}
+
+/// How far from all roots of a file hair still grows, over the median distance of a root to that which is nearest.
+const BESIDE: f32 = 4.0;
+
+/// The triangles of a scalp that roots of guides lie on or near: a file that combs a part of it says nothing of the rest.
+fn beside(scalp: &[(u32, u16)], guides: &[(OnTriangle, Vec<Vec3>)], body: &Body<'_>) -> Vec<(u32, u16)> {
+    let roots: Vec<Vec3> = guides.iter().map(|(_, points)| points[0]).collect();
+    let near = Near::new(roots.clone());
+    let mut apart: Vec<f32> = roots.iter().map(|root| near.nearest::<2>(*root)[1].0.sqrt()).collect();
+    apart.sort_by(f32::total_cmp);
+    let reach_m = BESIDE * apart.get(apart.len() / 2).copied().filter(|d| d.is_finite()).unwrap_or_default();
+    let is_beside = |(triangle, _): &&(u32, u16)| {
+        let corners = body.corners(*triangle);
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let across = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f32::max);
+        near.nearest::<1>(middle)[0].0.sqrt() <= reach_m + across
+    };
+    let beside: Vec<(u32, u16)> = scalp.iter().filter(is_beside).copied().collect();
+    // Guides that were led to a scalp of large triangles stand on it all the same.
+    if beside.is_empty() { scalp.to_vec() } else { beside }
+}
+
+/// Guides as a package stores them: relative to their roots, in the frames of their triangles, without the root.
+fn in_frames(guides: &[(OnTriangle, Vec<Vec3>)], body: &Body<'_>) -> Vec<(OnTriangle, Vec<Vec3>)> {
+    let local = |(root, points): &(OnTriangle, Vec<Vec3>)| {
+        let frame = triangle_frame(body.corners(root.triangle)).transpose();
+        (*root, points[1..].iter().map(|p| frame * (*p - points[0])).collect())
+    };
+    guides.iter().map(local).collect()
+}
+
+fn tuft_of(params: &TuftParams, ground: &Ground<'_>, body: &Body<'_>) -> Result<HairGroup, String> {
+    let at = params.at.ok_or("at is missing, expected a place near the skin")?;
+    let sides: &[f32] = if params.mirrored == Some(true) { &[1.0, -1.0] } else { &[1.0] };
+    let places = sides.iter().map(|side| (Vec3::from(at) * Vec3::new(*side, 1.0, 1.0), *side));
+    let reach_m = 2.0 * ground.radius_m;
+    let hairs: Vec<_> = places.flat_map(|(middle, side)| tuft::hairs(params, body, middle, reach_m, side)).collect();
+    if hairs.is_empty() {
+        return Err("no skin is near it, expected a place on the model".into());
+    }
+    let root_radius_m = params.root_radius_m.unwrap_or(3e-4);
+    let mut group = HairGroup {
+        name: params.name.clone(),
+        points: params.points.unwrap_or(9),
+        seed: params.seed.unwrap_or(1),
+        root_radius_m,
+        tip_radius_m: params.tip_radius_m.unwrap_or(root_radius_m / 6.0).min(root_radius_m),
+        root_color: bytes(params.root_color, [0xe8, 0xe0, 0xd4]),
+        tip_color: bytes(params.tip_color, [0xf4, 0xef, 0xe8]),
+        lock_hairs: 1,
+        ..HairGroup::default()
+    };
+    group.set_guides(&in_frames(&hairs, body));
+    Ok(group)
+}
+
+fn bytes(color: Option<SrgbColor>, otherwise: [u8; 3]) -> [u8; 3] {
+    color.map_or(otherwise, |color| color.0.map(|x| (x * 255.0).round() as u8))
+}

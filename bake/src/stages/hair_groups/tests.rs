@@ -1,0 +1,187 @@
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use super::*;
+use crate::mesh::MeshPart;
+use pelage_formats::meaning::hair_groups::Planted;
+
+/// A ball of 0.1 m about the origin: above y = 0.03 its material is "Scalp", below "Skin".
+fn ball() -> (Mesh, RestPose, Vec<Material>) {
+    let (rings, around) = (24u32, 48u32);
+    let place = |i: u32, j: u32| {
+        let (polar, turn) =
+            (std::f32::consts::PI * i as f32 / rings as f32, std::f32::consts::TAU * j as f32 / around as f32);
+        Vec3::new(polar.sin() * turn.sin(), polar.cos(), polar.sin() * turn.cos())
+    };
+    let mut mesh = Mesh::default();
+    for (i, j) in (0..=rings).flat_map(|i| (0..=around).map(move |j| (i, j))) {
+        mesh.positions.push(0.1 * place(i, j));
+        mesh.normals.push(place(i, j));
+    }
+    mesh.uvs = vec![glam::Vec2::ZERO; mesh.positions.len()];
+    mesh.colors = mesh.normals.iter().map(|n| [if n.x < 0.0 { 0 } else { 255 }; 4]).collect();
+    let quad = |i: u32, j: u32| {
+        let at = |i, j| i * (around + 1) + j;
+        [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+    };
+    let rows = |rows: std::ops::Range<u32>| rows.flat_map(|i| (0..around).flat_map(move |j| quad(i, j)));
+    let border = 9;
+    mesh.triangles = rows(0..border).chain(rows(border..rings)).collect();
+    let scalp = (border * around * 2) as usize;
+    let part = |material, first_triangle, triangle_count| MeshPart {
+        source: String::new(),
+        material,
+        first_triangle,
+        triangle_count,
+        has_uvs: true,
+    };
+    mesh.parts = vec![part(0, 0, scalp), part(1, scalp, mesh.triangles.len() - scalp)];
+    let rest = RestPose::of(&mesh, None);
+    let materials = ["Scalp", "Skin"].map(|name| Material { name: name.into(), ..Material::default() });
+    (mesh, rest, materials.to_vec())
+}
+
+/// What a recipe makes of the ball, and the warnings.
+fn made(recipe: &str, files: &MapImages) -> Result<(Vec<HairGroup>, Vec<String>), BakeError> {
+    let recipe = crate::recipe::Recipe::parse("recipe", recipe)?;
+    let (mesh, rest, materials) = ball();
+    let ground = Ground { file: "ball.glb", mesh: &mesh, rest: &rest, radius_m: 0.1, materials: &materials, files };
+    let mut warnings = Vec::new();
+    Ok((groups(&recipe.strands, &ground, &mut warnings)?, warnings))
+}
+
+fn one(keys: &str) -> Result<HairGroup, BakeError> {
+    let group = format!("[[strands.group]]\nname = \"hair\"\nmaterial = \"Scalp\"\n{keys}");
+    made(&group, &MapImages::default()).map(|(mut groups, _)| groups.remove(0))
+}
+
+/// Points of all hairs of a group on the ball at rest.
+fn hairs(group: &HairGroup) -> Vec<Vec<Vec3>> {
+    let (mesh, rest, _) = ball();
+    let planted = Planted::new(group, &rest.positions, &mesh.triangles, u32::MAX);
+    let corners = |t: u32| mesh.triangles[t as usize].map(|v| rest.positions[v as usize]);
+    let guides = planted.posed_guides(corners);
+    planted.hairs.iter().map(|hair| hair.points(corners(hair.root.triangle), &guides).collect()).collect()
+}
+
+#[test]
+fn hair_falls_over_the_body_and_not_through_it() {
+    for style in ["straight", "curly", "messy", "wet", "lying"] {
+        let group =
+            one(&format!("length_m = 0.25\nhairs = 500\nguides = 200\nstyle = \"{style}\"\nstray = 0\nclump = 0"))
+                .unwrap();
+        let hairs = hairs(&group);
+        assert_eq!((hairs.len(), group.guide_roots.len()), (500, 200));
+        let all = hairs.iter().flatten();
+        let inside = all.clone().filter(|p| p.length() < 0.094).count();
+        assert!(inside * 50 < all.clone().count(), "{style}: {inside} of {} points in the ball", all.count());
+        let lower = hairs.iter().filter(|hair| hair.last().unwrap().y < hair[0].y - 0.05).count();
+        assert!(lower > 450, "{style}: {lower} of 500 hang down");
+        let mean = hairs.iter().map(|h| h.windows(2).map(|e| e[0].distance(e[1])).sum::<f32>()).sum::<f32>() / 500.0;
+        assert!((0.15..0.35).contains(&mean), "{style}: {mean} m long");
+    }
+}
+
+#[test]
+fn hair_is_combed_to_both_sides_of_a_parting() {
+    let group =
+        one("length_m = 0.1\nhairs = 400\nparting_m = 0.02\nlength_variation = 0\nstray = 0\nclump = 0").unwrap();
+    for hair in hairs(&group).iter().filter(|hair| hair[0].y > 0.06 && (hair[0].x - 0.02).abs() > 0.004) {
+        let side = (hair[0].x - 0.02).signum();
+        assert!(side * (hair.last().unwrap().x - hair[0].x) > 0.0, "from {} to {}", hair[0], hair.last().unwrap());
+    }
+}
+
+#[test]
+fn a_mask_thins_the_scalp() {
+    // Vertex colours are white on the right alone.
+    let group = one("mask = \"vertex\"\nhairs = 300\nlength_m = 0.01").unwrap();
+    assert!(hairs(&group).iter().all(|hair| hair[0].x > -0.03));
+    assert!(
+        group.scalp.iter().any(|(_, share)| *share < 40_000) && group.scalp.iter().any(|(_, share)| *share == 65_535)
+    );
+}
+
+#[test]
+fn guides_of_a_file_are_put_on_the_scalp() {
+    let strand = |x: f32, lift: f32| {
+        let root = Vec3::new(x, (0.01 - x * x).sqrt(), 0.0) * (1.0 + lift);
+        [root, root + Vec3::Y * 0.05, root + Vec3::new(0.02, 0.08, 0.0)]
+    };
+    let file = |strands: &[[Vec3; 3]]| {
+        let text: String = strands
+            .iter()
+            .map(|s| s.map(|p| format!("{} {} {}\n", 100.0 * p.x, 100.0 * p.y, 100.0 * p.z)).concat() + "\n")
+            .collect();
+        let guides = crate::guides::read::GuideFormat::Text.read("guides.txt", text.as_bytes()).unwrap();
+        let mut files = MapImages::default();
+        files.strands.insert("guides.txt".into(), guides);
+        files
+    };
+    let recipe =
+        |keys: &str| format!("[[strands.group]]\nname = \"hair\"\nmaterial = \"Scalp\"\nfile = \"guides.txt\"\n{keys}");
+    // In centimetres; one touches, one hangs a little over the skin, and one is far away.
+    let files = file(&[strand(0.01, 0.0), strand(0.03, 0.05), strand(0.02, 3.0)]);
+    let (groups, warnings) = made(
+        &recipe("scale_m = 0.01\nhairs = 0\npoints = 9\nguide_points = 9\nlength_variation = 0\nstray = 0"),
+        &files,
+    )
+    .unwrap();
+    assert_eq!((groups[0].guide_roots.len(), warnings.len()), (2, 1));
+    assert!(warnings[0].contains("1 of 3 guides root farther than 0.010 m"), "{}", warnings[0]);
+    for (hair, strand) in hairs(&groups[0]).iter().zip([strand(0.01, 0.0), strand(0.03, 0.05)]) {
+        assert!((hair[0].length() - 0.1).abs() < 5e-4, "roots on the ball: {}", hair[0]);
+        let tip = *hair.last().unwrap();
+        assert!(tip.distance(strand[2]) < 0.001, "{tip}, expected {}", strand[2]);
+    }
+    // Hair grows about the guides alone.
+    let few = file(&[strand(0.01, 0.0), strand(0.012, 0.0), strand(0.014, 0.0)]);
+    let (many, _) = made(&recipe("scale_m = 0.01\nhairs = 200\nstray = 0\nclump = 0"), &few).unwrap();
+    assert!(hairs(&many[0]).iter().all(|hair| hair[0].distance(Vec3::new(0.012, 0.1, 0.0)) < 0.035));
+    // Where they may be farther away, all are led to it.
+    let (groups, _) = made(&recipe("scale_m = 0.01\nhairs = 0\nloose_m = 0.5"), &files).unwrap();
+    assert_eq!(groups[0].guide_roots.len(), 3);
+    // In metres by mistake: all of it is far away, and the error says where it is.
+    let error = made(&recipe(""), &files).unwrap_err().to_string();
+    assert!(error.contains("none of the 3 strands") && error.contains("scale_m"), "{error}");
+}
+
+#[test]
+fn tufts_stand_where_the_skin_is_nearest() {
+    let recipe = "[[strands.tuft]]\nname = \"whiskers\"\nat = [0.05, 0.0, 0.2]\nmirrored = true\nhairs = 8\nlength_m = 0.06\nspread_m = 0.01";
+    let (groups, _) = made(recipe, &MapImages::default()).unwrap();
+    assert_eq!((groups[0].hairs, groups[0].guide_roots.len(), groups[0].hair_count()), (0, 16, 16));
+    let hairs = hairs(&groups[0]);
+    for (left, right) in hairs[..8].iter().zip(&hairs[8..]) {
+        assert!((left[0] - Vec3::new(0.0243, 0.0, 0.097)).length() < 0.013, "{}", left[0]);
+        for (p, q) in left.iter().zip(right) {
+            assert!((*p * Vec3::new(-1.0, 1.0, 1.0)).distance(*q) < 3e-3, "{p} and {q}");
+        }
+        assert!(left.last().unwrap().z > 0.11);
+    }
+}
+
+#[test]
+fn what_cannot_grow_is_an_error_that_says_why() {
+    let fails = |recipe: &str, expected: &[&str]| {
+        let error = made(recipe, &MapImages::default()).unwrap_err().to_string();
+        assert!(expected.iter().all(|e| error.contains(e)), "{error}, expected {expected:?}");
+    };
+    let group = |keys: &str| format!("[[strands.group]]\nname = \"hair\"\n{keys}");
+    let place = "strands.group, table 0 \"hair\"";
+    fails(&group("material = \"Mane\""), &["ball.glb", place, "\"Mane\"", "\"Scalp\", \"Skin\""]);
+    fails(&group("mask = 0.0"), &[place, "the mask leaves none"]);
+    fails(&group("fall = [0, 0, 0]"), &[place, "fall is [0, 0, 0]"]);
+    fails("[[strands.tuft]]\nname = \"brow\"", &["strands.tuft, table 0 \"brow\"", "at is missing"]);
+    let far = "[[strands.tuft]]\nname = \"brow\"\nat = [9, 9, 9]";
+    fails(far, &["no skin is near"]);
+    for (keys, expected) in [
+        ("hairs = -1", "hairs"),
+        ("points = 1", "points"),
+        ("clump = 2.0", "clump"),
+        ("lenght_m = 0.1", "length_m"),
+        ("file = \"/etc/passwd\"", "file"),
+        ("root_color = \"red\"", "root_color"),
+    ] {
+        fails(&group(keys), &["recipe", expected]);
+    }
+}

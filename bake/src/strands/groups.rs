@@ -1,0 +1,45 @@
+//! Hair on guides, hair by hair on a posed skin.
+
+use super::curves::{CurvePoint, Curves, simplified};
+use super::plant::SIMPLIFICATION;
+use super::skin::{Skin, mix};
+use glam::{DVec3, Vec2, Vec3};
+use pelage_formats::HairGroup;
+use pelage_formats::meaning::hair_groups::{Hair, Planted, hair_color, hair_radius};
+use rayon::prelude::*;
+
+/// Lets groups of hair grow.
+///
+/// * `rest`: the skin at rest, which says what each hair follows
+/// * `posed`: the same skin where the hair is wanted
+pub fn grow_groups(groups: &[HairGroup], rest: &Skin, posed: &Skin) -> Curves {
+    let mut curves = Curves::default();
+    let at_rest: Vec<Vec3> = rest.vertices.iter().map(|v| v.position_ws.as_vec3()).collect();
+    for group in groups {
+        let planted = Planted::new(group, &at_rest, &rest.triangles, u32::MAX);
+        let corners = |triangle: u32| posed.corners(triangle as usize).map(|c| c.position_ws.as_vec3());
+        let guides = planted.posed_guides(corners);
+        curves.begin_group(&group.name);
+        let curve = |hair: &Hair| {
+            let triangle = hair.root.triangle;
+            let weights = DVec3::from(hair.root.weights.map(f64::from));
+            let normals = posed.corners(triangle as usize).map(|c| c.normal_ws.as_vec3());
+            let normal_ws = mix(weights, normals).normalize_or(Vec3::Y);
+            let points = hair.points(corners(triangle), &guides);
+            let last = (points.len().max(2) - 1) as f32;
+            let points: Vec<CurvePoint> = points
+                .enumerate()
+                .map(|(k, position_ws)| {
+                    let share = k as f32 / last;
+                    let color = hair_color(group, hair.color, share);
+                    CurvePoint { position_ws, radius_m: hair_radius(group, share), color, height: share, normal_ws }
+                })
+                .collect();
+            let root_uv = mix(weights, posed.corners(triangle as usize).map(|c| c.base_uv));
+            (simplified(&points, SIMPLIFICATION), root_uv)
+        };
+        let grown: Vec<(Vec<CurvePoint>, Vec2)> = planted.hairs.par_iter().map(curve).collect();
+        grown.iter().for_each(|(points, root_uv)| curves.push(points, false, *root_uv));
+    }
+    curves
+}

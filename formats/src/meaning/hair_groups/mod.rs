@@ -1,0 +1,230 @@
+//! Hair on guides: where each hair of a group roots, which guides it follows, and where its points are on a posed mesh.
+//!
+//! A package stores the guides of a group and numbers ([`HairGroup`]); the hairs follow from them and a seed, the same in the runtime and in the traced
+//! truth. A guide's points are kept relative to its root in the frame of the root's triangle, so that the group moves with the skin.
+
+mod follow;
+mod near;
+mod smooth;
+
+pub use crate::sections::hair::OnTriangle;
+pub use follow::{FOLLOWED, Follow, Followed};
+pub use near::Near;
+pub use smooth::smoothed;
+
+use crate::meaning::srgb_to_linear;
+use crate::sections::hair::HairGroup;
+use glam::{Mat3, Vec3};
+
+/// Hairs of a group have one of so many colours.
+pub const HAIR_COLORS: u32 = 32;
+
+/// Share of the hairs that stray.
+const STRAYS: f32 = 0.08;
+/// How far the other hairs leave their guides, over how far strays do.
+const ORDERLY: f32 = 0.12;
+
+/// A hair of a group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hair {
+    /// Its root.
+    pub root: OnTriangle,
+    /// The guides that it follows.
+    pub follow: Follow,
+    /// How much of their length it has, above 0 and at most 1.
+    pub length: f32,
+    /// How far its tip is aside of what it follows, in the frame of its root's triangle, metres.
+    pub aside: Vec3,
+    /// Which of [`HAIR_COLORS`] it has.
+    pub color: u32,
+}
+
+/// A group of hair on the mesh that it was baked for.
+#[derive(Clone, Debug, Default)]
+pub struct Planted {
+    /// Of each guide the triangle of its root.
+    pub guide_triangles: Vec<u32>,
+    /// Of each guide so many points, relative to its root in the frame of that triangle, metres.
+    pub guides: Vec<Vec<Vec3>>,
+    /// The hairs; any beginning is an even sample of all.
+    pub hairs: Vec<Hair>,
+}
+
+/// The first so many roots of the hairs of a group, on triangles with those corners: spread over the scalp as dense as it says, any beginning of them
+/// as evenly as all.
+pub fn roots(group: &HairGroup, count: u32, corners: &impl Fn(u32) -> [Vec3; 3]) -> Vec<OnTriangle> {
+    let scalp = Scalp::new(group, corners);
+    (0..count).filter_map(|number| scalp.root(group.seed, number)).collect()
+}
+
+/// The frame of a triangle: along its first edge, aside of that in its plane, and along its normal; of one without area the axes of the space.
+pub fn triangle_frame(corners: [Vec3; 3]) -> Mat3 {
+    let [a, b, c] = corners;
+    let (along, normal) = ((b - a).try_normalize(), (b - a).cross(c - a).try_normalize());
+    match (along, normal) {
+        (Some(x), Some(z)) => Mat3::from_cols(x, z.cross(x), z),
+        _ => Mat3::IDENTITY,
+    }
+}
+
+impl Planted {
+    /// Lets a group grow.
+    ///
+    /// * `positions`: vertices at rest, metres
+    /// * `most`: hairs that are made at most: the first of all
+    pub fn new(group: &HairGroup, positions: &[Vec3], triangles: &[[u32; 3]], most: u32) -> Self {
+        let corners = |triangle: u32| triangles[triangle as usize].map(|v| positions[v as usize]);
+        let roots: Vec<OnTriangle> = group.roots().collect();
+        let guides: Vec<Vec<Vec3>> =
+            (0..roots.len()).map(|guide| smoothed(&group.guide(guide), group.points as usize)).collect();
+        let shapes = roots.iter().zip(&guides).map(|(root, points)| {
+            let (at, frame) = (root.place(corners(root.triangle)), triangle_frame(corners(root.triangle)));
+            points.iter().map(|p| at + frame * *p).collect()
+        });
+        let followed = Followed::new(shapes.collect());
+        let guide_triangles = roots.iter().map(|root| root.triangle).collect();
+        let mut out = Self { guide_triangles, guides, hairs: Vec::new() };
+        if group.hairs == 0 {
+            // The guides are the hairs.
+            out.hairs = roots.iter().zip(0..most).map(|(root, number)| out.alone(group, *root, number)).collect();
+            return out;
+        }
+        let places = self::roots(group, group.hairs.min(most), &corners);
+        let at = |root: &OnTriangle| root.place(corners(root.triangle));
+        // The first hairs, which are an even sample, are the middles of locks.
+        let locks = (group.hairs / group.lock_hairs.max(1)).clamp(1, places.len().max(1) as u32) as usize;
+        let middles = Near::new(places.iter().take(locks).map(at).collect());
+        let grow = |(root, number): (&OnTriangle, u32)| {
+            let place = at(root);
+            let follow = followed.follow(place)?;
+            let frame = triangle_frame(corners(root.triangle));
+            let middle = places[middles.nearest::<1>(place)[0].1 as usize];
+            let gathered = group.clump * (at(&middle) - place);
+            let length =
+                follow.guides.iter().zip(&follow.weights).map(|(g, w)| w * length_of(&out.guides[*g as usize]));
+            let hair = Hair { root: *root, follow, ..out.varied(group, number, length.sum()) };
+            Some(Hair { aside: hair.aside + frame.transpose() * gathered, ..hair })
+        };
+        out.hairs = places.iter().zip(0..).filter_map(grow).collect();
+        out
+    }
+
+    /// A hair that is guide number `number` itself.
+    fn alone(&self, group: &HairGroup, root: OnTriangle, number: u32) -> Hair {
+        let mut follow = Follow::default();
+        (follow.guides[0], follow.weights[0]) = (number, 1.0);
+        Hair { root, follow, ..self.varied(group, number, length_of(&self.guides[number as usize])) }
+    }
+
+    /// What varies from hair to hair, by chance; `length_m`: of what it follows.
+    fn varied(&self, group: &HairGroup, number: u32, length_m: f32) -> Hair {
+        let draw = |what: u32| chance([group.seed, number, what]);
+        let strays = if draw(1) < STRAYS { 1.0 } else { ORDERLY };
+        let way = Vec3::new(draw(2), draw(3), draw(4)) * 2.0 - 1.0;
+        Hair {
+            root: OnTriangle::default(),
+            follow: Follow::default(),
+            length: 1.0 - group.length_variation * draw(0),
+            aside: way * (strays * group.stray * length_m),
+            color: number % HAIR_COLORS,
+        }
+    }
+
+    /// The guides on a posed mesh: of each its points relative to its root.
+    pub fn posed_guides(&self, corners: impl Fn(u32) -> [Vec3; 3]) -> Vec<Vec<Vec3>> {
+        let posed = |(triangle, points): (&u32, &Vec<Vec3>)| {
+            let frame = triangle_frame(corners(*triangle));
+            points.iter().map(|p| frame * *p).collect()
+        };
+        self.guide_triangles.iter().zip(&self.guides).map(posed).collect()
+    }
+}
+
+impl Hair {
+    /// Its points, root first, on a mesh with these corners of its root's triangle, and guides posed alike by [`Planted::posed_guides`].
+    pub fn points(&self, corners: [Vec3; 3], guides: &[Vec<Vec3>]) -> impl ExactSizeIterator<Item = Vec3> {
+        let root = self.root.place(corners);
+        let aside = triangle_frame(corners) * self.aside;
+        let count = guides.first().map_or(0, Vec::len);
+        (0..count).map(move |k| {
+            let share = k as f32 / (count - 1) as f32;
+            let along = self.length * k as f32;
+            let (low, t) = (along.floor() as usize, along.fract());
+            let at = |guide: usize| guides[guide][low].lerp(guides[guide][(low + 1).min(count - 1)], t);
+            root + self.follow.mix(at) + aside * (share * share)
+        })
+    }
+}
+
+/// Linear colour of a hair of that number of colour, at a share of its length.
+pub fn hair_color(group: &HairGroup, color: u32, share: f32) -> Vec3 {
+    let linear = |c: [u8; 3]| Vec3::from(c.map(srgb_to_linear));
+    // Neighbours in number differ.
+    let varied = 2.0 * radical_inverse(2, color) - 1.0 + 1.0 / HAIR_COLORS as f32;
+    linear(group.root_color).lerp(linear(group.tip_color), share) * (1.0 + group.color_variation * varied)
+}
+
+/// Radius of a hair at a share of its length, metres: even for most of it, then tapered.
+pub fn hair_radius(group: &HairGroup, share: f32) -> f32 {
+    let tapered = (2.0 * share - 1.0).max(0.0);
+    group.root_radius_m + (group.tip_radius_m - group.root_radius_m) * tapered * tapered
+}
+
+fn length_of(points: &[Vec3]) -> f32 {
+    points.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
+}
+
+/// Where hairs root.
+struct Scalp {
+    /// Triangles with hair, and the sums of their areas times their shares up to and with each.
+    triangles: Vec<(u32, f64)>,
+}
+
+impl Scalp {
+    fn new(group: &HairGroup, corners: &impl Fn(u32) -> [Vec3; 3]) -> Self {
+        let mut sum = 0.0;
+        let triangles = group.scalp.iter().map(|(triangle, share)| {
+            let [a, b, c] = corners(*triangle).map(Vec3::as_dvec3);
+            sum += (b - a).cross(c - a).length() * f64::from(*share);
+            (*triangle, sum)
+        });
+        Self { triangles: triangles.collect() }
+    }
+
+    /// Root of hair number `number`: its triangle, and its place there, by radical inverses (Halton 1960), so that the first few are spread evenly.
+    fn root(&self, seed: u32, number: u32) -> Option<OnTriangle> {
+        let whole = self.triangles.last()?.1;
+        let at = |base: u32| (radical_inverse(base, number + 1) + chance([seed, base, 0])).fract();
+        let along = f64::from(at(2)) * whole;
+        let found = self.triangles.partition_point(|(_, sum)| *sum <= along);
+        let (triangle, _) = *self.triangles.get(found)?;
+        let (u, v) = (at(3).sqrt(), at(5));
+        Some(OnTriangle { triangle, weights: [1.0 - u, u * (1.0 - v), u * v] })
+    }
+}
+
+/// The digits of a number in that base, mirrored at the point.
+fn radical_inverse(base: u32, mut number: u32) -> f32 {
+    let (mut sum, mut scale) = (0.0f64, 1.0 / f64::from(base));
+    while number > 0 {
+        sum += f64::from(number % base) * scale;
+        number /= base;
+        scale /= f64::from(base);
+    }
+    sum as f32
+}
+
+/// A number in 0..1 that is another for each place, and the same every time: as well mixed as it is cheap (Mueller's hash of 32 bits).
+pub fn chance<const N: usize>(number: [u32; N]) -> f32 {
+    let mixed = number.into_iter().fold(0u32, |sum, part| {
+        let x = sum.wrapping_mul(0x9e37_79b9) ^ part;
+        let x = (x ^ (x >> 16)).wrapping_mul(0x045d_9f3b);
+        let x = (x ^ (x >> 16)).wrapping_mul(0x045d_9f3b);
+        x ^ (x >> 16)
+    });
+    (mixed >> 8) as f32 / (1 << 24) as f32
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

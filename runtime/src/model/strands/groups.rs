@@ -1,0 +1,145 @@
+//! Groups of hair of a package: their hairs grow when it is loaded.
+
+use super::set::{Growth, Guided, HairRoot, STRAND_WORKGROUP, Strand, Strands, mean_bent, steps};
+use crate::error::RuntimeError;
+use crate::gpu::largest_buffer;
+use crate::model::upload::Uploader;
+use glam::{Vec3, Vec4};
+use pelage_formats::meaning::hair_groups::{HAIR_COLORS, Hair, Planted, hair_color, hair_radius};
+use pelage_formats::meaning::{encode_visibility, linear_to_srgb, posed_vertices};
+use pelage_formats::{HairGroup, MeshView, Package, Pose};
+use std::ops::Range;
+
+/// Hairs that say how far all bend.
+const MEASURED: usize = 256;
+
+/// The mesh as groups need it: at rest.
+struct Rest {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    /// Of each part, which triangles it has.
+    parts: Vec<Range<u32>>,
+}
+
+/// Lets them grow. Of one that the device's buffers do not hold as many as they do, wider.
+pub(super) fn load(
+    uploader: &Uploader<'_>,
+    package: &Package<'_>,
+    mesh: &MeshView<'_>,
+) -> Result<Vec<Strands>, RuntimeError> {
+    let groups = package.hair_groups()?;
+    if groups.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut pose = Pose::default();
+    if let Some(animation) = package.animation()? {
+        pose.sample(&animation, None, 0.0);
+    }
+    let indices: Vec<u32> = mesh.indices().collect();
+    let part = |part: &pelage_formats::Part| part.first_index / 3..(part.first_index + part.index_count) / 3;
+    let rest = Rest {
+        positions: posed_vertices(mesh, &pose).map(|v| Vec3::from(v.position)).collect(),
+        triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+        parts: package.manifest().parts.iter().map(part).collect(),
+    };
+    groups.iter().map(|group| grown(uploader, group, &rest)).collect()
+}
+
+fn grown(uploader: &Uploader<'_>, group: &HairGroup, rest: &Rest) -> Result<Strands, RuntimeError> {
+    use wgpu::BufferUsages as Usage;
+    let points = group.points;
+    let of_buffer = largest_buffer(&uploader.gpu.device.limits()) / (u64::from(points + 2) * 16);
+    // What fills up the workgroups of parts has room too.
+    let filled = u64::from(STRAND_WORKGROUP) * rest.parts.len() as u64;
+    let most = u32::try_from(of_buffer.saturating_sub(filled)).unwrap_or(u32::MAX);
+    let planted = Planted::new(group, &rest.positions, &rest.triangles, most);
+    let widened = group.hair_count() as f32 / planted.hairs.len().max(1) as f32;
+    let (mut strands, mut roots, mut of_parts) = (Vec::new(), Vec::new(), Vec::new());
+    for part in &rest.parts {
+        let first = strands.len() as u32;
+        let here = planted.hairs.iter().enumerate().filter(|(_, hair)| part.contains(&hair.root.triangle));
+        for (number, hair) in here {
+            // Any beginning is an even sample.
+            let chance = (number as f32 + 0.5) / planted.hairs.len() as f32;
+            strands.push(Strand { color: u32::MAX, of_tile: hair.color, chance, ..Strand::default() });
+            roots.push(root(hair, rest));
+        }
+        // What fills up the last workgroup never grows.
+        let fill = strands.len().next_multiple_of(STRAND_WORKGROUP as usize);
+        strands.resize(fill, Strand { chance: 1.0, ..Strand::default() });
+        roots.resize(fill, HairRoot::default());
+        of_parts.push(first..fill as u32);
+    }
+    if strands.is_empty() {
+        // A buffer cannot be empty.
+        strands.push(Strand { chance: 1.0, ..Strand::default() });
+        roots.push(HairRoot::default());
+    }
+    let corners = |triangle: u32| rest.triangles[triangle as usize].map(|v| rest.positions[v as usize]);
+    let at_rest = planted.posed_guides(corners);
+    let measured: Vec<Vec<Vec3>> = planted
+        .hairs
+        .iter()
+        .take(MEASURED)
+        .map(|hair| hair.points(corners(hair.root.triangle), &at_rest).collect())
+        .collect();
+    let bent = |step: u32| mean_bent(measured.iter().map(Vec::as_slice), step as usize);
+    let triangle = |triangle: &u32| {
+        let [a, b, c] = rest.triangles[*triangle as usize];
+        [a, b, c, 0]
+    };
+    let triangles: Vec<[u32; 4]> = planted.guide_triangles.iter().map(triangle).collect();
+    let guides: Vec<[f32; 4]> = planted.guides.iter().flatten().map(|p| p.extend(0.0).to_array()).collect();
+    let profiles = profiles(group);
+    let mean_radius_m = (0..points).map(|k| hair_radius(group, share(k, points))).sum::<f32>() / points as f32;
+    let guided = Guided {
+        triangles: uploader.buffer("guide triangles", bytemuck::cast_slice(&triangles), Usage::STORAGE)?,
+        guides: uploader.buffer("guides", bytemuck::cast_slice(&guides), Usage::STORAGE)?,
+        guide_count: planted.guides.len() as u32,
+        hairs: uploader.buffer("hair roots", bytemuck::cast_slice(&roots), Usage::STORAGE)?,
+        reach_m: group.reach(),
+    };
+    Ok(Strands {
+        strands: uploader.buffer("hairs", bytemuck::cast_slice(&strands), Usage::STORAGE)?,
+        growth: Growth::Guided(guided),
+        tile: uploader.buffer("hair profiles", bytemuck::cast_slice(&profiles), Usage::STORAGE)?,
+        points,
+        count: of_parts.last().map_or(0, |range: &Range<u32>| range.end),
+        of_parts,
+        dry_points: HAIR_COLORS * points,
+        radius: group.root_radius_m * widened,
+        mean_width_m: 2.0 * mean_radius_m * widened,
+        bent_m: steps(points).map(bent).collect(),
+    })
+}
+
+fn root(hair: &Hair, rest: &Rest) -> HairRoot {
+    let unorm = |w: f32| (w.clamp(0.0, 1.0) * 65535.0).round() as u16;
+    HairRoot {
+        vertices: rest.triangles[hair.root.triangle as usize],
+        weights: [unorm(hair.root.weights[1]), unorm(hair.root.weights[2])],
+        guides: hair.follow.guides.map(|guide| guide as u16),
+        shares: hair.follow.weights.map(|w| (w * 255.0).round() as u8),
+        length: hair.length,
+        aside: hair.aside.to_array(),
+        reserved: 0,
+    }
+}
+
+fn share(k: u32, points: u32) -> f32 {
+    k as f32 / (points - 1) as f32
+}
+
+/// Radius and colour along the hairs of each colour, as points of a tile's strands are stored.
+fn profiles(group: &HairGroup) -> Vec<[u32; 4]> {
+    let point = |color: u32, k: u32| {
+        let share = share(k, group.points);
+        let unorm = |x: f32| (x.clamp(0.0, 1.0) * 65535.0).round() as u32;
+        let radius = unorm(hair_radius(group, share) / group.root_radius_m);
+        let [r, g, b] = hair_color(group, color, share).to_array().map(linear_to_srgb);
+        // Nothing is known of the light that reaches it.
+        let visible = u32::from_le_bytes(encode_visibility(Vec4::X));
+        [0, unorm(share) | radius << 16, u32::from_le_bytes([r, g, b, 0]), visible]
+    };
+    (0..HAIR_COLORS).flat_map(|color| (0..group.points).map(move |k| point(color, k))).collect()
+}
