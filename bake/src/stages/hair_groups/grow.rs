@@ -32,6 +32,8 @@ pub(super) struct Growth {
     pub(super) guide_points: usize,
 }
 
+/// How much where hair falls counts beside how it is combed.
+const FALLING: f32 = 0.35;
 /// Waves of messy hair over its length.
 const WAVES: f32 = 3.0;
 /// Turns of curly hair over its length, and their radius over it.
@@ -87,8 +89,8 @@ impl Growth {
     /// The way in which hair leaves the skin: combed, or else where it will fall, as far as that lies along the skin.
     fn first_way(&self, root: Vec3, normal: Vec3, seed: u64) -> Vec3 {
         let aside = self.parting_m.map_or(Vec3::ZERO, |x| if root.x < x { Vec3::NEG_X } else { Vec3::X });
-        let combed = self.comb + aside;
-        let wanted = if combed == Vec3::ZERO { self.fall } else { combed };
+        // Where it is combed straight away from the skin it falls.
+        let wanted = self.comb + aside + FALLING * self.fall;
         let along_skin = wanted.reject_from_normalized(normal);
         // At the crown nothing says where to: there every hair goes its own way.
         let chance = 0.15 * along(seed, 0.5).reject_from_normalized(normal);
