@@ -21,6 +21,7 @@ mod maps;
 mod material_groom;
 mod named_table;
 mod params;
+mod style;
 
 pub use comb_marks::CombMarkParams;
 pub use hair_group::{HairGroupParams, TuftParams};
@@ -31,9 +32,10 @@ pub use named_table::MaterialTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
     HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat,
-    SliceParams, StrandParams, Style, SurfaceParams, SurfaceSource, VisibilityParams,
+    SliceParams, StrandParams, SurfaceParams, SurfaceSource, VisibilityParams,
 };
 pub use pelage_params::SrgbColor;
+pub use style::Style;
 
 use crate::BakeError;
 use pelage_params::{Knob, ParamError};

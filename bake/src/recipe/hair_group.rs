@@ -3,7 +3,7 @@
 use super::maps::{FilePath, ScalarMap};
 use super::material_groom::SHARE;
 use super::named_table::named_table;
-use super::params::Style;
+use super::style::Style;
 use pelage_params::{Range, SrgbColor};
 
 /// Range of coordinates, metres.

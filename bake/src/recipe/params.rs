@@ -4,6 +4,7 @@ use super::comb_marks::CombMarkParams;
 use super::hair_group::{HairGroupParams, TuftParams};
 use super::maps::{ColorMap, FilePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
+use super::style::Style;
 use pelage_params::{PowerOfTwo, SrgbColor, params, words};
 use pelage_stage::Viewpoint;
 
@@ -72,23 +73,6 @@ params! {
         patch_turn_deg: f32 = 25.0, in 1.0..=60.0;
         /// Largest stretch of a triangle in any direction, and the inverse of the least.
         patch_stretch: f32 = 1.5, in 1.01..=4.0;
-    }
-}
-
-words! {
-    /// The forces that shape a strand.
-    Style {
-        /// Stiff and smooth.
-        #[default]
-        Straight = "straight",
-        /// Helices.
-        Curly = "curly",
-        /// Pushed about by a smooth random field.
-        Messy = "messy",
-        /// Gathered into pointed locks, low, dark and shiny.
-        Wet = "wet",
-        /// Combed down flat.
-        Lying = "lying",
     }
 }
 
