@@ -386,6 +386,8 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
     vec![
         pass("pose", w.skinned, yes_or(w.skinned, "whenever the pose changes".into(), "no skeleton"), w.vertices, None),
         of_strands("strand_pose"),
+        of_strands("hair_pose"),
+        of_strands("strand_shadow"),
         pass(
             "layer_shadow",
             shadows && furry,
@@ -407,7 +409,6 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
             w.vertices,
             None,
         ),
-        of_strands("strand_shadow"),
         of_strands("strand_light"),
         pass("skin", w.vertices > 0, yes_or(w.vertices > 0, "always".into(), "no triangles"), w.vertices, Some(w.skin)),
         of_strands("strands"),
