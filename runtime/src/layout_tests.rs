@@ -1,9 +1,9 @@
 //! The shaders hold what the Rust side believes about them: all are valid, and the structs agree byte for byte.
 
 use crate::frame::PASSES;
-use crate::gpu::Shader;
+use crate::gpu::{Shader, WORKGROUP};
 use crate::ink::{InkFrame, InkModel};
-use crate::model::{STRAND_WORKGROUP, Stand, Strand, StrandConstants};
+use crate::model::{Stand, Strand, StrandConstants};
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{
     fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_light, strand_pose, strand_shadow,
@@ -320,10 +320,10 @@ fn vertex_inputs_agree() {
 #[test]
 fn workgroups_agree() {
     let module = parse("pose", pose::SHADER.wgsl);
-    assert_eq!(module.entry_points[0].workgroup_size, [pose::WORKGROUP, 1, 1]);
+    assert_eq!(module.entry_points[0].workgroup_size, [WORKGROUP, 1, 1]);
     for source in [strand_pose::SHADER.wgsl, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
         for entry in &parse("strands", source).entry_points {
-            let expected = if entry.name == "scan_strands" { SCAN_WORKGROUP } else { STRAND_WORKGROUP };
+            let expected = if entry.name == "scan_strands" { SCAN_WORKGROUP } else { WORKGROUP };
             assert_eq!(entry.workgroup_size, [expected, 1, 1], "{}", entry.name);
         }
     }

@@ -14,6 +14,7 @@ pub mod hare;
 pub mod hare_rig;
 pub mod head;
 pub mod hills;
+pub mod hoofs;
 pub mod ox;
 pub mod ox_rig;
 pub mod patterns;

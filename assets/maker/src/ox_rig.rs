@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use super::{
     body::on_side,
-    gait::{self, Leg, Pose, Step, cycle, wave},
+    gait::{self, Leg, Pose, wave},
     glb::{Clip, Joint, Weights},
+    hoofs::{self, Pair, Walk, add_legs, leg},
     rig::{self, Bone, bound_to},
     trimesh::TriMesh,
 };
@@ -19,10 +20,6 @@ const EARS: [u8; 2] = [5, 6];
 const TAILS: [u8; 3] = [7, 8, 9];
 const FORELEGS: [Leg; 2] = [leg(10), leg(14)];
 const HIND_LEGS: [Leg; 2] = [leg(18), leg(22)];
-
-const fn leg(first: u8) -> Leg {
-    Leg { upper: first, lower: first + 1, cannon: Some(first + 2), foot: first + 3 }
-}
 
 /// Bound wholly to the head: eyes and horns.
 pub const HEAD_ONLY: Weights = bound_to(HEAD);
@@ -76,23 +73,9 @@ fn bones() -> Vec<Bone> {
         let parent = if k == 0 { HIPS } else { TAILS[k - 1] };
         bones.push(Bone::new(name, Some(parent), TAIL[k], to, 0.02));
     }
-    let arms = [["arm_l", "forearm_l", "cannon_l", "hoof_l"], ["arm_r", "forearm_r", "cannon_r", "hoof_r"]];
-    let thighs = [
-        ["thigh_l", "shank_l", "hind_cannon_l", "hind_hoof_l"],
-        ["thigh_r", "shank_r", "hind_cannon_r", "hind_hoof_r"],
-    ];
-    for (names, parent, places, thickness) in
-        [(arms, CHEST, FORELEG, [0.12, 0.08, 0.05, 0.05]), (thighs, HIPS, HIND_LEG, [0.14, 0.09, 0.05, 0.05])]
-    {
-        for (names, side) in names.into_iter().zip([1.0, -1.0]) {
-            let first = bones.len() as u8;
-            for (k, name) in names.into_iter().enumerate() {
-                let parent = if k == 0 { parent } else { first + k as u8 - 1 };
-                let (from, to) = (on_side(side, places[k]), on_side(side, places[k + 1]));
-                bones.push(Bone::new(name, Some(parent), from, to, thickness[k]));
-            }
-        }
-    }
+    let fore = Pair { parent: CHEST, places: &FORELEG, thickness: [0.12, 0.08, 0.05, 0.05] };
+    let hind = Pair { parent: HIPS, places: &HIND_LEG, thickness: [0.14, 0.09, 0.05, 0.05] };
+    add_legs(&mut bones, &fore, &hind);
     bones
 }
 
@@ -139,29 +122,6 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
         pose.pitch(joint, [4.0, -2.0, -4.0][k]);
     }
 
-    for (legs, bend, touches) in [
-        (HIND_LEGS, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, -34.0), (0.94, -4.0)], [0.0, 0.5]),
-        (FORELEGS, [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.78, 58.0), (0.95, 2.0)], [0.25, 0.75]),
-    ] {
-        for (leg, touch) in legs.into_iter().zip(touches) {
-            let step = Step { touch, duty: 0.62, front: 0.36, stride: CYCLE_M, lift: 0.085 };
-            let since = step.since(phase);
-            let mut foot = step.foot(phase);
-            foot.pitch_deg = cycle(
-                &[
-                    (0.0, -6.0),
-                    (0.05, 0.0),
-                    (0.25, 0.0),
-                    (0.45, 2.0),
-                    (0.56, 22.0),
-                    (0.64, 50.0),
-                    (0.76, 52.0),
-                    (0.92, 2.0),
-                ],
-                since,
-            );
-            foot.cannon_deg = cycle(&bend, since);
-            pose.lead(&leg, foot);
-        }
-    }
+    let walk = Walk { stride: CYCLE_M, front: 0.36, lift: 0.085, tilt: [50.0, 52.0], bend: [58.0, -34.0] };
+    hoofs::walk(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }

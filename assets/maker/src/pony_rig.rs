@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use super::{
     body::on_side,
-    gait::{self, Leg, Pose, Step, cycle, wave},
+    gait::{self, Leg, Pose, wave},
     glb::{Clip, Joint, Weights},
+    hoofs::{self, Pair, Walk, add_legs, leg},
     rig::{self, Bone, bound_to},
     trimesh::TriMesh,
 };
@@ -20,10 +21,6 @@ const EARS: [u8; 2] = [6, 7];
 const TAILS: [u8; 2] = [8, 9];
 const FORELEGS: [Leg; 2] = [leg(10), leg(14)];
 const HIND_LEGS: [Leg; 2] = [leg(18), leg(22)];
-
-const fn leg(first: u8) -> Leg {
-    Leg { upper: first, lower: first + 1, cannon: Some(first + 2), foot: first + 3 }
-}
 
 /// Bound wholly to the head: eyes.
 pub const HEAD_ONLY: Weights = bound_to(HEAD);
@@ -79,23 +76,9 @@ fn bones() -> Vec<Bone> {
         let parent = if k == 0 { HIPS } else { TAILS[0] };
         bones.push(Bone::new(name, Some(parent), TAIL[k].0, TAIL[k + 1].0, 0.015));
     }
-    let arms = [["arm_l", "forearm_l", "cannon_l", "hoof_l"], ["arm_r", "forearm_r", "cannon_r", "hoof_r"]];
-    let thighs = [
-        ["thigh_l", "shank_l", "hind_cannon_l", "hind_hoof_l"],
-        ["thigh_r", "shank_r", "hind_cannon_r", "hind_hoof_r"],
-    ];
-    for (names, parent, places, thickness) in
-        [(arms, CHEST, FORELEG, [0.07, 0.05, 0.03, 0.03]), (thighs, HIPS, HIND_LEG, [0.09, 0.06, 0.03, 0.03])]
-    {
-        for (names, side) in names.into_iter().zip([1.0, -1.0]) {
-            let first = bones.len() as u8;
-            for (k, name) in names.into_iter().enumerate() {
-                let parent = if k == 0 { parent } else { first + k as u8 - 1 };
-                let (from, to) = (on_side(side, places[k]), on_side(side, places[k + 1]));
-                bones.push(Bone::new(name, Some(parent), from, to, thickness[k]));
-            }
-        }
-    }
+    let fore = Pair { parent: CHEST, places: &FORELEG, thickness: [0.07, 0.05, 0.03, 0.03] };
+    let hind = Pair { parent: HIPS, places: &HIND_LEG, thickness: [0.09, 0.06, 0.03, 0.03] };
+    add_legs(&mut bones, &fore, &hind);
     bones
 }
 
@@ -136,29 +119,6 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
         pose.turn(joint, DVec3::Z, [5.0, 7.0][k] * wave(phase, 0.1 + 0.09 * k as f64));
     }
 
-    for (legs, bend, touches) in [
-        (HIND_LEGS, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, -30.0), (0.94, -4.0)], [0.0, 0.5]),
-        (FORELEGS, [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.78, 55.0), (0.95, 2.0)], [0.25, 0.75]),
-    ] {
-        for (leg, touch) in legs.into_iter().zip(touches) {
-            let step = Step { touch, duty: 0.62, front: 0.29, stride: CYCLE_M, lift: 0.07 };
-            let since = step.since(phase);
-            let mut foot = step.foot(phase);
-            foot.pitch_deg = cycle(
-                &[
-                    (0.0, -6.0),
-                    (0.05, 0.0),
-                    (0.25, 0.0),
-                    (0.45, 2.0),
-                    (0.56, 22.0),
-                    (0.64, 48.0),
-                    (0.76, 50.0),
-                    (0.92, 2.0),
-                ],
-                since,
-            );
-            foot.cannon_deg = cycle(&bend, since);
-            pose.lead(&leg, foot);
-        }
-    }
+    let walk = Walk { stride: CYCLE_M, front: 0.29, lift: 0.07, tilt: [48.0, 50.0], bend: [55.0, -30.0] };
+    hoofs::walk(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }

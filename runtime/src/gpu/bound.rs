@@ -17,6 +17,11 @@ pub(crate) enum Bound {
 }
 
 impl Bound {
+    /// All of a buffer.
+    pub(crate) fn all(buffer: &wgpu::Buffer) -> Self {
+        Self::Buffer(buffer.clone())
+    }
+
     /// A block of `T` from `offset`.
     pub(crate) fn block<T>(buffer: &wgpu::Buffer, offset: u64) -> Self {
         Self::Bytes { buffer: buffer.clone(), offset, size: size_of::<T>() as u64 }

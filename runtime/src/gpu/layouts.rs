@@ -94,6 +94,19 @@ pub(crate) fn storage_out<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     entry(binding, wgpu::ShaderStages::COMPUTE, ty)
 }
 
+/// An array of `T` that compute shaders read.
+pub(crate) fn storage_in<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    storage::<T>(binding, wgpu::ShaderStages::COMPUTE)
+}
+
+/// The same binding, for compute shaders.
+pub(crate) fn in_compute(entry: wgpu::BindGroupLayoutEntry) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry { visibility: wgpu::ShaderStages::COMPUTE, ..entry }
+}
+
+/// Threads of a workgroup of compute shaders, but for one that counts strands.
+pub(crate) const WORKGROUP: u32 = 64;
+
 /// Columns and rows of a dispatch of so many workgroups: one dimension ends at 65 535.
 pub(crate) fn workgroups(count: u32) -> [u32; 2] {
     let columns = count.clamp(1, 65_535);

@@ -16,7 +16,10 @@ pub(crate) use bound::Bound;
 pub(crate) use cache::Cache;
 pub(crate) use device::{Gpu, largest_buffer};
 pub(crate) use draw::{Draw, Group, record};
-pub(crate) use layouts::{Sampling, depth_texture, sampler, storage, storage_out, texture, uniform, workgroups};
+pub(crate) use layouts::{
+    Sampling, WORKGROUP, depth_texture, in_compute, sampler, storage, storage_in, storage_out, texture, uniform,
+    workgroups,
+};
 pub(crate) use pipelines::{ComputeSpec, Constants, RenderSpec, Shader, Stream, attribute, depth_state, faces, on};
 pub(crate) use shelf::Shelf;
 pub(crate) use targets::{Target, TargetSet, take_targets};

@@ -1,14 +1,6 @@
 // The corners of fins. There is no vertex buffer: a fin needs both ends of its edge at every corner, and reads them from the posed
 // vertices.
 
-struct GeometryVertex {
-    position: vec3<f32>,
-    fur_height: f32,
-    normal: vec3<f32>,
-    lean: f32,
-    tangent: vec4<f32>,
-}
-
 // Its colour is packed.
 struct AttributeVertex {
     tile_uv: vec2<f32>,

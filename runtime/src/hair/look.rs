@@ -111,14 +111,20 @@ impl Look {
         }
     }
 
-    /// What all that is lit is told.
+    /// What surfaces that are lit are told.
     pub(crate) fn lights(&self) -> Constants {
+        let mut constants = self.strand_lights();
+        constants.push(on("GUIDED_SHADOW", self.guided_shadow));
+        constants
+    }
+
+    /// What strands that are lit are told: their own map has hair on guides too.
+    pub(crate) fn strand_lights(&self) -> Constants {
         vec![
             on("SQUARED_DIFFUSE", self.shading.diffuse_exponent == 2.0),
             on("SPECULAR", self.shading.specular != [0.0; 3]),
             on("SELF_SHADOW", self.self_shadow),
             on("BAKED_SHADOW", self.baked_shadow),
-            on("GUIDED_SHADOW", self.guided_shadow),
             on("SOFT_SHADOW", self.soft_shadow),
             on("FILL_LIGHTS", self.fill_lights),
         ]

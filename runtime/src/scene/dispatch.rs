@@ -1,7 +1,6 @@
 //! Dispatches as plain data: passes say what is computed, and one function records it.
 
-use crate::gpu::{Group, workgroups};
-use crate::model::STRAND_WORKGROUP;
+use crate::gpu::{Group, WORKGROUP, workgroups};
 
 /// One dispatch and all it needs.
 #[derive(Debug)]
@@ -23,7 +22,7 @@ pub(crate) fn record_dispatches(encoder: &mut wgpu::CommandEncoder, label: &str,
             let Some(Group { group, offset }) = group else { continue };
             pass.set_bind_group(number as u32, group, offset.as_slice());
         }
-        let [columns, rows] = workgroups(threads.div_ceil(STRAND_WORKGROUP));
+        let [columns, rows] = workgroups(threads.div_ceil(WORKGROUP));
         pass.dispatch_workgroups(columns, rows, 1);
     }
 }

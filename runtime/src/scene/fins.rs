@@ -16,8 +16,8 @@ pub(crate) fn fin_draws(
 ) -> Vec<Draw> {
     let model = &seen.model;
     let (Some(fins), Some(layout)) = (model.fins(), &frame.surfaces.fins) else { return Vec::new() };
-    let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
-    let entries = vec![buffer(0, &seen.moved.geometry), buffer(1, model.attributes()), buffer(2, &fins.buffer)];
+    let buffers = [&seen.moved.geometry, model.attributes(), &fins.buffer];
+    let entries = (0..).zip(buffers.map(Bound::all)).collect();
     let group = frame.cache.bind_groups.get(frame.gpu, "pelage fins", layout, entries);
     let vertices = FIN_CORNERS * fin_rows(model.varies().lean);
     let mut draws = Vec::new();

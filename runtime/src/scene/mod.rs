@@ -10,6 +10,7 @@ mod recording;
 mod ribbons;
 mod screen;
 mod seen;
+mod strands;
 
 pub(crate) use begin::begin;
 pub(crate) use depth::{DEPTH, MapTarget, begin_maps, light_inside, record_depth};
@@ -19,3 +20,4 @@ pub(crate) use ink::{has_strokes, ink_surface_wgsl};
 pub(crate) use recording::{Kept, Recording, nearer};
 pub(crate) use screen::{Screen, ink_screen_wgsl};
 pub(crate) use seen::{Seen, StrandSet};
+pub(crate) use strands::{posed_layout, strand_sets};

@@ -1,5 +1,6 @@
 //! `pelage chart ink`: drawn lines beside those of the mesh.
 
+use super::camera_motion::{greys, turned};
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::machine::measured_on;
 use super::subject::Subject;
@@ -8,7 +9,7 @@ use crate::cli::shell_judge::Source;
 use crate::cli::staged::{pixels, stage_of};
 use crate::cli::truth::true_camera;
 use crate::cli::view::View;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use image::RgbaImage;
 use pelage_bake::judge::chart::{Cell, ink};
 use pelage_bake::judge::compare_lines::measure_lines;
@@ -17,7 +18,7 @@ use pelage_bake::judge::truth::{LineParams, TrueLines};
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::Skin;
 use pelage_runtime::{InkParams, InkShow, Style};
-use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, Viewpoint, fastest, framing, outline};
+use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, fastest, framing, outline};
 
 /// Frames of the slow turn whose flicker is taken, and the degrees between them.
 const TURN: (u32, f32) = (4, 1.0);
@@ -129,9 +130,7 @@ impl Shared {
         let mut sum = Flicker::default();
         let mut before: Option<(_, Vec<f32>, Mask)> = None;
         for frame in 0..TURN.0 {
-            let Viewpoint { eye, target, fov_deg } = cameras[0];
-            let turned = Quat::from_rotation_y((TURN.1 * frame as f32).to_radians()) * (eye - target);
-            let camera = Viewpoint { eye: target + turned, target, fov_deg };
+            let camera = turned(cameras[0], TURN.1 * frame as f32);
             let lines = Mask::darker(&show(scene, camera, InkShow::Lines)?, FAINT);
             let grey = greys(&show(scene, camera, InkShow::Painting)?);
             let camera = true_camera(camera);
@@ -146,13 +145,4 @@ impl Shared {
         measured.flicker = [sum.surface.mean(), sum.wash.mean(), sum.lines.mean()];
         Ok(measured)
     }
-}
-
-/// Luma of sRGB-encoded pixels, 0..=1.
-fn greys(picture: &RgbaImage) -> Vec<f32> {
-    let luma = |p: &image::Rgba<u8>| {
-        let [r, g, b, _] = p.0.map(|byte| f32::from(byte) / 255.0);
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    };
-    picture.pixels().map(luma).collect()
 }

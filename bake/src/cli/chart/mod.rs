@@ -5,6 +5,8 @@
 
 mod args;
 #[cfg(feature = "preview")]
+mod camera_motion;
+#[cfg(feature = "preview")]
 mod detail;
 mod driver;
 #[cfg(feature = "preview")]

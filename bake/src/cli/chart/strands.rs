@@ -1,12 +1,13 @@
 //! `pelage chart strands`: single strands beside layers at six sizes, against the traced picture.
 
+use super::camera_motion::{greys, turned};
 use super::driver::{Plan, PlannedRow, Topic, once};
 use super::machine::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
 use crate::cli::shell_judge::Source;
 use crate::cli::staged::{pixels, stage_of};
-use crate::cli::truth::{self, Truth};
+use crate::cli::truth::{self, Truth, true_camera};
 use crate::cli::view::View;
 use pelage_bake::judge::chart::Cell;
 use pelage_bake::judge::chart::shells::Measured;
@@ -14,6 +15,9 @@ use pelage_bake::judge::chart::strands::{
     COLUMNS, Configuration, Found, Seen, Size, Way, cells, configurations, panels,
 };
 use pelage_bake::judge::compare::{CompareParams, compare_pictures};
+use pelage_bake::judge::compare_motion::{Moment, flicker};
+use pelage_bake::judge::truth::Sight;
+use pelage_bake::mask::Mask;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
 use pelage_stage::{Gpu, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
@@ -21,6 +25,9 @@ use pelage_stage::{Gpu, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fr
 /// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what else the machine does only adds.
 const TURNS: usize = 5;
 const FRAMES: usize = 3;
+
+/// By how many degrees the camera turns between two pictures whose flicker is taken: the model moves about a pixel at the judge's size.
+const TURN_DEG: f32 = 0.25;
 
 /// The topic.
 pub struct StrandsTopic<'a> {
@@ -41,6 +48,7 @@ struct Shared {
     /// Without strands, and with them.
     packages: [NamedPackage<'static>; 2],
     truth: Truth,
+    sight: Sight,
     camera: Viewpoint,
     /// Mean width of the strands' points, metres.
     width_m: f64,
@@ -104,7 +112,7 @@ impl Topic for StrandsTopic<'_> {
             Some(known) => known,
             None => {
                 doing("drawing");
-                let found = group(gpu, meter, &shared.packages, view, picture, samples)?;
+                let found = group(gpu, meter, shared, Size::ALL[size], view, picture, samples)?;
                 self.groups.push(((size, samples), found));
                 self.groups.len() - 1
             }
@@ -128,7 +136,8 @@ impl Shared {
         let camera = recipes[0].judge.views.first().copied().unwrap_or_else(framed);
         let points = &truth.scene.curves().points;
         let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len().max(1) as f64;
-        Ok(Self { packages, truth, camera, width_m })
+        let sight = Sight::new(truth.scene.skin().clone())?;
+        Ok(Self { packages, truth, sight, camera, width_m })
     }
 
     /// The true picture of a size, what its ways share, and its view.
@@ -148,26 +157,44 @@ impl Shared {
         };
         (picture, seen, view)
     }
+
+    /// How much the skin's points change between two pictures while the camera turns a little, and what stands on them; it stays where it was.
+    fn flicker(&self, stage: &mut Stage, camera: Viewpoint, size: (u32, u32)) -> Result<Option<f64>, Failure> {
+        let mut seen_from = |degrees| -> Result<_, Failure> {
+            let camera = turned(camera, degrees);
+            stage.look_from(camera);
+            stage.draw()?;
+            Ok((true_camera(camera), greys(&pixels(stage)?)))
+        };
+        let (next, now) = (seen_from(TURN_DEG)?, seen_from(0.0)?);
+        let no_lines = Mask::empty(size.0, size.1);
+        let moment = |(camera, grey)| Moment { sight: &self.sight, camera, grey, lines: &no_lines };
+        let [now, next] = [&now, &next].map(|(camera, grey)| moment((camera, grey.as_slice())));
+        Ok(flicker(&now, &next, size)?.surface.mean())
+    }
 }
 
 /// Draws all ways of a size with so many samples, compares them with the truth and times them in turns.
 fn group(
     gpu: &Gpu,
     meter: &Meter,
-    packages: &[NamedPackage<'static>; 2],
+    shared: &Shared,
+    size: Size,
     view: &View,
     truth: &Picture,
     samples: u32,
 ) -> Result<Vec<Found>, Failure> {
     let (mut stages, mut all) = (Vec::new(), Vec::new());
     for way in Way::ALL {
-        let file = &packages[usize::from(!way.needs_no_strands())];
+        let file = &shared.packages[usize::from(!way.needs_no_strands())];
         let view = view.clone().with(|look| {
             (look.fur.hair, look.fur.detail, look.picture.samples) = (way.hair, way.detail, Samples(samples));
         });
         let mut stage = stage_of(file, &view, || Ok(gpu.clone()))?;
         stage.params.study.strand_pieces = way.pieces;
-        all.push(drawn(&mut stage, file, truth)?);
+        let mut found = drawn(&mut stage, file, truth)?;
+        found.flicker = shared.flicker(&mut stage, size.camera(shared.camera), view.size())?;
+        all.push(found);
         stages.push(stage);
     }
     for _ in 0..TURNS {
@@ -207,5 +234,5 @@ fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<
         bake_s: 0.0,
     };
     let strands = detail.map_or(0.0, |d| d.strands);
-    Ok(Found { measured, anew_ms: f64::INFINITY, strands, pieces })
+    Ok(Found { measured, anew_ms: f64::INFINITY, flicker: None, strands, pieces })
 }

@@ -108,11 +108,13 @@ pub fn configurations() -> Vec<Configuration> {
 /// * `layers`, `strands`, `pieces`: layers that are drawn, share of the strands, and pieces of each. `strand_triangles`: of all strands that are drawn,
 ///   seen or not. `triangles`: of the mesh.
 /// * `flip`, `flip_covered`, `rmse`, `coverage_error` against the true picture; `fragments` where the adapter counts them.
+/// * `flicker`: mean change of grey, 0..=1, of the skin's points and of what stands on them, from one picture to the next, while the camera turns a
+///   quarter of a degree and all else stands still.
 /// * `frame_milliseconds`: a frame whose light and pose stand still. `anew_milliseconds`: the passes of one whose pose and maps are made anew.
 /// * `over_cheapest`: of what the runtime chooses, the former over that of the cheapest way of the same size and samples whose FLIP is at most
 ///   [`AS_TRUE`] as large.
 /// * `package_bytes`: of a package with strands, or without where none are drawn; `gpu_bytes`: model, copy and maps.
-pub const COLUMNS: [&str; 22] = [
+pub const COLUMNS: [&str; 23] = [
     "size",
     "width",
     "height",
@@ -128,6 +130,7 @@ pub const COLUMNS: [&str; 22] = [
     "flip_covered",
     "rmse",
     "coverage_error",
+    "flicker",
     "fragments",
     "frame_milliseconds",
     "anew_milliseconds",
@@ -164,6 +167,8 @@ pub struct Found {
     pub measured: Measured,
     /// A frame whose pose and maps are made anew.
     pub anew_ms: f64,
+    /// Mean change of grey while the camera turns a little; `None` where no skin is seen.
+    pub flicker: Option<f64>,
     /// Share of the strands that is drawn.
     pub strands: f32,
     /// Pieces of each.
@@ -217,6 +222,7 @@ pub fn cells(configuration: &Configuration, seen: &Seen, ways: &[Found], timing:
         Cell::Number(m.flip_covered),
         Cell::Number(m.rmse),
         Cell::Number(m.coverage_error),
+        number(found.flicker),
         number(m.fragments.map(|n| n as f64)),
         Cell::Number(m.frame_ms),
         Cell::Number(found.anew_ms),

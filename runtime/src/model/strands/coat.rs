@@ -1,8 +1,8 @@
 //! The strands of a package's coat where they stand on its mesh: planted when it is loaded, because they are many times as many as the tile's.
 
-use super::set::{Growth, STRAND_WORKGROUP, Stand, Strand, Strands, mean_bent, steps};
+use super::set::{Growth, Stand, Strand, Strands, mean_bent, steps};
 use crate::error::RuntimeError;
-use crate::gpu::largest_buffer;
+use crate::gpu::{WORKGROUP, largest_buffer};
 use crate::model::upload::Uploader;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::hair_groups::chance;
@@ -134,7 +134,7 @@ impl Planted {
                 });
             }
             // What fills up the last workgroup never grows.
-            let fill = out.strands.len().next_multiple_of(STRAND_WORKGROUP as usize);
+            let fill = out.strands.len().next_multiple_of(WORKGROUP as usize);
             out.strands.resize(fill, Strand { chance: 1.0, ..Strand::default() });
             out.stands.resize(fill * per_strand, Stand::default());
             out.wet_stands.resize(if wet.is_empty() { 0 } else { fill * per_strand }, Stand::default());

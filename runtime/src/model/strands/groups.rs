@@ -1,8 +1,8 @@
 //! Groups of hair of a package: their hairs grow when it is loaded.
 
-use super::set::{Growth, Guided, HairRoot, STRAND_WORKGROUP, Strand, Strands, mean_bent, steps};
+use super::set::{Growth, Guided, HairRoot, Strand, Strands, mean_bent, steps};
 use crate::error::RuntimeError;
-use crate::gpu::largest_buffer;
+use crate::gpu::{WORKGROUP, largest_buffer};
 use crate::model::upload::Uploader;
 use glam::{Vec3, Vec4};
 use pelage_formats::meaning::hair_groups::{HAIR_COLORS, Hair, Planted, hair_color, hair_radius};
@@ -50,7 +50,7 @@ fn grown(uploader: &Uploader<'_>, group: &HairGroup, rest: &Rest) -> Result<Stra
     let points = group.points;
     let of_buffer = largest_buffer(&uploader.gpu.device.limits()) / (u64::from(points + 2) * 16);
     // What fills up the workgroups of parts has room too.
-    let filled = u64::from(STRAND_WORKGROUP) * rest.parts.len() as u64;
+    let filled = u64::from(WORKGROUP) * rest.parts.len() as u64;
     let most = u32::try_from(of_buffer.saturating_sub(filled)).unwrap_or(u32::MAX);
     let planted = Planted::new(group, &rest.positions, &rest.triangles, most);
     let widened = group.hair_count() as f32 / planted.hairs.len().max(1) as f32;
@@ -65,7 +65,7 @@ fn grown(uploader: &Uploader<'_>, group: &HairGroup, rest: &Rest) -> Result<Stra
             roots.push(root(hair, rest));
         }
         // What fills up the last workgroup never grows.
-        let fill = strands.len().next_multiple_of(STRAND_WORKGROUP as usize);
+        let fill = strands.len().next_multiple_of(WORKGROUP as usize);
         strands.resize(fill, Strand { chance: 1.0, ..Strand::default() });
         roots.resize(fill, HairRoot::default());
         of_parts.push(first..fill as u32);

@@ -136,9 +136,6 @@ impl Strands {
 /// Bytes of a corner of a ribbon: where it is, and its light.
 pub(crate) const CORNER_BYTES: u64 = 16;
 
-/// Strands of a workgroup: those of a part are filled up to whole ones.
-pub(crate) const STRAND_WORKGROUP: u32 = 64;
-
 /// What a strand is, whatever the pose.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

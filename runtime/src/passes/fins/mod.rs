@@ -11,7 +11,11 @@ use crate::scene::{Recording, Seen, fin_draws};
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage fins",
-    wgsl: hair_wgsl!(include_str!("../../hair/fin_corner.wgsl"), include_str!("fins.wgsl")),
+    wgsl: hair_wgsl!(
+        include_str!("../../surface/geometry.wgsl"),
+        include_str!("../../hair/fin_corner.wgsl"),
+        include_str!("fins.wgsl"),
+    ),
 };
 
 impl PassId {

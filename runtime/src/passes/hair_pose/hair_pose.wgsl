@@ -1,14 +1,6 @@
 // Hair on guides: turns the guides with the triangles that they root in, then places the points of the hairs of a part.
 // `pelage_formats::meaning::hair_groups` says the same.
 
-struct GeometryVertex {
-    position: vec3<f32>,
-    fur_height: f32,
-    normal: vec3<f32>,
-    lean: f32,
-    tangent: vec4<f32>,
-}
-
 // 48 bytes.
 struct HairRoot {
     a: u32,

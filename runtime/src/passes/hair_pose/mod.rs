@@ -1,10 +1,10 @@
 //! `hair_pose`: places hair on guides where the posed skin has their roots, once per changed pose.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, storage, storage_out, uniform};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, in_compute, storage_in, storage_out, uniform};
 use crate::model::{Growth, HairRoot, StrandConstants};
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, record_dispatches};
+use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
 
 /// The shader.
@@ -14,6 +14,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../hair/constants.wgsl"),
+        include_str!("../../surface/geometry.wgsl"),
         include_str!("hair_pose.wgsl"),
     ),
 };
@@ -42,37 +43,33 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         return nothing;
     }
     let instances = frame.instances.clone();
-    let compute = wgpu::ShaderStages::COMPUTE;
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
-        let constants = wgpu::BindGroupLayoutEntry { visibility: compute, ..uniform::<StrandConstants>(6, false) };
         vec![
-            storage::<GeometryVertex>(0, compute),
-            storage::<[u32; 4]>(1, compute),
-            storage::<[f32; 4]>(2, compute),
+            storage_in::<GeometryVertex>(0),
+            storage_in::<[u32; 4]>(1),
+            storage_in::<[f32; 4]>(2),
             storage_out::<[f32; 4]>(3),
-            storage::<HairRoot>(4, compute),
+            storage_in::<HairRoot>(4),
             storage_out::<[f32; 4]>(5),
-            constants,
+            in_compute(uniform::<StrandConstants>(6, false)),
         ]
     });
     let (mut guides, mut hairs) = (Vec::new(), Vec::new());
     let mut count = 0;
-    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+    for (seen, set) in strand_sets(&instances) {
         let (Growth::Guided(guided), Some(posed_guides)) = (&set.strands.growth, &set.posed.guides) else { continue };
         if !set.posed.stale {
             continue;
         }
         for (number, (_, of_part)) in set.parts(seen.model.parts()).enumerate() {
-            let place = frame.uniforms.put(frame.gpu, &[set.strands.constants(of_part, 1.0, 1.0)]);
-            let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
             let entries = vec![
-                buffer(0, &seen.moved.geometry),
-                buffer(1, &guided.triangles),
-                buffer(2, &guided.guides),
-                buffer(3, posed_guides),
-                buffer(4, &guided.hairs),
-                buffer(5, &set.posed.buffer),
-                (6, Bound::block::<StrandConstants>(&place.buffer, place.offset)),
+                (0, Bound::all(&seen.moved.geometry)),
+                (1, Bound::all(&guided.triangles)),
+                (2, Bound::all(&guided.guides)),
+                (3, Bound::all(posed_guides)),
+                (4, Bound::all(&guided.hairs)),
+                (5, Bound::all(&set.posed.buffer)),
+                (6, frame.strand_constants(&set, of_part, [1.0, 1.0])),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let mut dispatch = |entry, threads| {

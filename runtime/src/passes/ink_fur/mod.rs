@@ -13,6 +13,7 @@ pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink fur",
     wgsl: ink_surface_wgsl!(
         include_str!("../../shared/srgb.wgsl"),
+        include_str!("../../surface/geometry.wgsl"),
         include_str!("../../hair/fin_corner.wgsl"),
         include_str!("ink_fur.wgsl")
     ),

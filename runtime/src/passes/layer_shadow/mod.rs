@@ -96,12 +96,7 @@ fn record_guided(frame: &mut Recording<'_>, maps: &ShadowMaps, target: &wgpu::Te
     });
     let place = frame.uniforms.put(frame.gpu, &[maps.deep_opacity()]);
     let block = Bound::block::<DeepOpacity>(&place.buffer, place.offset);
-    let group = frame.cache.bind_groups.get(
-        frame.gpu,
-        GUIDED.name,
-        &layout,
-        vec![(0, Bound::Buffer(deep.clone())), (1, block)],
-    );
+    let group = frame.cache.bind_groups.get(frame.gpu, GUIDED.name, &layout, vec![(0, Bound::all(deep)), (1, block)]);
     let spec = RenderSpec::screen(GUIDED, ["vs_guided", "fs_guided"], layout, ShadowMaps::LAYER_FORMAT);
     let spec = RenderSpec { constants: vec![("MAP_SIZE", maps.key.params.map_size)], ..spec };
     let draw = Draw::screen(frame.pipeline(spec), &group);

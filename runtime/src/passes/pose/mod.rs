@@ -4,9 +4,9 @@
 //! rest vertices. Packages without a skeleton skip it and draw their rest vertices.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Place, Shader, storage, workgroups};
+use crate::gpu::{Bound, ComputeSpec, Group, Place, Shader, storage_in};
 use crate::params::StyleKind;
-use crate::scene::{Recording, Seen};
+use crate::scene::{Dispatch, Recording, Seen, record_dispatches};
 use glam::Mat4;
 use pelage_formats::{GeometryVertex, SkinVertex};
 
@@ -16,12 +16,10 @@ pub(crate) const SHADER: Shader = Shader {
     wgsl: concat!(
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
+        include_str!("../../surface/geometry.wgsl"),
         include_str!("pose.wgsl"),
     ),
 };
-
-/// Vertices per workgroup, as in the shader.
-pub(crate) const WORKGROUP: u32 = 64;
 
 impl PassId {
     /// Compute: poses the vertices.
@@ -43,28 +41,29 @@ pub(crate) const PASS: Pass = Pass {
 fn storage_entry(binding: u32, ty: wgpu::BufferBindingType, dynamic: bool) -> wgpu::BindGroupLayoutEntry {
     let has_dynamic_offset = dynamic;
     let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-    wgpu::BindGroupLayoutEntry { ty, ..storage::<GeometryVertex>(binding, wgpu::ShaderStages::COMPUTE) }
+    wgpu::BindGroupLayoutEntry { ty, ..storage_in::<GeometryVertex>(binding) }
 }
 
-/// A dispatch: joints at a dynamic offset, vertices, and how many workgroups.
-struct Dispatch {
-    joints: (wgpu::BindGroup, u32),
-    vertices: wgpu::BindGroup,
-    groups: u32,
-}
-
-fn dispatch(frame: &mut Recording<'_>, layouts: [&wgpu::BindGroupLayout; 2], seen: &Seen) -> Option<Dispatch> {
+fn dispatch(
+    frame: &mut Recording<'_>,
+    pipeline: &wgpu::ComputePipeline,
+    layouts: [&wgpu::BindGroupLayout; 2],
+    seen: &Seen,
+) -> Option<Dispatch> {
     let (model, joints) = (&seen.model, seen.moved.joints.as_ref()?);
     let Place { buffer, offset, .. } = frame.uniforms.put_array(frame.gpu, joints);
     let size = (joints.len() * size_of::<Mat4>()) as u64;
     let groups = &mut frame.cache.bind_groups;
     let joints =
         groups.get(frame.gpu, "pelage joints", layouts[0], vec![(0, Bound::Bytes { buffer, offset: 0, size })]);
-    let bound = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
-    let entries = vec![bound(0, model.geometry()), bound(1, model.skin()?), bound(2, &seen.moved.geometry)];
-    let vertices = groups.get(frame.gpu, "pelage pose", layouts[1], entries);
-    let count = (model.geometry().size() / size_of::<GeometryVertex>() as u64) as u32;
-    Some(Dispatch { joints: (joints, offset as u32), vertices, groups: count.div_ceil(WORKGROUP) })
+    let buffers = [model.geometry(), model.skin()?, &seen.moved.geometry];
+    let vertices = groups.get(frame.gpu, "pelage pose", layouts[1], (0..).zip(buffers.map(Bound::all)).collect());
+    let threads = (model.geometry().size() / size_of::<GeometryVertex>() as u64) as u32;
+    Some(Dispatch {
+        pipeline: pipeline.clone(),
+        groups: vec![Group::at(&joints, offset), Group::of(&vertices)],
+        threads,
+    })
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
@@ -77,26 +76,16 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let layouts = &mut frame.cache.layouts;
     let joints = layouts.get(frame.gpu, "pelage joints", || vec![storage_entry(0, read, true)]);
     let vertices = layouts.get(frame.gpu, "pelage pose", || {
-        let skin = storage::<SkinVertex>(1, wgpu::ShaderStages::COMPUTE);
-        vec![storage_entry(0, read, false), skin, storage_entry(2, write, false)]
+        vec![storage_entry(0, read, false), storage_in::<SkinVertex>(1), storage_entry(2, write, false)]
     });
     let groups = vec![joints.clone(), vertices.clone()];
-    let pipeline = frame
-        .cache
-        .pipelines
-        .compute(frame.gpu, ComputeSpec { shader: SHADER, entry: "pose", groups, constants: Vec::new() });
-    let dispatches: Vec<_> = instances.iter().filter_map(|seen| dispatch(frame, [&joints, &vertices], seen)).collect();
+    let spec = ComputeSpec { shader: SHADER, entry: "pose", groups, constants: Vec::new() };
+    let pipeline = frame.compute_pipeline(spec);
+    let dispatches: Vec<_> =
+        instances.iter().filter_map(|seen| dispatch(frame, &pipeline, [&joints, &vertices], seen)).collect();
     if dispatches.is_empty() {
         return Outcome::Skipped("no pose changed");
     }
-    let descriptor = wgpu::ComputePassDescriptor { label: Some("pelage pose"), timestamp_writes: None };
-    let mut pass = frame.encoder.begin_compute_pass(&descriptor);
-    pass.set_pipeline(&pipeline);
-    for Dispatch { joints: (joints, offset), vertices, groups } in &dispatches {
-        pass.set_bind_group(0, joints, &[*offset]);
-        pass.set_bind_group(1, vertices, &[]);
-        let [columns, rows] = workgroups(*groups);
-        pass.dispatch_workgroups(columns, rows, 1);
-    }
+    record_dispatches(frame.encoder, SHADER.name, &dispatches);
     Outcome::recorded(format!("{} of {skinned} skinned instances changed pose", dispatches.len()))
 }

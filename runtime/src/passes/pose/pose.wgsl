@@ -1,13 +1,5 @@
 // Skins the base mesh once per frame; every later pass reads the posed vertices.
 
-struct GeometryVertex {
-    position: vec3<f32>,
-    fur_height: f32,
-    normal: vec3<f32>,
-    lean: f32,
-    tangent: vec4<f32>,
-}
-
 // Four u16 joint indices in two words, low half first.
 struct SkinVertex {
     joints_xy: u32,

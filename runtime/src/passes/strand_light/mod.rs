@@ -1,12 +1,12 @@
 //! `strand_light`: makes ribbons of the strands that can be seen, with the light of each point, once a frame. What is drawn of them reads vertices alone.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, on, storage, storage_out, uniform};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, WORKGROUP, in_compute, on, storage_in, storage_out, uniform};
 use crate::hair::{groom, hair_wgsl, material};
 use crate::light::ShadowMaps;
-use crate::model::{Part, STRAND_WORKGROUP, Strand, StrandConstants};
+use crate::model::Part;
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, Seen, StrandSet, record_dispatches};
+use crate::scene::{Dispatch, Recording, Seen, StrandSet, posed_layout, record_dispatches, strand_sets};
 use crate::shared::deep_opacity::DeepOpacity;
 
 /// The shader.
@@ -17,6 +17,7 @@ pub(crate) const SHADER: Shader = Shader {
         crate::study::form_wgsl!("strand shadows"),
         include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/strand.wgsl"),
+        include_str!("../../hair/posed.wgsl"),
         include_str!("strand_light.wgsl"),
     ),
 };
@@ -39,10 +40,8 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
-    let mut constants = seen.look.lights();
+    let mut constants = seen.look.strand_lights();
     constants.extend([on("DEEP_SHADOW", seen.look.deep_shadow), ("POINT_STEP", set.drawn.step)]);
-    // The map of single strands has that hair too.
-    constants.retain(|(name, _)| *name != "GUIDED_SHADOW");
     // The skin and its groom say nothing of hair on guides.
     if set.strands.guided().is_some() {
         constants.push(on("OWN_COLOR", true));
@@ -60,19 +59,15 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         return Outcome::Skipped("no single hairs are to be seen");
     }
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
-        let compute = wgpu::ShaderStages::COMPUTE;
-        let for_compute = |entry| wgpu::BindGroupLayoutEntry { visibility: compute, ..entry };
-        vec![
-            storage::<[f32; 4]>(0, compute),
-            storage::<Strand>(1, compute),
-            storage::<[u32; 4]>(2, compute),
-            for_compute(uniform::<StrandConstants>(3, false)),
+        let mut entries = posed_layout().to_vec();
+        entries.extend([
             storage_out::<u32>(4),
             storage_out::<u32>(5),
             storage_out::<[u32; 4]>(6),
-            storage::<u32>(7, compute),
-            for_compute(uniform::<DeepOpacity>(8, false)),
-        ]
+            storage_in::<u32>(7),
+            in_compute(uniform::<DeepOpacity>(8, false)),
+        ]);
+        entries
     });
     let maps = frame.maps.clone();
     let maps = maps.as_deref();
@@ -80,25 +75,15 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let [mut select, mut scan, mut light] = [Vec::new(), Vec::new(), Vec::new()];
     let mut count = 0;
-    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+    for (seen, set) in strand_sets(&instances) {
         let (strands, Some(ribbons)) = (set.strands, set.ribbons) else { continue };
         for (number, (part, of_part)) in set.parts(seen.model.parts()).enumerate() {
-            let drawn = set.drawn;
-            let place = frame.uniforms.put(frame.gpu, &[strands.constants(of_part, drawn.share, drawn.widened)]);
-            let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
             // Without a map nothing is read of what stands in for it.
             let deep = maps.and_then(|maps| maps.deep.as_ref()).unwrap_or(&strands.tile);
-            let entries = vec![
-                buffer(0, &set.posed.buffer),
-                buffer(1, &strands.strands),
-                buffer(2, &strands.tile),
-                (3, Bound::block::<StrandConstants>(&place.buffer, place.offset)),
-                buffer(4, &ribbons.seen),
-                buffer(5, &ribbons.counts),
-                buffer(6, &ribbons.corners),
-                buffer(7, deep),
-                (8, Bound::block::<DeepOpacity>(&block.buffer, block.offset)),
-            ];
+            let mut entries = frame.posed_strands(&set, of_part, [set.drawn.share, set.drawn.widened]).to_vec();
+            let buffers = [&ribbons.seen, &ribbons.counts, &ribbons.corners, deep];
+            entries.extend((4..).zip(buffers.map(Bound::all)));
+            entries.push((8, Bound::block::<DeepOpacity>(&block.buffer, block.offset)));
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let mut dispatch = |entry, threads| {
                 let surfaces = frame.surfaces;
@@ -114,7 +99,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             select.push(dispatch("select_strands", threads));
             if number == 0 {
                 // One workgroup for all parts.
-                scan.push(dispatch("scan_strands", STRAND_WORKGROUP));
+                scan.push(dispatch("scan_strands", WORKGROUP));
             }
             light.push(dispatch("light_strands", threads));
             count += threads;

@@ -1,11 +1,6 @@
 // Makes ribbons of the strands that can be seen: which those are, where each begins among the vertices, and its corners with their light.
 // Strands keep their order, so that a picture is the same every time.
 
-@group(2) @binding(0) var<storage, read> posed: array<vec4<f32>>;
-@group(2) @binding(1) var<storage, read> strands: array<Strand>;
-// Of a point: way aside; height and radius; colour; visibility.
-@group(2) @binding(2) var<storage, read> tile: array<vec4<u32>>;
-@group(2) @binding(3) var<uniform> constants: StrandConstants;
 // Of each strand a bit, 32 in a number: it is seen.
 @group(2) @binding(4) var<storage, read_write> seen: array<atomic<u32>>;
 // The draw's arguments; then of each 32 strands how many are seen before them.
@@ -18,21 +13,11 @@
 // Every how many points is drawn.
 override POINT_STEP: u32 = 1u;
 
-const WORKGROUP: u32 = 64u;
 const DRAW_ARGUMENTS: u32 = 5u;
 // Roots whose skin faces farther away than this grow hair that the skin hides.
 const FARTHEST_TURNED: f32 = -0.5;
 // How much wider than the picture a strand's first, middle and last point are looked for.
 const MARGIN: f32 = 1.1;
-
-fn world_place(index: u32) -> vec3<f32> {
-    return (instance.world_from_model * vec4(posed[index].xyz, 1.0)).xyz;
-}
-
-fn world_normal(index: u32) -> vec3<f32> {
-    let normal = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * posed[index].xyz;
-    return normalize_or(normal, vec3(0.0, 1.0, 0.0));
-}
 
 // Hair on guides, whose colour is its own.
 override OWN_COLOR: bool = false;
@@ -68,10 +53,6 @@ fn may_be_seen(number: u32) -> bool {
     let reach = MARGIN * abs(w);
     let aside = all(x > reach) || all(x < -reach) || all(y > reach) || all(y < -reach);
     return !(aside || all(w <= vec3(0.0)));
-}
-
-fn number_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
-    return constants.first + id.y * groups.x * WORKGROUP + id.x;
 }
 
 // Thread for thread a strand of the part.

@@ -1,11 +1,11 @@
 //! `strand_pose`: places the points of all strands on the posed skin, once per changed pose.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, storage, storage_out, uniform};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, in_compute, storage_in, storage_out, uniform};
 use crate::hair::grown;
 use crate::model::{Growth, Stand, Strand, StrandConstants};
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, record_dispatches};
+use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
 
 /// The shader.
@@ -16,6 +16,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/strand.wgsl"),
+        include_str!("../../surface/geometry.wgsl"),
         include_str!("strand_pose.wgsl"),
     ),
 };
@@ -43,35 +44,31 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         return Outcome::Skipped("no strands of a coat are drawn, or no pose changed");
     }
     let instances = frame.instances.clone();
-    let compute = wgpu::ShaderStages::COMPUTE;
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
-        let constants = wgpu::BindGroupLayoutEntry { visibility: compute, ..uniform::<StrandConstants>(4, false) };
         vec![
-            storage::<GeometryVertex>(0, compute),
-            storage::<Stand>(1, compute),
-            storage::<Strand>(2, compute),
-            storage::<[u32; 4]>(3, compute),
-            constants,
+            storage_in::<GeometryVertex>(0),
+            storage_in::<Stand>(1),
+            storage_in::<Strand>(2),
+            storage_in::<[u32; 4]>(3),
+            in_compute(uniform::<StrandConstants>(4, false)),
             storage_out::<[f32; 4]>(5),
         ]
     });
     let mut dispatches = Vec::new();
-    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+    for (seen, set) in strand_sets(&instances) {
         let Growth::Coat { stands } = &set.strands.growth else { continue };
         if !set.posed.stale {
             continue;
         }
         let strands = set.strands;
         for (part, of_part) in set.parts(seen.model.parts()) {
-            let place = frame.uniforms.put(frame.gpu, &[strands.constants(of_part, 1.0, 1.0)]);
-            let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
             let entries = vec![
-                buffer(0, &seen.moved.geometry),
-                buffer(1, stands),
-                buffer(2, &strands.strands),
-                buffer(3, &strands.tile),
-                (4, Bound::block::<StrandConstants>(&place.buffer, place.offset)),
-                buffer(5, &set.posed.buffer),
+                (0, Bound::all(&seen.moved.geometry)),
+                (1, Bound::all(stands)),
+                (2, Bound::all(&strands.strands)),
+                (3, Bound::all(&strands.tile)),
+                (4, frame.strand_constants(&set, of_part, [1.0, 1.0])),
+                (5, Bound::all(&set.posed.buffer)),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let groups = vec![layout.clone(), frame.surfaces.material.clone()];

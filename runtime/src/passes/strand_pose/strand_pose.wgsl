@@ -1,13 +1,5 @@
 // Places the points of all strands of a part on the posed skin, and the skin's frame at their roots.
 
-struct GeometryVertex {
-    position: vec3<f32>,
-    fur_height: f32,
-    normal: vec3<f32>,
-    lean: f32,
-    tangent: vec4<f32>,
-}
-
 struct Stand {
     a: u32,
     b: u32,

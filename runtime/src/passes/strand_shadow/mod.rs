@@ -1,12 +1,11 @@
 //! `strand_shadow`: the deep opacity map of single strands, seen from the key light.
 
 use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, on, storage, storage_out, uniform};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, in_compute, on, storage_out, uniform};
 use crate::hair::grown_by;
 use crate::light::CasterPass;
-use crate::model::{Strand, StrandConstants};
 use crate::params::StyleKind;
-use crate::scene::{Dispatch, Recording, record_depth, record_dispatches};
+use crate::scene::{Dispatch, Recording, posed_layout, record_depth, record_dispatches, strand_sets};
 use crate::shared::deep_opacity::DeepOpacity;
 
 /// The shader.
@@ -21,6 +20,7 @@ pub(crate) const SHADER: Shader = Shader {
         crate::study::form_wgsl!("strand shadows"),
         include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/strand.wgsl"),
+        include_str!("../../hair/posed.wgsl"),
         include_str!("strand_shadow.wgsl"),
     ),
 };
@@ -56,37 +56,28 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     // Those that come after it need the same.
     record_depth(frame, maps, CasterPass::Nearest);
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
-        let compute = wgpu::ShaderStages::COMPUTE;
-        let for_compute = |entry| wgpu::BindGroupLayoutEntry { visibility: compute, ..entry };
-        vec![
-            storage::<[f32; 4]>(0, compute),
-            storage::<Strand>(1, compute),
-            storage::<[u32; 4]>(2, compute),
-            for_compute(uniform::<StrandConstants>(3, false)),
+        let mut entries = posed_layout().to_vec();
+        entries.extend([
             storage_out::<u32>(4),
-            for_compute(depth_texture(5, wgpu::TextureViewDimension::D2)),
-            for_compute(uniform::<DeepOpacity>(6, false)),
-        ]
+            in_compute(depth_texture(5, wgpu::TextureViewDimension::D2)),
+            in_compute(uniform::<DeepOpacity>(6, false)),
+        ]);
+        entries
     });
     let block = frame.uniforms.put(frame.gpu, &[maps.deep_opacity()]);
     let instances = frame.instances.clone();
     let (mut first, mut opacity) = (Vec::new(), Vec::new());
-    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+    for (seen, set) in strand_sets(&instances) {
         let strands = set.strands;
         let pieces = strands.points - 1;
         let step = strands.steps().rfind(|step| pieces / step >= FEWEST_PIECES).unwrap_or(1);
         for (part, of_part) in set.parts(seen.model.parts()) {
-            let place = frame.uniforms.put(frame.gpu, &[strands.constants(of_part, 1.0, 1.0)]);
-            let buffer = |binding, buffer: &wgpu::Buffer| (binding, Bound::Buffer(buffer.clone()));
-            let entries = vec![
-                buffer(0, &set.posed.buffer),
-                buffer(1, &strands.strands),
-                buffer(2, &strands.tile),
-                (3, Bound::block::<StrandConstants>(&place.buffer, place.offset)),
-                buffer(4, deep),
+            let mut entries = frame.posed_strands(&set, of_part, [1.0, 1.0]).to_vec();
+            entries.extend([
+                (4, Bound::all(deep)),
                 (5, Bound::View(maps.nearest.view.clone())),
                 (6, Bound::block::<DeepOpacity>(&block.buffer, block.offset)),
-            ];
+            ]);
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let mut dispatch = |entry| {
                 let surfaces = frame.surfaces;

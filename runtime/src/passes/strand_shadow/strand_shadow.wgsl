@@ -1,10 +1,6 @@
 // Draws all strands of a part into the deep opacity map: first how near the first hair of each texel is, then how much of each texel hair
 // covers in each slab behind that. A strand is walked in steps of at most a texel; each adds the area that it covers.
 
-@group(2) @binding(0) var<storage, read> posed: array<vec4<f32>>;
-@group(2) @binding(1) var<storage, read> strands: array<Strand>;
-@group(2) @binding(2) var<storage, read> tile: array<vec4<u32>>;
-@group(2) @binding(3) var<uniform> constants: StrandConstants;
 @group(2) @binding(4) var<storage, read_write> deep: array<atomic<u32>>;
 @group(2) @binding(5) var nearest_skin: texture_depth_2d;
 @group(2) @binding(6) var<uniform> deep_opacity: DeepOpacity;
@@ -29,18 +25,15 @@ fn walk(number: u32, deposits: bool) {
     }
     let points = constants.points;
     let first = number * (points + POSED_BEFORE);
-    let normal = normalize_or(
-        mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * posed[first].xyz, vec3(0.0, 1.0, 0.0),
-    );
-    var a = (instance.world_from_model * vec4(posed[first + POSED_BEFORE].xyz, 1.0)).xyz;
+    var a = world_place(first + POSED_BEFORE);
     // Behind the skin nothing is lit.
-    if dot(normal, direction_to(frame.light_ws, a)) < -0.5 {
+    if dot(world_normal(first), direction_to(frame.light_ws, a)) < -0.5 {
         return;
     }
     let side = f32(deep_opacity.size);
     var place_a = map_texel(a, side);
     for (var i = POINT_STEP; i < points; i += POINT_STEP) {
-        let b = (instance.world_from_model * vec4(posed[first + POSED_BEFORE + i].xyz, 1.0)).xyz;
+        let b = world_place(first + POSED_BEFORE + i);
         let place_b = map_texel(b, side);
         let texels = distance(place_a.xy, place_b.xy);
         let steps = clamp(ceil(texels), 1.0, MOST_STEPS);
@@ -90,10 +83,6 @@ fn map_texel(position: vec3<f32>, side: f32) -> vec4<f32> {
 // A number that is the greater the nearer; 0 where there is no hair.
 fn nearness(depth: f32) -> u32 {
     return bitcast<u32>(clamp(1.0 - depth, 0.0, 1.0));
-}
-
-fn number_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
-    return constants.first + id.y * groups.x * 64u + id.x;
 }
 
 @compute @workgroup_size(64)

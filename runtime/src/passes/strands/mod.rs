@@ -4,7 +4,7 @@ use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Draw, RenderSpec, Shader, Stream, attribute};
 use crate::model::CORNER_BYTES;
 use crate::params::StyleKind;
-use crate::scene::Recording;
+use crate::scene::{Recording, strand_sets};
 
 /// The shader.
 pub(crate) const SHADER: Shader = Shader { name: "pelage strands", wgsl: include_str!("strands.wgsl") };
@@ -35,7 +35,7 @@ const CORNER: Stream = Stream {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let mut draws = Vec::new();
-    for (seen, set) in instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set))) {
+    for (seen, set) in strand_sets(&instances) {
         let Some(ribbons) = set.ribbons else { continue };
         let spec = RenderSpec {
             shader: SHADER,

@@ -1,0 +1,85 @@
+//! The legs of hoofed animals: their bones, and their steps at a walk.
+
+use glam::DVec3;
+
+use super::{
+    body::on_side,
+    gait::{Leg, Pose, Step, cycle},
+    rig::Bone,
+};
+
+/// A leg whose four bones begin with the one of number `first`.
+pub const fn leg(first: u8) -> Leg {
+    Leg { upper: first, lower: first + 1, cannon: Some(first + 2), foot: first + 3 }
+}
+
+/// A pair of legs.
+pub struct Pair<'a> {
+    /// Number of the bone that they hang on.
+    pub parent: u8,
+    /// Joints of the left one from above, then the hoof's front end, metres.
+    pub places: &'a [DVec3; 5],
+    /// Radius of the flesh round each bone, metres.
+    pub thickness: [f64; 4],
+}
+
+/// Adds the bones of the forelegs, left and right, then those of the hind legs.
+pub fn add_legs(bones: &mut Vec<Bone>, fore: &Pair<'_>, hind: &Pair<'_>) {
+    let arms = [["arm_l", "forearm_l", "cannon_l", "hoof_l"], ["arm_r", "forearm_r", "cannon_r", "hoof_r"]];
+    let thighs = [
+        ["thigh_l", "shank_l", "hind_cannon_l", "hind_hoof_l"],
+        ["thigh_r", "shank_r", "hind_cannon_r", "hind_hoof_r"],
+    ];
+    for (names, Pair { parent, places, thickness }) in [(arms, fore), (thighs, hind)] {
+        for (names, side) in names.into_iter().zip([1.0, -1.0]) {
+            let first = bones.len() as u8;
+            for (k, name) in names.into_iter().enumerate() {
+                let parent = if k == 0 { *parent } else { first + k as u8 - 1 };
+                let (from, to) = (on_side(side, places[k]), on_side(side, places[k + 1]));
+                bones.push(Bone::new(name, Some(parent), from, to, thickness[k]));
+            }
+        }
+    }
+}
+
+/// How an animal walks.
+pub struct Walk {
+    /// How far a cycle goes, metres.
+    pub stride: f64,
+    /// How far before its rest a hoof touches the ground, metres.
+    pub front: f64,
+    /// How high hooves are lifted, metres.
+    pub lift: f64,
+    /// Tilt of a hoof that has left the ground, at first and later, degrees.
+    pub tilt: [f64; 2],
+    /// Bend of the cannon of a foreleg and of a hind leg in the air, degrees.
+    pub bend: [f64; 2],
+}
+
+/// Leads the legs of a pose through a walk of four beats: left hind, left fore, right hind, right fore.
+pub fn walk(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], walk: &Walk) {
+    let [fore_bend, hind_bend] = walk.bend;
+    for (legs, bend, touches) in [
+        (hind, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, hind_bend), (0.94, -4.0)], [0.0, 0.5]),
+        (fore, [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.78, fore_bend), (0.95, 2.0)], [0.25, 0.75]),
+    ] {
+        for (leg, touch) in legs.into_iter().zip(touches) {
+            let step = Step { touch, duty: 0.62, front: walk.front, stride: walk.stride, lift: walk.lift };
+            let since = step.since(phase);
+            let mut foot = step.foot(phase);
+            let tilt = [
+                (0.0, -6.0),
+                (0.05, 0.0),
+                (0.25, 0.0),
+                (0.45, 2.0),
+                (0.56, 22.0),
+                (0.64, walk.tilt[0]),
+                (0.76, walk.tilt[1]),
+                (0.92, 2.0),
+            ];
+            foot.pitch_deg = cycle(&tilt, since);
+            foot.cannon_deg = cycle(&bend, since);
+            pose.lead(&leg, foot);
+        }
+    }
+}

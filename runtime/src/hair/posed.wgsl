@@ -1,0 +1,21 @@
+// Posed strands of a part, as passes read them once they stand.
+
+@group(2) @binding(0) var<storage, read> posed: array<vec4<f32>>;
+@group(2) @binding(1) var<storage, read> strands: array<Strand>;
+// Of a point: way aside; height and radius; colour; visibility.
+@group(2) @binding(2) var<storage, read> tile: array<vec4<u32>>;
+@group(2) @binding(3) var<uniform> constants: StrandConstants;
+
+fn world_place(index: u32) -> vec3<f32> {
+    return (instance.world_from_model * vec4(posed[index].xyz, 1.0)).xyz;
+}
+
+fn world_normal(index: u32) -> vec3<f32> {
+    let normal = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * posed[index].xyz;
+    return normalize_or(normal, vec3(0.0, 1.0, 0.0));
+}
+
+// Which strand a thread of a workgroup of 64 has.
+fn number_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
+    return constants.first + id.y * groups.x * 64u + id.x;
+}

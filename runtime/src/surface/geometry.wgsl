@@ -1,0 +1,10 @@
+// A vertex as the mesh stores it, and as it is posed, for shaders that find vertices in storage buffers.
+
+// 48 bytes.
+struct GeometryVertex {
+    position: vec3<f32>,
+    fur_height: f32,
+    normal: vec3<f32>,
+    lean: f32,
+    tangent: vec4<f32>,
+}
