@@ -17,8 +17,6 @@ struct State {
     model: Model,
     /// Posed vertices, where the model has a skeleton.
     posed: Option<wgpu::Buffer>,
-    /// Of each set of the model's strands.
-    strands: Vec<StrandState>,
     /// What they are of.
     motion: Option<Motion>,
     pose: Pose,
@@ -31,6 +29,8 @@ struct State {
 #[derive(Debug, Default)]
 pub(crate) struct States {
     owners: HashMap<u64, State>,
+    /// By owner and number of the model's set, of those that were drawn of late: many owners are never near enough.
+    strands: HashMap<(u64, usize), StrandState>,
     frame: u64,
     revisions: u64,
 }
@@ -43,8 +43,6 @@ pub(crate) struct Moved {
     /// The joint matrices, where the posed vertices are not of them yet.
     pub(crate) joints: Option<Vec<Mat4>>,
     pub(crate) revision: u64,
-    /// Posed points of each set of the model's strands.
-    pub(crate) strands: Vec<PosedStrands>,
     /// The posed skin with its fur, in world space.
     pub(crate) hull: Hull,
 }
@@ -55,12 +53,13 @@ struct StrandState {
     points: wgpu::Buffer,
     /// Points of its guides, where it follows some.
     guides: Option<wgpu::Buffer>,
-    /// The revision that both are of.
+    /// The revision that both are of; 0 where they hold nothing yet.
     revision: u64,
+    last_frame: u64,
 }
 
 /// Points of strands on the posed skin.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct PosedStrands {
     pub(crate) buffer: wgpu::Buffer,
     /// Points of their guides, where they follow some: relative to their roots.
@@ -75,6 +74,7 @@ impl States {
         self.frame += 1;
         let oldest = self.frame.saturating_sub(FORGOTTEN_AFTER);
         self.owners.retain(|_, state| state.last_frame >= oldest);
+        self.strands.retain(|_, state| state.last_frame >= oldest);
         instances.iter().map(|instance| self.moved(gpu, instance)).collect()
     }
 
@@ -82,7 +82,7 @@ impl States {
         let model = &instance.model;
         let frame = self.frame;
         if self.owners.get(&instance.owner).is_some_and(|state| !state.model.is(model)) {
-            self.owners.remove(&instance.owner);
+            self.forget(instance.owner);
         }
         let state = self.owners.entry(instance.owner).or_insert_with(|| State {
             model: model.clone(),
@@ -90,7 +90,6 @@ impl States {
                 let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
                 gpu.buffer("pelage posed vertices", model.geometry().size(), usage)
             }),
-            strands: model.strands().iter().map(|strands| StrandState::new(gpu, strands)).collect(),
             motion: None,
             pose: Pose::default(),
             revision: 0,
@@ -119,22 +118,16 @@ impl States {
         model.extent().add_to(&mut hull, &state.pose.joints, instance.transform, fur_m);
         let geometry = state.posed.as_ref().unwrap_or(model.geometry()).clone();
         let revision = state.revision;
-        let posed = |of: &StrandState| PosedStrands {
-            buffer: of.points.clone(),
-            guides: of.guides.clone(),
-            stale: of.revision != revision,
-        };
-        let strands = state.strands.iter().map(posed).collect();
-        Moved { geometry, joints, revision, strands, hull }
+        Moved { geometry, joints, revision, hull }
     }
 
-    /// Notes that a frame poses a set of strands of an owner. One that draws none of them leaves them as they are.
-    pub(crate) fn pose_strands(&mut self, owner: u64, set: usize) {
-        if let Some(state) = self.owners.get_mut(&owner)
-            && let Some(of) = state.strands.get_mut(set)
-        {
-            of.revision = state.revision;
-        }
+    /// Where a set of an instance's strands is posed, which this frame draws at that revision of its shape.
+    pub(crate) fn pose_strands(&mut self, gpu: &Gpu, instance: &Instance, revision: u64, set: usize) -> PosedStrands {
+        let made = || StrandState::new(gpu, &instance.model.strands()[set]);
+        let state = self.strands.entry((instance.owner, set)).or_insert_with(made);
+        state.last_frame = self.frame;
+        let stale = std::mem::replace(&mut state.revision, revision) != revision;
+        PosedStrands { buffer: state.points.clone(), guides: state.guides.clone(), stale }
     }
 
     /// Forgets all poses, so that they are computed anew.
@@ -145,15 +138,13 @@ impl States {
     /// Forgets an owner.
     pub(crate) fn forget(&mut self, owner: u64) {
         self.owners.remove(&owner);
+        self.strands.retain(|(of, _), _| *of != owner);
     }
 
     /// Bytes on the GPU.
     pub(crate) fn gpu_bytes(&self) -> u64 {
-        let of = |state: &State| {
-            let posed = state.posed.as_ref().map_or(0, wgpu::Buffer::size);
-            posed + state.strands.iter().map(StrandState::gpu_bytes).sum::<u64>()
-        };
-        self.owners.values().map(of).sum()
+        let posed = self.owners.values().filter_map(|state| state.posed.as_ref().map(wgpu::Buffer::size));
+        posed.sum::<u64>() + self.strands.values().map(StrandState::gpu_bytes).sum::<u64>()
     }
 }
 
@@ -164,6 +155,7 @@ impl StrandState {
             points: buffer("pelage posed strands", strands.posed_bytes()),
             guides: strands.guided().map(|guided| buffer("pelage posed guides", guided.guides.size())),
             revision: 0,
+            last_frame: 0,
         }
     }
 

@@ -82,11 +82,12 @@ fn text(p: &Prognosis) -> String {
     }
     let m = &p.memory;
     line(format!(
-        "{} on the device: textures {}, buffers {}, posed vertices {}, shadow maps {}",
+        "{} on the device: textures {}, buffers {}, posed vertices {}, single strands {}, shadow maps {}",
         human_bytes(m.total()),
         human_bytes(m.textures),
         human_bytes(m.buffers),
         human_bytes(m.posed),
+        human_bytes(m.strands),
         human_bytes(m.shadow_maps)
     ));
     if p.advice.is_empty() {
@@ -151,7 +152,13 @@ fn object(args: &DoctorArgs, camera: Value, p: &Prognosis) -> Value {
         },
         "passes": p.passes.iter().map(pass).collect::<Vec<_>>(),
         "gpu_bytes": m.total(),
-        "memory": { "textures": m.textures, "buffers": m.buffers, "posed": m.posed, "shadow_maps": m.shadow_maps },
+        "memory": {
+            "textures": m.textures,
+            "buffers": m.buffers,
+            "posed": m.posed,
+            "strands": m.strands,
+            "shadow_maps": m.shadow_maps,
+        },
         "advice": advice.collect::<Vec<_>>(),
     })
 }

@@ -5,7 +5,7 @@ use super::exit::Failure;
 use super::output::{Output, human_bytes};
 use super::shell_judge::{ShellJudge, Source};
 use pelage_bake::BakeError;
-use pelage_bake::judge::decide::{self, Decision, FrameTime, Judge, Limits, Measured, Setting, Space, Trial};
+use pelage_bake::judge::decide::{self, Decision, Figure, FrameTime, Judge, Limits, Measured, Setting, Space, Trial};
 use pelage_bake::judge::likeness::Likeness;
 use pelage_bake::recipe::Recipe;
 use pelage_formats::Choice;
@@ -28,7 +28,7 @@ pub struct Chosen {
     pub text: String,
 }
 
-/// Chooses the setting that `limits` ask for.
+/// Chooses the setting that `limits` ask for. Where their bytes hold none with single strands, it is chosen among those without.
 ///
 /// # Errors
 ///
@@ -44,9 +44,38 @@ pub fn choose(
     limits.validate()?;
     recipe.validate()?;
     let gpu = Gpu::open()?;
-    let adapter = measured_on(&gpu.info.name);
+    let of = |recipe: &Recipe, output: &mut Output| search(source, recipe, limits, exhaustive, &gpu, output);
+    let found = of(recipe, output)?;
+    if found.decision.meets || found.decision.binding != Some(Figure::Bytes) || !recipe.strands.enabled {
+        return found.chosen(file, limits, false);
+    }
+    let mut without = recipe.clone();
+    without.strands.enabled = false;
+    of(&without, output)?.chosen(file, limits, true)
+}
+
+/// What a search found.
+struct Found {
+    recipe: Recipe,
+    decision: Decision,
+    /// One of each trial.
+    likenesses: Vec<Likeness>,
+    /// Of the evidence, what does not depend on the trials.
+    evidence: Choice,
+    /// Of all settings there are.
+    settings: usize,
+}
+
+fn search(
+    source: Source<'_>,
+    recipe: &Recipe,
+    limits: &Limits,
+    exhaustive: bool,
+    gpu: &Gpu,
+    output: &mut Output,
+) -> Result<Found, Failure> {
     // As applications draw by default: a setting with more layers than the fur has pixels costs bytes alone.
-    let judge = ShellJudge::new(source, recipe, &gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
+    let judge = ShellJudge::new(source, recipe, gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
     let space = Space::around(recipe).up_to(judge.most_layers(recipe));
     let mut counted = Counted { judge: &judge, recipe, output, likenesses: Vec::new() };
     let decision = if exhaustive {
@@ -54,26 +83,39 @@ pub fn choose(
     } else {
         decide::decide(&space, limits, &mut counted)?
     };
-    // Trials are in the order in which they were measured.
-    let likenesses = counted.likenesses;
-    let text = describe(&decision, &likenesses, limits, &adapter, space.settings().len());
-    if !decision.meets {
-        return Err(BakeError::Input { file: file.into(), place: asked(limits), reason: text }.into());
-    }
     let evidence = Choice {
-        adapter: adapter.clone(),
+        adapter: measured_on(&gpu.info.name),
         width: recipe.judge.width,
         height: recipe.judge.height,
         samples: recipe.judge.samples,
         views: judge.view_words(),
         ..Choice::default()
     };
-    Ok(Chosen {
-        recipe: decision.chosen().setting.applied_to(recipe),
-        choice: decision.evidence(limits, evidence),
-        judged: decision.trials.iter().zip(&likenesses).map(judged).collect(),
-        text,
-    })
+    // Trials are in the order in which they were measured.
+    let likenesses = counted.likenesses;
+    Ok(Found { recipe: recipe.clone(), decision, likenesses, evidence, settings: space.settings().len() })
+}
+
+impl Found {
+    /// What becomes of the bake; `left_out`: it has no strands because of the limits.
+    fn chosen(self, file: &str, limits: &Limits, left_out: bool) -> Result<Chosen, Failure> {
+        let Self { recipe, decision, likenesses, evidence, settings } = self;
+        let mut text = describe(&decision, &likenesses, limits, &evidence.adapter, settings);
+        if left_out {
+            text.push_str(
+                "\nwithout single strands (--set strands.enabled=false): with them --max-bytes cannot be met",
+            );
+        }
+        if !decision.meets {
+            return Err(BakeError::Input { file: file.into(), place: asked(limits), reason: text }.into());
+        }
+        Ok(Chosen {
+            recipe: decision.chosen().setting.applied_to(&recipe),
+            choice: decision.evidence(limits, evidence),
+            judged: decision.trials.iter().zip(&likenesses).map(judged).collect(),
+            text,
+        })
+    }
 }
 
 /// The judge with a progress display.
@@ -116,7 +158,7 @@ fn judged((trial, likeness): (&Trial, &Likeness)) -> Value {
 
 /// The limits as they were given.
 fn asked(limits: &Limits) -> String {
-    let words = decide::Figure::ALL.iter().filter_map(|f| Some(format!("{} {}", f.option(), limits.of(*f)?)));
+    let words = Figure::ALL.iter().filter_map(|f| Some(format!("{} {}", f.option(), limits.of(*f)?)));
     words.collect::<Vec<_>>().join(" ")
 }
 

@@ -14,7 +14,9 @@ use pelage_bake::pipeline::{self, Told};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
-use pelage_stage::{Gpu, LookDetail, Meter, NamedPackage, Stage, Viewpoint, count_fragments, fastest, framing};
+use pelage_stage::{
+    Gpu, LookDetail, LookHair, Meter, NamedPackage, Stage, Viewpoint, count_fragments, fastest, framing,
+};
 use std::time::Instant;
 
 /// What packages are made from.
@@ -205,9 +207,9 @@ impl<'a> ShellJudge<'a> {
         Ok(frame.report().instances.first().and_then(|drawn| drawn.fur_px).filter(|px| px.is_finite()))
     }
 
-    /// A package with so much of its fur.
+    /// A package with so much of its fur in layers, also where strands would take their place.
     fn stage(&self, file: &NamedPackage<'_>, view: &View, detail: LookDetail) -> Result<Stage, Failure> {
-        let view = view.clone().with(|look| look.fur.detail = detail);
+        let view = view.clone().with(|look| (look.fur.detail, look.fur.hair) = (detail, LookHair::Shells));
         Ok(stage_of(file, &view, || Ok(self.gpu.clone()))?)
     }
 }

@@ -252,8 +252,9 @@ params! {
 params! {
     /// `[strands]`: the hair as single strands, for pictures near enough to see them.
     StrandParams in strands {
-        /// Whether the package has the strands of its tile, which are the coat's.
-        enabled: bool = false;
+        /// Whether the package has the strands of its tile, which are the coat's: 16 bytes a point, 144 KB for 1000 strands. Without, layers are drawn
+        /// however near the eye is.
+        enabled: bool = true;
         /// Points of each strand. Those of half, a quarter and so on of the pieces are drawn where strands are small, so that one more than a power of two
         /// suits best.
         points: u32 = 9, in 2..=33;

@@ -275,11 +275,12 @@ const THINNEST_PX: f32 = 0.36;
 /// Least share of them.
 const FEWEST_HAIRS: f32 = 0.02;
 
-/// Mean width of strands on screen, pixels over samples, from which they begin to take the place of layers: thinner ones shimmer more and show no more.
+/// Mean width of strands on screen, pixels over the root of the samples, from which they begin to take the place of layers. Where all have, they shimmer
+/// less than twice as much as the true picture; thinner ones more, with whatever number of samples.
 const MIXED_FROM_PX: f32 = 0.72;
 
-/// Width from which all have, over that.
-const MIXED_TO: f32 = 2.0;
+/// Width from which all have, over that. Both are drawn in between, so that it is narrow.
+const MIXED_TO: f32 = 1.25;
 
 /// Of the way from layers to strands: where all strands have come in, and where layers begin to fade.
 const STRANDS_IN: f32 = 0.6;
@@ -287,7 +288,7 @@ const LAYERS_STAY: f32 = 0.4;
 
 /// How far on the way to single strands hair is where those are so many pixels wide and a pixel has so many samples.
 fn way_to_strands(width_px: f32, samples: u32) -> f32 {
-    let over = width_px * samples as f32 / MIXED_FROM_PX;
+    let over = width_px * (samples as f32).sqrt() / MIXED_FROM_PX;
     ((over - 1.0) / (MIXED_TO - 1.0)).clamp(0.0, 1.0)
 }
 

@@ -121,6 +121,6 @@ fn strands_come_in_before_layers_go() {
 
 #[test]
 fn strands_begin_where_samples_find_them() {
-    assert_eq!([0.7, 1.08, 1.45].map(|px| (1e4 * way_to_strands(px, 1)).round() / 1e4), [0.0, 0.5, 1.0]);
-    assert_eq!([0.17, 0.27, 0.37].map(|px| (1e4 * way_to_strands(px, 4)).round() / 1e4), [0.0, 0.5, 1.0]);
+    assert_eq!([0.7, 0.81, 0.91].map(|px| (1e4 * way_to_strands(px, 1)).round() / 1e4), [0.0, 0.5, 1.0]);
+    assert_eq!([0.35, 0.405, 0.455].map(|px| (1e4 * way_to_strands(px, 4)).round() / 1e4), [0.0, 0.5, 1.0]);
 }

@@ -74,7 +74,7 @@ pub(crate) fn load(
         Some(*end)
     });
 
-    let strands = if single { strands::load(&uploader, package, &mesh)? } else { Vec::new() };
+    let strands = if single { strands::load(&uploader, package, &mesh, options.most_strands)? } else { Vec::new() };
     gpu_bytes += strands.iter().map(strands::Strands::gpu_bytes).sum::<u64>();
     let base_sampler = sampler("pelage base colour", wgpu::AddressMode::Repeat, options.anisotropy);
     // Materials may share a texture.

@@ -16,6 +16,10 @@ pub struct RendererOptions {
     pub reversed_depth: bool,
     /// Anisotropy of the base-colour texture's sampler, 1..=16 (default 1). Hair textures are always read with 1.
     pub anisotropy: u16,
+    /// How many single strands of a coat a model may have (default 400 000): one that would have more keeps its layers near by. Each is
+    /// planted when the model is loaded, about 3 µs, and takes 176 bytes on the GPU, and while it is drawn 170 to 660 more. 0 plants none. It
+    /// does not concern hair on guides.
+    pub most_strands: u32,
 }
 
 impl Default for RendererOptions {
@@ -26,6 +30,7 @@ impl Default for RendererOptions {
             sample_count: 1,
             reversed_depth: false,
             anisotropy: 1,
+            most_strands: 400_000,
         }
     }
 }

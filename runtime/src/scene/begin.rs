@@ -90,9 +90,6 @@ pub(crate) fn begin<'f>(
         .zip(&drawings)
         .map(|(instance, drawing)| drawing.sets(&instance.model, &params.style, kept.options.sample_count, &limits))
         .collect();
-    for (instance, sets) in instances.iter().zip(&drawn_sets) {
-        sets.iter().for_each(|drawn| kept.states.pose_strands(instance.owner, drawn.set));
-    }
     let key = shadow_key(params, &limits, instances, &moved, &drawings, &drawn_sets, casters.as_ref());
     let targets = take_targets(&mut kept.cache.targets, gpu, params.viewport, targets);
     let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, key)).unzip();
@@ -123,7 +120,11 @@ pub(crate) fn begin<'f>(
         let mut set = |drawn: &DrawnSet| {
             let strands = &instance.model.strands()[drawn.set];
             let take = || Ribbons::take(&mut kept.ribbons, gpu, strands, drawn.step);
-            SeenSet { drawn: *drawn, ribbons: drawing.detail.in_picture.then(take) }
+            SeenSet {
+                drawn: *drawn,
+                posed: kept.states.pose_strands(gpu, instance, moved.revision, drawn.set),
+                ribbons: drawing.detail.in_picture.then(take),
+            }
         };
         Seen {
             model: instance.model.clone(),

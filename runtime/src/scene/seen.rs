@@ -27,6 +27,8 @@ pub(crate) struct Seen {
 #[derive(Debug)]
 pub(crate) struct SeenSet {
     pub(crate) drawn: DrawnSet,
+    /// Where its points are.
+    pub(crate) posed: PosedStrands,
     /// What it is drawn from, where it may be in the picture.
     pub(crate) ribbons: Option<Arc<Ribbons>>,
 }
@@ -54,7 +56,7 @@ impl Seen {
         self.sets.iter().map(|set| StrandSet {
             drawn: &set.drawn,
             strands: &self.model.strands()[set.drawn.set],
-            posed: &self.moved.strands[set.drawn.set],
+            posed: &set.posed,
             ribbons: set.ribbons.as_ref(),
         })
     }

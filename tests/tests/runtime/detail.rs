@@ -5,7 +5,7 @@ use pelage_bake::judge::compare::compare;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, Detail, FrameParams, FrameReport, Instance, Projection, Renderer, RendererOptions, Style,
+    Camera, Detail, FrameParams, FrameReport, FurParams, Hair, Instance, Projection, Renderer, RendererOptions, Style,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
@@ -44,7 +44,9 @@ impl<'a> Stage<'a> {
         let eye = center + Vec3::new(0.62, 0.28, 0.73).normalize() * away;
         let projection =
             Projection::Perspective { fov_y_rad: FOV_RAD, aspect: 1.0, near_m: 0.01 * away, far_m: 10.0 * away };
-        FrameParams::new(Camera::look_at(eye, center, projection), SIZE.into()).with_fur(|f| f.detail = detail)
+        // Near by, strands would take the place of the layers.
+        let layers = |fur: &mut FurParams| (fur.detail, fur.hair) = (detail, Hair::Shells);
+        FrameParams::new(Camera::look_at(eye, center, projection), SIZE.into()).with_fur(layers)
     }
 
     fn draw(&mut self, distance: f32, detail: Detail) -> Picture {

@@ -42,7 +42,8 @@ fn predictions_are_what_an_adapter_counts() {
     ] {
         bake(&sandbox, name, &plain);
         let found = doctor(&sandbox, view);
-        let args = [&["bench", "a.pelage", "--json", "--frames", "1"], view].concat();
+        // What is foretold is a frame of layers.
+        let args = [&["bench", "a.pelage", "--json", "--frames", "1", "--hair", "shells"], view].concat();
         let counted = schema::done(&sandbox.run(&args), "bench");
         let bytes = |v: &Value| v["gpu_bytes"].as_f64().unwrap();
         // Uniform blocks are not predicted.

@@ -105,7 +105,7 @@ impl Topic for StrandsTopic<'_> {
         let shared = once(&mut self.shared, || Shared::new(subject, recipes, doing))?;
         let judge = &recipes[0].judge;
         let (picture, seen, view) = once(&mut self.sizes[size], || {
-            Ok(shared.seen(Size::ALL[size], (judge.width, judge.height), judge.samples, doing))
+            shared.seen(Size::ALL[size], (judge.width, judge.height), judge.samples, doing)
         })?;
         let known = self.groups.iter().position(|(group, _)| *group == (size, samples));
         let known = match known {
@@ -141,36 +141,51 @@ impl Shared {
     }
 
     /// The true picture of a size, what its ways share, and its view.
-    fn seen(&self, size: Size, judged: (u32, u32), samples: u32, doing: &mut dyn FnMut(&str)) -> (Picture, Seen, View) {
+    fn seen(
+        &self,
+        size: Size,
+        judged: (u32, u32),
+        samples: u32,
+        doing: &mut dyn FnMut(&str),
+    ) -> Result<(Picture, Seen, View), Failure> {
         let pixels = size.pixels(judged);
-        let view = View { camera: Some(size.camera(self.camera)), ..View::sized(pixels) };
-        let picture = self.truth.picture(&view, samples, &mut |done, all| {
-            doing(&format!("true picture, {} %", 100 * done / all.max(1)));
-        });
-        // Through bytes, as the pictures that it is compared with.
-        let picture = Picture::from(&truth::encode(&picture, view.look.background()));
+        let camera = size.camera(self.camera);
+        let mut traced = |camera| {
+            let view = View { camera: Some(camera), ..View::sized(pixels) };
+            let picture = self.truth.picture(&view, samples, &mut |done, all| {
+                doing(&format!("true picture, {} %", 100 * done / all.max(1)));
+            });
+            // Through bytes, as the pictures that it is compared with.
+            (truth::encode(&picture, view.look.background()), view)
+        };
+        let ((next, _), (picture, view)) = (traced(turned(camera, TURN_DEG)), traced(camera));
         let seen = Seen {
             pixels,
             true_samples: samples,
+            true_flicker: self.flicker(camera, [&picture, &next].map(greys), pixels)?,
             strand_px: self.truth.px_per_m(&view) * self.width_m,
             strands: self.truth.scene.curves().len(),
         };
-        (picture, seen, view)
+        Ok((Picture::from(&picture), seen, view))
     }
 
-    /// How much the skin's points change between two pictures while the camera turns a little, and what stands on them; it stays where it was.
-    fn flicker(&self, stage: &mut Stage, camera: Viewpoint, size: (u32, u32)) -> Result<Option<f64>, Failure> {
-        let mut seen_from = |degrees| -> Result<_, Failure> {
-            let camera = turned(camera, degrees);
+    /// How much the skin's points change, and what stands on them, between a picture from `camera` and one from a little aside.
+    fn flicker(&self, camera: Viewpoint, greys: [Vec<f32>; 2], size: (u32, u32)) -> Result<Option<f64>, Failure> {
+        let no_lines = Mask::empty(size.0, size.1);
+        let cameras = [camera, turned(camera, TURN_DEG)].map(true_camera);
+        let moment = |i: usize| Moment { sight: &self.sight, camera: &cameras[i], grey: &greys[i], lines: &no_lines };
+        Ok(flicker(&moment(0), &moment(1), size)?.surface.mean())
+    }
+
+    /// That of what a stage draws, which then looks from `camera`.
+    fn drawn_flicker(&self, stage: &mut Stage, camera: Viewpoint, size: (u32, u32)) -> Result<Option<f64>, Failure> {
+        let mut seen_from = |camera| -> Result<_, Failure> {
             stage.look_from(camera);
             stage.draw()?;
-            Ok((true_camera(camera), greys(&pixels(stage)?)))
+            Ok(greys(&pixels(stage)?))
         };
-        let (next, now) = (seen_from(TURN_DEG)?, seen_from(0.0)?);
-        let no_lines = Mask::empty(size.0, size.1);
-        let moment = |(camera, grey)| Moment { sight: &self.sight, camera, grey, lines: &no_lines };
-        let [now, next] = [&now, &next].map(|(camera, grey)| moment((camera, grey.as_slice())));
-        Ok(flicker(&now, &next, size)?.surface.mean())
+        let (next, now) = (seen_from(turned(camera, TURN_DEG))?, seen_from(camera)?);
+        self.flicker(camera, [now, next], size)
     }
 }
 
@@ -193,7 +208,7 @@ fn group(
         let mut stage = stage_of(file, &view, || Ok(gpu.clone()))?;
         stage.params.study.strand_pieces = way.pieces;
         let mut found = drawn(&mut stage, file, truth)?;
-        found.flicker = shared.flicker(&mut stage, size.camera(shared.camera), view.size())?;
+        found.flicker = shared.drawn_flicker(&mut stage, size.camera(shared.camera), view.size())?;
         all.push(found);
         stages.push(stage);
     }

@@ -109,12 +109,12 @@ pub fn configurations() -> Vec<Configuration> {
 ///   seen or not. `triangles`: of the mesh.
 /// * `flip`, `flip_covered`, `rmse`, `coverage_error` against the true picture; `fragments` where the adapter counts them.
 /// * `flicker`: mean change of grey, 0..=1, of the skin's points and of what stands on them, from one picture to the next, while the camera turns a
-///   quarter of a degree and all else stands still.
+///   quarter of a degree and all else stands still; `true_flicker`: that of the true pictures, whose hairs move before the skin as well.
 /// * `frame_milliseconds`: a frame whose light and pose stand still. `anew_milliseconds`: the passes of one whose pose and maps are made anew.
 /// * `over_cheapest`: of what the runtime chooses, the former over that of the cheapest way of the same size and samples whose FLIP is at most
 ///   [`AS_TRUE`] as large.
 /// * `package_bytes`: of a package with strands, or without where none are drawn; `gpu_bytes`: model, copy and maps.
-pub const COLUMNS: [&str; 23] = [
+pub const COLUMNS: [&str; 24] = [
     "size",
     "width",
     "height",
@@ -131,6 +131,7 @@ pub const COLUMNS: [&str; 23] = [
     "rmse",
     "coverage_error",
     "flicker",
+    "true_flicker",
     "fragments",
     "frame_milliseconds",
     "anew_milliseconds",
@@ -182,6 +183,8 @@ pub struct Seen {
     pub pixels: (u32, u32),
     /// Rays a pixel of the true picture.
     pub true_samples: u32,
+    /// Mean change of grey of the true picture while the camera turns a little; `None` where no skin is seen.
+    pub true_flicker: Option<f64>,
     /// Mean width of the strands, pixels.
     pub strand_px: f64,
     /// Strands of the model.
@@ -223,6 +226,7 @@ pub fn cells(configuration: &Configuration, seen: &Seen, ways: &[Found], timing:
         Cell::Number(m.rmse),
         Cell::Number(m.coverage_error),
         number(found.flicker),
+        number(seen.true_flicker),
         number(m.fragments.map(|n| n as f64)),
         Cell::Number(m.frame_ms),
         Cell::Number(found.anew_ms),

@@ -16,12 +16,13 @@ pub use fit::fitted;
 pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, Saved, View};
 
 use crate::BakeError;
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
+use pelage_formats::meaning::planting::{Ground, Roots, SurfaceWalk};
 use pelage_formats::meaning::{
     TOTAL_MAP_LAYERS, detail_count, detail_layer, detail_pairs, detail_place, fin_face, fin_opacity, fin_rows,
     hair_offset, layer_height, posed_vertices, row_heights, simplest_list, tile_frame, view_axes,
 };
-use pelage_formats::{FormatError, Package, Pose};
+use pelage_formats::{FormatError, Manifest, MeshView, Package, Part, Pose, StrandsView};
 use raster::{Covered, Draw, Raster};
 
 /// Pictures of more pixels are rasterised smaller, and what is counted is scaled.
@@ -324,6 +325,9 @@ fn memory(
         let skinned = package.animation().map_err(fault)?.is_some() && !m.skin.is_empty();
         let simplified = package.simplified().map_err(fault)?.map_or(0, |lists| lists.indices.len());
         memory.buffers = (m.geometry.len() + m.attributes.len() + m.indices.len() + simplified) as u64;
+        if let Some(strands) = package.strands().map_err(fault)? {
+            memory.strands = planted_bytes(package.manifest(), &m, &strands);
+        }
         if skinned {
             memory.buffers += m.skin.len() as u64;
             memory.posed = m.geometry.len() as u64 * u64::from(view.instances);
@@ -337,6 +341,31 @@ fn memory(
     let layer_maps = if layers > 1 { 2 * map * maps } else { 0 };
     memory.shadow_maps = 8 * map + layer_maps + 8 * (map + 2 * small);
     Ok(memory)
+}
+
+/// Bytes of a coat's strands where they are planted on the mesh: 32 a strand, of which every part has a multiple of 64, 16 for the place of each of its
+/// points, once more where wet hair is mixed in, and the points of the tile.
+fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView<'_>) -> u64 {
+    let ground = Ground::of_package(manifest, mesh);
+    let walk = SurfaceWalk::new(&ground);
+    let roots = Roots::new(strands.roots().zip(0..).map(|(root, i)| (Vec2::from(root).as_dvec2(), i)));
+    let heights: Vec<f32> = mesh.geometry().map(|v| v.fur_height).collect();
+    let in_part = |part: &Part| {
+        let triangles = part.first_index as usize / 3..(part.first_index + part.index_count) as usize / 3;
+        let mut count = 0u64;
+        for triangle in triangles.filter(|t| walk.is_furred(*t)) {
+            let tall = Vec3::from(ground.corners(triangle, &heights));
+            roots.for_each_in(ground.corners(triangle, &ground.tile_uv), |_, weights| {
+                count += u64::from(weights.as_vec3().dot(tall) > 0.0);
+            });
+        }
+        count.next_multiple_of(64)
+    };
+    let planted: u64 = manifest.parts.iter().map(in_part).sum();
+    let points = u64::from(strands.points_per_strand());
+    let of_tile = u64::from(strands.strand_count()) * points;
+    let times = strands.points().len() as u64 / of_tile.max(1);
+    planted * (32 + 16 * points * times) + 16 * of_tile * times
 }
 
 /// What the list of passes is made of.

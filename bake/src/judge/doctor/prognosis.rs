@@ -45,6 +45,8 @@ pub struct Memory {
     pub buffers: u64,
     /// Posed vertices of all copies.
     pub posed: u64,
+    /// Single strands of the coat where they are planted; posed and drawn near by, they take as much again.
+    pub strands: u64,
     /// The key light's shadow maps, one set for all.
     pub shadow_maps: u64,
 }
@@ -52,7 +54,7 @@ pub struct Memory {
 impl Memory {
     /// All of it.
     pub fn total(&self) -> u64 {
-        self.textures + self.buffers + self.posed + self.shadow_maps
+        self.textures + self.buffers + self.posed + self.strands + self.shadow_maps
     }
 }
 

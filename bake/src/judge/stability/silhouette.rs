@@ -15,7 +15,7 @@ use crate::stages::groom::MapImages;
 use crate::strands::{Curves, Skin, grow_on, tile_hair};
 use glam::Vec3;
 use pelage_formats::{Limits, Package};
-use pelage_runtime::{Camera, Detail, FrameParams, PassId, SlantForm, Style};
+use pelage_runtime::{Camera, Detail, FrameParams, Hair, PassId, SlantForm, Style};
 use std::fmt::Write as _;
 
 /// Opacity of every pixel, 0..=1.
@@ -157,7 +157,7 @@ pub fn measure(package: &[u8], size: (u32, u32), draw: &mut Drawer<'_>) -> Resul
     let camera =
         Camera::framing(Vec3::from(bounds.center), bounds.radius, Vec3::new(-0.7, 0.35, 0.8), FOV_Y_RAD, aspect);
     let with = FrameParams::new(camera, [size.0, size.1]);
-    let with = with.with_fur(|fur| fur.detail = Detail::Full);
+    let with = with.with_fur(|fur| (fur.detail, fur.hair) = (Detail::Full, Hair::Shells));
     let without = with.clone().with_fur(|fur| fur.fins = false);
     let sheets = without.clone().with(|p| p.study.look_slant = SlantForm::Printed);
     let all = [PassId::SKIN, PassId::FINS, PassId::SHELLS];

@@ -10,7 +10,9 @@ mod walk;
 pub use roots::Roots;
 pub use walk::{Crossed, Footing, SurfaceWalk};
 
-use glam::{DVec2, DVec3};
+use crate::{AttributeVertex, GeometryVertex, Manifest, MeshView, SkinVertex};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::collections::HashMap;
 
 /// What planting asks of a mesh. Lists of vertices are as long as each other, and so are those of triangles.
 #[derive(Clone, Debug, Default)]
@@ -28,8 +30,31 @@ pub struct Ground {
 }
 
 impl Ground {
+    /// The mesh of a package as it stores it.
+    pub fn of_package(manifest: &Manifest, mesh: &MeshView<'_>) -> Self {
+        let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
+        let indices: Vec<u32> = mesh.indices().collect();
+        let skin: Vec<SkinVertex> = mesh.skin().collect();
+        let mut first_at = HashMap::new();
+        let same_place = geometry.iter().zip(0u32..).map(|(vertex, i)| {
+            let moved_by = skin.get(i as usize).map(|v| (v.joints, v.weights.map(f32::to_bits)));
+            *first_at.entry((vertex.position.map(f32::to_bits), moved_by)).or_insert(i)
+        });
+        let furred = manifest.parts.iter().flat_map(|part| {
+            let furred = manifest.materials[part.material as usize].furred;
+            std::iter::repeat_n(furred, part.index_count as usize / 3)
+        });
+        Self {
+            triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            furred: furred.collect(),
+            positions: geometry.iter().map(|v| Vec3::from(v.position).as_dvec3()).collect(),
+            tile_uv: mesh.attributes().map(|v: AttributeVertex| Vec2::from(v.tile_uv).as_dvec2()).collect(),
+            same_place: same_place.collect(),
+        }
+    }
+
     /// What a list of vertices says of the corners of a triangle.
-    pub(crate) fn corners<T: Copy>(&self, triangle: usize, of: &[T]) -> [T; 3] {
+    pub fn corners<T: Copy>(&self, triangle: usize, of: &[T]) -> [T; 3] {
         self.triangles[triangle].map(|v| of[v as usize])
     }
 }

@@ -7,18 +7,28 @@ use crate::model::upload::Uploader;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::hair_groups::chance;
 use pelage_formats::meaning::planting::{Crossed, Footing, Ground, Roots, SurfaceWalk};
-use pelage_formats::{AttributeVertex, GeometryVertex, MeshView, Package, SkinVertex, StrandsView};
-use std::collections::HashMap;
+use pelage_formats::{AttributeVertex, GeometryVertex, MeshView, Package, StrandsView};
 use std::ops::Range;
 
-/// Plants them; `None` for a package without, or where a buffer of the device cannot hold them.
+/// Plants them; `None` for a package without, where there would be over `most`, or a buffer of the device cannot hold them.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
     mesh: &MeshView<'_>,
+    most: u32,
 ) -> Result<Option<Strands>, RuntimeError> {
     let Some(view) = package.strands()? else { return Ok(None) };
-    let planted = Planted::of(package, mesh, &view);
+    let ground = Ground::of_package(package.manifest(), mesh);
+    let area = |triangle: usize| {
+        let [a, b, c] = ground.corners(triangle, &ground.tile_uv);
+        0.5 * (b - a).perp_dot(c - a).abs()
+    };
+    // As many as the tile's cover: what is too much is not planted to be counted.
+    let tiles: f64 = (0..ground.triangles.len()).filter(|t| ground.furred[*t]).map(area).sum();
+    if f64::from(view.strand_count()) * tiles > f64::from(most) {
+        return Ok(None);
+    }
+    let planted = Planted::of(package, mesh, &ground, &view);
     if planted.strands.is_empty() {
         return Ok(None);
     }
@@ -69,29 +79,11 @@ struct Planted {
 }
 
 impl Planted {
-    fn of(package: &Package<'_>, mesh: &MeshView<'_>, view: &StrandsView<'_>) -> Self {
+    fn of(package: &Package<'_>, mesh: &MeshView<'_>, ground: &Ground, view: &StrandsView<'_>) -> Self {
         let manifest = package.manifest();
         let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
         let attributes: Vec<AttributeVertex> = mesh.attributes().collect();
-        let indices: Vec<u32> = mesh.indices().collect();
-        let skin: Vec<SkinVertex> = mesh.skin().collect();
-        let mut ground = Ground {
-            triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-            positions: geometry.iter().map(|v| glam::Vec3::from(v.position).as_dvec3()).collect(),
-            tile_uv: attributes.iter().map(|v| Vec2::from(v.tile_uv).as_dvec2()).collect(),
-            ..Ground::default()
-        };
-        let mut first_at = HashMap::new();
-        for (i, vertex) in geometry.iter().enumerate() {
-            let moved_by = skin.get(i).map(|v| (v.joints, v.weights.map(f32::to_bits)));
-            let key = (vertex.position.map(f32::to_bits), moved_by);
-            ground.same_place.push(*first_at.entry(key).or_insert(i as u32));
-        }
-        for part in &manifest.parts {
-            let furred = manifest.materials[part.material as usize].furred;
-            ground.furred.extend(std::iter::repeat_n(furred, part.index_count as usize / 3));
-        }
-        let walk = SurfaceWalk::new(&ground);
+        let walk = SurfaceWalk::new(ground);
         let roots = Roots::new(view.roots().zip(0..).map(|(root, i)| (Vec2::from(root).as_dvec2(), i)));
         let asides: Vec<DVec2> = view.points().map(|p| Vec2::from(p.aside).as_dvec2()).collect();
         let per_strand = view.points_per_strand() as usize;
@@ -129,7 +121,7 @@ impl Planted {
                     let root = Footing { triangle, weights, beyond: None };
                     for (asides, stands) in [(dry, &mut out.stands), (wet, &mut out.wet_stands)] {
                         let of_strand = asides.get(strand * per_strand..(strand + 1) * per_strand).unwrap_or_default();
-                        stands.extend(stands_along(&ground, &walk, root, of_strand));
+                        stands.extend(stands_along(ground, &walk, root, of_strand));
                     }
                 });
             }

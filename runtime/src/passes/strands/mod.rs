@@ -63,7 +63,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         return Outcome::Skipped(match instances.iter().any(|seen| !seen.model.strands().is_empty()) {
             _ if !frame.surfaces.strands => "the device has fewer storage buffers in compute shaders than strands take",
             true => "layers are asked for, or single hairs are too thin on screen to be seen",
-            false => "no package has strands, or none that the device's buffers can hold",
+            false => "no package has strands, or more than the renderer's options allow or the device's buffers hold",
         });
     }
     Outcome::Ran(format!("{} sets of strands", draws.len()), draws)
