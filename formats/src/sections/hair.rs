@@ -45,6 +45,12 @@ impl OnTriangle {
     pub fn place(&self, corners: [Vec3; 3]) -> Vec3 {
         corners[0] * self.weights[0] + corners[1] * self.weights[1] + corners[2] * self.weights[2]
     }
+
+    /// Weights of the second and third corner in the whole numbers of [`HairGroup::guide_roots`].
+    pub fn stored_weights(&self) -> [u16; 2] {
+        let [_, b, c] = self.weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u16);
+        [b, c.min(65535 - b)]
+    }
 }
 
 /// A group of hair: a mane, a tail, whiskers, a head of hair.
@@ -96,11 +102,7 @@ impl HairGroup {
         let all = || guides.iter().flat_map(|(_, points)| points);
         self.guide_points = guides.first().map_or(2, |(_, points)| points.len() as u32 + 1);
         self.reach_m = all().map(|p| p.abs().max_element()).fold(f32::MIN_POSITIVE, f32::max);
-        let root = |(root, _): &(OnTriangle, Vec<Vec3>)| {
-            let [_, b, c] = root.weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u16);
-            (root.triangle, [b, c.min(65535 - b)])
-        };
-        self.guide_roots = guides.iter().map(root).collect();
+        self.guide_roots = guides.iter().map(|(root, _)| (root.triangle, root.stored_weights())).collect();
         self.guide_offsets =
             all().map(|p| (*p / self.reach_m * 32767.0).round().to_array().map(|x| x as i16)).collect();
     }

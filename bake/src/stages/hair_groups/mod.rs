@@ -3,12 +3,15 @@
 //! Of a group that is its scalp, its guides and numbers; the hairs follow from them where the package is loaded
 //! ([`pelage_formats::meaning::hair_groups`]).
 
+mod at_rest;
 mod body;
 mod grow;
 mod tuft;
 
 #[cfg(test)]
 mod tests;
+
+pub use at_rest::{GuidesAtRest, RestSkin};
 
 use crate::BakeError;
 use crate::guides::Guides;
