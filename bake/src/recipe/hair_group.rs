@@ -20,8 +20,8 @@ named_table! {
         material: String, in ();
         /// How dense it is there, over where it is densest: a number, the vertex colours or an image (1). Where it is less than 0.01 nothing grows.
         mask: ScalarMap, in SHARE;
-        /// Strands to take as guides, from the recipe's folder: .hair (Cem Yuksel), .tfx (TressFX) or .txt (lines of x y z). Hair then grows where the scalp has
-        /// some near. Without, guides grow.
+        /// Strands to take as guides, from the recipe's folder: .hair (Cem Yuksel), .tfx (TressFX), .txt (lines of x y z), or .glb and .gltf (lines, those that
+        /// share vertices being one strand). Hair then grows where the scalp has some near. Without, guides grow.
         file: FilePath, in ();
         /// What a length of 1 in that file is, metres (1).
         scale_m: f32, in 1e-6..=1e6;

@@ -261,6 +261,7 @@ fn read_guides(
             params.name, strands.left_out
         ));
     }
+    warnings.extend(strands.warnings.iter().map(|text| format!("strands.group {:?}: its file: {text}", params.name)));
     Ok(guides)
 }
 
