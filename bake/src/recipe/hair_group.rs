@@ -83,8 +83,13 @@ named_table! {
 named_table! {
     /// A few thick hairs at a place: whiskers, lashes, brows. A key that is left out has the default in brackets.
     TuftParams of "a tuft" {
-        /// Middle of it, near the skin, metres in world space at rest: it stands where the skin is nearest. It may not be left out.
+        /// Middle of it, near the skin, metres in world space at rest; beside `joint` from there on, along the axes of the world ([0, 0, 0] there). It stands
+        /// where the skin is nearest. Either of both must be given.
         at: [f32; 3], in PLACE;
+        /// Name of a joint or another node of the model: the tuft stands where the skin is nearest to that at rest (none).
+        joint: String, in ();
+        /// Name of the materials that it may stand on; `*` stands for any characters, `?` for one (all).
+        material: String, in ();
         /// Whether the same stands on the other side, x turned about (false).
         mirrored: bool, in ();
         /// Hairs of it (12).
