@@ -12,7 +12,7 @@ mod strands;
 mod tile;
 
 use super::mesh_glb;
-pub use json::hex;
+pub use json::{File, hex};
 use json::{deserialize, from_hex, json_value, known_keys, parse, shorten_floats, to_text};
 use pelage_bake::BakeError;
 use pelage_bake::recipe::Recipe;
@@ -41,9 +41,6 @@ const RECIPE_DISAGREES: &str = "recipe_disagrees";
 
 /// Key of the `.hair` files of a section.
 const STRANDS: &str = "strands";
-
-/// A file's name and contents.
-pub type File = (String, Vec<u8>);
 
 /// Gives a file's contents by its name, `None` where there is no such file.
 pub type Read<'a> = dyn FnMut(&str) -> Result<Option<Vec<u8>>, BakeError> + 'a;

@@ -95,6 +95,9 @@ pub struct HairGroup {
 }
 
 impl HairGroup {
+    /// The most that [`HairGroup::reach_m`] can be.
+    pub const MOST_REACH_M: f32 = 1e6;
+
     /// Sets the guides.
     ///
     /// * `guides`: of each its root, and its other points relative to that in the frame of its triangle, metres: as many for each
@@ -175,7 +178,7 @@ impl HairGroup {
             .or_else(|| within("length_variation", self.length_variation, 0.0, 0.95))
             .or_else(|| within("clump", self.clump, 0.0, 1.0))
             .or_else(|| within("stray", self.stray, 0.0, 1.0))
-            .or_else(|| within("reach_m", self.reach_m, f32::MIN_POSITIVE, 1e6))
+            .or_else(|| within("reach_m", self.reach_m, f32::MIN_POSITIVE, Self::MOST_REACH_M))
             .or_else(lists)
     }
 }

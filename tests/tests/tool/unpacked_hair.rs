@@ -312,13 +312,14 @@ fn edited_guides_arrive() {
 fn what_does_not_fit_is_said_with_its_place() {
     let bytes = package(&strands(), &groups());
     type Change = fn(&Sandbox);
-    let json = |sandbox: &Sandbox, name: &str, change: &dyn Fn(&mut Value)| {
+    type Edit<'a> = &'a dyn Fn(&mut Value);
+    let json = |sandbox: &Sandbox, name: &str, change: Edit<'_>| {
         let path = sandbox.path().join("folder").join(name);
         let mut value: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
         change(&mut value);
         std::fs::write(path, value.to_string()).unwrap();
     };
-    let of_json: [(&str, &dyn Fn(&mut Value), &[&str]); 15] = [
+    let of_json: [(&str, Edit<'_>, &[&str]); 15] = [
         ("strands.json", &|v| drop(v["sets"].as_array_mut().unwrap().pop()), &["/sets", "1 sets, expected 2"]),
         (
             "strands.json",

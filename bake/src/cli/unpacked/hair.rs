@@ -4,7 +4,7 @@
 //! edited is packed to the same whole numbers that it was unpacked from: those that a `.hair` does not lead back to stand in `exact`, which count as long as
 //! the guide is the one that they stand for.
 
-use super::json::{deserialize, json_value, known_keys, shorten_floats, to_rows};
+use super::json::{File, deserialize, json_value, known_keys, shorten_floats, to_rows};
 use glam::{Vec2, Vec3};
 use pelage_bake::BakeError;
 use pelage_bake::guides::read::HairFile;
@@ -52,7 +52,7 @@ fn described(group: &HairGroup, exact: &[Exact]) -> Result<Value, BakeError> {
 }
 
 /// Names and contents of all files, the JSON first; `None` where they would not lead back to the same groups.
-pub fn write(groups: &[HairGroup], skin: &RestSkin) -> Result<Option<Vec<(String, Vec<u8>)>>, BakeError> {
+pub fn write(groups: &[HairGroup], skin: &RestSkin) -> Result<Option<Vec<File>>, BakeError> {
     let at_rest = GuidesAtRest(skin);
     let (mut list, mut files) = (Vec::new(), Vec::new());
     for (number, group) in groups.iter().enumerate() {
@@ -101,11 +101,7 @@ fn shown(group: &HairGroup, guides: &[Vec<Vec3>]) -> Result<Vec<u8>, BakeError> 
 }
 
 /// Puts the groups together; names of files are those of messages.
-pub fn read(
-    (json_file, json): &(String, Vec<u8>),
-    files: &[(String, Vec<u8>)],
-    skin: &RestSkin,
-) -> Result<Vec<HairGroup>, BakeError> {
+pub fn read((json_file, json): &File, files: &[File], skin: &RestSkin) -> Result<Vec<HairGroup>, BakeError> {
     let value = json_value(json_file, json)?;
     let list = value.as_array().ok_or_else(|| {
         let reason = "expected a list of groups".to_owned();
@@ -123,7 +119,7 @@ fn group(
     json_file: &str,
     number: usize,
     value: &Value,
-    (file, bytes): &(String, Vec<u8>),
+    (file, bytes): &File,
     skin: &RestSkin,
 ) -> Result<HairGroup, BakeError> {
     let fault = |file: &str, place: String, reason: String| BakeError::Input { file: file.to_owned(), place, reason };

@@ -5,7 +5,7 @@
 //! same whole numbers that it was unpacked from: those that a `.hair` does not lead back to stand in `exact`, which count as long as the strand is the one
 //! that they stand for.
 
-use super::json::{from_hex, hex, parse, shorten_floats, to_rows};
+use super::json::{File, from_hex, hex, parse, shorten_floats, to_rows};
 use super::tile::{Exact, Frame, Strand, grown};
 use glam::Vec2;
 use pelage_bake::BakeError;
@@ -51,7 +51,7 @@ struct Set {
 }
 
 /// Names and contents of all files, the JSON first; `None` where they would not lead back to the same strands.
-pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<(String, Vec<u8>)>>, BakeError> {
+pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>, BakeError> {
     let each = strands.points_per_strand as usize;
     let mut document = Document {
         points_per_strand: strands.points_per_strand,
@@ -95,7 +95,7 @@ pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<(Strin
 }
 
 /// Puts the strands together; names of files are those of messages.
-pub fn read((json_file, json): &(String, Vec<u8>), files: &[(String, Vec<u8>)]) -> Result<StoredStrands, BakeError> {
+pub fn read((json_file, json): &File, files: &[File]) -> Result<StoredStrands, BakeError> {
     let fault = |file: &str, place: String, reason: String| BakeError::Input { file: file.to_owned(), place, reason };
     let document: Document = parse(json_file, json)?;
     if document.sets.len() != files.len() {

@@ -44,6 +44,9 @@ impl RestSkin {
     }
 }
 
+/// Offsets of a guide in the whole numbers of a package, where they are given.
+pub type Kept<'a> = Option<&'a [[i16; 3]]>;
+
 /// What the whole numbers of a point stand for, metres.
 fn decoded(offset: &[i16; 3], reach_m: f32) -> DVec3 {
     DVec3::from(offset.map(|x| f64::from(x.max(-32767)) / MOST)) * f64::from(reach_m)
@@ -69,18 +72,14 @@ impl GuidesAtRest<'_> {
     ///
     /// # Errors
     /// The number of the guide, and what is wrong with it.
-    pub fn set(
-        &self,
-        group: &mut HairGroup,
-        guides: &[Vec<Vec3>],
-        exact: &[Option<&[[i16; 3]]>],
-    ) -> Result<(), (usize, String)> {
+    pub fn set(&self, group: &mut HairGroup, guides: &[Vec<Vec3>], exact: &[Kept<'_>]) -> Result<(), (usize, String)> {
         let old_reach_m = group.reach_m;
-        let is_exact = |(root, (points, exact)): (OnTriangle, (&Vec<Vec3>, &Option<&[[i16; 3]]>))| {
-            exact.is_some_and(|offsets| self.points(&root, offsets, old_reach_m) == *points)
-        };
-        let is_exact: Vec<bool> = group.roots().zip(guides.iter().zip(exact)).map(is_exact).collect();
-        let exact: Vec<_> = exact.iter().zip(is_exact).map(|(exact, is_exact)| exact.filter(|_| is_exact)).collect();
+        let exact: Vec<Kept<'_>> = group
+            .roots()
+            .zip(guides)
+            .zip(exact)
+            .map(|((root, points), kept)| kept.filter(|offsets| self.points(&root, offsets, old_reach_m) == *points))
+            .collect();
         self.move_roots(group, guides)?;
         // Weights are stored in whole numbers: offsets count from where those lead.
         let local: Vec<Vec<DVec3>> = group
@@ -94,13 +93,18 @@ impl GuidesAtRest<'_> {
                 }
             })
             .collect();
-        let farthest = local.iter().flatten().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let reach = |points: &Vec<DVec3>| points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let most = f64::from(HairGroup::MOST_REACH_M);
+        if let Some((guide, far)) = local.iter().map(reach).enumerate().find(|(_, far)| *far > most) {
+            return Err((guide, format!("it reaches {far} m from its root, expected at most {most}")));
+        }
+        let farthest = local.iter().map(reach).fold(0.0, f64::max);
         // Half a step is what rounding takes back.
         if farthest > f64::from(group.reach_m) * (1.0 + 0.5 / MOST) {
             group.reach_m = farthest as f32;
         }
         let whole = |x: f64| (x / f64::from(group.reach_m) * MOST).round() as i16;
-        let stored = |(local, exact): (&Vec<DVec3>, &Option<&[[i16; 3]]>)| match exact {
+        let stored = |(local, exact): (&Vec<DVec3>, &Kept<'_>)| match exact {
             Some(offsets) if group.reach_m == old_reach_m => offsets.to_vec(),
             _ => local.iter().map(|p| p.to_array().map(whole)).collect::<Vec<_>>(),
         };

@@ -12,7 +12,7 @@ mod tuft;
 #[cfg(test)]
 mod tests;
 
-pub use at_rest::{GuidesAtRest, RestSkin};
+pub use at_rest::{GuidesAtRest, Kept, RestSkin};
 pub use ground::Ground;
 
 use crate::BakeError;
@@ -216,6 +216,14 @@ fn read_guides(
              expected scale_m, turn_deg and at that put them on the model, whose radius is {:.3} m",
             chosen.len(),
             ground.radius_m
+        );
+        return Err(Fault::Here(reason));
+    }
+    let is_near = |p: Vec3, root: Vec3| (p - root).abs().max_element() <= HairGroup::MOST_REACH_M;
+    if !guides.iter().all(|(_, points)| points.iter().all(|p| is_near(*p, points[0]))) {
+        let reason = format!(
+            "a strand of the file reaches farther than {} m from its root, expected scale_m that makes it shorter",
+            HairGroup::MOST_REACH_M
         );
         return Err(Fault::Here(reason));
     }

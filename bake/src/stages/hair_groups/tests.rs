@@ -144,6 +144,9 @@ fn guides_of_a_file_are_put_on_the_scalp() {
     // Where they may be farther away, all are led to it.
     let (groups, _) = made(&recipe("scale_m = 0.01\nhairs = 0\nloose_m = 0.5"), &files).unwrap();
     assert_eq!(groups[0].guide_roots.len(), 3);
+    let error = made(&recipe("scale_m = 1000000\nloose_m = 1000000"), &file(&[[Vec3::ZERO, Vec3::X, 9.0 * Vec3::Y]]))
+        .unwrap_err();
+    assert!(error.to_string().contains("farther than 1000000 m from its root, expected scale_m"), "{error}");
     // In metres by mistake: all of it is far away, and the error says where it is.
     let error = made(&recipe(""), &files).unwrap_err().to_string();
     assert!(error.contains("none of the 3 strands") && error.contains("scale_m"), "{error}");
