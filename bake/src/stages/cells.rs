@@ -104,3 +104,33 @@ impl Cells {
         about.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_large_triangle_among_small_ones_takes_few_cells() {
+        // A thousand triangles of a millimetre, one of a hundred metres, and one that is nowhere.
+        let mut places: Vec<Vec3> = (0..3000).map(|i| Vec3::new(i as f32, (i % 3) as f32, 0.0) * 1e-3).collect();
+        places.extend([Vec3::ZERO, Vec3::X * 100.0, Vec3::ONE * 100.0, Vec3::ZERO, Vec3::X, Vec3::splat(f32::NAN)]);
+        let triangles: Vec<[u32; 3]> = (0..1002).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let place = |v: u32| places[v as usize];
+        let cells = Cells::new(&triangles, &place, 1e-3);
+        let met: usize = cells.of_cell.values().map(Vec::len).sum();
+        assert!(met <= 64 * 1001 && cells.size > 0.1, "{met} cells of {} m", cells.size);
+        // From near and from far, where all cells are fewer than those on the way.
+        for (p, reach, expected) in [(Vec3::X * 0.5, 0.1, 166), (Vec3::NEG_X * 1e6, 1.1e6, 7), (Vec3::Y * 1e30, 1.0, 0)]
+        {
+            let found: std::collections::BTreeSet<u32> = cells.within(p, reach).collect();
+            let missed = (0..1001u32).find(|t| {
+                let corners = triangles[*t as usize].map(place);
+                let w = closest(p, corners);
+                let at = corners[0] * w.x + corners[1] * w.y + corners[2] * w.z;
+                at.distance(p) <= 0.99 * reach && !found.contains(t)
+            });
+            assert_eq!(missed, None, "from {p}");
+            assert!(found.len() >= expected && !found.contains(&1001), "from {p}: {} triangles", found.len());
+        }
+    }
+}
