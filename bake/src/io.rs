@@ -7,7 +7,7 @@ use crate::mesh::Model;
 use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
-use crate::stages::import::{ImportOptions, import, input_record};
+use crate::stages::import::{ImportOptions, import, import_strands, input_record};
 use crate::unfinished::Unfinished;
 use std::fs::FileType;
 use std::io::{self, Read as _, Write as _};
@@ -118,9 +118,15 @@ pub enum Reach {
 /// the model, at the place that names it.
 pub fn read_model(path: &Path, options: &ImportOptions, reach: Reach) -> Result<Model, BakeError> {
     let bytes = read_file(path)?;
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut resolve = |uri: &str, most: u64| {
-        let fail = |reason| BakeError::Input { file: path.display().to_string(), place: uri.to_owned(), reason };
+    let mut resolve = beside(path, reach);
+    import(&path.display().to_string(), &bytes, &mut resolve, options)
+}
+
+/// What reads the files that a model names.
+fn beside(model: &Path, reach: Reach) -> impl FnMut(&str, u64) -> Result<Vec<u8>, BakeError> {
+    let folder = model.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    move |uri: &str, most: u64| {
+        let fail = |reason| BakeError::Input { file: model.display().to_string(), place: uri.to_owned(), reason };
         let relative = relative_path(uri).map_err(fail)?;
         if reach == Reach::OwnFolder && !stays_inside(folder, &relative) {
             return Err(fail(
@@ -130,9 +136,11 @@ pub fn read_model(path: &Path, options: &ImportOptions, reach: Reach) -> Result<
             ));
         }
         start(&folder.join(relative), most, FileType::is_file)
-    };
-    import(&path.display().to_string(), &bytes, &mut resolve, options)
+    }
 }
+
+/// Extensions of models whose lines are read as strands.
+const OF_LINES: [&str; 2] = ["glb", "gltf"];
 
 /// Whether `folder` joined with `relative` names a file in `folder` or below it, by its words and, where it is there, by where links lead. A path that
 /// leads out by its words is outside also where nothing is there: the answer must not tell which files a machine has.
@@ -180,13 +188,20 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
         let path = place(name);
         let fail = |reason: String| BakeError::Input { file: file.to_owned(), place: key.clone(), reason };
         let extension = path.extension().unwrap_or_default().to_string_lossy().into_owned();
-        let format = GuideFormat::of_extension(&extension).ok_or_else(|| {
-            let known: Vec<String> = GuideFormat::EXTENSIONS.iter().map(|(e, _)| format!(".{e}")).collect();
-            fail(format!("{}: expected a name that ends in {}", path.display(), known.join(", ")))
-        })?;
+        let format = GuideFormat::of_extension(&extension);
+        if format.is_none() && !OF_LINES.iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+            let known = GuideFormat::EXTENSIONS.map(|(extension, _)| extension);
+            let known: Vec<String> = known.iter().chain(&OF_LINES).map(|e| format!(".{e}")).collect();
+            return Err(fail(format!("{}: expected a name that ends in {}", path.display(), known.join(", "))));
+        }
         let bytes = read_named_file(&path).map_err(|error| fail(error.to_string()))?;
-        read.strands.insert(name.to_owned(), format.read(&path.display().to_string(), &bytes)?);
-        read.inputs.push(input_record("strands", name, &bytes));
+        let shown = path.display().to_string();
+        let (strands, inputs) = match format {
+            Some(format) => (format.read(&shown, &bytes)?, vec![input_record("strands", name, &bytes)]),
+            None => import_strands(&shown, &bytes, &mut beside(&path, Reach::OwnFolder))?,
+        };
+        read.strands.insert(name.to_owned(), strands);
+        read.inputs.extend(inputs);
     }
     Ok(read)
 }

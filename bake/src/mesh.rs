@@ -13,12 +13,23 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Base-colour images that a material uses, decoded.
     pub images: Vec<Image>,
+    /// Named nodes of the scene: joints, and what authors mark places with. Of an OBJ none.
+    pub nodes: Vec<NamedPlace>,
     /// Skeleton and clips. Present where anything moves; then every vertex has an entry in [`Mesh::skin`].
     pub animation: Option<Animation>,
     /// The files that were read, in the order of reading.
     pub inputs: Vec<InputRecord>,
     /// What was repaired, left out or guessed.
     pub warnings: Vec<String>,
+}
+
+/// A place with a name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NamedPlace {
+    /// Not empty. Several may have the same.
+    pub name: String,
+    /// World space at rest, metres.
+    pub position_ws: Vec3,
 }
 
 /// A triangle mesh as separate streams, one entry per vertex.

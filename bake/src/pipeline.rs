@@ -412,6 +412,7 @@ fn guided(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         rest: &groomed.surface.rest,
         radius_m: laid.bounds.radius,
         materials: &model.materials,
+        nodes: &model.nodes,
         files: told.images,
     };
     let mut warnings = Vec::new();

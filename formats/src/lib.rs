@@ -63,7 +63,9 @@ pub use sections::manifest::data::{
 pub use sections::manifest::detail::{CoatInfo, DetailLevel};
 pub use sections::mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
 pub use sections::simplified::{SimplifiedLevel, SimplifiedView};
-pub use sections::strands::{StrandPoint, StrandsData, StrandsView};
+pub use sections::strands::{
+    StoredStrandPoint, StoredStrands, StrandPoint, StrandScale, StrandsData, StrandsView, strand_root,
+};
 pub use sections::textures::{FurTextures, TextureFormat, TextureView};
 pub use sections::visibility::{VisibilityInfo, VisibilityTextures};
 pub use tag::Tag;

@@ -125,3 +125,31 @@ fn every_changed_byte_of_the_section_is_found() {
         assert!(!Package::validate(&broken, &Limits::default()).is_empty(), "byte {at} changed, and nobody saw it");
     }
 }
+
+#[test]
+fn whole_numbers_come_back() {
+    let bytes = package(&strands()).unwrap();
+    let stored = Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();
+    let mut changed = stored.clone();
+    // Numbers and a scale that no decoded strands would be stored as.
+    changed.scale = StrandScale { reach: 7.0, radius: 0.25 };
+    (changed.points[1].aside, changed.points[4].height, changed.roots[0]) = ([i16::MIN, 3], 1, [5, 65535]);
+    let sample = sample_package();
+    let opened = Package::open(&sample, &Limits::default()).unwrap();
+    let write = |strands: &StoredStrands| {
+        let sections = opened.sections().iter().enumerate().skip(1);
+        let writer = sections.fold(PackageWriter::new(opened.manifest().clone()), |writer, (index, section)| {
+            writer.section(section.tag, opened.section_bytes(index).unwrap().to_vec())
+        });
+        writer.stored_strands(strands).finish()
+    };
+    assert!(write(&stored).unwrap() == bytes, "the same strands, however they are written");
+    let written = write(&changed).unwrap();
+    let back = Package::open(&written, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();
+    assert_eq!(back, changed);
+    assert_eq!(back.points[1].decoded(back.scale).aside[0], -7.0, "-32768 counts as -32767");
+    let odd = StoredStrands { points: changed.points[1..].to_vec(), ..changed.clone() };
+    assert!(write(&odd).unwrap_err().to_string().contains("expected one set or two"));
+    changed.scale.reach = f32::NAN;
+    assert!(write(&changed).unwrap_err().to_string().contains("reach is NaN"));
+}

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 /// Put an unpacked folder together; without edits the package is the one that was unpacked, byte for byte
 ///
-/// Mesh data is taken from mesh.glb, skeleton and clips from animation.json. The recipe in recipe.toml says how the fur was made and makes none: an edit that
+/// Mesh data is taken from mesh.glb, skeleton and clips from animation.json, strands and guides from the .hair files: as many strands and points as before. The recipe in recipe.toml says how the fur was made and makes none: an edit that
 /// says another fur than the folder holds is refused.
 #[derive(Debug, clap::Args)]
 pub struct PackArgs {

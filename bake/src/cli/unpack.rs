@@ -11,7 +11,10 @@ use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Take a package apart: manifest as JSON, textures as .ktx2, mesh as .glb; `pelage pack` puts it together again
+/// Take a package apart: manifest as JSON, textures as .ktx2, mesh as .glb, strands as .hair; `pelage pack` puts it together again
+///
+/// Guides of hair stand in hair_0_NAME.hair where the skin at rest has them, the strands of the tile in strands.hair as on flat skin: metres, y up. What such
+/// files cannot say is in hair.json and strands.json beside them.
 #[derive(Debug, clap::Args)]
 pub struct UnpackArgs {
     /// The package

@@ -2,21 +2,26 @@
 //!
 //! `manifest.json` holds the manifest and the list of sections with the file of each; `recipe.toml` the recipe, which the
 //! manifest leaves out so that it stands in one place; `<name>.ktx2` the textures; `mesh.glb` the mesh; `animation.json`
-//! skeleton and clips; `fins.bin` the fins and `ink.bin` the ink style, as `FORMAT.md` lays out their sections; `section_<k>_<TAG>.bin`
+//! skeleton and clips; `strands.hair` the strands of the tile and `hair_<k>_<name>.hair` the guides of a group, with `strands.json` and
+//! `hair.json` beside them; `fins.bin` the fins and `ink.bin` the ink style, as `FORMAT.md` lays out their sections; `section_<k>_<TAG>.bin`
 //! sections that this version does not know, or cannot write in another form without loss.
 
+mod hair;
+mod json;
+mod strands;
+mod tile;
+
 use super::mesh_glb;
+pub use json::{File, hex};
+use json::{deserialize, from_hex, json_value, known_keys, parse, shorten_floats, to_text};
 use pelage_bake::BakeError;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::recorded::{Disagreement, disagreements};
 use pelage_bake::stages::assemble::{Content, assemble};
+use pelage_bake::stages::hair_groups::RestSkin;
 use pelage_formats::{Animation, FORMAT_VERSION, FormatError, Limits, Manifest, Package, Tag, TextureEntry};
-use pelage_params::nearest;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
-use std::fmt::Write as _;
 
 /// The file that every unpacked folder has.
 pub const MANIFEST: &str = "manifest.json";
@@ -34,25 +39,11 @@ const RECIPE_DIGEST: &str = "recipe_sha256";
 /// Where the recipe said another fur than the package has when it was unpacked: that may stay so. Folders of older versions do not have it.
 const RECIPE_DISAGREES: &str = "recipe_disagrees";
 
-/// A file's name and contents.
-pub type File = (String, Vec<u8>);
+/// Key of the `.hair` files of a section.
+const STRANDS: &str = "strands";
 
 /// Gives a file's contents by its name, `None` where there is no such file.
 pub type Read<'a> = dyn FnMut(&str) -> Result<Option<Vec<u8>>, BakeError> + 'a;
-
-/// Lower-case hexadecimal digits.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |mut out, b| {
-        let _ = write!(out, "{b:02x}");
-        out
-    })
-}
-
-fn from_hex(text: &str) -> Option<Vec<u8>> {
-    let digits = text.as_bytes().chunks(2);
-    let byte = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok().filter(|p| p.len() == 2)?, 16).ok();
-    digits.map(byte).collect()
-}
 
 /// Takes a package apart. `name` is the package's file, for messages.
 pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError> {
@@ -64,13 +55,14 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
     let mut textures = manifest.textures.iter();
     for (index, section) in package.sections().iter().enumerate() {
         let bytes = package.section_bytes(index).map_err(damaged)?;
-        let file = match section.tag {
+        let alone = |file| vec![file];
+        let found: Option<Vec<File>> = match section.tag {
             Tag::MANIFEST => None,
             Tag::MESH => package.mesh().map_err(damaged)?.and_then(|mesh| {
                 let mesh = mesh.to_data();
                 let glb = mesh_glb::write(&mesh, manifest)?;
                 let same = mesh_glb::read(MESH, &glb).is_ok_and(|back| back == mesh);
-                same.then(|| (MESH.to_owned(), glb))
+                same.then(|| alone((MESH.to_owned(), glb)))
             }),
             Tag::ANIMATION => match package.animation().map_err(damaged)? {
                 Some(animation) => {
@@ -78,13 +70,22 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
                     shorten_floats(&mut value);
                     let text = to_text(&value);
                     let same = parse::<Animation>(ANIMATION, text.as_bytes()).is_ok_and(|back| back == *animation);
-                    same.then(|| (ANIMATION.to_owned(), text.into_bytes()))
+                    same.then(|| alone((ANIMATION.to_owned(), text.into_bytes())))
                 }
                 None => None,
             },
-            Tag::FINS if package.fins().map_err(damaged)?.is_some() => Some((FINS.to_owned(), bytes.to_vec())),
-            Tag::INK if package.ink().map_err(damaged)?.is_some() => Some((INK.to_owned(), bytes.to_vec())),
-            Tag::TEXTURE => textures.next().map(|t| (format!("{}.ktx2", t.name), bytes.to_vec())),
+            Tag::STRANDS => match package.strands().map_err(damaged)? {
+                Some(view) => strands::write(&view.stored(), &manifest.fur)?,
+                None => None,
+            },
+            Tag::HAIR => {
+                let groups = package.hair_groups().map_err(damaged)?;
+                // What has another tag in older versions has no groups.
+                if groups.is_empty() { None } else { hair::write(&groups, &RestSkin::of(package).map_err(damaged)?)? }
+            }
+            Tag::FINS if package.fins().map_err(damaged)?.is_some() => Some(alone((FINS.to_owned(), bytes.to_vec()))),
+            Tag::INK if package.ink().map_err(damaged)?.is_some() => Some(alone((INK.to_owned(), bytes.to_vec()))),
+            Tag::TEXTURE => textures.next().map(|t| alone((format!("{}.ktx2", t.name), bytes.to_vec()))),
             _ => None,
         };
         let tag = tag_to_json(section.tag);
@@ -92,9 +93,14 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
             list.push(json!({ "tag": tag }));
             continue;
         }
-        let (file, bytes) = file.unwrap_or_else(|| (raw_name(index, section.tag), bytes.to_vec()));
-        list.push(json!({ "tag": tag, "file": file }));
-        files.push((file, bytes));
+        let found = found.unwrap_or_else(|| alone((raw_name(index, section.tag), bytes.to_vec())));
+        let mut names = found.iter().map(|(name, _)| name.as_str());
+        let mut entry = json!({ "tag": tag, "file": names.next() });
+        if let [_, _, ..] = found[..] {
+            entry[STRANDS] = names.collect();
+        }
+        list.push(entry);
+        files.extend(found);
     }
     let document = json!({
         FORM.0: FORM.1,
@@ -175,6 +181,8 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     let mut sections = Vec::new();
     // Textures by their files' names, in order: what the manifest's list is checked against below.
     let mut textures = 0;
+    // Where hair on guides stands among the sections, and its files.
+    let mut guides = None;
     for (index, entry) in list.iter().enumerate() {
         let at = format!("/sections/{index}");
         let tag = tag_from_json(&entry["tag"]).ok_or_else(|| {
@@ -187,29 +195,54 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
             known_keys(&path(MANIFEST), &at, entry, &json!({ "tag": null }))?;
             continue;
         }
-        known_keys(&path(MANIFEST), &at, entry, &json!({ "tag": null, "file": null }))?;
+        let raw = entry["file"].as_str().is_some_and(|file| file.ends_with(".bin"));
+        let is_hair = !raw && [Tag::STRANDS, Tag::HAIR].contains(&tag);
+        let mut keys = json!({ "tag": null, "file": null });
+        if is_hair {
+            keys[STRANDS] = json!([]);
+        }
+        known_keys(&path(MANIFEST), &at, entry, &keys)?;
         let plain = |name: &&str| !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':', '\0']);
-        let file = entry["file"].as_str().filter(plain).ok_or_else(|| {
-            fail(
-                MANIFEST,
-                &format!("{at}/file"),
-                format!("found {}, expected a file name without folders", entry["file"]),
-            )
-        })?;
-        let bytes =
-            read(file)?.ok_or_else(|| fail(file, "", format!("missing, but {MANIFEST} names it at {at}/file")))?;
-        let raw = file.ends_with(".bin");
+        // The contents of the file that the manifest names there.
+        let mut named = |value: &Value, at: String| {
+            let file = value
+                .as_str()
+                .filter(plain)
+                .ok_or_else(|| fail(MANIFEST, &at, format!("found {value}, expected a file name without folders")))?;
+            let bytes =
+                read(file)?.ok_or_else(|| fail(file, "", format!("missing, but {MANIFEST} names it at {at}")))?;
+            Ok::<_, BakeError>((file.to_owned(), bytes))
+        };
+        let (file, bytes) = named(&entry["file"], format!("{at}/file"))?;
+        if is_hair {
+            let list = entry[STRANDS].as_array().ok_or_else(|| {
+                let reason = format!("found {}, expected a list of file names", entry[STRANDS]);
+                fail(MANIFEST, &format!("{at}/{STRANDS}"), reason)
+            })?;
+            let mut found = Vec::new();
+            for (k, name) in list.iter().enumerate() {
+                let (file, bytes) = named(name, format!("{at}/{STRANDS}/{k}"))?;
+                found.push((path(&file), bytes));
+            }
+            let described = (path(&file), bytes);
+            if tag == Tag::STRANDS {
+                sections.push(Content::StoredStrands(strands::read(&described, &found)?));
+            } else if guides.replace((sections.len(), described, found)).is_some() {
+                return Err(fail(MANIFEST, &format!("{at}/tag"), format!("a second {tag}, expected at most one")));
+            }
+            continue;
+        }
         sections.push(match tag {
-            Tag::MESH if !raw => Content::Mesh(mesh_glb::read(&path(file), &bytes)?.into()),
-            Tag::ANIMATION if !raw => Content::Animation(parse::<Animation>(&path(file), &bytes)?.into()),
+            Tag::MESH if !raw => Content::Mesh(mesh_glb::read(&path(&file), &bytes)?.into()),
+            Tag::ANIMATION if !raw => Content::Animation(parse::<Animation>(&path(&file), &bytes)?.into()),
             Tag::TEXTURE => {
                 let expected = manifest.textures.get(textures).map(|t| format!("{}.ktx2", t.name));
-                if expected.as_deref() != Some(file) {
+                if expected.as_ref() != Some(&file) {
                     let expected = expected.unwrap_or_else(|| "no further texture in /manifest/textures".into());
                     return Err(fail(MANIFEST, &format!("{at}/file"), format!("found {file:?}, expected {expected}")));
                 }
                 textures += 1;
-                check_texture(&path(file), &bytes)?;
+                check_texture(&path(&file), &bytes)?;
                 Content::Texture(bytes.into())
             }
             _ => Content::Bytes(tag, bytes.into()),
@@ -219,10 +252,12 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         let reason = format!("{} textures, but /sections lists {textures}", manifest.textures.len());
         return Err(fail(MANIFEST, "/manifest/textures", reason));
     }
-    assemble(version, manifest, sections).map_err(|error| {
+    let faulty = |error: FormatError| {
         let file = match error.section() {
             Some(Tag::MESH) => MESH,
             Some(Tag::ANIMATION) => ANIMATION,
+            Some(Tag::STRANDS) => strands::JSON,
+            Some(Tag::HAIR) => hair::JSON,
             Some(Tag::FINS) => FINS,
             Some(Tag::INK) => INK,
             _ => MANIFEST,
@@ -233,7 +268,15 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
             other => other.to_string(),
         };
         fail(file, "contents", reason)
-    })
+    };
+    if let Some((index, described, found)) = guides {
+        // Guides stand on the skin at rest, which the package without them has.
+        let without = assemble(version, manifest.clone(), sections.iter().map(Content::lent)).map_err(faulty)?;
+        let skin = Package::open(&without, &Limits::default()).and_then(|package| RestSkin::of(&package));
+        let groups = hair::read(&described, &found, &skin.map_err(faulty)?)?;
+        sections.insert(index, Content::Hair(groups));
+    }
+    assemble(version, manifest, sections).map_err(faulty)
 }
 
 /// Checks one texture by itself, so that a fault is placed in its file and not in the package to be.
@@ -288,10 +331,6 @@ fn tag_from_json(value: &Value) -> Option<Tag> {
     bytes.try_into().ok().map(Tag)
 }
 
-fn to_text(value: &Value) -> String {
-    format!("{value:#}\n")
-}
-
 /// The manifest without its recipe, hashes as hexadecimal digits.
 fn manifest_to_json(manifest: &Manifest) -> serde_json::Result<Value> {
     let mut value = serde_json::to_value(manifest)?;
@@ -332,87 +371,15 @@ fn manifest_from_json(file: &str, value: Value, recipe: String) -> Result<Manife
     Ok(manifest)
 }
 
-/// Parses a whole JSON file and refuses keys that mean nothing.
-fn parse<T: DeserializeOwned + Serialize>(file: &str, bytes: &[u8]) -> Result<T, BakeError> {
-    let value = json_value(file, bytes)?;
-    let parsed: T = deserialize(file, "", value.clone())?;
-    let back = serde_json::to_value(&parsed).map_err(|e| BakeError::Internal(e.to_string()))?;
-    known_keys(file, "", &value, &back)?;
-    Ok(parsed)
-}
-
-fn json_value(file: &str, bytes: &[u8]) -> Result<Value, BakeError> {
-    serde_json::from_slice(bytes).map_err(|e| BakeError::Input {
-        file: file.to_owned(),
-        place: format!("line {}, column {}", e.line(), e.column()),
-        reason: format!("broken JSON: {e}"),
-    })
-}
-
-fn deserialize<T: DeserializeOwned>(file: &str, at: &str, value: Value) -> Result<T, BakeError> {
-    serde_path_to_error::deserialize(value).map_err(|e| {
-        let path = e.path().to_string();
-        let pointer = path.replace("].", "/").replace(['[', '.'], "/").replace(']', "");
-        let place = if path == "." { at.to_owned() } else { format!("{at}/{}", pointer.trim_start_matches('/')) };
-        let place = if place.is_empty() { "whole file".into() } else { place };
-        BakeError::Input { file: file.to_owned(), place, reason: e.into_inner().to_string() }
-    })
-}
-
-/// Compares the keys of `found` with those of `known`, the same value written anew: a key that is not there was misspelt, and
-/// one that is missing would be taken for "none".
-fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<(), BakeError> {
-    let fail =
-        |key: &str, reason: String| BakeError::Input { file: file.to_owned(), place: format!("{at}/{key}"), reason };
-    match (found, known) {
-        (Value::Object(found), Value::Object(known)) => {
-            if let Some(key) = found.keys().find(|k| !known.contains_key(*k)) {
-                let near = nearest(key, known.keys().map(String::as_str));
-                let near = near.map(|near| format!(", did you mean {near:?}?")).unwrap_or_default();
-                return Err(fail(key, format!("unknown key{near}")));
-            }
-            for (key, known) in known {
-                let value = found.get(key).ok_or_else(|| fail(key, "missing".into()))?;
-                known_keys(file, &format!("{at}/{key}"), value, known)?;
-            }
-            Ok(())
-        }
-        (Value::Array(found), Value::Array(known)) => found
-            .iter()
-            .zip(known)
-            .enumerate()
-            .try_for_each(|(i, (found, known))| known_keys(file, &format!("{at}/{i}"), found, known)),
-        (Value::Object(_) | Value::Null, _) | (_, Value::Null) => Ok(()),
-        (_, Value::Object(_)) => Err(fail("", format!("found {found}, expected an object"))),
-        _ => Ok(()),
-    }
-}
-
-/// Writes 32-bit numbers with as few digits as bring them back: 0.1, not 0.10000000149011612.
-fn shorten_floats(value: &mut Value) {
-    match value {
-        Value::Array(list) => list.iter_mut().for_each(shorten_floats),
-        Value::Object(object) => object.values_mut().for_each(shorten_floats),
-        Value::Number(number) if number.is_f64() => {
-            let Some(wide) = number.as_f64() else { return };
-            let narrow = wide as f32;
-            let short = narrow.to_string().parse::<f64>().ok();
-            // Through f64 and back to f32, as the reader goes: only where that is the same number.
-            let same =
-                |s: &f64| (*s as f32).to_bits() == narrow.to_bits() && f64::from(narrow).to_bits() == wide.to_bits();
-            if let Some(short) = short.filter(same).and_then(serde_json::Number::from_f64) {
-                *number = short;
-            }
-        }
-        _ => {}
-    }
-}
-
 /// All files that an unpacked folder with this `manifest.json` has; empty where it is no such document.
 pub fn files_of(document: &Value) -> Vec<String> {
     let (true, Some(sections)) = (document[FORM.0] == FORM.1, document["sections"].as_array()) else {
         return Vec::new();
     };
-    let named = sections.iter().filter_map(|s| s["file"].as_str());
-    [MANIFEST, RECIPE].into_iter().chain(named).map(str::to_owned).collect()
+    let of_section = |s: &Value| -> Vec<String> {
+        let strands = s[STRANDS].as_array().into_iter().flatten();
+        std::iter::once(&s["file"]).chain(strands).filter_map(Value::as_str).map(str::to_owned).collect()
+    };
+    let names = sections.iter().flat_map(of_section);
+    [MANIFEST, RECIPE].map(str::to_owned).into_iter().chain(names).collect()
 }

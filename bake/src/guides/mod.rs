@@ -1,5 +1,6 @@
 //! Guides: the few strands that say how hair on a scalp lies, as files of other programs have them.
 
+pub mod lines;
 pub mod read;
 
 use glam::Vec3;
@@ -17,6 +18,8 @@ pub struct Guides {
     pub offsets: Vec<u32>,
     /// Strands of the file that were left out: of one point, or without length.
     pub left_out: usize,
+    /// What else was left out of the file, or guessed.
+    pub warnings: Vec<String>,
 }
 
 impl Guides {
@@ -36,7 +39,7 @@ impl Guides {
     }
 
     /// Adds a strand, or counts it as left out where it has no length. Points that stand where the one before does are dropped.
-    fn push(&mut self, points: &[Vec3], radii: &[f32], colors: &[Vec3]) {
+    pub(crate) fn push(&mut self, points: &[Vec3], radii: &[f32], colors: &[Vec3]) {
         let first = self.points.len();
         for (i, point) in points.iter().enumerate() {
             if i > 0 && self.points[first..].last() == Some(point) {

@@ -20,8 +20,8 @@ named_table! {
         material: String, in ();
         /// How dense it is there, over where it is densest: a number, the vertex colours or an image (1). Where it is less than 0.01 nothing grows.
         mask: ScalarMap, in SHARE;
-        /// Strands to take as guides, from the recipe's folder: .hair (Cem Yuksel), .tfx (TressFX) or .txt (lines of x y z). Hair then grows where the scalp has
-        /// some near. Without, guides grow.
+        /// Strands to take as guides, from the recipe's folder: .hair (Cem Yuksel), .tfx (TressFX), .txt (lines of x y z), or .glb and .gltf (lines, those that
+        /// share vertices being one strand). Hair then grows where the scalp has some near. Without, guides grow.
         file: FilePath, in ();
         /// What a length of 1 in that file is, metres (1).
         scale_m: f32, in 1e-6..=1e6;
@@ -83,8 +83,13 @@ named_table! {
 named_table! {
     /// A few thick hairs at a place: whiskers, lashes, brows. A key that is left out has the default in brackets.
     TuftParams of "a tuft" {
-        /// Middle of it, near the skin, metres in world space at rest: it stands where the skin is nearest. It may not be left out.
+        /// Middle of it, near the skin, metres in world space at rest; beside `joint` from there on, along the axes of the world ([0, 0, 0] there). It stands
+        /// where the skin is nearest. Either of both must be given.
         at: [f32; 3], in PLACE;
+        /// Name of a joint or another node of the model: the tuft stands where the skin is nearest to that at rest (none).
+        joint: String, in ();
+        /// Name of the materials that it may stand on; `*` stands for any characters, `?` for one (all).
+        material: String, in ();
         /// Whether the same stands on the other side, x turned about (false).
         mirrored: bool, in ();
         /// Hairs of it (12).

@@ -3,7 +3,7 @@
 use super::textures::ShellTextures;
 use pelage_formats::{
     Animation, FinData, FormatError, HairGroup, InkData, Manifest, MeshData, Package, PackageWriter, SimplifiedLevel,
-    StrandsData, Tag, TextureEntry, VisibilityInfo,
+    StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -23,6 +23,8 @@ pub enum Content<'a> {
     Simplified(Arc<[SimplifiedLevel]>),
     /// The strands of the tile.
     Strands(StrandsData),
+    /// The same in the whole numbers of a section.
+    StoredStrands(StoredStrands),
     /// Hair on guides.
     Hair(Vec<HairGroup>),
     /// Which textures say how much light reaches the hair.
@@ -31,6 +33,17 @@ pub enum Content<'a> {
     Texture(Cow<'a, [u8]>),
     /// A section of that tag as it lies in another package, or in a file.
     Bytes(Tag, Cow<'a, [u8]>),
+}
+
+impl Content<'_> {
+    /// The same, with the bytes borrowed.
+    pub fn lent(&self) -> Content<'_> {
+        match self {
+            Content::Texture(file) => Content::Texture(Cow::Borrowed(file)),
+            Content::Bytes(tag, bytes) => Content::Bytes(*tag, Cow::Borrowed(bytes)),
+            made => made.clone(),
+        }
+    }
 }
 
 /// Writes a package of that version of the format: the manifest, then the sections in their order.
@@ -50,6 +63,7 @@ pub fn assemble<'a>(
         Content::Ink(ink) => writer.ink(&ink),
         Content::Simplified(levels) => writer.simplified(&levels),
         Content::Strands(strands) => writer.strands(&strands),
+        Content::StoredStrands(strands) => writer.stored_strands(&strands),
         Content::Hair(groups) => writer.hair_groups(&groups),
         Content::Visibility(info) => writer.visibility(&info),
         Content::Texture(file) => writer.texture(file),

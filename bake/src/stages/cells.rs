@@ -1,6 +1,6 @@
 //! Triangles near a place.
 
-use glam::{IVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
 
 /// Barycentric coordinates of the point of a triangle that is closest to `p` (Ericson, *Real-Time Collision Detection*, 5.1.5).
@@ -43,13 +43,34 @@ pub(crate) struct Cells {
     of_cell: HashMap<IVec3, Vec<u32>>,
 }
 
+/// Cells that a triangle may meet on average: what has a few triangles far larger than the others gets larger cells.
+const MOST_CELLS: f64 = 64.0;
+
 impl Cells {
+    /// Cells of at least that size. Triangles with corners that are not finite are in none.
     pub(crate) fn new(triangles: &[[u32; 3]], place: &dyn Fn(u32) -> Vec3, size: f32) -> Self {
-        let mut of_cell: HashMap<IVec3, Vec<u32>> = HashMap::new();
-        for (number, corners) in (0..).zip(triangles) {
+        let corners_of = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(place);
-            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-            let [low, high] = [low, high].map(|p| (p / size).floor().as_ivec3());
+            (a.min(b).min(c), a.max(b).max(c))
+        };
+        let is_finite = |(low, high): &(Vec3, Vec3)| low.is_finite() && high.is_finite();
+        let extents: Vec<DVec3> = triangles
+            .iter()
+            .map(corners_of)
+            .filter(is_finite)
+            .map(|(low, high)| high.as_dvec3() - low.as_dvec3())
+            .collect();
+        let mut size = size;
+        let met = |size: f32| extents.iter().map(|e| (e / f64::from(size) + 1.0).element_product()).sum::<f64>();
+        while met(size) > MOST_CELLS * extents.len() as f64 {
+            size *= 2.0;
+        }
+        let mut of_cell: HashMap<IVec3, Vec<u32>> = HashMap::new();
+        for (number, ends) in (0..).zip(triangles.iter().map(corners_of)) {
+            if !is_finite(&ends) {
+                continue;
+            }
+            let [low, high] = [ends.0, ends.1].map(|p| (p / size).floor().as_ivec3());
             for x in low.x..=high.x {
                 for y in low.y..=high.y {
                     for z in low.z..=high.z {
@@ -61,12 +82,19 @@ impl Cells {
         Self { size, of_cell }
     }
 
-    /// Those that may be within `reach` of a point; some more than once.
-    pub(crate) fn within(&self, p: Vec3, reach: f32) -> impl Iterator<Item = u32> + '_ {
+    /// Those that may be within `reach` of a point, in any order; some more than once.
+    pub(crate) fn within(&self, p: Vec3, reach: f32) -> Box<dyn Iterator<Item = u32> + '_> {
         let [low, high] = [p - reach, p + reach].map(|p| (p / self.size).floor().as_ivec3());
+        let count = ((high.as_dvec3() - low.as_dvec3()) + 1.0).element_product();
+        if count > self.of_cell.len() as f64 {
+            // A far way to look: the cells that have triangles are fewer.
+            let is_within = move |cell: &IVec3| cell.cmpge(low).all() && cell.cmple(high).all();
+            let cells = self.of_cell.iter().filter(move |(cell, _)| is_within(cell));
+            return Box::new(cells.flat_map(|(_, triangles)| triangles).copied());
+        }
         let cells = (low.x..=high.x).flat_map(move |x| (low.y..=high.y).map(move |y| (x, y)));
         let cells = cells.flat_map(move |(x, y)| (low.z..=high.z).map(move |z| IVec3::new(x, y, z)));
-        cells.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied()
+        Box::new(cells.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied())
     }
 
     /// Those in the cell of a point and the cells about it.
@@ -74,5 +102,35 @@ impl Cells {
         let cell = (p / self.size).floor().as_ivec3();
         let about = (0..27).map(move |i| cell + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
         about.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_large_triangle_among_small_ones_takes_few_cells() {
+        // A thousand triangles of a millimetre, one of a hundred metres, and one that is nowhere.
+        let mut places: Vec<Vec3> = (0..3000).map(|i| Vec3::new(i as f32, (i % 3) as f32, 0.0) * 1e-3).collect();
+        places.extend([Vec3::ZERO, Vec3::X * 100.0, Vec3::ONE * 100.0, Vec3::ZERO, Vec3::X, Vec3::splat(f32::NAN)]);
+        let triangles: Vec<[u32; 3]> = (0..1002).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let place = |v: u32| places[v as usize];
+        let cells = Cells::new(&triangles, &place, 1e-3);
+        let met: usize = cells.of_cell.values().map(Vec::len).sum();
+        assert!(met <= 64 * 1001 && cells.size > 0.1, "{met} cells of {} m", cells.size);
+        // From near and from far, where all cells are fewer than those on the way.
+        for (p, reach, expected) in [(Vec3::X * 0.5, 0.1, 166), (Vec3::NEG_X * 1e6, 1.1e6, 7), (Vec3::Y * 1e30, 1.0, 0)]
+        {
+            let found: std::collections::BTreeSet<u32> = cells.within(p, reach).collect();
+            let missed = (0..1001u32).find(|t| {
+                let corners = triangles[*t as usize].map(place);
+                let w = closest(p, corners);
+                let at = corners[0] * w.x + corners[1] * w.y + corners[2] * w.z;
+                at.distance(p) <= 0.99 * reach && !found.contains(t)
+            });
+            assert_eq!(missed, None, "from {p}");
+            assert!(found.len() >= expected && !found.contains(&1001), "from {p}: {} triangles", found.len());
+        }
     }
 }

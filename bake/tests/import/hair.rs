@@ -1,11 +1,18 @@
 //! Hair files of other programs from the test data: what they hold, and how near hair grown between a tenth of their strands comes to the rest.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use glam::Vec3;
+use crate::support::Bytes as _;
+use crate::support::{Doc, F32, U16};
+use glam::{Vec2, Vec3};
+use pelage_bake::BakeError;
 use pelage_bake::guides::Guides;
 use pelage_bake::guides::read::GuideFormat;
+use pelage_bake::stages::import::import_strands;
+use pelage_bake::strands::export::StrandFormat;
+use pelage_bake::strands::{CurvePoint, Curves};
 use pelage_formats::meaning::hair_groups::{Followed, smoothed};
 use pelage_needs::data;
+use serde_json::{Value, json};
 
 /// File, strands, points of each, and the most that hair between every tenth strand may be off, RMS in shares of its length.
 const FILES: [(&str, usize, usize, f64); 5] = [
@@ -71,4 +78,137 @@ fn hair_between_guides_is_near_the_combed_one() {
         println!("{name}: off by {:.2} % of the length", 100.0 * off);
         assert!(off < most, "{name}: {off}");
     }
+}
+
+/// Strands of a glTF that names no files.
+fn lines(bytes: &[u8]) -> Result<Guides, BakeError> {
+    let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
+    let (guides, inputs) = import_strands("folder/hair.glb", bytes, &mut resolve)?;
+    assert_eq!((inputs[0].role.as_str(), inputs[0].name.as_str()), ("strands", "hair.glb"));
+    Ok(guides)
+}
+
+#[test]
+fn exported_lines_come_back() {
+    let mut curves = Curves::default();
+    for strand in 0..50u32 {
+        curves.begin_group(if strand < 20 { "coat" } else { "mane" });
+        let point = |k: u32| CurvePoint {
+            position_ws: Vec3::new(0.01 * strand as f32, 0.3 * k as f32, -0.1 * (k * k) as f32),
+            radius_m: 1e-4 / (k + 1) as f32,
+            color: Vec3::new(0.5, 0.25, 0.01 * strand as f32),
+            ..CurvePoint::default()
+        };
+        curves.push(&(0..2 + strand % 5).map(point).collect::<Vec<_>>(), false, Vec2::ZERO);
+    }
+    let mut written = Vec::new();
+    StrandFormat::of_extension("glb").unwrap().write(&curves, &mut written).unwrap();
+    let guides = lines(&written).unwrap();
+    assert_eq!((guides.len(), guides.left_out, &guides.warnings[..]), (50, 0, &[][..]));
+    for (i, found) in (0..50).map(|i| (i, guides.strand(i))) {
+        let expected: Vec<Vec3> = curves.strand(i).iter().map(|p| p.position_ws).collect();
+        assert_eq!(found, expected, "strand {i}");
+    }
+    assert_eq!(guides.radii, curves.points.iter().map(|p| p.radius_m).collect::<Vec<_>>());
+    assert_eq!(guides.colors, curves.points.iter().map(|p| p.color).collect::<Vec<_>>());
+}
+
+/// A document with a node for each primitive of these six points on the x axis.
+fn drawn(primitives: &[Value]) -> Doc {
+    let mut doc = Doc::new();
+    let points: Vec<f32> = (0..6).flat_map(|i| [i as f32, 0.0, 0.0]).collect();
+    let position = doc.floats(&points, "VEC3");
+    for primitive in primitives {
+        let mut primitive = primitive.clone();
+        primitive["attributes"] = json!({ "POSITION": position });
+        if let Some(list) = primitive["indices"].as_array() {
+            let indices: Vec<u16> = list.iter().map(|i| i.as_u64().unwrap() as u16).collect();
+            primitive["indices"] = doc.accessor(&indices.bytes(), U16, "SCALAR", indices.len()).into();
+        }
+        doc.show(primitive);
+    }
+    doc
+}
+
+/// x of the points of each strand.
+fn places(guides: &Guides) -> Vec<Vec<f32>> {
+    (0..guides.len()).map(|i| guides.strand(i).iter().map(|p| p.x).collect()).collect()
+}
+
+#[test]
+fn lines_of_all_modes_are_strands() {
+    let mut doc = drawn(&[
+        json!({ "mode": 1, "indices": [4, 5, 0, 1, 3, 2, 2, 1] }),
+        json!({ "mode": 3 }),
+        json!({ "mode": 3, "indices": [2, 0, 4] }),
+        json!({ "mode": 2, "indices": [1, 2, 5] }),
+        json!({ "mode": 1 }),
+        json!({ "mode": 4 }),
+        json!({ "mode": 3, "indices": [3] }),
+    ]);
+    let guides = lines(&doc.glb()).unwrap();
+    let expected: [&[f32]; 8] = [
+        &[4.0, 5.0],
+        // Two of its three lines go down.
+        &[3.0, 2.0, 1.0, 0.0],
+        &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+        &[2.0, 0.0, 4.0],
+        &[1.0, 2.0, 5.0, 1.0],
+        &[0.0, 1.0],
+        &[2.0, 3.0],
+        &[4.0, 5.0],
+    ];
+    assert_eq!((places(&guides), guides.left_out), (expected.map(<[f32]>::to_vec).to_vec(), 1));
+    assert!(guides.radii.is_empty() && guides.colors.is_empty());
+    // Nodes place them.
+    let nodes = doc.json["nodes"].as_array_mut().unwrap();
+    nodes[1]["translation"] = json!([0, 7, 0]);
+    nodes[1]["scale"] = json!([-2, 1, 1]);
+    nodes[2]["children"] = json!([1]);
+    nodes[2]["translation"] = json!([100, 0, 0]);
+    doc.json["scenes"] = json!([{ "nodes": [2] }]);
+    let guides = lines(&doc.gltf()).unwrap();
+    assert_eq!(places(&guides), [[102.0, 100.0, 104.0].to_vec(), (0..6).map(|i| 100.0 - 2.0 * i as f32).collect()]);
+    assert_eq!(guides.strand(1)[0].y, 7.0);
+    // Lines that list both ends go on where the last one ended.
+    let mut doc = Doc::new();
+    let ends =
+        doc.floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 9.0, 0.0, 0.0, 8.0, 0.0, 0.0], "VEC3");
+    doc.show(json!({ "mode": 1, "attributes": { "POSITION": ends } }));
+    assert_eq!(places(&lines(&doc.glb()).unwrap()), [vec![0.0, 1.0, 2.0], vec![9.0, 8.0]]);
+}
+
+#[test]
+fn what_is_no_strand_is_refused_with_its_place() {
+    let fault = |doc: &Doc, expected: [&str; 2]| match lines(&doc.glb()) {
+        Err(BakeError::Input { place, reason, .. }) => {
+            assert!(
+                place.contains(expected[0]) && reason.contains(expected[1]),
+                "{place}: {reason}, expected {expected:?}"
+            );
+        }
+        other => panic!("{expected:?}: {other:?}"),
+    };
+    fault(&drawn(&[json!({}), json!({ "mode": 0 })]), ["", "the scene shows no line, expected primitives of mode 1"]);
+    fault(
+        &drawn(&[json!({ "mode": 1, "indices": [0, 1, 2] })]),
+        ["/meshes/0/primitives/0", "3 ends of lines, expected an even number"],
+    );
+    fault(
+        &drawn(&[json!({ "mode": 3, "indices": [0, 6] })]),
+        ["/meshes/0/primitives/0/indices", "element 1 is 6, expected less than the 6"],
+    );
+    let mut doc = drawn(&[json!({ "mode": 3 })]);
+    doc.bin[16..20].copy_from_slice(&f32::NAN.to_le_bytes());
+    fault(&doc, ["/attributes/POSITION", "element 1 is"]);
+    let mut doc = drawn(&[json!({ "mode": 3 })]);
+    doc.json["accessors"][0]["count"] = 4_000_000_000u32.into();
+    fault(&doc, ["/meshes/0/primitives/0", "4000000000 vertices"]);
+    let mut doc = drawn(&[json!({ "mode": 3 })]);
+    let radii = doc.accessor(&[1.0f32, 2.0].bytes(), F32, "SCALAR", 2);
+    doc.json["meshes"][0]["primitives"][0]["attributes"]["_RADIUS"] = radii.into();
+    fault(&doc, ["/_RADIUS", "has 2 elements, expected 6"]);
+    let mut resolve = |_: &str, _: u64| -> Result<Vec<u8>, BakeError> { Ok(Vec::new()) };
+    let obj = import_strands("hair.glb", b"v 0 0 0\nl 1 1\n", &mut resolve).unwrap_err().to_string();
+    assert!(obj.contains("hair.glb") && obj.contains("this is an OBJ, expected glTF 2.0"), "{obj}");
 }

@@ -64,7 +64,7 @@ pub use field::{Field, PowerOfTwo, Range, SrgbColor, hex};
 pub use glob::glob;
 pub use knob::{Knob, Table, TableInfo, Tables, knobs, same, validate, validate_table};
 pub use list::Item;
-pub use nearest::{nearest, unknown_key};
+pub use nearest::{closest, nearest, unknown_key};
 pub use page::{reference_page, wrap};
 pub use raw::Raw;
 pub use text::{read, read_table, set, set_word, to_documented_toml, to_toml};

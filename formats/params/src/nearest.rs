@@ -4,21 +4,30 @@
 const LEAST_EDITS: f64 = 0.4;
 const LEAST_WINKLER: f64 = 0.85;
 
+/// How alike two names are, 0..=1, and whether they are alike at all.
+fn likeness(name: &str, candidate: &str) -> (f64, bool) {
+    let (winkler, edits) =
+        (strsim::jaro_winkler(name, candidate), strsim::normalized_damerau_levenshtein(name, candidate));
+    (winkler.max(edits), winkler >= LEAST_WINKLER || edits >= LEAST_EDITS)
+}
+
 /// The candidate most like `name`; the first of several equals, `None` where none is like it.
 pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut best: Option<(f64, &str)> = None;
     for candidate in candidates {
-        let (winkler, edits) =
-            (strsim::jaro_winkler(name, candidate), strsim::normalized_damerau_levenshtein(name, candidate));
-        if winkler < LEAST_WINKLER && edits < LEAST_EDITS {
-            continue;
-        }
-        let score = winkler.max(edits);
+        let (score, true) = likeness(name, candidate) else { continue };
         if best.is_none_or(|(top, _)| score > top) {
             best = Some((score, candidate));
         }
     }
     best.map(|(_, candidate)| candidate)
+}
+
+/// The candidates in the order in which they are like `name`, at most so many of them; equals in their own order.
+pub fn closest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
+    let mut scored: Vec<(f64, &str)> = candidates.map(|candidate| (likeness(name, candidate).0, candidate)).collect();
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+    scored.into_iter().take(most).map(|(_, candidate)| candidate).collect()
 }
 
 /// What to say of a key that is none of `known`.
@@ -41,5 +50,12 @@ mod tests {
         assert_eq!(near("camera.fov"), None);
         assert_eq!(near("hair.densty"), Some("hair.density"));
         assert_eq!(near("hiar.lenght_m"), Some("hair.length_m"));
+    }
+
+    #[test]
+    fn the_closest_names_come_first() {
+        let names = ["tail", "ear.L", "nose_tip", "nose"];
+        assert_eq!(closest("noes", names.into_iter(), 2), ["nose", "nose_tip"]);
+        assert_eq!(closest("", names.into_iter(), 9), names);
     }
 }

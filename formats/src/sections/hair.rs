@@ -45,6 +45,12 @@ impl OnTriangle {
     pub fn place(&self, corners: [Vec3; 3]) -> Vec3 {
         corners[0] * self.weights[0] + corners[1] * self.weights[1] + corners[2] * self.weights[2]
     }
+
+    /// Weights of the second and third corner in the whole numbers of [`HairGroup::guide_roots`].
+    pub fn stored_weights(&self) -> [u16; 2] {
+        let [_, b, c] = self.weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u16);
+        [b, c.min(65535 - b)]
+    }
 }
 
 /// A group of hair: a mane, a tail, whiskers, a head of hair.
@@ -89,6 +95,9 @@ pub struct HairGroup {
 }
 
 impl HairGroup {
+    /// The most that [`HairGroup::reach_m`] can be.
+    pub const MOST_REACH_M: f32 = 1e6;
+
     /// Sets the guides.
     ///
     /// * `guides`: of each its root, and its other points relative to that in the frame of its triangle, metres: as many for each
@@ -96,11 +105,7 @@ impl HairGroup {
         let all = || guides.iter().flat_map(|(_, points)| points);
         self.guide_points = guides.first().map_or(2, |(_, points)| points.len() as u32 + 1);
         self.reach_m = all().map(|p| p.abs().max_element()).fold(f32::MIN_POSITIVE, f32::max);
-        let root = |(root, _): &(OnTriangle, Vec<Vec3>)| {
-            let [_, b, c] = root.weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u16);
-            (root.triangle, [b, c.min(65535 - b)])
-        };
-        self.guide_roots = guides.iter().map(root).collect();
+        self.guide_roots = guides.iter().map(|(root, _)| (root.triangle, root.stored_weights())).collect();
         self.guide_offsets =
             all().map(|p| (*p / self.reach_m * 32767.0).round().to_array().map(|x| x as i16)).collect();
     }
@@ -173,7 +178,7 @@ impl HairGroup {
             .or_else(|| within("length_variation", self.length_variation, 0.0, 0.95))
             .or_else(|| within("clump", self.clump, 0.0, 1.0))
             .or_else(|| within("stray", self.stray, 0.0, 1.0))
-            .or_else(|| within("reach_m", self.reach_m, f32::MIN_POSITIVE, 1e6))
+            .or_else(|| within("reach_m", self.reach_m, f32::MIN_POSITIVE, Self::MOST_REACH_M))
             .or_else(lists)
     }
 }

@@ -1,6 +1,7 @@
 //! What cases begin from: a small model with everything that a model can have, recipes, a scene, a look, and packages baked of them.
 
 use super::case::Entry;
+use super::hair_files::{self, HAIR};
 use crate::binary::{pelage, workspace};
 use crate::packages::with_manifest;
 use anyhow::{Context as _, ensure};
@@ -246,8 +247,10 @@ pub struct Bases {
     pub png: Vec<u8>,
     /// `b.jpg`.
     pub jpg: Vec<u8>,
-    /// Recipes: one that names all it can, and all keys as a package records them.
+    /// Recipes: those that name all they can, of coats and of hair on guides, and all keys as a package records them.
     pub recipes: Vec<(&'static str, String)>,
+    /// Strands in each form that a recipe can name.
+    pub guides: Vec<Entry>,
 }
 
 impl Bases {
@@ -265,12 +268,16 @@ impl Bases {
             ("a.png", png.clone()),
             ("b.jpg", jpg.clone()),
             ("r.toml", MAPS.into()),
+            ("h.toml", HAIR.into()),
         ];
+        let guides = hair_files::files()?;
+        guides.iter().try_for_each(|entry| entry.put(folder.path()))?;
         for (name, bytes) in files {
             std::fs::write(folder.path().join(name), bytes)?;
         }
         let maps = ["--recipe", "r.toml"];
         let mapped = bake(folder.path(), &maps)?;
+        let hairy = bake(folder.path(), &["--recipe", "h.toml"])?;
         let plain = [&SMALL[..], &["--set", "pack.shell_format=rgba8", "--set", "pack.direction_format=rg8"]].concat();
         let plain = bake(folder.path(), &plain)?;
         let golden =
@@ -284,15 +291,18 @@ impl Bases {
             ("v3-ink", golden("v3-ink.pelage")?),
             ("mapped", mapped),
             ("plain", plain),
+            ("hairy", hairy),
         ];
         // The recipe of the golden package has a key that no recipe has, which is for other tests.
         let v3 = with_manifest(&v3, |manifest| manifest.recipe.clear());
         let mut folders = Vec::new();
-        for (name, bytes) in [("v3", &v3), ("v3-ink", &packages[3].1), ("mapped", &packages[4].1)] {
+        for (name, bytes) in
+            [("v3", &v3), ("v3-ink", &packages[3].1), ("mapped", &packages[4].1), ("hairy", &packages[6].1)]
+        {
             folders.push((name, unpacked(folder.path(), bytes)?));
         }
-        let recipes = vec![("maps", MAPS.to_owned()), ("all keys", all_keys)];
-        Ok(Self { packages, folders, model, packed: compressed()?, png, jpg, recipes })
+        let recipes = vec![("maps", MAPS.to_owned()), ("hair", HAIR.to_owned()), ("all keys", all_keys)];
+        Ok(Self { packages, folders, model, packed: compressed()?, png, jpg, recipes, guides })
     }
 
     /// Both images.

@@ -12,12 +12,15 @@ const TARGETS: [&str; 5] = ["/dev/zero", "", "gone", "..", "manifest.json"];
 /// Makes a case.
 pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     let (name, base) = random.pick(&bases.folders);
-    let (file, how, entry) = match random.below(10) {
+    let (file, how, entry) = match random.below(13) {
         0..=4 => document(base, "in/manifest.json", turn, random),
         5 => document(base, "in/animation.json", turn, random),
         6 => mesh(base, turn, random),
         7 => recipe(base, turn, random),
         8 => contents(base, random),
+        9 => document(base, "in/hair.json", turn, random),
+        10 => document(base, "in/strands.json", turn, random),
+        11 => strands(base, random),
         _ => other(base, random),
     };
     // What is taken away is left out of the base.
@@ -68,6 +71,25 @@ fn contents(base: &[Entry], random: &mut Random) -> Changed {
     let name = random.pick(base).name().to_owned();
     let mut bytes = bytes_of(base, &name).unwrap_or_default().to_vec();
     let how = change::bytes(&mut bytes, random);
+    (name.clone(), how, Some(Entry::File(name, bytes)))
+}
+
+/// Bytes of a file of strands, mostly of its header.
+fn strands(base: &[Entry], random: &mut Random) -> Changed {
+    let files: Vec<&str> = base.iter().map(Entry::name).filter(|name| name.ends_with(".hair")).collect();
+    if files.is_empty() {
+        return contents(base, random);
+    }
+    let name = (*random.pick(&files)).to_owned();
+    let mut bytes = bytes_of(base, &name).unwrap_or_default().to_vec();
+    let how = if random.below(2) == 0 {
+        change::bytes(&mut bytes, random)
+    } else {
+        let at = 4 * random.below(5);
+        let new = *random.pick(&[0, 1, 3, 0xff, u32::MAX]);
+        bytes[at..at + 4].copy_from_slice(&new.to_le_bytes());
+        format!("{new} at byte {at}")
+    };
     (name.clone(), how, Some(Entry::File(name, bytes)))
 }
 

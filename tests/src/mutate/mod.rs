@@ -18,6 +18,8 @@ pub mod case;
 pub mod change;
 mod child;
 mod folders;
+mod guides;
+mod hair_files;
 mod images;
 pub mod judge;
 pub mod lay_out;
@@ -50,13 +52,14 @@ pub struct Kind {
 }
 
 /// All kinds.
-pub const KINDS: [Kind; 6] = [
-    Kind { name: "packages", share: 40, make: packages::case },
-    Kind { name: "folders", share: 16, make: folders::case },
-    Kind { name: "models", share: 20, make: models::case },
+pub const KINDS: [Kind; 7] = [
+    Kind { name: "packages", share: 36, make: packages::case },
+    Kind { name: "folders", share: 18, make: folders::case },
+    Kind { name: "models", share: 18, make: models::case },
     Kind { name: "packed", share: 6, make: packed::case },
-    Kind { name: "texts", share: 10, make: texts::case },
-    Kind { name: "images", share: 8, make: images::case },
+    Kind { name: "texts", share: 9, make: texts::case },
+    Kind { name: "images", share: 7, make: images::case },
+    Kind { name: "guides", share: 6, make: guides::case },
 ];
 
 /// Which cases are run, and how.

@@ -36,7 +36,7 @@ fn recipe(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         how = format!("{how}, {}", more.0);
         text = more.1;
     }
-    let base = [bases.images(), vec![bases.glb()]].concat();
+    let base = [bases.images(), bases.guides.clone(), vec![bases.glb()]].concat();
     let args = ["bake", "m.glb", "-o", "out.pelage", "--threads", "1", "--recipe", "r.toml"];
     let step = Step::makes(&args, "out.pelage", Then::Validates);
     Case::new(format!("recipe {name}: {how}"), &base, vec![Entry::file("r.toml", text)], vec![step])

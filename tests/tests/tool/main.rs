@@ -19,3 +19,4 @@ mod reference;
 mod sequences;
 mod strands;
 mod strangers;
+mod unpacked_hair;

@@ -4,7 +4,7 @@
 use pelage_tests::mutate::{KINDS, Plan, run};
 
 /// Cases of each kind, in the order of [`KINDS`]: those that bake take longer.
-const CASES: [u64; KINDS.len()] = [40, 24, 12, 8, 8, 8];
+const CASES: [u64; KINDS.len()] = [40, 28, 12, 8, 8, 8, 8];
 
 #[test]
 fn a_slice_of_the_mutation_run_shows_no_fault() {

@@ -1,8 +1,10 @@
 //! Single strands through the real binary: nearer to the traced picture than layers, and the same every time.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
+use pelage_tests::mutate::bases::chunks;
 use pelage_tests::schema;
 
 #[test]
@@ -89,4 +91,64 @@ fn hair_on_guides_is_drawn_where_the_true_picture_has_it() {
         );
         assert!(coverage < 0.3 * bald_coverage && flip < 0.5 * bald_flip, "{name}");
     }
+}
+
+/// What `export` writes as lines, in one file and in two, comes back as the guides that it was.
+#[test]
+fn exported_lines_are_guides_again() {
+    let sandbox = Sandbox::new();
+    let model = workspace().join("assets/models/torus.glb").to_str().unwrap().to_owned();
+    let group = |keys: &str| {
+        format!("[[strands.group]]\nname = \"beard\"\nhairs = 0\npoints = 9\nlength_variation = 0\nstray = 0\n{keys}\n")
+    };
+    let bake = |recipe: &str, package: &str| {
+        sandbox.write("r.toml", recipe);
+        let args = ["bake", &model, "--recipe", "r.toml", "-o", package, "-q", "--set", "ink.enabled=false"];
+        let small = ["--set", "slice.layers=4", "--set", "slice.tile_texels=16", "--set", "hair.density=20"];
+        sandbox.run(&[&args[..], &small].concat())
+    };
+    let groups = |package: &str| {
+        let bytes = std::fs::read(sandbox.path().join(package)).unwrap();
+        let opened = Package::open(&bytes, &Limits::default()).unwrap();
+        (opened.hair_groups().unwrap(), opened.manifest().inputs.clone())
+    };
+    let run = bake(&group("guides = 30\nguide_points = 9"), "grown.pelage");
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let run = sandbox.run(&["export", "grown.pelage", "--strands", "g.glb", "--group", "beard"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let run = bake(&group("file = \"g.glb\"\nguide_points = 9"), "read.pelage");
+    assert_eq!((run.code, run.stderr.contains("left out")), (Some(0), false), "{run:?}");
+    let [(grown, _), (read, _)] = ["grown.pelage", "read.pelage"].map(groups);
+    assert_eq!((grown[0].guide_roots.len(), read[0].guide_roots.len()), (30, 30));
+    let mut compared = 0;
+    for i in 0..30 {
+        let [tip, found] = [&grown, &read].map(|groups| *groups[0].guide(i).last().unwrap());
+        // The roots are the same; their triangles need not be, where a root lies on an edge.
+        if grown[0].guide_roots[i].0 == read[0].guide_roots[i].0 {
+            assert!(found.distance(tip) < 0.01 * tip.length(), "guide {i}: {found}, expected {tip}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 20, "{compared} of 30 on the same triangle");
+    // The same with its buffer in a file beside it.
+    let (mut document, buffer) = chunks(&std::fs::read(sandbox.path().join("g.glb")).unwrap()).unwrap();
+    document["buffers"][0]["uri"] = "g.bin".into();
+    sandbox.write("g.bin", buffer);
+    sandbox.write("g.gltf", document.to_string());
+    let run = bake(&group("file = \"g.gltf\"\nguide_points = 9"), "two.pelage");
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let (two, inputs) = groups("two.pelage");
+    assert_eq!(two, read);
+    let names = |role: &str| inputs.iter().filter(|i| i.role == role).map(|i| i.name.clone()).collect::<Vec<_>>();
+    assert_eq!((names("strands"), names("buffer")), (vec!["g.gltf".to_owned()], vec!["g.bin".to_owned()]));
+    for (uri, expected) in [("gone.bin", "gone.bin"), ("../g.bin", "leads out of the model's folder")] {
+        document["buffers"][0]["uri"] = uri.into();
+        sandbox.write("g.gltf", document.to_string());
+        let run = bake(&group("file = \"g.gltf\""), "none.pelage");
+        assert_eq!(run.code, Some(3), "{run:?}");
+        assert!(run.stderr.contains("g.gltf") && run.stderr.contains(expected), "{run:?}");
+    }
+    let run = bake(&group("file = \"g.bin\""), "none.pelage");
+    assert!(run.code == Some(3) && run.stderr.contains(".hair, .tfx, .txt, .glb, .gltf"), "{run:?}");
+    assert!(!sandbox.files().contains(&"none.pelage".to_owned()));
 }

@@ -15,7 +15,50 @@ const THICKNESS: u32 = 4;
 const TRANSPARENCY: u32 = 8;
 const COLORS: u32 = 16;
 
+/// A `.hair` file as it is: no strand left out, no point dropped.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HairFile {
+    /// Points of each strand, 1 or more.
+    pub strands: Vec<u32>,
+    /// Points of all strands, each root first.
+    pub points: Vec<Vec3>,
+    /// Diameter at each point; empty where the file says none.
+    pub thickness: Vec<f32>,
+    /// Linear RGB of each point; empty where the file says none.
+    pub colors: Vec<Vec3>,
+}
+
+impl HairFile {
+    /// Reads a file; `file`: its name, for errors.
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Input`] with the place in the file, what was found there and what was expected.
+    pub fn read(file: &str, bytes: &[u8]) -> Result<Self, BakeError> {
+        read_whole(Source { file, bytes })
+    }
+
+    /// Where the points of each strand begin and end in [`HairFile::points`].
+    pub fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+        self.strands.iter().scan(0, |end, points| {
+            let first = *end;
+            *end += *points as usize;
+            Some(first..*end)
+        })
+    }
+}
+
 pub(super) fn read(source: Source<'_>) -> Result<Guides, BakeError> {
+    let whole = read_whole(source)?;
+    let mut guides = Guides::default();
+    for range in whole.ranges() {
+        let radii: Vec<f32> = whole.thickness.get(range.clone()).unwrap_or_default().iter().map(|t| 0.5 * t).collect();
+        guides.push(&whole.points[range.clone()], &radii, whole.colors.get(range).unwrap_or_default());
+    }
+    Ok(guides)
+}
+
+fn read_whole(source: Source<'_>) -> Result<HairFile, BakeError> {
     let magic = source.slice(0, HEADER_BYTES, "the header")?;
     if &magic[..4] != b"HAIR" {
         let reason = format!("{:?}, expected \"HAIR\"", String::from_utf8_lossy(&magic[..4]));
@@ -33,12 +76,11 @@ pub(super) fn read(source: Source<'_>) -> Result<Guides, BakeError> {
         _ => {
             let bytes = source.slice(at, 2 * u64::from(strands), "pieces of the strands")?;
             at += bytes.len() as u64;
-            Some(bytes.chunks_exact(2).map(|b| u64::from(u16::from_le_bytes([b[0], b[1]]))).collect::<Vec<_>>())
+            Some(bytes.chunks_exact(2).map(|b| u32::from(u16::from_le_bytes([b[0], b[1]]))).collect::<Vec<_>>())
         }
     };
-    let of = |strand: usize| 1 + per_strand.as_ref().map_or(u64::from(pieces), |of| of[strand]);
     let sum = match &per_strand {
-        Some(of) => of.iter().map(|pieces| pieces + 1).sum(),
+        Some(of) => of.iter().map(|pieces| u64::from(*pieces) + 1).sum(),
         None => u64::from(strands).saturating_mul(u64::from(pieces) + 1),
     };
     if sum != count {
@@ -47,9 +89,9 @@ pub(super) fn read(source: Source<'_>) -> Result<Guides, BakeError> {
     }
     let places = points(&source.rows::<3>(at, count, 3, "points")?);
     at += 12 * count;
-    let mut radii = Vec::new();
+    let mut thickness = Vec::new();
     if arrays & THICKNESS != 0 {
-        radii = source.rows::<1>(at, count, 1, "thickness")?.iter().map(|[thick]| 0.5 * thick).collect();
+        thickness = source.rows::<1>(at, count, 1, "thickness")?.into_iter().map(|[thick]| thick).collect();
         at += 4 * count;
     }
     if arrays & TRANSPARENCY != 0 {
@@ -58,15 +100,12 @@ pub(super) fn read(source: Source<'_>) -> Result<Guides, BakeError> {
     }
     let mut colors = Vec::new();
     if arrays & COLORS != 0 {
-        colors = source.rows::<3>(at, count, 3, "colours")?.into_iter().map(Vec3::from).collect();
+        colors = points(&source.rows::<3>(at, count, 3, "colours")?);
     }
-    let mut guides = Guides::default();
-    let mut first = 0;
-    for strand in 0..strands as usize {
-        let range = first..first + of(strand) as usize;
-        first = range.end;
-        let part = |of: &[f32]| of.get(range.clone()).unwrap_or_default().to_vec();
-        guides.push(&places[range.clone()], &part(&radii), colors.get(range.clone()).unwrap_or_default());
-    }
-    Ok(guides)
+    // Only here, where the points are known to be there: a header may say four billion strands.
+    let strands = match per_strand {
+        Some(of) => of.iter().map(|pieces| pieces + 1).collect(),
+        None => vec![pieces.saturating_add(1); strands as usize],
+    };
+    Ok(HairFile { strands, points: places, thickness, colors })
 }

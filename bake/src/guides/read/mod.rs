@@ -15,6 +15,8 @@ use super::Guides;
 use crate::error::BakeError;
 use source::Source;
 
+pub use hair::HairFile;
+
 /// Formats of strands that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GuideFormat {

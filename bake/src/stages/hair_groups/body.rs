@@ -3,6 +3,7 @@
 use crate::stages::cells::{Cells, closest};
 use glam::Vec3;
 use pelage_formats::OnTriangle;
+use pelage_formats::meaning::hair_groups::triangle_frame;
 
 /// The triangles of a mesh at rest.
 pub(super) struct Body<'a> {
@@ -75,5 +76,14 @@ impl<'a> Body<'a> {
         let near = self.nearest(p, reach_m, |_| true)?;
         let outside = (p - near.place).dot(near.normal) >= 0.0;
         Some((if outside { near.distance_m } else { -near.distance_m }, near))
+    }
+
+    /// Guides as a package stores them: relative to their roots, in the frames of their triangles, without the root.
+    pub(super) fn in_frames(&self, guides: &[(OnTriangle, Vec<Vec3>)]) -> Vec<(OnTriangle, Vec<Vec3>)> {
+        let local = |(root, points): &(OnTriangle, Vec<Vec3>)| {
+            let frame = triangle_frame(self.corners(root.triangle)).transpose();
+            (*root, points[1..].iter().map(|p| frame * (*p - points[0])).collect())
+        };
+        guides.iter().map(local).collect()
     }
 }

@@ -3,25 +3,30 @@
 //! Of a group that is its scalp, its guides and numbers; the hairs follow from them where the package is loaded
 //! ([`pelage_formats::meaning::hair_groups`]).
 
+mod at_rest;
 mod body;
+mod ground;
 mod grow;
 mod tuft;
 
 #[cfg(test)]
 mod tests;
 
+pub use at_rest::{GuidesAtRest, Kept, RestSkin};
+pub use ground::Ground;
+
 use crate::BakeError;
 use crate::guides::Guides;
-use crate::mesh::{Material, Mesh, RestPose};
-use crate::recipe::{HairGroupParams, ScalarMap, SrgbColor, StrandParams, Style, TuftParams};
-use crate::stages::groom::{MapImages, scalar_at};
+use crate::recipe::{HairGroupParams, ScalarMap, StrandParams, Style};
+use crate::stages::groom::scalar_at;
 use body::Body;
 use glam::{EulerRot, Mat4, Quat, Vec3};
+use ground::{bytes, parts_of};
 use grow::Growth;
-use pelage_formats::meaning::hair_groups::{Near, roots, smoothed, triangle_frame};
+use pelage_formats::meaning::hair_groups::{Near, roots, smoothed};
 use pelage_formats::{HairGroup, OnTriangle};
-use pelage_params::glob;
 use rayon::prelude::*;
+use tuft::tuft_of;
 
 /// Guides of a file may root so far from the scalp, over the model's radius: others are left out.
 const LOOSE: f32 = 0.1;
@@ -31,23 +36,6 @@ const LED: f32 = 0.4;
 const MOST_GUIDES: usize = 1 << 16;
 /// Density below which nothing grows.
 const BARE: f32 = 0.01;
-
-/// What hair grows on.
-#[derive(Clone, Copy, Debug)]
-pub struct Ground<'a> {
-    /// The model as the user named it, for messages.
-    pub file: &'a str,
-    /// The mesh as the package has it.
-    pub mesh: &'a Mesh,
-    /// Its rest pose.
-    pub rest: &'a RestPose,
-    /// Radius of that, metres.
-    pub radius_m: f32,
-    /// Materials of the model.
-    pub materials: &'a [Material],
-    /// Images and files of strands that the recipe names.
-    pub files: &'a MapImages,
-}
 
 /// Makes the groups of a recipe, and says in `warnings` what was repaired or left out.
 ///
@@ -71,7 +59,7 @@ pub fn groups(
         })?);
     }
     for (number, tuft) in params.tuft.iter().enumerate() {
-        let found = tuft_of(tuft, ground, &body).map_err(|r| fault(ground, "tuft", number, &tuft.name, r))?;
+        let found = tuft_of(tuft, ground, &body, warnings).map_err(|r| fault(ground, "tuft", number, &tuft.name, r))?;
         made.push(found);
     }
     Ok(made)
@@ -150,7 +138,7 @@ fn group_of(
             grown_guides(&group, params.guides.unwrap_or(300), &growth, body)
         }
     };
-    group.set_guides(&in_frames(&guides, body));
+    group.set_guides(&body.in_frames(&guides));
     Ok(group)
 }
 
@@ -158,17 +146,8 @@ fn group_of(
 fn scalp(params: &HairGroupParams, ground: &Ground<'_>) -> Result<Vec<(u32, u16)>, Fault> {
     let pattern = params.material.as_deref().unwrap_or("*");
     let mask = params.mask.clone().unwrap_or(ScalarMap::Constant(1.0));
-    let named = |part: &&crate::mesh::MeshPart| {
-        ground.materials.get(part.material).is_some_and(|material| glob(pattern, &material.name))
-    };
-    let parts: Vec<_> = ground.mesh.parts.iter().filter(named).collect();
-    if parts.is_empty() {
-        let known: Vec<String> = ground.materials.iter().map(|material| format!("{:?}", material.name)).collect();
-        let reason = format!("no triangle has a material named {pattern:?}, expected one of {}", known.join(", "));
-        return Err(Fault::Here(reason));
-    }
     let mut scalp = Vec::new();
-    for part in parts {
+    for part in parts_of(pattern, ground).map_err(Fault::Here)? {
         for triangle in part.first_triangle..part.first_triangle + part.triangle_count {
             let mut share = 0.0;
             for v in ground.mesh.triangles[triangle] {
@@ -240,6 +219,14 @@ fn read_guides(
         );
         return Err(Fault::Here(reason));
     }
+    let is_near = |p: Vec3, root: Vec3| (p - root).abs().max_element() <= HairGroup::MOST_REACH_M;
+    if !guides.iter().all(|(_, points)| points.iter().all(|p| is_near(*p, points[0]))) {
+        let reason = format!(
+            "a strand of the file reaches farther than {} m from its root, expected scale_m that makes it shorter",
+            HairGroup::MOST_REACH_M
+        );
+        return Err(Fault::Here(reason));
+    }
     if guides.len() > MOST_GUIDES {
         let reason = format!("{} guides, expected at most {MOST_GUIDES}: `every` takes fewer", guides.len());
         return Err(Fault::Here(reason));
@@ -258,6 +245,7 @@ fn read_guides(
             params.name, strands.left_out
         ));
     }
+    warnings.extend(strands.warnings.iter().map(|text| format!("strands.group {:?}: its file: {text}", params.name)));
     Ok(guides)
 }
 
@@ -280,42 +268,4 @@ fn beside(scalp: &[(u32, u16)], guides: &[(OnTriangle, Vec<Vec3>)], body: &Body<
     let beside: Vec<(u32, u16)> = scalp.iter().filter(is_beside).copied().collect();
     // Guides that were led to a scalp of large triangles stand on it all the same.
     if beside.is_empty() { scalp.to_vec() } else { beside }
-}
-
-/// Guides as a package stores them: relative to their roots, in the frames of their triangles, without the root.
-fn in_frames(guides: &[(OnTriangle, Vec<Vec3>)], body: &Body<'_>) -> Vec<(OnTriangle, Vec<Vec3>)> {
-    let local = |(root, points): &(OnTriangle, Vec<Vec3>)| {
-        let frame = triangle_frame(body.corners(root.triangle)).transpose();
-        (*root, points[1..].iter().map(|p| frame * (*p - points[0])).collect())
-    };
-    guides.iter().map(local).collect()
-}
-
-fn tuft_of(params: &TuftParams, ground: &Ground<'_>, body: &Body<'_>) -> Result<HairGroup, String> {
-    let at = params.at.ok_or("at is missing, expected a place near the skin")?;
-    let sides: &[f32] = if params.mirrored == Some(true) { &[1.0, -1.0] } else { &[1.0] };
-    let places = sides.iter().map(|side| (Vec3::from(at) * Vec3::new(*side, 1.0, 1.0), *side));
-    let reach_m = 2.0 * ground.radius_m;
-    let hairs: Vec<_> = places.flat_map(|(middle, side)| tuft::hairs(params, body, middle, reach_m, side)).collect();
-    if hairs.is_empty() {
-        return Err("no skin is near it, expected a place on the model".into());
-    }
-    let root_radius_m = params.root_radius_m.unwrap_or(3e-4);
-    let mut group = HairGroup {
-        name: params.name.clone(),
-        points: params.points.unwrap_or(9),
-        seed: params.seed.unwrap_or(1),
-        root_radius_m,
-        tip_radius_m: params.tip_radius_m.unwrap_or(root_radius_m / 6.0).min(root_radius_m),
-        root_color: bytes(params.root_color, [0xe8, 0xe0, 0xd4]),
-        tip_color: bytes(params.tip_color, [0xf4, 0xef, 0xe8]),
-        lock_hairs: 1,
-        ..HairGroup::default()
-    };
-    group.set_guides(&in_frames(&hairs, body));
-    Ok(group)
-}
-
-fn bytes(color: Option<SrgbColor>, otherwise: [u8; 3]) -> [u8; 3] {
-    color.map_or(otherwise, |color| color.0.map(|x| (x * 255.0).round() as u8))
 }

@@ -1,7 +1,8 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use super::*;
-use crate::mesh::MeshPart;
+use crate::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
+use crate::stages::groom::MapImages;
 use pelage_formats::meaning::hair_groups::Planted;
 
 /// A ball of 0.1 m about the origin: above y = 0.03 its material is "Scalp", below "Skin".
@@ -44,7 +45,10 @@ fn ball() -> (Mesh, RestPose, Vec<Material>) {
 fn made(recipe: &str, files: &MapImages) -> Result<(Vec<HairGroup>, Vec<String>), BakeError> {
     let recipe = crate::recipe::Recipe::parse("recipe", recipe)?;
     let (mesh, rest, materials) = ball();
-    let ground = Ground { file: "ball.glb", mesh: &mesh, rest: &rest, radius_m: 0.1, materials: &materials, files };
+    let nodes = [("root", Vec3::ZERO), ("ear.L", Vec3::new(0.08, 0.08, 0.0)), ("ear.L", Vec3::X)];
+    let nodes = nodes.map(|(name, position_ws)| NamedPlace { name: name.into(), position_ws });
+    let (materials, nodes) = (&materials, &nodes);
+    let ground = Ground { file: "ball.glb", mesh: &mesh, rest: &rest, radius_m: 0.1, materials, nodes, files };
     let mut warnings = Vec::new();
     Ok((groups(&recipe.strands, &ground, &mut warnings)?, warnings))
 }
@@ -140,6 +144,9 @@ fn guides_of_a_file_are_put_on_the_scalp() {
     // Where they may be farther away, all are led to it.
     let (groups, _) = made(&recipe("scale_m = 0.01\nhairs = 0\nloose_m = 0.5"), &files).unwrap();
     assert_eq!(groups[0].guide_roots.len(), 3);
+    let error = made(&recipe("scale_m = 1000000\nloose_m = 1000000"), &file(&[[Vec3::ZERO, Vec3::X, 9.0 * Vec3::Y]]))
+        .unwrap_err();
+    assert!(error.to_string().contains("farther than 1000000 m from its root, expected scale_m"), "{error}");
     // In metres by mistake: all of it is far away, and the error says where it is.
     let error = made(&recipe(""), &files).unwrap_err().to_string();
     assert!(error.contains("none of the 3 strands") && error.contains("scale_m"), "{error}");
@@ -161,6 +168,26 @@ fn tufts_stand_where_the_skin_is_nearest() {
 }
 
 #[test]
+fn tufts_stand_at_joints_and_on_materials() {
+    let tuft = |keys: &str| {
+        let recipe = format!("[[strands.tuft]]\nname = \"tuft\"\nhairs = 8\nspread_m = 0.01\n{keys}");
+        let (groups, warnings) = made(&recipe, &MapImages::default()).unwrap();
+        let hairs = hairs(&groups[0]);
+        let sum = hairs.iter().map(|hair| hair[0]).sum::<Vec3>();
+        (sum / hairs.len() as f32, hairs, warnings)
+    };
+    let (middle, _, warnings) = tuft("joint = \"ear.L\"");
+    assert!(middle.distance(Vec3::new(0.0707, 0.0707, 0.0)) < 0.005, "{middle}");
+    assert!(warnings.len() == 1 && warnings[0].contains("2 nodes are named \"ear.L\""), "{warnings:?}");
+    // Beside it, and both sides.
+    let (middle, hairs, _) = tuft("joint = \"root\"\nat = [0.05, 0.0, 0.12]\nmirrored = true");
+    assert!((hairs.len(), middle.x.abs() < 1e-3, middle.z > 0.08) == (16, true, true), "{middle}");
+    // The nearest skin is not of that material: it stands on the border, above which the scalp is.
+    let (middle, hairs, _) = tuft("at = [0.0, 0.0, 0.12]\nmaterial = \"Sc*p\"");
+    assert!(middle.z > 0.05 && hairs.iter().all(|hair| hair[0].y > 0.03), "{middle}");
+}
+
+#[test]
 fn what_cannot_grow_is_an_error_that_says_why() {
     let fails = |recipe: &str, expected: &[&str]| {
         let error = made(recipe, &MapImages::default()).unwrap_err().to_string();
@@ -171,7 +198,13 @@ fn what_cannot_grow_is_an_error_that_says_why() {
     fails(&group("material = \"Mane\""), &["ball.glb", place, "\"Mane\"", "\"Scalp\", \"Skin\""]);
     fails(&group("mask = 0.0"), &[place, "the mask leaves none"]);
     fails(&group("fall = [0, 0, 0]"), &[place, "fall is [0, 0, 0]"]);
-    fails("[[strands.tuft]]\nname = \"brow\"", &["strands.tuft, table 0 \"brow\"", "at is missing"]);
+    let tuft = |keys: &str| format!("[[strands.tuft]]\nname = \"brow\"\n{keys}");
+    fails(&tuft(""), &["strands.tuft, table 0 \"brow\"", "at and joint are missing"]);
+    fails(
+        &tuft("joint = \"ear.R\""),
+        &["no joint or node is named \"ear.R\", expected one of \"ear.L\", ", "\"root\""],
+    );
+    fails(&tuft("at = [0, 0, 0]\nmaterial = \"Brow\""), &["\"Brow\"", "\"Scalp\", \"Skin\""]);
     let far = "[[strands.tuft]]\nname = \"brow\"\nat = [9, 9, 9]";
     fails(far, &["no skin is near"]);
     for (keys, expected) in [

@@ -1,23 +1,98 @@
 //! Tufts: a few thick hairs at a place, each a guide of its own.
 
 use super::body::Body;
+use super::ground::{Ground, bytes, parts_of};
 use crate::noise::uniform;
 use crate::recipe::TuftParams;
 use glam::Vec3;
-use pelage_formats::OnTriangle;
+use pelage_formats::{HairGroup, OnTriangle};
+use pelage_params::closest;
+use std::collections::BTreeSet;
 
 /// Points of each hair as it is stored: enough for one that only bends.
 const POINTS: usize = 4;
 
-/// The hairs of a tuft about a place, the nearest to which on the skin is its middle: of each its root, and its points. `side` −1 for the mirrored one.
-pub(super) fn hairs(
+/// Joints that an error names.
+const NAMED: usize = 5;
+
+/// Where a tuft is to stand.
+fn place_of(params: &TuftParams, ground: &Ground<'_>, warnings: &mut Vec<String>) -> Result<Vec3, String> {
+    let Some(joint) = &params.joint else {
+        let at = params.at.ok_or("at and joint are missing, expected a place near the skin, or the name of a joint")?;
+        return Ok(at.into());
+    };
+    let mut found = ground.nodes.iter().filter(|node| node.name == *joint);
+    let Some(first) = found.next() else {
+        let all: BTreeSet<&str> = ground.nodes.iter().map(|node| node.name.as_str()).collect();
+        let few = closest(joint, all.iter().copied(), NAMED);
+        let names = few.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+        let known = match all.len() {
+            0 => "the model has no node with a name".to_owned(),
+            all if few.len() < all => format!("expected one of {all} such as {names}"),
+            _ => format!("expected one of {names}"),
+        };
+        return Err(format!("no joint or node is named {joint:?}, {known}"));
+    };
+    let more = found.count();
+    if more > 0 {
+        warnings.push(format!(
+            "strands.tuft {:?}: {} nodes are named {joint:?}; it stands at the first of them",
+            params.name,
+            more + 1
+        ));
+    }
+    Ok(first.position_ws + Vec3::from(params.at.unwrap_or_default()))
+}
+
+/// Makes the group of a tuft, and says in `warnings` what was guessed. Says why there is none.
+pub(super) fn tuft_of(
+    params: &TuftParams,
+    ground: &Ground<'_>,
+    body: &Body<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<HairGroup, String> {
+    let at = place_of(params, ground, warnings)?;
+    let mut of_material = vec![params.material.is_none(); body.triangles.len()];
+    if let Some(pattern) = &params.material {
+        for part in parts_of(pattern, ground)? {
+            of_material[part.first_triangle..part.first_triangle + part.triangle_count].fill(true);
+        }
+    }
+    let sides: &[f32] = if params.mirrored == Some(true) { &[1.0, -1.0] } else { &[1.0] };
+    let places = sides.iter().map(|side| (at * Vec3::new(*side, 1.0, 1.0), *side));
+    let reach_m = 2.0 * ground.radius_m;
+    let about = |(middle, side)| hairs_about(params, body, middle, reach_m, side, |t| of_material[t as usize]);
+    let hairs: Vec<_> = places.flat_map(about).collect();
+    if hairs.is_empty() {
+        return Err(format!("no skin is near {at}, expected a place on the model"));
+    }
+    let root_radius_m = params.root_radius_m.unwrap_or(3e-4);
+    let mut group = HairGroup {
+        name: params.name.clone(),
+        points: params.points.unwrap_or(9),
+        seed: params.seed.unwrap_or(1),
+        root_radius_m,
+        tip_radius_m: params.tip_radius_m.unwrap_or(root_radius_m / 6.0).min(root_radius_m),
+        root_color: bytes(params.root_color, [0xe8, 0xe0, 0xd4]),
+        tip_color: bytes(params.tip_color, [0xf4, 0xef, 0xe8]),
+        lock_hairs: 1,
+        ..HairGroup::default()
+    };
+    group.set_guides(&body.in_frames(&hairs));
+    Ok(group)
+}
+
+/// The hairs of a tuft about a place, the nearest to which on the triangles that `of` accepts is its middle: of each its root, and its points. `side` −1 for the
+/// mirrored one.
+fn hairs_about(
     params: &TuftParams,
     body: &Body<'_>,
     middle: Vec3,
     reach_m: f32,
     side: f32,
+    of: impl Fn(u32) -> bool,
 ) -> Vec<(OnTriangle, Vec<Vec3>)> {
-    let Some(skin) = body.nearest(middle, reach_m, |_| true) else { return Vec::new() };
+    let Some(skin) = body.nearest(middle, reach_m, &of) else { return Vec::new() };
     let length_m = params.length_m.unwrap_or(0.05);
     let spread_m = params.spread_m.unwrap_or(0.005);
     let direction = Vec3::from(params.direction.unwrap_or_default()) * Vec3::new(side, 1.0, 1.0);
@@ -30,7 +105,7 @@ pub(super) fn hairs(
         let radius = libm::sqrtf((number as f32 + 0.5) / count as f32);
         let turn = 2.399_963_2 * number as f32 * side;
         let aside = across * libm::cosf(turn) + skin.normal.cross(across) * libm::sinf(turn);
-        let at = body.nearest(skin.place + aside * (radius * spread_m), spread_m.max(reach_m), |_| true)?;
+        let at = body.nearest(skin.place + aside * (radius * spread_m), spread_m.max(reach_m), &of)?;
         let way = skin.normal + direction + aside * (fan * radius);
         let way = way.try_normalize().unwrap_or(skin.normal);
         let shorter = params.length_variation.unwrap_or(0.4) * uniform(seed, u64::from(number));

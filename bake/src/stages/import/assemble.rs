@@ -9,7 +9,7 @@ use super::scene::{Tree, mirrors};
 use super::skin::Joints;
 use super::source::Source;
 use crate::BakeError;
-use crate::mesh::{Mesh, MeshPart, Model, RestPose};
+use crate::mesh::{Mesh, MeshPart, Model, NamedPlace, RestPose};
 use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::meaning::transform_normal;
 use pelage_formats::{Animation, Joint, Node, SkinVertex};
@@ -83,10 +83,21 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         mesh,
         materials: gathered.materials.materials,
         images: gathered.materials.images,
+        nodes: named(&tree, &world),
         animation,
         inputs: Vec::new(),
         warnings: Vec::new(),
     })
+}
+
+/// The nodes that have a name, in their order: children after their parents.
+fn named(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPlace> {
+    let place = |node: &usize| NamedPlace {
+        name: tree.nodes[*node].at.name().to_owned(),
+        position_ws: world[*node].w_axis.truncate(),
+    };
+    let is_one = |place: &NamedPlace| !place.name.is_empty() && place.position_ws.is_finite();
+    tree.order.iter().map(place).filter(is_one).collect()
 }
 
 /// Reads the mesh of each node of the scene; one that several nodes show alike is read once.

@@ -24,6 +24,7 @@ mod counts;
 mod elements;
 mod extensions;
 mod json;
+mod lines;
 mod material;
 mod meshopt;
 mod normals;
@@ -39,10 +40,13 @@ mod views;
 mod weights;
 
 use crate::BakeError;
+use crate::guides::Guides;
 use crate::mesh::Model;
 use container::Kind;
 use json::At;
 use notes::Notes;
+use pelage_formats::InputRecord;
+use serde_json::Value;
 use source::Source;
 
 pub use notes::input_record;
@@ -71,15 +75,55 @@ pub fn import<'r>(
     match kind {
         Kind::Gltf(container) => {
             let document = json::parse(file, container.json, container.json_offset)?;
-            let mut source = Source::new(At::root(file, &document), container.bin, resolve, notes);
-            check_version(&source)?;
-            source.check_extensions()?;
+            let mut source = readable(file, &document, container.bin, resolve, notes)?;
             let mut model = assemble::model(&mut source, options)?;
             (model.warnings, model.inputs) = source.notes.finish();
             Ok(model)
         }
         Kind::Obj => obj::read(file, bytes, resolve, options, notes),
     }
+}
+
+/// Reads the lines of a glTF 2.0 scene as strands, with the records of all files that were read. Lines that share vertices are one strand, which begins where its
+/// lines do.
+///
+/// The arguments are those of [`import`]. Positions are in world space and in the file's unit; the attributes `_RADIUS` and `COLOR_0` are read where all lines have
+/// them.
+///
+/// # Errors
+///
+/// [`BakeError::Input`] as [`import`], also for a scene without lines, an odd number of ends of lines, and a point that is not finite.
+pub fn import_strands<'r>(
+    file: &str,
+    bytes: &[u8],
+    resolve: &'r mut Resolve<'r>,
+) -> Result<(Guides, Vec<InputRecord>), BakeError> {
+    let mut notes = Notes::default();
+    let Kind::Gltf(container) = container::split(file, bytes, &mut notes)? else {
+        let reason = "this is an OBJ, expected glTF 2.0 with lines".to_owned();
+        return Err(BakeError::Input { file: file.to_owned(), place: "byte 0".into(), reason });
+    };
+    notes.record("strands", file, bytes);
+    let document = json::parse(file, container.json, container.json_offset)?;
+    let mut source = readable(file, &document, container.bin, resolve, notes)?;
+    let mut guides = lines::strands(&mut source)?;
+    let (warnings, inputs) = source.notes.finish();
+    guides.warnings = warnings;
+    Ok((guides, inputs))
+}
+
+/// A document that this code can read.
+fn readable<'a, 'r>(
+    file: &'a str,
+    document: &'a Value,
+    bin: Option<&'a [u8]>,
+    resolve: &'r mut Resolve<'r>,
+    notes: Notes,
+) -> Result<Source<'a, 'r>, BakeError> {
+    let mut source = Source::new(At::root(file, document), bin, resolve, notes);
+    check_version(&source)?;
+    source.check_extensions()?;
+    Ok(source)
 }
 
 fn check_version(source: &Source<'_, '_>) -> Result<(), BakeError> {

@@ -136,16 +136,10 @@ fn read_primitive<'a>(
     let mut positions = vectors(&source.accessor(&position_at, &[3], REAL)?.reals(false));
     // Packed triangles are triangles whatever they were before.
     let mode = if unpacked.is_some() { 4 } else { mode };
-    let (indices, indices_at) = match (unpacked, at.get("indices")) {
-        (Some(indices), reference) => (indices, reference.unwrap_or_else(|| at.clone())),
-        (None, Some(reference)) => (source.accessor(&reference, &[1], WHOLE)?.wholes(), reference),
-        (None, None) => ((0..positions.len() as u32).collect(), at.clone()),
+    let indices = match unpacked {
+        Some(indices) => in_range(at, indices, positions.len())?,
+        None => indices_of(source, at, positions.len())?,
     };
-    let vertices = positions.len();
-    if let Some(i) = indices.iter().position(|v| *v as usize >= vertices) {
-        let found = indices[i];
-        return Err(indices_at.fault(format!("element {i} is {found}, expected less than the {vertices} vertices")));
-    }
     let triangles = triangulate(mode, &indices);
     if mode == 4 && indices.len() % 3 != 0 {
         let n = indices.len();
@@ -191,7 +185,21 @@ fn draco_only<'a>(source: &Source<'a, '_>, at: &At<'a>) -> Option<At<'a>> {
     (!plain).then_some(extension)
 }
 
-fn vectors(flat: &[f32]) -> Vec<Vec3> {
+/// The vertices of a primitive in the order in which it names them.
+pub(super) fn indices_of<'a>(source: &mut Source<'a, '_>, at: &At<'a>, vertices: usize) -> Result<Vec<u32>, BakeError> {
+    match at.get("indices") {
+        Some(reference) => in_range(at, source.accessor(&reference, &[1], WHOLE)?.wholes(), vertices),
+        None => Ok((0..vertices as u32).collect()),
+    }
+}
+
+fn in_range(at: &At<'_>, indices: Vec<u32>, vertices: usize) -> Result<Vec<u32>, BakeError> {
+    let Some(i) = indices.iter().position(|v| *v as usize >= vertices) else { return Ok(indices) };
+    let at = at.get("indices").unwrap_or_else(|| at.clone());
+    Err(at.fault(format!("element {i} is {}, expected less than the {vertices} vertices", indices[i])))
+}
+
+pub(super) fn vectors(flat: &[f32]) -> Vec<Vec3> {
     grouped::<3>(flat).map(Vec3::from).collect()
 }
 
@@ -291,14 +299,19 @@ fn read_colors<'a>(
 ) -> Result<Vec<[u8; 4]>, BakeError> {
     let Some(reference) = attributes.get("COLOR_0") else { return Ok(vec![[255; 4]; vertices]) };
     check_count(source, &reference, vertices)?;
-    let elements = source.accessor(&reference, &[3, 4], REAL)?;
-    // Integer colours are fractions of 1 whether the file says `normalized` or, against the rules, does not.
-    let flat = elements.reals(elements.component != Component::F32);
+    let (width, flat) = color_reals(source, &reference)?;
     let byte = |x: f32| (x * 255.0).round().clamp(0.0, 255.0) as u8;
-    Ok(match elements.width {
+    Ok(match width {
         3 => grouped::<3>(&flat).map(|[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect(),
         _ => grouped::<4>(&flat).map(|rgba| rgba.map(byte)).collect(),
     })
+}
+
+/// Width and numbers of an attribute of colours.
+pub(super) fn color_reals<'a>(source: &mut Source<'a, '_>, reference: &At<'a>) -> Result<(usize, Vec<f32>), BakeError> {
+    let elements = source.accessor(reference, &[3, 4], REAL)?;
+    // Integer colours are fractions of 1 whether the file says `normalized` or, against the rules, does not.
+    Ok((elements.width, elements.reals(elements.component != Component::F32)))
 }
 
 #[cfg(test)]

@@ -84,7 +84,8 @@ pub(super) fn read(
     let rest = RestPose::of(&mesh, None);
     orient::face_outward(&mut notes, &mut mesh, None, &rest, &authored);
     let (warnings, inputs) = notes.finish();
-    Ok(Model { mesh, materials: library.used, images: library.images, animation: None, inputs, warnings })
+    let (materials, images) = (library.used, library.images);
+    Ok(Model { mesh, materials, images, nodes: Vec::new(), animation: None, inputs, warnings })
 }
 
 /// The triangles of one part, with vertices of their own.

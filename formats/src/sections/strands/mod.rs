@@ -1,5 +1,9 @@
 //! The `STRN` section: the strands of the tile, one by one. Layout in `FORMAT.md`, "STRN".
 
+mod data;
+
+pub use data::{StoredStrandPoint, StoredStrands, StrandPoint, StrandScale, StrandsData, strand_root};
+
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::error::FormatError;
 use crate::limits::Limits;
@@ -53,34 +57,15 @@ impl<'a> Package<'a> {
 impl PackageWriter<'_> {
     /// Adds the strands of the tile.
     pub fn strands(self, strands: &StrandsData) -> Self {
+        let stored = counted(strands.roots.len(), strands.points_per_strand, strands.points.len())
+            .and_then(|_| StoredStrands::of(strands).map_err(fault));
+        self.encoded(Tag::STRANDS, stored.and_then(|stored| encode(&stored)))
+    }
+
+    /// Adds the strands of the tile in the whole numbers of the section.
+    pub fn stored_strands(self, strands: &StoredStrands) -> Self {
         self.encoded(Tag::STRANDS, encode(strands))
     }
-}
-
-/// A point of a strand as a package stores it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StrandPoint {
-    /// Way from the root along u and v, widths of the tile.
-    pub aside: [f32; 2],
-    /// Share of the fur's height, 0..=1.
-    pub height: f32,
-    /// Widths of the tile.
-    pub radius: f32,
-    /// sRGB, times the skin's colour at the root.
-    pub color: [u8; 3],
-    /// How much light reaches it, as in a texel of [`crate::VisibilityInfo`].
-    pub visibility: [u8; 4],
-}
-
-/// Strands to be written.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StrandsData {
-    /// Points of each strand, 2..=33, equally far from each other along it.
-    pub points_per_strand: u32,
-    /// Place of each root in the tile, 0..1. The first few are an even sample of all, however many.
-    pub roots: Vec<[f32; 2]>,
-    /// Of each strand, root first; then those of the same strands when they are wet, where dry and wet hair mix.
-    pub points: Vec<StrandPoint>,
 }
 
 /// Strands in an opened package: slices of the package's bytes.
@@ -110,10 +95,7 @@ struct Header {
     strands: u32,
     points: u32,
     sets: u32,
-    /// Way along u or v that the largest number stands for, widths of the tile.
-    reach: f32,
-    /// Radius that the largest number stands for, widths of the tile.
-    radius: f32,
+    scale: StrandScale,
 }
 
 /// Offsets of the first point, and the end, relative to the section.
@@ -123,45 +105,38 @@ fn layout(header: Header) -> [u64; 2] {
     [first, first + POINT_BYTES * strands * points * sets]
 }
 
+/// A fault of strands that are to be written.
+fn fault(reason: String) -> FormatError {
+    FormatError::Content { tag: Tag::STRANDS, offset: 0, reason }
+}
+
+/// How many sets so many points are. Fails where counts do not fit each other.
+fn counted(strands: usize, per_strand: u32, points: usize) -> Result<u32, FormatError> {
+    match strands.checked_mul(per_strand as usize) {
+        Some(of_set) if of_set > 0 && points == of_set => Ok(1),
+        Some(of_set) if of_set > 0 && points / 2 == of_set && points.is_multiple_of(2) => Ok(2),
+        _ => Err(fault(format!("{points} points for {strands} strands of {per_strand}, expected one set or two"))),
+    }
+}
+
 /// Bytes of the section. Fails where counts do not fit each other, or a number is out of its range.
-fn encode(data: &StrandsData) -> Result<Vec<u8>, FormatError> {
-    let fail = |reason: String| FormatError::Content { tag: Tag::STRANDS, offset: 0, reason };
-    let (strands, per_strand) = (data.roots.len(), data.points_per_strand as usize);
-    let of_set = strands * per_strand;
-    if of_set == 0 || data.points.len() != of_set && data.points.len() != 2 * of_set {
-        let reason =
-            format!("{} points for {strands} strands of {per_strand}, expected one set or two", data.points.len());
-        return Err(fail(reason));
-    }
-    let sane = data.points.iter().all(|p| {
-        p.aside.iter().all(|x| x.is_finite())
-            && (0.0..=1.0).contains(&p.height)
-            && p.radius.is_finite()
-            && p.radius >= 0.0
-    });
-    if !sane || !data.roots.iter().flatten().all(|x| (0.0..1.0).contains(x)) {
-        return Err(fail("a root outside the tile, or a point that is not finite or outside the fur".into()));
-    }
-    let most = |of: &dyn Fn(&StrandPoint) -> f32| data.points.iter().map(of).fold(0.0, f32::max);
+fn encode(data: &StoredStrands) -> Result<Vec<u8>, FormatError> {
     let header = Header {
-        strands: u32::try_from(strands).map_err(|_| fail("more than 2^32 strands".into()))?,
+        strands: u32::try_from(data.roots.len()).map_err(|_| fault("more than 2^32 strands".into()))?,
         points: data.points_per_strand,
-        sets: (data.points.len() / of_set) as u32,
-        reach: most(&|p| p.aside[0].abs().max(p.aside[1].abs())).max(f32::MIN_POSITIVE),
-        radius: most(&|p| p.radius).max(f32::MIN_POSITIVE),
+        sets: counted(data.roots.len(), data.points_per_strand, data.points.len())?,
+        scale: data.scale,
     };
     let [first, end] = layout(header);
-    let mut out = Vec::with_capacity(usize::try_from(end).map_err(|_| fail("more than this machine can hold".into()))?);
+    let mut out =
+        Vec::with_capacity(usize::try_from(end).map_err(|_| fault("more than this machine can hold".into()))?);
     out.extend([header.strands, header.points, header.sets, 0].into_iter().flat_map(u32::to_le_bytes));
-    out.extend([header.reach, header.radius, 0.0, 0.0].into_iter().flat_map(f32::to_le_bytes));
-    let unorm = |x: f32| (x * 65535.0 + 0.5) as u16;
-    let root = |x: &f32| ((x * 65536.0) as u32).min(65535) as u16;
-    out.extend(data.roots.iter().flatten().map(root).flat_map(u16::to_le_bytes));
+    out.extend([header.scale.reach, header.scale.radius, 0.0, 0.0].into_iter().flat_map(f32::to_le_bytes));
+    out.extend(data.roots.iter().flatten().flat_map(|x| x.to_le_bytes()));
     out.resize(first as usize, 0);
     for point in &data.points {
-        let aside = point.aside.map(|x| (x / header.reach * 32767.0).round() as i16);
-        out.extend(aside.into_iter().flat_map(i16::to_le_bytes));
-        out.extend([unorm(point.height), unorm(point.radius / header.radius)].into_iter().flat_map(u16::to_le_bytes));
+        out.extend(point.aside.into_iter().flat_map(i16::to_le_bytes));
+        out.extend([point.height, point.radius].into_iter().flat_map(u16::to_le_bytes));
         out.extend(point.color);
         out.push(0);
         out.extend(point.visibility);
@@ -180,7 +155,8 @@ impl<'a> StrandsView<'a> {
         }
         let words: [u32; 8] = bytemuck::pod_read_unaligned(&bytes[..HEADER_BYTES as usize]);
         let [strands, points, sets, reserved, reach, radius, more @ ..] = words;
-        let header = Header { strands, points, sets, reach: f32::from_bits(reach), radius: f32::from_bits(radius) };
+        let scale = StrandScale { reach: f32::from_bits(reach), radius: f32::from_bits(radius) };
+        let header = Header { strands, points, sets, scale };
         if strands == 0 || !(2..=MOST_POINTS).contains(&points) || !(1..=2).contains(&sets) {
             let reason = format!(
                 "{sets} sets of {strands} strands of {points} points, expected one or two of 1 or more of 2..={MOST_POINTS}"
@@ -194,7 +170,7 @@ impl<'a> StrandsView<'a> {
         if let Some(at) = [reserved, more[0], more[1]].iter().position(|word| *word != 0) {
             return Err(fail([12, 24, 28][at], "a reserved number is not 0, expected 0".into()));
         }
-        for (at, name, found) in [(16, "reach", header.reach), (20, "radius", header.radius)] {
+        for (at, name, found) in [(16, "reach", scale.reach), (20, "radius", scale.radius)] {
             if !(found > 0.0 && found.is_finite()) {
                 return Err(fail(at, format!("{name} is {found}, expected a finite number above 0")));
             }
@@ -239,12 +215,12 @@ impl<'a> StrandsView<'a> {
 
     /// Way along u or v that the largest number of a point stands for, widths of the tile.
     pub fn reach(&self) -> f32 {
-        self.header.reach
+        self.header.scale.reach
     }
 
     /// Radius that the largest number of a point stands for, widths of the tile.
     pub fn radius(&self) -> f32 {
-        self.header.radius
+        self.header.scale.radius
     }
 
     /// Points as they are stored, 16 bytes each, ready to upload.
@@ -254,23 +230,36 @@ impl<'a> StrandsView<'a> {
 
     /// Places of the roots in the tile, 0..1.
     pub fn roots(&self) -> impl ExactSizeIterator<Item = [f32; 2]> + 'a {
-        self.roots.chunks_exact(ROOT_BYTES as usize).map(|bytes| {
-            let [u, v]: [u16; 2] = bytemuck::pod_read_unaligned(bytes);
-            // The middle of what the number stands for.
-            [u, v].map(|x| (f32::from(x) + 0.5) / 65536.0)
-        })
+        self.stored_roots().map(strand_root)
     }
 
     /// All points, decoded: of each strand, root first; then of the wet ones.
     pub fn points(&self) -> impl ExactSizeIterator<Item = StrandPoint> + 'a {
-        let Header { reach, radius, .. } = self.header;
-        self.points.chunks_exact(POINT_BYTES as usize).map(move |bytes| {
-            let [u, v]: [i16; 2] = bytemuck::pod_read_unaligned(&bytes[..4]);
-            let [height, thickness]: [u16; 2] = bytemuck::pod_read_unaligned(&bytes[4..8]);
-            StrandPoint {
-                aside: [u, v].map(|x| f32::from(x.max(-32767)) / 32767.0 * reach),
-                height: f32::from(height) / 65535.0,
-                radius: f32::from(thickness) / 65535.0 * radius,
+        let scale = self.header.scale;
+        self.stored_points().map(move |point| point.decoded(scale))
+    }
+
+    /// All of it in the whole numbers that stand in the section.
+    pub fn stored(&self) -> StoredStrands {
+        StoredStrands {
+            points_per_strand: self.header.points,
+            scale: self.header.scale,
+            roots: self.stored_roots().collect(),
+            points: self.stored_points().collect(),
+        }
+    }
+
+    fn stored_roots(&self) -> impl ExactSizeIterator<Item = [u16; 2]> + 'a {
+        self.roots.chunks_exact(ROOT_BYTES as usize).map(bytemuck::pod_read_unaligned)
+    }
+
+    fn stored_points(&self) -> impl ExactSizeIterator<Item = StoredStrandPoint> + 'a {
+        self.points.chunks_exact(POINT_BYTES as usize).map(|bytes| {
+            let [height, radius] = bytemuck::pod_read_unaligned(&bytes[4..8]);
+            StoredStrandPoint {
+                aside: bytemuck::pod_read_unaligned(&bytes[..4]),
+                height,
+                radius,
                 color: [bytes[8], bytes[9], bytes[10]],
                 visibility: [bytes[12], bytes[13], bytes[14], bytes[15]],
             }

@@ -1,0 +1,159 @@
+//! Guides of a package where its skin at rest has them, and back: so that people can comb them in other programs.
+
+use super::body::Body;
+use glam::{DVec3, Vec3};
+use pelage_formats::meaning::hair_groups::triangle_frame;
+use pelage_formats::meaning::posed_vertices;
+use pelage_formats::{FormatError, HairGroup, OnTriangle, Package, Pose};
+
+/// Share of the model's size that a root may be away from the scalp: what is farther was not meant to root there.
+const LOOSE: f32 = 0.1;
+/// Other programs write coordinates anew, in another unit and back: a root that moved by no more than this share of the largest stays.
+const SAME: f32 = 4e-6;
+/// What the largest number of a point stands for.
+const MOST: f64 = 32767.0;
+
+/// The skin of a package at rest.
+#[derive(Clone, Debug, Default)]
+pub struct RestSkin {
+    triangles: Vec<[u32; 3]>,
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+}
+
+impl RestSkin {
+    /// Reads the mesh of a package and poses it at rest.
+    ///
+    /// # Errors
+    /// A damaged section.
+    pub fn of(package: &Package<'_>) -> Result<Self, FormatError> {
+        let Some(mesh) = package.mesh()? else { return Ok(Self::default()) };
+        let mut pose = Pose::default();
+        if let Some(animation) = package.animation()? {
+            pose.sample(&animation, None, 0.0);
+        }
+        let (positions, normals) =
+            posed_vertices(&mesh, &pose).map(|v| (Vec3::from(v.position), Vec3::from(v.normal))).unzip();
+        let indices: Vec<u32> = mesh.indices().collect();
+        Ok(Self { triangles: indices.as_chunks::<3>().0.to_vec(), positions, normals })
+    }
+
+    /// Number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+}
+
+/// Offsets of a guide in the whole numbers of a package, where they are given.
+pub type Kept<'a> = Option<&'a [[i16; 3]]>;
+
+/// What the whole numbers of a point stand for, metres.
+fn decoded(offset: &[i16; 3], reach_m: f32) -> DVec3 {
+    DVec3::from(offset.map(|x| f64::from(x.max(-32767)) / MOST)) * f64::from(reach_m)
+}
+
+/// Guides on a skin at rest. Triangles that groups name must be there.
+#[derive(Clone, Copy, Debug)]
+pub struct GuidesAtRest<'a>(pub &'a RestSkin);
+
+impl GuidesAtRest<'_> {
+    /// Points of a guide of that root and those offsets, in whole numbers as a package stores them: metres in world space, root first.
+    pub fn points(&self, root: &OnTriangle, offsets: &[[i16; 3]], reach_m: f32) -> Vec<Vec3> {
+        let (start, frame) = (self.place(root), self.frame(root));
+        let point = |offset: &[i16; 3]| (start + frame * decoded(offset, reach_m)).as_vec3();
+        std::iter::once(start.as_vec3()).chain(offsets.iter().map(point)).collect()
+    }
+
+    /// Puts guides that were edited into a group, as many points each as it says. A root that was moved goes to where the scalp is nearest to it; the
+    /// other points stay where they are. The group's reach grows where it has to.
+    ///
+    /// * `guides`: points of each in world space, metres, all finite
+    /// * `exact`: offsets that count for a guide, where its points are those that they lead to
+    ///
+    /// # Errors
+    /// The number of the guide, and what is wrong with it.
+    pub fn set(&self, group: &mut HairGroup, guides: &[Vec<Vec3>], exact: &[Kept<'_>]) -> Result<(), (usize, String)> {
+        let old_reach_m = group.reach_m;
+        let exact: Vec<Kept<'_>> = group
+            .roots()
+            .zip(guides)
+            .zip(exact)
+            .map(|((root, points), kept)| kept.filter(|offsets| self.points(&root, offsets, old_reach_m) == *points))
+            .collect();
+        self.move_roots(group, guides)?;
+        // Weights are stored in whole numbers: offsets count from where those lead.
+        let local: Vec<Vec<DVec3>> = group
+            .roots()
+            .zip(guides.iter().zip(&exact))
+            .map(|(root, (points, exact))| match exact {
+                Some(offsets) => offsets.iter().map(|offset| decoded(offset, old_reach_m)).collect(),
+                None => {
+                    let (start, back) = (self.place(&root), self.frame(&root).transpose());
+                    points[1..].iter().map(|p| back * (p.as_dvec3() - start)).collect()
+                }
+            })
+            .collect();
+        let reach = |points: &Vec<DVec3>| points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let most = f64::from(HairGroup::MOST_REACH_M);
+        if let Some((guide, far)) = local.iter().map(reach).enumerate().find(|(_, far)| *far > most) {
+            return Err((guide, format!("it reaches {far} m from its root, expected at most {most}")));
+        }
+        let farthest = local.iter().map(reach).fold(0.0, f64::max);
+        // Half a step is what rounding takes back.
+        if farthest > f64::from(group.reach_m) * (1.0 + 0.5 / MOST) {
+            group.reach_m = farthest as f32;
+        }
+        let whole = |x: f64| (x / f64::from(group.reach_m) * MOST).round() as i16;
+        let stored = |(local, exact): (&Vec<DVec3>, &Kept<'_>)| match exact {
+            Some(offsets) if group.reach_m == old_reach_m => offsets.to_vec(),
+            _ => local.iter().map(|p| p.to_array().map(whole)).collect::<Vec<_>>(),
+        };
+        let offsets = local.iter().zip(&exact).flat_map(stored).collect();
+        group.guide_offsets = offsets;
+        Ok(())
+    }
+
+    fn move_roots(&self, group: &mut HairGroup, guides: &[Vec<Vec3>]) -> Result<(), (usize, String)> {
+        let moved: Vec<(usize, Vec3, Vec3)> = group
+            .roots()
+            .zip(guides)
+            .enumerate()
+            .map(|(number, (root, points))| (number, self.place(&root).as_vec3(), points[0]))
+            .filter(|(_, stood, stands)| stands.distance(*stood) > SAME * stood.abs().max_element())
+            .collect();
+        if moved.is_empty() {
+            return Ok(());
+        }
+        let RestSkin { triangles, positions, normals } = self.0;
+        let body = Body::new(triangles, positions, normals);
+        let places = || positions.iter().copied();
+        let (low, high) = (places().fold(Vec3::INFINITY, Vec3::min), places().fold(Vec3::NEG_INFINITY, Vec3::max));
+        let loose_m = 0.5 * LOOSE * low.distance(high);
+        let mut on_scalp = vec![group.scalp.is_empty(); triangles.len()];
+        group.scalp.iter().for_each(|(triangle, _)| on_scalp[*triangle as usize] = true);
+        for (number, stood, stands) in moved {
+            let near = body.nearest(stands, loose_m, |triangle| on_scalp[triangle as usize]).ok_or_else(|| {
+                let reason = format!(
+                    "its root was moved from {stood} to {stands}, expected a place within {loose_m} m of the scalp"
+                );
+                (number, reason)
+            })?;
+            group.guide_roots[number] = (near.at.triangle, near.at.stored_weights());
+        }
+        Ok(())
+    }
+
+    fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.0.triangles[triangle as usize].map(|v| self.0.positions[v as usize])
+    }
+
+    fn place(&self, root: &OnTriangle) -> DVec3 {
+        let [a, b, c] = self.corners(root.triangle).map(Vec3::as_dvec3);
+        let [u, v, w] = root.weights.map(f64::from);
+        a * u + b * v + c * w
+    }
+
+    fn frame(&self, root: &OnTriangle) -> glam::DMat3 {
+        triangle_frame(self.corners(root.triangle)).as_dmat3()
+    }
+}

@@ -1,0 +1,159 @@
+//! Lines of a glTF scene as strands.
+
+use super::counts::{check_count, same_count};
+use super::elements::REAL;
+use super::json::At;
+use super::primitive::{color_reals, indices_of, vectors, within_limits};
+use super::scene::Tree;
+use super::source::Source;
+use crate::BakeError;
+use crate::guides::Guides;
+use crate::guides::lines::joined;
+use glam::{DMat4, Mat4, Vec3};
+
+/// Topology of a primitive (glTF 2.0, section 3.7.2.1).
+const LINES: u64 = 1;
+const LINE_LOOP: u64 = 2;
+const LINE_STRIP: u64 = 3;
+
+/// What a scene adds up to.
+#[derive(Default)]
+struct Found {
+    guides: Guides,
+    vertices: u64,
+    indices: u64,
+    /// Primitives of anything but lines.
+    others: usize,
+    /// Whether a primitive has no radii, or no colours.
+    lacks: [bool; 2],
+}
+
+/// Reads the lines of the scene, in world space.
+pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeError> {
+    let tree = Tree::read(source)?;
+    let world = tree.world(Mat4::IDENTITY);
+    let mut found = Found::default();
+    if tree.nodes.is_empty() {
+        // As a model without nodes: all meshes where they are.
+        if let Some(meshes) = source.root.get("meshes") {
+            for at in meshes.entries()? {
+                read_mesh(source, &mut found, &at, Mat4::IDENTITY)?;
+            }
+        }
+    }
+    for node in &tree.scene {
+        let at = &tree.nodes[*node].at;
+        let Some(reference) = at.get("mesh") else { continue };
+        source.warn_extension(at, "EXT_mesh_gpu_instancing", "the lines are there once");
+        let (_, mesh) = source.root.referred("meshes", &reference)?;
+        // A skin places vertices itself (glTF 2.0, section 3.7.3.3): at rest, mostly where they are.
+        let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[*node] };
+        read_mesh(source, &mut found, &mesh, placed)?;
+    }
+    let Found { mut guides, others, lacks: [no_radii, no_colors], .. } = found;
+    if guides.is_empty() && guides.left_out == 0 {
+        let reason = format!(
+            "the scene shows no line, expected primitives of mode {LINES} (LINES), {LINE_LOOP} (LINE_LOOP) or {LINE_STRIP} (LINE_STRIP); \
+             {others} are of others"
+        );
+        return Err(source.root.fault(reason));
+    }
+    if no_radii {
+        guides.radii.clear();
+    }
+    if no_colors {
+        guides.colors.clear();
+    }
+    Ok(guides)
+}
+
+fn read_mesh<'a>(source: &mut Source<'a, '_>, found: &mut Found, mesh: &At<'a>, world: Mat4) -> Result<(), BakeError> {
+    for at in mesh.require("primitives")?.entries()? {
+        let mode = at.unsigned_or("mode", 4)?;
+        if (LINES..=LINE_STRIP).contains(&mode) {
+            read_primitive(source, found, &at, mode, world)?;
+        } else {
+            found.others += 1;
+        }
+    }
+    Ok(())
+}
+
+fn read_primitive<'a>(
+    source: &mut Source<'a, '_>,
+    found: &mut Found,
+    at: &At<'a>,
+    mode: u64,
+    world: Mat4,
+) -> Result<(), BakeError> {
+    let attributes = at.require("attributes")?;
+    let position = attributes.require("POSITION")?;
+    // Before anything is read: many primitives may share accessors, and many nodes a mesh.
+    found.vertices = found.vertices.saturating_add(source.accessor_count(&position)?);
+    let listed = at.get("indices").map_or(Ok(0), |indices| source.accessor_count(&indices))?;
+    found.indices = found.indices.saturating_add(listed);
+    within_limits(at, found.vertices, found.indices)?;
+    let own = vectors(&source.accessor(&position, &[3], REAL)?.reals(false));
+    let mut points = Vec::with_capacity(own.len());
+    for (i, p) in own.iter().enumerate() {
+        let placed = world.transform_point3(*p);
+        if !placed.is_finite() {
+            let reason = format!("element {i} is {p}, {placed} in the scene, expected finite numbers");
+            return Err(position.fault(reason));
+        }
+        points.push(placed);
+    }
+    let size = DMat4::from_cols_array(&world.to_cols_array().map(f64::from)).determinant().abs();
+    let radii = match attributes.get("_RADIUS") {
+        Some(reference) => {
+            let scale = libm::cbrt(size) as f32;
+            let radii = same_count(source, &reference, &[1], own.len(), false)?;
+            if let Some(i) = radii.iter().position(|r| !(scale * r).is_finite()) {
+                return Err(reference.fault(format!("element {i} is {}, expected finite numbers", radii[i])));
+            }
+            radii.iter().map(|r| scale * r).collect()
+        }
+        None => Vec::new(),
+    };
+    let colors = match attributes.get("COLOR_0") {
+        Some(reference) => {
+            check_count(source, &reference, own.len())?;
+            let (width, flat) = color_reals(source, &reference)?;
+            flat.chunks_exact(width).map(|c| Vec3::new(c[0], c[1], c[2])).collect()
+        }
+        None => Vec::new(),
+    };
+    found.lacks[0] |= radii.len() < own.len();
+    found.lacks[1] |= colors.len() < own.len();
+    let indices = indices_of(source, at, own.len())?;
+    for strand in strands_of(at, mode, &indices, &own)? {
+        let of = |v: &u32| *v as usize;
+        let places: Vec<Vec3> = strand.iter().map(|v| points[of(v)]).collect();
+        let radii: Vec<f32> = strand.iter().filter_map(|v| radii.get(of(v)).copied()).collect();
+        let colors: Vec<Vec3> = strand.iter().filter_map(|v| colors.get(of(v)).copied()).collect();
+        found.guides.push(&places, &radii, &colors);
+    }
+    Ok(())
+}
+
+/// Vertices of each strand.
+fn strands_of(at: &At<'_>, mode: u64, indices: &[u32], points: &[Vec3]) -> Result<Vec<Vec<u32>>, BakeError> {
+    if mode != LINES {
+        let ring = indices.first().filter(|_| mode == LINE_LOOP);
+        return Ok(vec![indices.iter().chain(ring).copied().collect()]);
+    }
+    let (pairs, odd) = indices.as_chunks::<2>();
+    if !odd.is_empty() {
+        return Err(at.fault(format!("has {} ends of lines, expected an even number", indices.len())));
+    }
+    let mut lines = pairs.to_vec();
+    if at.get("indices").is_none() {
+        // Without indices no two lines share a vertex: one goes on from the other where it begins at the very same place.
+        for k in 1..lines.len() {
+            if points[lines[k - 1][1] as usize] == points[lines[k][0] as usize] {
+                lines[k][0] = lines[k - 1][1];
+            }
+        }
+    }
+    Ok(joined(&lines, points.len()))
+}
