@@ -493,12 +493,15 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
 fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let shells = made(&outputs.shells, Shells)?;
     let ink = made(&outputs.ink, Ink)?.as_ref().zip(made(&outputs.ink_textures, InkTextures)?.as_ref());
+    let skin = made(&outputs.skin, Skin)?;
+    // Where no coat grows, its strands are of no use.
+    let furred = skin.manifest.materials.iter().any(|material| material.furred);
     let packed = pack::pack(&Pieces {
         recipe: told.recipe,
-        skin: made(&outputs.skin, Skin)?,
+        skin,
         shells: &shells.dry,
         wet_shells: shells.wet.as_ref(),
-        strands: made(&outputs.single, Single)?.as_ref(),
+        strands: made(&outputs.single, Single)?.as_ref().filter(|_| furred),
         hair: made(&outputs.guided, Guided)?,
         fins: made(&outputs.fins, Fins)?,
         fin_textures: made(&outputs.fin_textures, FinTextures)?.as_ref(),

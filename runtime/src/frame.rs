@@ -89,7 +89,7 @@ pub(crate) fn prepare(
         passes.push(PassReport { name: id.name(), ran, reason });
     }
     let seen = recording.instances.clone();
-    let instances = seen.iter().map(|seen| seen.drawing.reported()).collect();
+    let instances = seen.iter().map(Seen::reported).collect();
     let (shadows, targets) = (recording.maps.clone(), recording.targets.clone());
     let width = shadows.as_ref().and_then(|maps| maps.width.as_ref());
     let shadow_map = width.map_or(&recording.surfaces.white, |width| &width.width.view).clone();

@@ -74,7 +74,7 @@ pub struct InstanceDetail {
     pub fins: f32,
     /// How far the far coat has taken over, 0..=1.
     pub coat: f32,
-    /// Share of the single strands that is drawn, 0..=1. Layers are as well while `layers` is not 0: they fade when all strands are there.
+    /// Share of the coat's single strands that is drawn, 0..=1; where it has none, of the first group of hair on guides. Layers are as well while `layers` is not 0: they fade when all strands are there.
     pub strands: f32,
     /// Straight pieces that each single strand is drawn in: fewer where it is small on screen; 0 where none is drawn.
     pub strand_pieces: u32,

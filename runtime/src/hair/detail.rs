@@ -36,6 +36,8 @@ pub(crate) struct Drawing {
     pub(crate) layer_share: f32,
     /// Every how many points of single strands are drawn.
     pub(crate) point_step: u32,
+    /// Most pieces of a strand, where a study says so.
+    most_pieces: Option<u32>,
     /// Pixels that a metre of it has on screen, times the application's bias.
     px_per_m: f32,
     /// Layers of the shadow maps that suit it, skin counted; 1 where it draws none.
@@ -66,7 +68,8 @@ impl Drawing {
     ) -> Self {
         let px_per_m = px_per_m(instance, hull, params, clip_from_view);
         let detail = params.style.fur().map_or(1.0, |fur| bias(fur.detail));
-        let drawing = Self { px_per_m: px_per_m * detail, ..Self::layered(instance, px_per_m, params) };
+        let most_pieces = crate::study::strand_pieces(params);
+        let drawing = Self { px_per_m: px_per_m * detail, most_pieces, ..Self::layered(instance, px_per_m, params) };
         let Some(fur) = params.style.fur().filter(|_| crate::study::only_layer(params).is_none()) else {
             return drawing;
         };
@@ -78,11 +81,7 @@ impl Drawing {
             Hair::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
             Hair::Auto => way_to_strands(px_per_m * strands.mean_width_m * bias(fur.detail), samples),
         };
-        let point_step = match crate::study::strand_pieces(params) {
-            Some(most) => step_of_pieces(strands, most),
-            None => point_step(strands, px_per_m),
-        };
-        Self { point_step, ..drawing.with_strands(way) }
+        Self { point_step: point_step(strands, px_per_m, most_pieces), ..drawing.with_strands(way) }
     }
 
     /// On the way from layers, 0, to single strands, 1: first strands come in between the layers, then the layers fade. The far coat is in both.
@@ -118,7 +117,7 @@ impl Drawing {
             let width_px = self.px_per_m * strands.mean_width_m * samples as f32;
             let share = (width_px / THINNEST_PX).clamp(FEWEST_HAIRS, 1.0);
             let fits = |step: &u32| strands.ribbon_bytes(*step) <= largest_buffer(limits);
-            let wanted = point_step(strands, self.px_per_m);
+            let wanted = point_step(strands, self.px_per_m, self.most_pieces);
             let step = strands.steps().find(|step| *step >= wanted && fits(step)).unwrap_or(strands.points - 1);
             Some(DrawnSet { set, share, widened: share.recip(), step })
         };
@@ -185,6 +184,7 @@ impl Drawing {
             list: 0,
             layer_share: 1.0,
             point_step: 1,
+            most_pieces: None,
             px_per_m: f32::INFINITY,
             map_layers: layers,
         };
@@ -232,6 +232,7 @@ impl Drawing {
             list: 0,
             layer_share: 1.0,
             point_step: 1,
+            most_pieces: None,
             px_per_m: f32::INFINITY,
             // Maps are not made anew for every number of layers.
             map_layers: of_level + 1,
@@ -303,13 +304,11 @@ const BENT_PX: f32 = 0.12;
 /// Fewest pieces of a strand: what two points leave of a coat is not it.
 const FEWEST_PIECES: u32 = 2;
 
-/// Every how many points is drawn for at most so many pieces a strand.
-fn step_of_pieces(strands: &Strands, most: u32) -> u32 {
-    strands.steps().find(|step| strands.pieces(*step) <= most).unwrap_or(strands.points - 1)
-}
-
-/// Every how many points of strands is drawn, where a metre has so many pixels.
-fn point_step(strands: &Strands, px_per_m: f32) -> u32 {
+/// Every how many points of strands is drawn, where a metre has so many pixels; for at most `most_pieces`, where that says so.
+fn point_step(strands: &Strands, px_per_m: f32, most_pieces: Option<u32>) -> u32 {
+    if let Some(most) = most_pieces {
+        return strands.steps().find(|step| strands.pieces(*step) <= most).unwrap_or(strands.points - 1);
+    }
     let few = |step: u32| strands.pieces(step) >= FEWEST_PIECES.min(strands.pieces(1));
     let fits = |step: u32, bent_m: f32| few(step) && bent_m * px_per_m <= BENT_PX;
     strands

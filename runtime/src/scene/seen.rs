@@ -5,6 +5,7 @@ use crate::gpu::Group;
 use crate::hair::{Drawing, DrawnSet, Look};
 use crate::model::{Model, Part, Strands};
 use crate::motion::{Moved, PosedStrands};
+use crate::report::InstanceDetail;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -59,6 +60,18 @@ impl Seen {
             posed: &set.posed,
             ribbons: set.ribbons.as_ref(),
         })
+    }
+
+    /// How much of it is drawn, as reports say it.
+    pub(crate) fn reported(&self) -> InstanceDetail {
+        let detail = self.drawing.reported();
+        match self.sets.first() {
+            Some(SeenSet { drawn, .. }) if self.model.coat_strands().is_none() => {
+                let strand_pieces = self.model.strands()[drawn.set].pieces(drawn.step);
+                InstanceDetail { strands: drawn.share, strand_pieces, ..detail }
+            }
+            _ => detail,
+        }
     }
 
     /// Whether any of it may be in the picture.

@@ -20,6 +20,8 @@ use pelage_bake::judge::truth::Sight;
 use pelage_bake::mask::Mask;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::groom::furred_materials;
+use pelage_bake::stages::hair_groups::HAIR_POINTS;
 use pelage_stage::{Gpu, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
 
 /// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what else the machine does only adds.
@@ -34,6 +36,7 @@ pub struct StrandsTopic<'a> {
     subject: &'a Subject,
     /// Without strands, and with them.
     recipes: [Recipe; 2],
+    ways: Vec<Way>,
     configurations: Vec<Configuration>,
     gpu: Gpu,
     meter: Meter,
@@ -62,11 +65,12 @@ impl<'a> StrandsTopic<'a> {
             recipe.strands.enabled = enabled;
             recipe
         };
-        let gpu = Gpu::open()?;
+        let (gpu, ways) = (Gpu::open()?, ways(subject));
         Ok(Self {
             subject,
             recipes: [with(false), with(true)],
-            configurations: configurations(),
+            configurations: configurations(ways.len()),
+            ways,
             meter: Meter::new(&gpu),
             gpu,
             shared: None,
@@ -79,7 +83,7 @@ impl<'a> StrandsTopic<'a> {
 impl Topic for StrandsTopic<'_> {
     fn plan(&self) -> Plan {
         let row = |c: &Configuration| PlannedRow {
-            series: Way::ALL[c.way].series.into(),
+            series: self.ways[c.way].series.clone(),
             label: if c.samples == 1 { "1 sample".into() } else { format!("{} samples", c.samples) },
             default: c.is_default(),
             command: None,
@@ -112,12 +116,22 @@ impl Topic for StrandsTopic<'_> {
             Some(known) => known,
             None => {
                 doing("drawing");
-                let found = group(gpu, meter, shared, Size::ALL[size], view, picture, samples)?;
+                let found = group(gpu, meter, shared, &self.ways, (Size::ALL[size], view, picture), samples)?;
                 self.groups.push(((size, samples), found));
                 self.groups.len() - 1
             }
         };
         Ok(cells(&configuration, seen, &self.groups[known].1, meter.clock().word()))
+    }
+}
+
+/// How the subject's hair is drawn: its coat's, or where no coat grows that on guides.
+fn ways(subject: &Subject) -> Vec<Way> {
+    let recipe = &subject.recipe;
+    let furred = furred_materials(&subject.model.materials, &recipe.model.bare, &mut Vec::new());
+    match recipe.strands.group.first().filter(|_| !furred.contains(&true)) {
+        Some(group) => Way::all(group.points.unwrap_or(HAIR_POINTS) - 1, false),
+        None => Way::all(recipe.strands.points - 1, true),
     }
 }
 
@@ -194,13 +208,12 @@ fn group(
     gpu: &Gpu,
     meter: &Meter,
     shared: &Shared,
-    size: Size,
-    view: &View,
-    truth: &Picture,
+    ways: &[Way],
+    (size, view, truth): (Size, &View, &Picture),
     samples: u32,
 ) -> Result<Vec<Found>, Failure> {
     let (mut stages, mut all) = (Vec::new(), Vec::new());
-    for way in Way::ALL {
+    for way in ways {
         let file = &shared.packages[usize::from(!way.needs_no_strands())];
         let view = view.clone().with(|look| {
             (look.fur.hair, look.fur.detail, look.picture.samples) = (way.hair, way.detail, Samples(samples));

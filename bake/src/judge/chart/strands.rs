@@ -46,10 +46,10 @@ impl Size {
 pub const SAMPLES: [u32; 2] = [1, 4];
 
 /// How hair is drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Way {
     /// What is varied.
-    pub series: &'static str,
+    pub series: String,
     /// Strands, layers, or what the runtime chooses.
     pub hair: LookHair,
     /// How much of the layers.
@@ -59,15 +59,23 @@ pub struct Way {
 }
 
 impl Way {
-    /// What the runtime chooses first.
-    pub const ALL: [Self; 6] = [
-        Self { series: "auto", hair: LookHair::Auto, detail: LookDetail::Auto, pieces: None },
-        Self { series: "layers, as the size asks for", hair: LookHair::Shells, detail: LookDetail::Auto, pieces: None },
-        Self { series: "layers, all", hair: LookHair::Shells, detail: LookDetail::Full, pieces: None },
-        Self { series: "strands of 8 pieces", hair: LookHair::Strands, detail: LookDetail::Auto, pieces: Some(8) },
-        Self { series: "strands of 4 pieces", hair: LookHair::Strands, detail: LookDetail::Auto, pieces: Some(4) },
-        Self { series: "strands of 2 pieces", hair: LookHair::Strands, detail: LookDetail::Auto, pieces: Some(2) },
-    ];
+    /// All ways for strands of so many pieces, what the runtime chooses first: then layers, where there is a `coat`, and strands of all pieces, half as
+    /// many and so on.
+    pub fn all(pieces: u32, coat: bool) -> Vec<Self> {
+        let way = |series: &str, hair, detail| Self { series: series.to_owned(), hair, detail, pieces: None };
+        let mut all = vec![way("auto", LookHair::Auto, LookDetail::Auto)];
+        if coat {
+            all.push(way("layers, as the size asks for", LookHair::Shells, LookDetail::Auto));
+            all.push(way("layers, all", LookHair::Shells, LookDetail::Full));
+        }
+        let strands = |pieces: u32| Self {
+            pieces: Some(pieces),
+            ..way(&format!("strands of {pieces} pieces"), LookHair::Strands, LookDetail::Auto)
+        };
+        let halved = std::iter::successors(Some(pieces), |p| p.is_multiple_of(2).then_some(p / 2));
+        all.extend(halved.take_while(|p| *p > 1).take(if coat { 3 } else { 4 }).map(strands));
+        all
+    }
 
     /// Whether a package without strands is drawn so as well.
     pub fn needs_no_strands(&self) -> bool {
@@ -82,7 +90,7 @@ pub struct Configuration {
     pub size: usize,
     /// Samples a pixel.
     pub samples: u32,
-    /// Index into [`Way::ALL`].
+    /// Index into the list of ways.
     pub way: usize,
 }
 
@@ -93,12 +101,10 @@ impl Configuration {
     }
 }
 
-/// Every way in every size, at each number of samples.
-pub fn configurations() -> Vec<Configuration> {
+/// Every one of so many ways in every size, at each number of samples.
+pub fn configurations(ways: usize) -> Vec<Configuration> {
     let groups = (0..Size::ALL.len()).flat_map(|size| SAMPLES.map(|samples| (size, samples)));
-    groups
-        .flat_map(|(size, samples)| (0..Way::ALL.len()).map(move |way| Configuration { size, samples, way }))
-        .collect()
+    groups.flat_map(|(size, samples)| (0..ways).map(move |way| Configuration { size, samples, way })).collect()
 }
 
 /// Columns of the chart.
@@ -243,7 +249,13 @@ mod tests {
 
     #[test]
     fn every_way_is_drawn_in_every_size() {
-        let all = configurations();
+        let series = |pieces, coat| Way::all(pieces, coat).into_iter().map(|way| way.series).collect::<Vec<_>>();
+        let strands = ["strands of 8 pieces", "strands of 4 pieces", "strands of 2 pieces"];
+        let layers = ["auto", "layers, as the size asks for", "layers, all"];
+        assert_eq!(series(8, true), [layers, strands].concat());
+        assert_eq!(series(16, false), [&["auto", "strands of 16 pieces"][..], &strands].concat());
+        assert_eq!(series(6, false), ["auto", "strands of 6 pieces", "strands of 3 pieces"]);
+        let all = configurations(6);
         assert_eq!(all.len(), 6 * 2 * 6);
         for size in 0..Size::ALL.len() {
             let of: Vec<_> = all.iter().filter(|c| c.size == size).collect();

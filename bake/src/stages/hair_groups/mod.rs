@@ -28,6 +28,8 @@ use pelage_formats::{HairGroup, OnTriangle};
 use rayon::prelude::*;
 use tuft::tuft_of;
 
+/// Points of a hair where the recipe says nothing.
+pub const HAIR_POINTS: u32 = 17;
 /// Guides of a file may root so far from the scalp, over the model's radius: others are left out.
 const LOOSE: f32 = 0.1;
 /// Share of their points that is led to the scalp.
@@ -99,7 +101,7 @@ fn group_of(
     let mut group = HairGroup {
         name: params.name.clone(),
         hairs: params.hairs.unwrap_or(20_000),
-        points: params.points.unwrap_or(17),
+        points: params.points.unwrap_or(HAIR_POINTS),
         guide_points,
         seed: params.seed.unwrap_or(1),
         root_radius_m,
