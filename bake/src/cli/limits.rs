@@ -44,7 +44,11 @@ pub fn choose(
     limits.validate()?;
     recipe.validate()?;
     let gpu = Gpu::open()?;
-    let of = |recipe: &Recipe, output: &mut Output| search(source, recipe, limits, exhaustive, &gpu, output);
+    // As applications draw by default: a setting with more layers than the fur has pixels costs bytes alone.
+    let judge = ShellJudge::new(source, recipe, &gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
+    let adapter = measured_on(&gpu.info.name);
+    // The true pictures are the same with single strands and without.
+    let of = |recipe: &Recipe, output: &mut Output| search(&judge, &adapter, recipe, limits, exhaustive, output);
     let found = of(recipe, output)?;
     if found.decision.meets || found.decision.binding != Some(Figure::Bytes) || !recipe.strands.enabled {
         return found.chosen(file, limits, false);
@@ -67,24 +71,22 @@ struct Found {
 }
 
 fn search(
-    source: Source<'_>,
+    judge: &ShellJudge<'_>,
+    adapter: &str,
     recipe: &Recipe,
     limits: &Limits,
     exhaustive: bool,
-    gpu: &Gpu,
     output: &mut Output,
 ) -> Result<Found, Failure> {
-    // As applications draw by default: a setting with more layers than the fur has pixels costs bytes alone.
-    let judge = ShellJudge::new(source, recipe, gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
     let space = Space::around(recipe).up_to(judge.most_layers(recipe));
-    let mut counted = Counted { judge: &judge, recipe, output, likenesses: Vec::new() };
+    let mut counted = Counted { judge, recipe, output, likenesses: Vec::new() };
     let decision = if exhaustive {
         decide::exhaustive(&space, limits, &mut counted)?
     } else {
         decide::decide(&space, limits, &mut counted)?
     };
     let evidence = Choice {
-        adapter: measured_on(&gpu.info.name),
+        adapter: adapter.to_owned(),
         width: recipe.judge.width,
         height: recipe.judge.height,
         samples: recipe.judge.samples,
