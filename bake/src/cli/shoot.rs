@@ -11,7 +11,7 @@ use pelage_bake::io;
 use pelage_bake::picture::encode_png;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{Frame, Light};
-use pelage_stage::{Shot, Stage, Viewpoint};
+use pelage_stage::{Shot, Stage};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -73,9 +73,7 @@ impl Shoot {
         self.scene.set_time(time_s);
         let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
         if self.auto_rotate {
-            let Viewpoint { eye, target, fov_deg } = self.shot.at(time_s);
-            let eye = target + Quat::from_rotation_y(angle_rad) * (eye - target);
-            self.scene.look_from(Viewpoint { eye, target, fov_deg });
+            self.scene.look_from(self.shot.at(time_s).turned(angle_rad));
         }
         if self.turn_light {
             self.scene.params.light = turned(self.light, angle_rad);

@@ -1,7 +1,7 @@
 //! From where a picture is seen, at one moment and over time.
 
 use crate::track::Track;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use pelage_params::{Item, Raw};
 use std::fmt;
 use std::str::FromStr;
@@ -15,6 +15,14 @@ pub struct Viewpoint {
     pub target: Vec3,
     /// Height of the view, degrees, 1..=170.
     pub fov_deg: f32,
+}
+
+impl Viewpoint {
+    /// The camera, gone about the vertical axis through its target.
+    #[must_use]
+    pub fn turned(self, angle_rad: f32) -> Self {
+        Self { eye: self.target + Quat::from_rotation_y(angle_rad) * (self.eye - self.target), ..self }
+    }
 }
 
 /// Finite numbers with commas between them.

@@ -1,7 +1,7 @@
 //! `pelage chart ink`: drawn lines beside those of the mesh.
 
-use super::camera_motion::{greys, turned};
 use super::driver::{Plan, PlannedRow, Topic, once};
+use super::greys::greys;
 use super::machine::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
@@ -130,7 +130,7 @@ impl Shared {
         let mut sum = Flicker::default();
         let mut before: Option<(_, Vec<f32>, Mask)> = None;
         for frame in 0..TURN.0 {
-            let camera = turned(cameras[0], TURN.1 * frame as f32);
+            let camera = cameras[0].turned((TURN.1 * frame as f32).to_radians());
             let lines = Mask::darker(&show(scene, camera, InkShow::Lines)?, FAINT);
             let grey = greys(&show(scene, camera, InkShow::Painting)?);
             let camera = true_camera(camera);

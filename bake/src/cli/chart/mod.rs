@@ -5,10 +5,10 @@
 
 mod args;
 #[cfg(feature = "preview")]
-mod camera_motion;
-#[cfg(feature = "preview")]
 mod detail;
 mod driver;
+#[cfg(feature = "preview")]
+mod greys;
 #[cfg(feature = "preview")]
 mod ink;
 mod journal;

@@ -1,7 +1,7 @@
 //! `pelage chart strands`: single strands beside layers at six sizes, against the traced picture.
 
-use super::camera_motion::{greys, turned};
 use super::driver::{Plan, PlannedRow, Topic, once};
+use super::greys::greys;
 use super::machine::measured_on;
 use super::subject::Subject;
 use crate::cli::exit::Failure;
@@ -172,7 +172,7 @@ impl Shared {
             // Through bytes, as the pictures that it is compared with.
             (truth::encode(&picture, view.look.background()), view)
         };
-        let ((next, _), (picture, view)) = (traced(turned(camera, TURN_DEG)), traced(camera));
+        let ((next, _), (picture, view)) = (traced(camera.turned(TURN_DEG.to_radians())), traced(camera));
         let seen = Seen {
             pixels,
             true_samples: samples,
@@ -186,7 +186,7 @@ impl Shared {
     /// How much the skin's points change, and what stands on them, between a picture from `camera` and one from a little aside.
     fn flicker(&self, camera: Viewpoint, greys: [Vec<f32>; 2], size: (u32, u32)) -> Result<Option<f64>, Failure> {
         let no_lines = Mask::empty(size.0, size.1);
-        let cameras = [camera, turned(camera, TURN_DEG)].map(true_camera);
+        let cameras = [camera, camera.turned(TURN_DEG.to_radians())].map(true_camera);
         let moment = |i: usize| Moment { sight: &self.sight, camera: &cameras[i], grey: &greys[i], lines: &no_lines };
         Ok(flicker(&moment(0), &moment(1), size)?.surface.mean())
     }
@@ -198,7 +198,7 @@ impl Shared {
             stage.draw()?;
             Ok(greys(&pixels(stage)?))
         };
-        let (next, now) = (seen_from(turned(camera, TURN_DEG))?, seen_from(camera)?);
+        let (next, now) = (seen_from(camera.turned(TURN_DEG.to_radians()))?, seen_from(camera)?);
         self.flicker(camera, [now, next], size)
     }
 }
