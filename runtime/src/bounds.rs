@@ -1,6 +1,6 @@
 //! How far things reach in world space.
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// A sphere in world space, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,28 @@ impl Hull {
             self.0.iter().all(|(point, margin)| side.dot(point.extend(1.0)) + reach * margin < 0.0)
         };
         self.0.is_empty() || ![w + x, w - x, w + y, w - y, z, w - z].into_iter().any(beyond)
+    }
+
+    /// The part of a picture that it may reach: from the left, from the top, to the right and to the bottom, pixels, with a margin on each side. All of
+    /// the picture where some of it is beside or behind the eye.
+    pub(crate) fn on_screen(&self, clip_from_world: Mat4, viewport: [u32; 2], margin_px: f32) -> [u32; 4] {
+        let size = Vec2::from(viewport.map(|n| n as f32));
+        let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        for (point, margin) in &self.0 {
+            // Of one without margin all are the same.
+            for corner in 0..if *margin > 0.0 { 8 } else { 1 } {
+                let side = Vec3::from([1, 2, 4].map(|bit| if corner & bit == 0 { -1.0 } else { 1.0 }));
+                let clip = clip_from_world * (*point + *margin * side).extend(1.0);
+                if clip.w <= 1e-6 {
+                    return [0, 0, viewport[0], viewport[1]];
+                }
+                let place = (Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * size;
+                (least, most) = (least.min(place), most.max(place));
+            }
+        }
+        let clamped = |v: Vec2| v.clamp(Vec2::ZERO, size).to_array().map(|n| if n.is_finite() { n as u32 } else { 0 });
+        let ([left, top], [right, bottom]) = (clamped((least - margin_px).floor()), clamped((most + margin_px).ceil()));
+        [left, top, right.max(left), bottom.max(top)]
     }
 }
 

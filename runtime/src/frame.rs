@@ -8,7 +8,7 @@ use crate::light::{Casters, ShadowMaps};
 use crate::params::FrameParams;
 use crate::passes::*;
 use crate::report::{FrameReport, PassReport};
-use crate::scene::{self, Kept, Seen};
+use crate::scene::{self, Kept, Nearest, Seen};
 use crate::shared::receiver::ShadowReceiver;
 use std::sync::Arc;
 
@@ -21,6 +21,7 @@ pub(crate) const PASSES: &[&Pass] = &[
     &layer_shadow::PASS,
     &shadow_width::PASS,
     &strand_light::PASS,
+    &strand_gather::PASS,
     &ink_normals::PASS,
     &ink_features::PASS,
     &ink_trace::PASS,
@@ -28,6 +29,7 @@ pub(crate) const PASSES: &[&Pass] = &[
     &ink_stroke::PASS,
     &skin::PASS,
     &strands::PASS,
+    &strand_blend::PASS,
     &fins::PASS,
     &shells::PASS,
     &ink_composite::PASS,
@@ -54,6 +56,7 @@ pub struct Frame {
     _uniforms: Arc<()>,
     _targets: Arc<TargetSet>,
     _instances: Arc<[Seen]>,
+    _nearest: Option<Nearest>,
 }
 
 /// Prepares a frame: every pass plans, and those before the picture are recorded.
@@ -96,8 +99,19 @@ pub(crate) fn prepare(
     let created = recording.gpu.created().since(before);
     recording.uniforms.write(recording.gpu);
     let uploaded_bytes = recording.uniforms.uploaded();
-    let report = FrameReport { passes, instances, created, uploaded_bytes, target_bytes: targets.gpu_bytes() };
-    Ok(Frame { draws, shadows, shadow_map, report, _uniforms: recording.finish(), _targets: targets, _instances: seen })
+    let nearest = recording.nearest.clone();
+    let target_bytes = targets.gpu_bytes() + nearest.as_ref().map_or(0, |nearest| nearest.lists.gpu_bytes());
+    let report = FrameReport { passes, instances, created, uploaded_bytes, target_bytes };
+    Ok(Frame {
+        draws,
+        shadows,
+        shadow_map,
+        report,
+        _uniforms: recording.finish(),
+        _targets: targets,
+        _instances: seen,
+        _nearest: nearest,
+    })
 }
 
 impl Frame {

@@ -6,9 +6,10 @@ use crate::ink::{InkFrame, InkModel};
 use crate::model::{Stand, Strand, StrandConstants};
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{
-    fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_light, strand_pose, strand_shadow,
-    strands,
+    fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_blend, strand_gather,
+    strand_light, strand_pose, strand_shadow, strands,
 };
+use crate::scene::{NEAREST, NearestHair, TILE};
 use crate::shared::deep_opacity::{self, DeepOpacity};
 use crate::shared::{frame, receiver, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform, SCAN_WORKGROUP};
@@ -225,10 +226,15 @@ fn uniform_structs_agree() {
             fields!(DeepOpacity, size, slabs, slabs_per_depth, texel_m, density, whole_from, reserved);
         assert_eq!((&wgsl[..6], wgsl[6].1, size), (&fields[..6], fields[6].1, rust_size));
     }
-    // It reads no more of the frame than how to place corners.
-    let (frame, _) = members(strands::SHADER.wgsl, "Frame");
-    assert_eq!(frame[..], fields!(frame::Frame, clip_from_world).0[..]);
-    assert_eq!(frame[0].1 as usize, offset_of!(frame::Frame, clip_from_world));
+    for source in [strand_gather::SHADER.wgsl, strand_blend::SHADER.wgsl] {
+        assert_eq!(members(source, "NearestHair"), fields!(NearestHair, area, size, pieces, reserved));
+    }
+    // They read no more of the frame than how to place corners.
+    for source in [strands::SHADER.wgsl, strand_gather::SHADER.wgsl] {
+        let (frame, _) = members(source, "Frame");
+        assert_eq!(frame[..], fields!(frame::Frame, clip_from_world).0[..]);
+        assert_eq!(frame[0].1 as usize, offset_of!(frame::Frame, clip_from_world));
+    }
     assert_eq!(
         members(soft_shadow::WGSL, "SoftShadow"),
         fields!(soft_shadow::SoftShadow, range_m, penumbra, blur, texel)
@@ -327,6 +333,9 @@ fn workgroups_agree() {
             assert_eq!(entry.workgroup_size, [expected, 1, 1], "{}", entry.name);
         }
     }
+    let gather = parse("gather", strand_gather::SHADER.wgsl);
+    assert!(gather.entry_points.iter().all(|entry| entry.workgroup_size == [WORKGROUP, 1, 1]));
+    assert_eq!(WORKGROUP, TILE * TILE, "a workgroup is a tile of pixels");
     let module = parse("fins", fins::SHADER.wgsl);
     let lights = |source| {
         let module = parse("lights", source);
@@ -345,7 +354,9 @@ fn workgroups_agree() {
         panic!("STROKE_SHELLS is not a number")
     };
     assert_eq!(found, ink_fur::SHELLS);
-    for (name, expected) in [("CORNERS", FIN_CORNERS), ("LEANING_ROWS", LEANING_ROWS)] {
+    let of_fins = [("CORNERS", FIN_CORNERS), ("LEANING_ROWS", LEANING_ROWS)].map(|named| (&module, named));
+    let of_lists = [("NEAREST", NEAREST), ("TILE", TILE)].map(|named| (&gather, named));
+    for (module, (name, expected)) in of_fins.into_iter().chain(of_lists) {
         let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
         let naga::Expression::Literal(naga::Literal::U32(found)) = module.global_expressions[constant.init] else {
             panic!("{name} is not a number")

@@ -82,7 +82,7 @@ pub use params::{
 };
 pub use params::{
     Detail, FrameParams, FurParams, Hair, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions,
-    SelfShadow, ShadowParams, Style, StyleKind,
+    SelfShadow, ShadowParams, StrandEdges, Style, StyleKind,
 };
 pub use passes::{PassId, PassPlace};
 pub use renderer::Renderer;

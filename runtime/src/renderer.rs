@@ -35,6 +35,7 @@ impl Renderer {
             states: States::default(),
             shadows: Shelf::default(),
             ribbons: Shelf::default(),
+            nearest: Shelf::default(),
             ring: Ring::default(),
         };
         Ok(Self { kept })
@@ -78,6 +79,7 @@ impl Renderer {
         // What these frames leave behind is dropped with them.
         let shadows = std::mem::take(&mut self.kept.shadows);
         let ribbons = std::mem::take(&mut self.kept.ribbons);
+        let nearest = std::mem::take(&mut self.kept.nearest);
         let targets = std::mem::take(&mut self.kept.cache.targets);
         let bind_groups = std::mem::take(&mut self.kept.cache.bind_groups);
         let mut encoder = self.kept.gpu.device.create_command_encoder(&Default::default());
@@ -94,6 +96,7 @@ impl Renderer {
         self.kept.states.forget(Instance::NOBODY);
         self.kept.shadows = shadows;
         self.kept.ribbons = ribbons;
+        self.kept.nearest = nearest;
         self.kept.cache.targets = targets;
         self.kept.cache.bind_groups = bind_groups;
         drop(encoder);
@@ -147,6 +150,7 @@ impl Renderer {
         self.kept.states.invalidate();
         self.kept.shadows = Shelf::default();
         self.kept.ribbons = Shelf::default();
+        self.kept.nearest = Shelf::default();
         self.kept.cache.bind_groups.clear();
     }
 

@@ -1,6 +1,7 @@
 //! Drawing test pictures, and comparing them with stored ones.
 
 use crate::silhouette::half_to_f32;
+use pelage_runtime::formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_runtime::{FrameParams, Instance, PassId, Renderer, wgpu};
 use pelage_stage::{Canvas, Gpu};
 use std::path::{Path, PathBuf};
@@ -23,6 +24,21 @@ impl Picture {
     /// Mean of one channel, 0..=255.
     pub fn mean(&self, channel: usize) -> f64 {
         self.rgba.iter().map(|p| f64::from(p[channel])).sum::<f64>() / self.rgba.len() as f64
+    }
+
+    /// The same with the mean light of `by`×`by` texels in place of each; `by` divides both sides.
+    pub fn shrunk(&self, by: u32) -> Self {
+        let (width, height) = (self.size.0 / by, self.size.1 / by);
+        let share = 1.0 / (by * by) as f32;
+        let texel = |x: u32, y: u32| {
+            let block = (0..by * by).map(|i| ((y * by + i / by) * self.size.0 + x * by + i % by) as usize);
+            let of_block: Vec<[u8; 4]> = block.map(|i| self.rgba[i]).collect();
+            let mean = |value: &dyn Fn(&[u8; 4]) -> f32| share * of_block.iter().map(value).sum::<f32>();
+            let [r, g, b] = [0, 1, 2].map(|c| linear_to_srgb(mean(&|p| srgb_to_linear(p[c]))));
+            [r, g, b, mean(&|p| f32::from(p[3])).round() as u8]
+        };
+        let rgba = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
+        Self { size: (width, height), rgba }
     }
 
     /// Writes a PNG, making its folder.

@@ -2,24 +2,21 @@
 
 /// Declares such a table, and how its list and each of its keys are read, checked and written. Every key besides `name` may be left out.
 macro_rules! named_table {
-    ($(#[$struct_meta:meta])* $table:ident of $what:literal { $($(#[$meta:meta])* $key:ident: $ty:ty, in $range:expr;)+ }) => {
+    ($(#[$struct_meta:meta])* $table:ident of $what:literal { $($(#[doc = $doc:literal])+ $key:ident: $ty:ty, in $range:expr;)+ }) => {
         $(#[$struct_meta])*
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $table {
             #[doc = concat!("Name of ", $what, ".")]
             pub name: String,
-            $($(#[$meta])* pub $key: Option<$ty>,)+
+            $($(#[doc = $doc])+ pub $key: Option<$ty>,)+
         }
 
         impl $table {
-            /// Keys besides `name`.
-            const KEYS: &[&str] = &[$(stringify!($key)),+];
-
             /// Sets `key`, which is not `name`.
             fn set(&mut self, key: &str, raw: &pelage_params::Raw) -> Result<(), String> {
                 match key {
                     $(stringify!($key) => self.$key = Some(<$ty as pelage_params::Field>::read(raw, &$range)?),)+
-                    _ => return Err(pelage_params::unknown_key(key, Self::KEYS)),
+                    _ => return Err(pelage_params::unknown_key(key, &[$(stringify!($key)),+])),
                 }
                 Ok(())
             }
@@ -27,9 +24,15 @@ macro_rules! named_table {
 
         impl pelage_params::Item for $table {
             const ALONE: bool = false;
+            const KEYS: &'static [pelage_params::TableKey] = &[$(pelage_params::TableKey {
+                name: stringify!($key),
+                doc: concat!($($doc, "\n"),+),
+                expected: || <$ty as pelage_params::Field>::expected(&$range),
+            }),+];
 
             fn expected_list() -> String {
-                format!("a list of tables with name and any of {}", Self::KEYS.join(", "))
+                let keys: Vec<_> = Self::KEYS.iter().map(|key| key.name).collect();
+                format!("a list of tables with name and any of {}", keys.join(", "))
             }
 
             fn place(index: usize, _: &pelage_params::Raw) -> String {

@@ -11,6 +11,23 @@ pub struct Choice {
     pub was: &'static [&'static str],
 }
 
+/// A key of the tables that a list has.
+#[derive(Clone, Copy, Debug)]
+pub struct TableKey {
+    /// As it stands in a file.
+    pub name: &'static str,
+    /// What it means.
+    pub doc: &'static str,
+    /// Type and range, such as `a number 0..=1`.
+    pub expected: fn() -> String,
+}
+
+impl PartialEq for TableKey {
+    fn eq(&self, other: &Self) -> bool {
+        (self.name, self.doc, (self.expected)()) == (other.name, other.doc, (other.expected)())
+    }
+}
+
 /// How a knob is shown: what it holds, and from where to where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Control {
@@ -47,6 +64,8 @@ pub enum Control {
     Color,
     /// One of a few words.
     Choice(&'static [Choice]),
+    /// A list of tables with these keys.
+    Tables(&'static [TableKey]),
     /// What only text can say: names, paths, lists.
     Text,
 }

@@ -58,7 +58,7 @@ mod page;
 mod raw;
 mod text;
 
-pub use control::{Choice, Control};
+pub use control::{Choice, Control, TableKey};
 pub use error::{OutOfRange, ParamError};
 pub use field::{Field, PowerOfTwo, Range, SrgbColor, hex};
 pub use glob::glob;

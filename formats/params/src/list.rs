@@ -1,5 +1,6 @@
 //! Lists of things.
 
+use crate::control::{Control, TableKey};
 use crate::field::Field;
 use crate::raw::Raw;
 
@@ -7,6 +8,8 @@ use crate::raw::Raw;
 pub trait Item: Sized {
     /// Whether one alone may stand without brackets.
     const ALONE: bool;
+    /// Keys of those that are tables.
+    const KEYS: &'static [TableKey] = &[];
 
     /// What a list of them is, in words.
     fn expected_list() -> String;
@@ -35,6 +38,10 @@ impl<T: Item> Field for Vec<T> {
 
     fn expected((): &()) -> String {
         T::expected_list()
+    }
+
+    fn control((): &()) -> Control {
+        if T::KEYS.is_empty() { Control::Text } else { Control::Tables(T::KEYS) }
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {

@@ -30,10 +30,13 @@ fn entry(knob: &Knob, default: Option<String>) -> String {
     let default = default.map_or("left out".to_owned(), |value| format!("`{value}`"));
     let head = format!("**`{}`**: {}; default {default}.", knob.key(), (knob.expected)());
     let mut entry = format!("\n- {}\n{}\n", wrap("  ", &head), indented(&one_line(knob.doc)));
-    if let Control::Choice(choices) = (knob.control)() {
-        for choice in choices {
-            entry += &format!("  - {}\n", wrap("    ", &format!("`{}`: {}", choice.word, one_line(choice.doc))));
+    let mut item = |text: String| entry += &format!("  - {}\n", wrap("    ", &text));
+    match (knob.control)() {
+        Control::Choice(choices) => choices.iter().for_each(|c| item(format!("`{}`: {}", c.word, one_line(c.doc)))),
+        Control::Tables(keys) => {
+            keys.iter().for_each(|k| item(format!("`{}`: {}. {}", k.name, (k.expected)(), one_line(k.doc))));
         }
+        _ => (),
     }
     entry
 }

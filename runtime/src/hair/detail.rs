@@ -4,6 +4,7 @@
 //! with the far coat on it. No level is drawn twice: between two, layers go one after
 //! another, and give their opacity to those that stay.
 
+use super::thin::{found_as, point_step, share_of_hairs, shares_on_the_way, way_to_strands};
 use crate::bounds::Hull;
 use crate::gpu::largest_buffer;
 use crate::instance::Instance;
@@ -73,6 +74,7 @@ impl Drawing {
         let Some(fur) = params.style.fur().filter(|_| crate::study::only_layer(params).is_none()) else {
             return drawing;
         };
+        let samples = found_as(fur, samples);
         let Some(strands) = instance.model.coat_strands().filter(|_| drawing.has_shells()) else { return drawing };
         let way = match fur.hair {
             Hair::Shells => 0.0,
@@ -81,15 +83,14 @@ impl Drawing {
             Hair::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
             Hair::Auto => way_to_strands(px_per_m * strands.mean_width_m * bias(fur.detail), samples),
         };
-        Self { point_step: point_step(strands, px_per_m, most_pieces), ..drawing.with_strands(way) }
+        Self { point_step: point_step(strands, px_per_m, samples, most_pieces), ..drawing.with_strands(way) }
     }
 
-    /// On the way from layers, 0, to single strands, 1: first strands come in between the layers, then the layers fade. The far coat is in both.
+    /// On the [way](way_to_strands) from layers to single strands. The far coat is in both.
     fn with_strands(mut self, way: f32) -> Self {
-        self.detail.strands = (way / STRANDS_IN).min(1.0) * (1.0 - self.detail.coat);
-        let left = ((1.0 - way) / (1.0 - LAYERS_STAY)).min(1.0);
-        // Many layers hide more together than one: the last of them go slowly.
-        self.layer_share = left * left;
+        let [strands, layers] = shares_on_the_way(way);
+        self.detail.strands = strands * (1.0 - self.detail.coat);
+        self.layer_share = layers;
         self.detail.fins *= self.layer_share;
         self
     }
@@ -106,20 +107,20 @@ impl Drawing {
     /// Which of the model's sets of strands it draws, with so many samples a pixel, on a device of these limits. Groups of hair are drawn as strands at
     /// any size: where they are thinner than samples find them, fewer and wider ones.
     pub(crate) fn sets(&self, model: &Model, style: &Style, samples: u32, limits: &wgpu::Limits) -> Vec<DrawnSet> {
-        if style.fur().is_none() {
-            return Vec::new();
-        }
+        let Some(fur) = style.fur() else { return Vec::new() };
+        let found = found_as(fur, samples);
         let of = |(set, strands): (usize, &Strands)| {
-            if strands.guided().is_none() {
-                let (share, step) = (self.detail.strands, self.point_step);
-                return self.has_strands().then_some(DrawnSet { set, share, widened: 1.0, step });
+            let guided = strands.guided().is_some();
+            let fewer = share_of_hairs(fur, guided, self.px_per_m * strands.mean_width_m, samples);
+            let widened = fewer.recip();
+            if !guided {
+                let (share, step) = (fewer * self.detail.strands, self.point_step);
+                return self.has_strands().then_some(DrawnSet { set, share, widened, step });
             }
-            let width_px = self.px_per_m * strands.mean_width_m * samples as f32;
-            let share = (width_px / THINNEST_PX).clamp(FEWEST_HAIRS, 1.0);
             let fits = |step: &u32| strands.ribbon_bytes(*step) <= largest_buffer(limits);
-            let wanted = point_step(strands, self.px_per_m, self.most_pieces);
+            let wanted = point_step(strands, self.px_per_m, found, self.most_pieces);
             let step = strands.steps().find(|step| *step >= wanted && fits(step)).unwrap_or(strands.points - 1);
-            Some(DrawnSet { set, share, widened: share.recip(), step })
+            Some(DrawnSet { set, share: fewer, widened, step })
         };
         model.strands().iter().enumerate().filter_map(of).collect()
     }
@@ -270,53 +271,9 @@ impl Drawing {
     }
 }
 
-/// Width of hairs on screen, pixels over samples, below which fewer and wider ones stand for them.
-const THINNEST_PX: f32 = 0.36;
-
-/// Least share of them.
-const FEWEST_HAIRS: f32 = 0.02;
-
-/// Mean width of strands on screen, pixels over the root of the samples, from which they begin to take the place of layers. Where all have, they shimmer
-/// less than twice as much as the true picture; thinner ones more, with whatever number of samples.
-const MIXED_FROM_PX: f32 = 0.72;
-
-/// Width from which all have, over that. Both are drawn in between, so that it is narrow.
-const MIXED_TO: f32 = 1.25;
-
-/// Of the way from layers to strands: where all strands have come in, and where layers begin to fade.
-const STRANDS_IN: f32 = 0.6;
-const LAYERS_STAY: f32 = 0.4;
-
-/// How far on the way to single strands hair is where those are so many pixels wide and a pixel has so many samples.
-fn way_to_strands(width_px: f32, samples: u32) -> f32 {
-    let over = width_px * (samples as f32).sqrt() / MIXED_FROM_PX;
-    ((over - 1.0) / (MIXED_TO - 1.0)).clamp(0.0, 1.0)
-}
-
 /// Factor on the size on screen.
 fn bias(detail: Detail) -> f32 {
     if let Detail::Auto { bias } = detail { bias } else { 1.0 }
-}
-
-/// How far, in pixels, the mean strand may bend away from what is left of it when points are left out.
-const BENT_PX: f32 = 0.12;
-
-/// Fewest pieces of a strand: what two points leave of a coat is not it.
-const FEWEST_PIECES: u32 = 2;
-
-/// Every how many points of strands is drawn, where a metre has so many pixels; for at most `most_pieces`, where that says so.
-fn point_step(strands: &Strands, px_per_m: f32, most_pieces: Option<u32>) -> u32 {
-    if let Some(most) = most_pieces {
-        return strands.steps().find(|step| strands.pieces(*step) <= most).unwrap_or(strands.points - 1);
-    }
-    let few = |step: u32| strands.pieces(step) >= FEWEST_PIECES.min(strands.pieces(1));
-    let fits = |step: u32, bent_m: f32| few(step) && bent_m * px_per_m <= BENT_PX;
-    strands
-        .steps()
-        .zip(&strands.bent_m)
-        .filter(|(step, bent_m)| fits(*step, **bent_m))
-        .last()
-        .map_or(1, |(step, _)| step)
 }
 
 /// Level of the hair's textures whose texels are as large as pixels, where fur is `px` pixels high.

@@ -118,9 +118,3 @@ fn strands_come_in_before_layers_go() {
     let coat = Drawing::at(&manifest, &params, 2, 0.5);
     assert_eq!((coat.with_strands(1.0).detail.strands, coat.with_strands(1.0).weights), (0.5, coat.weights));
 }
-
-#[test]
-fn strands_begin_where_samples_find_them() {
-    assert_eq!([0.7, 0.81, 0.91].map(|px| (1e4 * way_to_strands(px, 1)).round() / 1e4), [0.0, 0.5, 1.0]);
-    assert_eq!([0.35, 0.405, 0.455].map(|px| (1e4 * way_to_strands(px, 4)).round() / 1e4), [0.0, 0.5, 1.0]);
-}

@@ -2,6 +2,7 @@
 
 mod detail;
 mod look;
+mod thin;
 
 pub(crate) use detail::{Drawing, DrawnSet};
 pub(crate) use look::{Look, groom, grown, grown_by, hair_wgsl, holes, material};

@@ -5,7 +5,7 @@ use crate::model::ModelInk;
 use crate::params::InkParams;
 use crate::shared::srgb::encoded;
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat3, Mat4, Vec2};
+use glam::{Mat3, Mat4};
 
 /// The constants of a frame, as the shaders read them.
 #[repr(C)]
@@ -123,21 +123,8 @@ fn px_per_unit(clip_from_view: Mat4, viewport: [u32; 2]) -> f32 {
 
 /// The part of the target that a frame's lines can reach: left, top, width and height, pixels. Passes over the picture leave out the rest.
 pub(crate) fn painted_rect(hull: &Hull, clip_from_world: Mat4, params: &InkParams, viewport: [u32; 2]) -> [u32; 4] {
-    let size = Vec2::from(viewport.map(|n| n as f32));
-    let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-    for (point, _) in &hull.0 {
-        let clip = clip_from_world * point.extend(1.0);
-        // Beside or behind the eye there is no place in the picture.
-        if clip.w <= 1e-6 {
-            return [0, 0, viewport[0], viewport[1]];
-        }
-        let place = (Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * size;
-        (least, most) = (least.min(place), most.max(place));
-    }
     // Lines reach beyond their features, and those are found beside what is drawn.
     let margin = (params.reach_px(viewport[1]) + params.step_px + 1) as f32;
-    let clamped = |v: Vec2| v.clamp(Vec2::ZERO, size);
-    let (least, most) = (clamped((least - margin).floor()), clamped((most + margin).ceil()));
-    let extent = (most - least).max(Vec2::ZERO);
-    [least.x, least.y, extent.x, extent.y].map(|n| if n.is_finite() { n as u32 } else { 0 })
+    let [left, top, right, bottom] = hull.on_screen(clip_from_world, viewport, margin);
+    [left, top, right - left, bottom - top]
 }

@@ -30,6 +30,17 @@ pub enum Hair {
     Strands,
 }
 
+/// How pixels are made of single strands, which are mostly thinner than they.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StrandEdges {
+    /// Opaque ribbons, in the samples of the application's pass.
+    #[default]
+    Samples,
+    /// Each pixel blends the eight nearest of its strands, by how much of it each covers: still and smooth with one sample a pixel, for 64 bytes a
+    /// pixel that hair may reach. Where the device's buffers do not hold those, as with [`Self::Samples`].
+    Blended,
+}
+
 /// How a frame in [`crate::Style::Fur`] is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -43,6 +54,8 @@ pub struct FurParams {
     pub fins: bool,
     /// What hair is drawn as (default [`Hair::Auto`]).
     pub hair: Hair,
+    /// How pixels are made of single strands (default [`StrandEdges::Samples`]).
+    pub strand_edges: StrandEdges,
     /// How hair shadows hair, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
     pub self_shadow: SelfShadow,
 }
@@ -52,7 +65,14 @@ const MAX_LAYERS: u32 = 1024;
 
 impl Default for FurParams {
     fn default() -> Self {
-        Self { layers: None, detail: Detail::default(), fins: true, hair: Hair::Auto, self_shadow: SelfShadow::Auto }
+        Self {
+            layers: None,
+            detail: Detail::default(),
+            fins: true,
+            hair: Hair::Auto,
+            strand_edges: StrandEdges::Samples,
+            self_shadow: SelfShadow::Auto,
+        }
     }
 }
 

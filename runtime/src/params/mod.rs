@@ -12,7 +12,7 @@ mod style;
 
 pub use detail::Detail;
 pub use frame::{FrameParams, MAX_FILL_LIGHTS};
-pub use fur::{FurParams, Hair, SelfShadow};
+pub use fur::{FurParams, Hair, SelfShadow, StrandEdges};
 pub use ink::{InkBackground, InkParams, LineWidth};
 pub use renderer::RendererOptions;
 pub use shadows::ShadowParams;

@@ -17,6 +17,8 @@ pub(crate) mod probe;
 pub(crate) mod shadow_width;
 pub(crate) mod shells;
 pub(crate) mod skin;
+pub(crate) mod strand_blend;
+pub(crate) mod strand_gather;
 pub(crate) mod strand_light;
 pub(crate) mod strand_pose;
 pub(crate) mod strand_shadow;

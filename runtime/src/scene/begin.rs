@@ -2,6 +2,7 @@
 
 use super::blocks::{fill_lights, frame_block, instance_block, map_level};
 use super::ink::{InkScene, View};
+use super::nearest::{Nearest, has_ribbons};
 use super::recording::{Kept, Recording};
 use super::ribbons::Ribbons;
 use super::seen::{Seen, SeenSet};
@@ -69,6 +70,7 @@ pub(crate) fn begin<'f>(
     kept.cache.targets.next_frame();
     kept.shadows.next_frame();
     kept.ribbons.next_frame();
+    kept.nearest.next_frame();
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
     let moved = kept.states.move_to(gpu, instances);
@@ -114,6 +116,7 @@ pub(crate) fn begin<'f>(
     });
     let light_places = from_light.as_ref().map(|(_, places)| places.clone());
 
+    let hulls: Vec<Hull> = instances.iter().zip(&moved).map(|(instance, moved)| with_hair(instance, moved)).collect();
     let all = instances.iter().zip(moved).zip(drawings).zip(&drawn_sets).enumerate();
     let seen = all.map(|(index, (((instance, moved), drawing), drawn))| {
         let offset = |place: &Place| place.offset + index as u64 * place.stride;
@@ -137,6 +140,10 @@ pub(crate) fn begin<'f>(
         }
     });
     let instances: Arc<[Seen]> = seen.collect();
+    let mut of_hair = Hull::default();
+    let with_ribbons = instances.iter().zip(hulls).filter(|(seen, _)| has_ribbons(seen));
+    with_ribbons.for_each(|(_, hull)| of_hair.0.extend(hull.0));
+    let nearest = Nearest::of(&mut kept.nearest, gpu, params, &of_hair, clip_from_world);
     let view = View { viewport: params.viewport, view_from_world, clip_from_view, reversed_depth };
     let ink = params.style.ink().map(|ink| InkScene::new(&mut uniforms, gpu, ink, &view, &instances));
     let mut group = |frame: &Place, places: &Place, maps: Option<&ShadowMaps>| {
@@ -165,6 +172,7 @@ pub(crate) fn begin<'f>(
         instances,
         maps,
         casters,
+        nearest,
         targets,
         ink,
         uniforms,

@@ -6,6 +6,7 @@ mod depth;
 mod dispatch;
 mod fins;
 mod ink;
+mod nearest;
 mod recording;
 mod ribbons;
 mod screen;
@@ -17,6 +18,9 @@ pub(crate) use depth::{DEPTH, MapTarget, begin_maps, light_inside, record_depth}
 pub(crate) use dispatch::{Dispatch, record_dispatches};
 pub(crate) use fins::fin_draws;
 pub(crate) use ink::{has_strokes, ink_surface_wgsl};
+#[cfg(test)]
+pub(crate) use nearest::{NEAREST, TILE};
+pub(crate) use nearest::{Nearest, NearestHair};
 pub(crate) use recording::{Kept, Recording, nearer};
 pub(crate) use screen::{Screen, ink_screen_wgsl};
 pub(crate) use seen::{Seen, StrandSet};

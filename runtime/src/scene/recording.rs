@@ -1,6 +1,7 @@
 //! A frame while it is prepared: all that passes plan with.
 
 use super::ink::InkScene;
+use super::nearest::{Nearest, NearestLists};
 use super::ribbons::Ribbons;
 use super::seen::Seen;
 use crate::gpu::{
@@ -26,6 +27,7 @@ pub(crate) struct Kept {
     pub(crate) states: States,
     pub(crate) shadows: Shelf<ShadowMaps>,
     pub(crate) ribbons: Shelf<Ribbons>,
+    pub(crate) nearest: Shelf<NearestLists>,
     pub(crate) ring: Ring,
 }
 
@@ -42,6 +44,8 @@ pub(crate) struct Recording<'f> {
     /// The key light's maps, where the frame has any.
     pub(crate) maps: Option<Arc<ShadowMaps>>,
     pub(crate) casters: Option<Casters<'f>>,
+    /// Where the nearest pieces of hair in each pixel are gathered, where strands are drawn so.
+    pub(crate) nearest: Option<Nearest>,
     /// What passes hand on to each other.
     pub(crate) targets: Arc<TargetSet>,
     pub(crate) ink: Option<InkScene>,

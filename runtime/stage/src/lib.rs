@@ -36,7 +36,7 @@ pub use gpu::Gpu;
 pub use look::{
     Background, FillLight, Interval, KeyLight, Look, LookAnchoring, LookDetail, LookFur, LookHair, LookInk, LookLight,
     LookLighting, LookPenumbra, LookPicture, LookRule, LookSelfShadow, LookShadow, LookShow, LookSlant, LookSphereMap,
-    LookStyle, LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size,
+    LookStrandEdges, LookStyle, LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size,
 };
 #[cfg(feature = "draw")]
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};

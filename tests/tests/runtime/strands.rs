@@ -6,7 +6,7 @@ use pelage_runtime::formats::{Shading, StrandsData};
 use pelage_runtime::glam::{Mat4, Quat, Vec3};
 use pelage_runtime::{
     Camera, Detail, FrameParams, FrameReport, Hair, Instance, Light, PassId, Projection, Renderer, RendererOptions,
-    SelfShadow, wgpu,
+    SelfShadow, StrandEdges, wgpu,
 };
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
@@ -64,7 +64,7 @@ fn plane(strands: StrandsData, groom: PlaneGroom) -> Vec<u8> {
 fn covered(gpu: &Gpu, package: &[u8], params: &FrameParams, samples: u32) -> f32 {
     let mut renderer = renderer(gpu, samples);
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
-    let texels = draw_passes(gpu, &mut renderer, params, &[&instance], &[PassId::STRANDS]);
+    let texels = draw_passes(gpu, &mut renderer, params, &[&instance], &[PassId::STRANDS, PassId::STRAND_BLEND]);
     texels.chunks_exact(4).map(|texel| f32::from(texel[3]) / 255.0).sum()
 }
 
@@ -79,12 +79,45 @@ fn expected_px(width_px: f32) -> f32 {
 #[test]
 fn thin_strands_cover_as_much_as_they_are_wide() {
     let Some(gpu) = gpu("thin_strands_cover_as_much_as_they_are_wide") else { return };
-    for width_px in [1.5, 0.5, 0.125] {
-        let found = covered(gpu, &plane(lying(width_px), PlaneGroom::default()), &in_strands(above()), 4);
-        let expected = expected_px(width_px);
-        println!("{width_px} px: {found:.1} pixels of {expected:.1}");
-        assert!((found / expected - 1.0).abs() < 0.03, "{width_px} px: {found}, expected {expected}");
+    for (edges, samples) in [(StrandEdges::Samples, 4), (StrandEdges::Blended, 1), (StrandEdges::Blended, 4)] {
+        for width_px in [1.5, 0.5, 0.125] {
+            let params = in_strands(above()).with_fur(|fur| fur.strand_edges = edges);
+            let found = covered(gpu, &plane(lying(width_px), PlaneGroom::default()), &params, samples);
+            let expected = expected_px(width_px);
+            println!("{edges:?}, {samples} samples, {width_px} px: {found:.1} pixels of {expected:.1}");
+            assert!((found / expected - 1.0).abs() < 0.03, "{edges:?}, {width_px} px: {found}, expected {expected}");
+        }
     }
+}
+
+/// Blended edges against ribbons of many samples, and the same picture whatever the order of the threads; with the depth buffer either way round.
+#[test]
+fn blended_strands_are_what_many_samples_see() {
+    let Some(gpu) = gpu("blended_strands_are_what_many_samples_see") else { return };
+    let model = workspace().join("assets/models/hare.glb");
+    let bytes = bake_plain("hare", &model, Some("assets/recipes/hare.toml"), &["strands.enabled=true"]);
+    let drawn = |edges, samples: u32, reversed_depth, side: u32| {
+        let options = RendererOptions { sample_count: samples, reversed_depth, ..RendererOptions::default() };
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+        let instance = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
+        let bounds = instance.model.manifest().bounds;
+        let center = Vec3::from(bounds.center);
+        let eye = center + Vec3::new(0.62, 0.28, 0.73).normalize() * bounds.radius * 3.5;
+        let projection = Projection::Perspective { fov_y_rad: 0.5, aspect: 1.0, near_m: 0.01, far_m: 100.0 };
+        let params = FrameParams::new(Camera::look_at(eye, center, projection), [side; 2])
+            .with_fur(|fur| (fur.hair, fur.strand_edges, fur.detail) = (Hair::Strands, edges, Detail::Full));
+        draw(gpu, &mut renderer, &params, &[&instance])
+    };
+    let blended = drawn(StrandEdges::Blended, 1, false, 256);
+    assert!(blended == drawn(StrandEdges::Blended, 1, false, 256), "it depends on the order of threads");
+    let reversed = difference(&blended, &drawn(StrandEdges::Blended, 1, true, 256));
+    assert!(reversed.mean < 0.05, "{reversed:?}");
+    // Sixteen pixels of four samples for each.
+    let fine = drawn(StrandEdges::Samples, 4, false, 1024).shrunk(4);
+    let of = |edges, samples| difference(&drawn(edges, samples, false, 256), &fine).mean;
+    let found = [of(StrandEdges::Blended, 1), of(StrandEdges::Samples, 4), of(StrandEdges::Samples, 1)];
+    println!("mean difference to 64 samples: {found:.3?} blended, of 4 samples, of 1");
+    assert!(found[0] < found[1] && found[1] < found[2], "{found:?}");
 }
 
 #[test]

@@ -22,7 +22,7 @@ use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::furred_materials;
 use pelage_bake::stages::hair_groups::HAIR_POINTS;
-use pelage_stage::{Gpu, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
+use pelage_stage::{Gpu, LookStrandEdges, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
 
 /// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what else the machine does only adds.
 const TURNS: usize = 5;
@@ -216,11 +216,12 @@ fn group(
     for way in ways {
         let file = &shared.packages[usize::from(!way.needs_no_strands())];
         let view = view.clone().with(|look| {
-            (look.fur.hair, look.fur.detail, look.picture.samples) = (way.hair, way.detail, Samples(samples));
+            (look.fur.hair, look.fur.strand_edges, look.fur.detail) = (way.hair, way.edges, way.detail);
+            look.picture.samples = Samples(samples);
         });
         let mut stage = stage_of(file, &view, || Ok(gpu.clone()))?;
         stage.params.study.strand_pieces = way.pieces;
-        let mut found = drawn(&mut stage, file, truth)?;
+        let mut found = Found { blended: way.edges == LookStrandEdges::Blended, ..drawn(&mut stage, file, truth)? };
         found.flicker = shared.drawn_flicker(&mut stage, size.camera(shared.camera), view.size())?;
         all.push(found);
         stages.push(stage);
@@ -247,6 +248,7 @@ fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<
     let detail = frame.report().instances.first().copied();
     let of = |value: fn(&pelage_runtime::InstanceDetail) -> u32| detail.as_ref().map_or(0, value);
     let (layers, triangles, pieces) = (of(|d| d.layers), of(|d| d.triangles), of(|d| d.strand_pieces));
+    let lists = frame.report().target_bytes;
     drop(frame);
     let measured = Measured {
         flip: difference.flip.mean,
@@ -258,9 +260,9 @@ fn drawn(stage: &mut Stage, file: &NamedPackage<'_>, truth: &Picture) -> Result<
         layers,
         triangles,
         package_bytes: file.bytes.len() as u64,
-        gpu_bytes: stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes(),
+        gpu_bytes: stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes() + lists,
         bake_s: 0.0,
     };
     let strands = detail.map_or(0.0, |d| d.strands);
-    Ok(Found { measured, anew_ms: f64::INFINITY, flicker: None, strands, pieces })
+    Ok(Found { measured, anew_ms: f64::INFINITY, strands, pieces, ..Found::default() })
 }

@@ -5,7 +5,7 @@
 
 use super::shells::Measured;
 use super::{Cell, Panel};
-use pelage_stage::{LookDetail, LookHair, Viewpoint};
+use pelage_stage::{LookDetail, LookHair, LookStrandEdges, Viewpoint};
 
 /// A picture to draw: its size, of the recipe's `[judge]`, and how near.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +52,8 @@ pub struct Way {
     pub series: String,
     /// Strands, layers, or what the runtime chooses.
     pub hair: LookHair,
+    /// How pixels are made of strands.
+    pub edges: LookStrandEdges,
     /// How much of the layers.
     pub detail: LookDetail,
     /// Most pieces of a strand; `None` as the runtime chooses.
@@ -59,10 +61,16 @@ pub struct Way {
 }
 
 impl Way {
-    /// All ways for strands of so many pieces, what the runtime chooses first: then layers, where there is a `coat`, and strands of all pieces, half as
-    /// many and so on.
+    /// All ways for strands of so many pieces, what the runtime chooses first: then layers, where there is a `coat`, strands of all pieces, half as
+    /// many and so on; last with blended edges what the runtime chooses, all pieces and half as many.
     pub fn all(pieces: u32, coat: bool) -> Vec<Self> {
-        let way = |series: &str, hair, detail| Self { series: series.to_owned(), hair, detail, pieces: None };
+        let way = |series: &str, hair, detail| Self {
+            series: series.to_owned(),
+            hair,
+            edges: LookStrandEdges::Samples,
+            detail,
+            pieces: None,
+        };
         let mut all = vec![way("auto", LookHair::Auto, LookDetail::Auto)];
         if coat {
             all.push(way("layers, as the size asks for", LookHair::Shells, LookDetail::Auto));
@@ -74,7 +82,15 @@ impl Way {
         };
         let halved = std::iter::successors(Some(pieces), |p| p.is_multiple_of(2).then_some(p / 2));
         all.extend(halved.take_while(|p| *p > 1).take(if coat { 3 } else { 4 }).map(strands));
-        all
+        let in_strands =
+            all.iter().filter(|way| way.hair != LookHair::Shells && way.pieces.is_none_or(|p| 2 * p >= pieces));
+        let blended = |way: &Self| Self {
+            series: format!("{}, blended", way.series),
+            edges: LookStrandEdges::Blended,
+            ..way.clone()
+        };
+        let blended: Vec<_> = in_strands.map(blended).collect();
+        [all, blended].concat()
     }
 
     /// Whether a package without strands is drawn so as well.
@@ -117,8 +133,8 @@ pub fn configurations(ways: usize) -> Vec<Configuration> {
 /// * `flicker`: mean change of grey, 0..=1, of the skin's points and of what stands on them, from one picture to the next, while the camera turns a
 ///   quarter of a degree and all else stands still; `true_flicker`: that of the true pictures, whose hairs move before the skin as well.
 /// * `frame_milliseconds`: a frame whose light and pose stand still. `anew_milliseconds`: the passes of one whose pose and maps are made anew.
-/// * `over_cheapest`: of what the runtime chooses, the former over that of the cheapest way of the same size and samples whose FLIP is at most
-///   [`AS_TRUE`] as large.
+/// * `over_cheapest`: of what the runtime chooses without being asked for blended edges, the former over that of the cheapest way of the same size and
+///   samples whose FLIP is at most [`AS_TRUE`] as large.
 /// * `package_bytes`: of a package with strands, or without where none are drawn; `gpu_bytes`: model, copy and maps.
 pub const COLUMNS: [&str; 24] = [
     "size",
@@ -180,6 +196,8 @@ pub struct Found {
     pub strands: f32,
     /// Pieces of each.
     pub pieces: u32,
+    /// Edges are blended, which only who asks for it gets.
+    pub blended: bool,
 }
 
 /// What all ways of a size have in common.
@@ -203,7 +221,7 @@ pub const AS_TRUE: f64 = 1.02;
 /// Cost of the first of some ways over that of the cheapest which is as true.
 pub fn over_cheapest(ways: &[Found]) -> Option<f64> {
     let own = ways.first()?.measured;
-    let as_true = ways.iter().filter(|way| way.measured.flip <= AS_TRUE * own.flip);
+    let as_true = ways.iter().filter(|way| !way.blended && way.measured.flip <= AS_TRUE * own.flip);
     let cheapest = as_true.map(|way| way.measured.frame_ms).fold(f64::INFINITY, f64::min);
     Some(own.frame_ms / cheapest).filter(|ratio| ratio.is_finite())
 }
@@ -252,9 +270,12 @@ mod tests {
         let series = |pieces, coat| Way::all(pieces, coat).into_iter().map(|way| way.series).collect::<Vec<_>>();
         let strands = ["strands of 8 pieces", "strands of 4 pieces", "strands of 2 pieces"];
         let layers = ["auto", "layers, as the size asks for", "layers, all"];
-        assert_eq!(series(8, true), [layers, strands].concat());
-        assert_eq!(series(16, false), [&["auto", "strands of 16 pieces"][..], &strands].concat());
-        assert_eq!(series(6, false), ["auto", "strands of 6 pieces", "strands of 3 pieces"]);
+        let blended = ["auto, blended", "strands of 8 pieces, blended", "strands of 4 pieces, blended"];
+        assert_eq!(series(8, true), [layers, strands, blended].concat());
+        let blended = ["auto, blended", "strands of 16 pieces, blended", "strands of 8 pieces, blended"];
+        assert_eq!(series(16, false), [&["auto", "strands of 16 pieces"][..], &strands, &blended].concat());
+        let all = ["auto", "strands of 6 pieces", "strands of 3 pieces"];
+        assert_eq!(series(6, false), [all, all.map(|series| [series, ", blended"].concat().leak() as &str)].concat());
         let all = configurations(6);
         assert_eq!(all.len(), 6 * 2 * 6);
         for size in 0..Size::ALL.len() {
@@ -274,7 +295,8 @@ mod tests {
         let way =
             |frame_ms, flip| Found { measured: Measured { frame_ms, flip, ..Measured::default() }, ..Found::default() };
         // The cheapest is not as true, the next is a little less true, and the last is truer and dearer.
-        let ways = [way(6.0, 0.0100), way(1.0, 0.0200), way(4.0, 0.0101), way(9.0, 0.0050)];
+        let blended = Found { blended: true, ..way(2.0, 0.0050) };
+        let ways = [way(6.0, 0.0100), way(1.0, 0.0200), way(4.0, 0.0101), way(9.0, 0.0050), blended];
         assert_eq!(over_cheapest(&ways), Some(1.5));
         assert_eq!(over_cheapest(&ways[..2]), Some(1.0));
         assert_eq!(over_cheapest(&[]), None);

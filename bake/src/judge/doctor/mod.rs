@@ -439,8 +439,10 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
             None,
         ),
         of_strands("strand_light"),
+        of_strands("strand_gather"),
         pass("skin", w.vertices > 0, yes_or(w.vertices > 0, "always".into(), "no triangles"), w.vertices, Some(w.skin)),
         of_strands("strands"),
+        of_strands("strand_blend"),
         pass(
             "fins",
             has_fins,

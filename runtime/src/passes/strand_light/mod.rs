@@ -16,6 +16,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../shared/deep_opacity.wgsl"),
         crate::study::form_wgsl!("strand shadows"),
         include_str!("../../hair/constants.wgsl"),
+        include_str!("../../hair/packed_light.wgsl"),
         include_str!("../../hair/strand.wgsl"),
         include_str!("../../hair/posed.wgsl"),
         include_str!("strand_light.wgsl"),

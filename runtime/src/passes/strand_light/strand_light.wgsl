@@ -139,20 +139,6 @@ fn srgb_channels(c: vec3<f32>) -> vec3<f32> {
     return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
 }
 
-// Light as nine bits a channel with one exponent of five.
-fn packed_light(light: vec3<f32>) -> u32 {
-    let c = clamp(light, vec3(0.0), vec3(65408.0));
-    let most = max(max(c.r, c.g), max(c.b, 6e-8));
-    // So that the largest of the three has its first bit at the top.
-    var exponent = max(i32(bitcast<u32>(most) >> 23u) - 111, 0);
-    // What rounds up to ten bits needs the next exponent.
-    if most * exp2(f32(24 - exponent)) >= 511.5 {
-        exponent += 1;
-    }
-    let bits = vec3<u32>(c * exp2(f32(24 - exponent)) + 0.5);
-    return bits.r | bits.g << 9u | bits.b << 18u | u32(exponent) << 27u;
-}
-
 @compute @workgroup_size(64)
 fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let number = number_of(id, groups);

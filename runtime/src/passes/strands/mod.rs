@@ -7,7 +7,10 @@ use crate::params::StyleKind;
 use crate::scene::{Recording, strand_sets};
 
 /// The shader.
-pub(crate) const SHADER: Shader = Shader { name: "pelage strands", wgsl: include_str!("strands.wgsl") };
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage strands",
+    wgsl: concat!(include_str!("../../hair/packed_light.wgsl"), include_str!("strands.wgsl")),
+};
 
 impl PassId {
     /// Strands one by one.
@@ -33,6 +36,9 @@ const CORNER: Stream = Stream {
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
+    if frame.nearest.is_some() {
+        return Outcome::Skipped("strands are drawn with blended edges");
+    }
     let instances = frame.instances.clone();
     let mut draws = Vec::new();
     for (seen, set) in strand_sets(&instances) {

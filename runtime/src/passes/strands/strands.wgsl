@@ -12,12 +12,6 @@ struct StrandVarying {
     @location(0) @interpolate(linear) light: vec3<f32>,
 }
 
-// Light of nine bits a channel with one exponent of five.
-fn unpacked_light(bits: u32) -> vec3<f32> {
-    let channels = vec3(bits & 511u, bits >> 9u & 511u, bits >> 18u & 511u);
-    return vec3<f32>(channels) * exp2(f32(bits >> 27u) - 24.0);
-}
-
 @vertex
 fn vs_strands(@location(0) position: vec3<f32>, @location(1) light: u32) -> StrandVarying {
     return StrandVarying(frame.clip_from_world * vec4(position, 1.0), unpacked_light(light));

@@ -2,7 +2,7 @@
 
 use super::kinds::{
     Background, LookAnchoring, LookDetail, LookHair, LookLighting, LookPenumbra, LookRule, LookSelfShadow, LookShow,
-    LookSlant, LookSphereMap, LookStyle, LookWidth,
+    LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
 use crate::{Picture, Viewpoint, camera};
@@ -10,7 +10,7 @@ use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
     Anchoring, Detail, FeatureRule, FrameParams, FurParams, Hair, InkBackground, InkParams, InkShow, Light, Lighting,
-    LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, Study, Style,
+    LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, StrandEdges, Study, Style,
 };
 
 /// Any view: a stage sets its own.
@@ -58,6 +58,10 @@ impl Look {
                 LookHair::Auto => Hair::Auto,
                 LookHair::Shells => Hair::Shells,
                 LookHair::Strands => Hair::Strands,
+            };
+            fur.strand_edges = match self.fur.strand_edges {
+                LookStrandEdges::Samples => StrandEdges::Samples,
+                LookStrandEdges::Blended => StrandEdges::Blended,
             };
             fur.self_shadow = match self.shadow.self_shadow {
                 LookSelfShadow::Auto => SelfShadow::Auto,

@@ -30,6 +30,17 @@ words! {
 }
 
 words! {
+    /// How pixels are made of single strands.
+    LookStrandEdges {
+        /// Opaque ribbons, in the samples of the picture.
+        #[default]
+        Samples = "samples",
+        /// Each pixel blends the eight nearest of its strands, by how much of it each covers.
+        Blended = "blended",
+    }
+}
+
+words! {
     /// How hair shadows hair.
     LookSelfShadow {
         /// As the package knows it, and by layer-wise shadow maps where it does not.

@@ -30,6 +30,7 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     short("layers", "N", "fur.layers"),
     short("detail", "full|auto|LEVEL", "fur.detail"),
     short("hair", "auto|shells|strands", "fur.hair"),
+    short("strand-edges", "samples|blended", "fur.strand_edges"),
     short("self-shadow", "auto|baked|maps|off", "shadow.self_shadow"),
     short("soft-shadow", "on|off", "shadow.soft_shadow"),
     short("penumbra", "W", "shadow.penumbra"),

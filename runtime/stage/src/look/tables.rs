@@ -2,7 +2,8 @@
 
 use super::kinds::{
     Background, FillLight, Interval, LookAnchoring, LookDetail, LookHair, LookLighting, LookPenumbra, LookRule,
-    LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, Towards,
+    LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb, Samples,
+    Size, Towards,
 };
 use crate::framing::TOWARDS_LIGHT;
 use glam::Vec3;
@@ -70,6 +71,8 @@ params! {
         fins: bool = true;
         /// What hair is drawn as.
         hair: LookHair = LookHair::Auto;
+        /// How pixels are made of single strands.
+        strand_edges: LookStrandEdges = LookStrandEdges::Samples;
         /// Where hair is lit.
         lighting: LookLighting = LookLighting::Pixel;
         /// What the slant of the look does to the opacity of a layer.

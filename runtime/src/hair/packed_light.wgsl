@@ -1,0 +1,24 @@
+// Light in 32 bits: nine bits a channel with one exponent of five.
+
+// 2 to the power of a whole number, by the bits of a float.
+fn power_of_two(exponent: i32) -> f32 {
+    return bitcast<f32>(u32(exponent + 127) << 23u);
+}
+
+fn packed_light(light: vec3<f32>) -> u32 {
+    let c = clamp(light, vec3(0.0), vec3(65408.0));
+    let most = max(max(c.r, c.g), max(c.b, 6e-8));
+    // So that the largest of the three has its first bit at the top.
+    var exponent = max(i32(bitcast<u32>(most) >> 23u) - 111, 0);
+    // What rounds up to ten bits needs the next exponent.
+    if most * power_of_two(24 - exponent) >= 511.5 {
+        exponent += 1;
+    }
+    let bits = vec3<u32>(c * power_of_two(24 - exponent) + 0.5);
+    return bits.r | bits.g << 9u | bits.b << 18u | u32(exponent) << 27u;
+}
+
+fn unpacked_light(bits: u32) -> vec3<f32> {
+    let channels = vec3(bits & 511u, bits >> 9u & 511u, bits >> 18u & 511u);
+    return vec3<f32>(channels) * power_of_two(i32(bits >> 27u) - 24);
+}

@@ -1,0 +1,86 @@
+//! `strand_gather`: finds the nearest pieces of hair in each pixel, by its own rasteriser, once a frame.
+
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, WORKGROUP, in_compute, on, storage_in, storage_out, uniform};
+use crate::params::StyleKind;
+use crate::scene::{Dispatch, NearestHair, Recording, record_dispatches, strand_sets};
+
+/// The shader.
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage strand gather",
+    wgsl: concat!(
+        include_str!("../../hair/packed_light.wgsl"),
+        include_str!("../../hair/nearest.wgsl"),
+        include_str!("strand_gather.wgsl"),
+    ),
+};
+
+impl PassId {
+    /// Compute: the nearest pieces of hair in each pixel.
+    pub const STRAND_GATHER: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "strand_gather",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Fur],
+    does: "compute: finds the eight nearest pieces of hair in each pixel, and how much of it each covers",
+    runs_when: "strands are drawn with blended edges",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let Some(nearest) = frame.nearest.clone() else {
+        return Outcome::Skipped("no strands are drawn with blended edges, or the device's buffers do not hold them");
+    };
+    let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
+        vec![
+            storage_in::<u32>(0),
+            storage_in::<[u32; 4]>(1),
+            storage_out::<u32>(2),
+            storage_out::<u32>(3),
+            storage_out::<u32>(4),
+            in_compute(uniform::<NearestHair>(5, false)),
+        ]
+    });
+    let instances = frame.instances.clone();
+    let [mut gather, mut leave, mut list] = [Vec::new(), Vec::new(), Vec::new()];
+    let mut count = 0;
+    for (seen, set) in strand_sets(&instances) {
+        let Some(ribbons) = set.ribbons else { continue };
+        let pieces = set.strands.pieces(set.drawn.step);
+        let block = frame.uniforms.put(frame.gpu, &[NearestHair { pieces, ..nearest.block }]);
+        let lists = &nearest.lists;
+        let buffers = [&ribbons.counts, &ribbons.corners, &lists.keys, &lists.lights, &lists.layers];
+        let mut entries: Vec<_> = (0..).zip(buffers.map(Bound::all)).collect();
+        entries.push((5, Bound::block::<NearestHair>(&block.buffer, block.offset)));
+        let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
+        let mut dispatch = |entry, leaves_light, threads| {
+            let groups = vec![frame.surfaces.frame.clone(), layout.clone()];
+            let constants = vec![on("LEAVES_LIGHT", leaves_light), on("REVERSED_DEPTH", frame.options.reversed_depth)];
+            Dispatch {
+                pipeline: frame.compute_pipeline(ComputeSpec { shader: SHADER, entry, groups, constants }),
+                groups: vec![frame.seen_from_eye(seen), Group::of(&group)],
+                threads,
+            }
+        };
+        let of_all = set.strands.count * pieces;
+        gather.push(dispatch("gather", false, of_all));
+        leave.push(dispatch("gather", true, of_all));
+        if list.is_empty() {
+            list.push(dispatch("list_layers", false, nearest.tiles() * WORKGROUP));
+        }
+        count += of_all;
+    }
+    for buffer in [&nearest.lists.keys, &nearest.lists.lights, &nearest.lists.layers] {
+        frame.encoder.clear_buffer(buffer, 0, None);
+    }
+    // Each sees what those before it wrote.
+    gather.append(&mut leave);
+    gather.append(&mut list);
+    record_dispatches(frame.encoder, SHADER.name, &gather);
+    Outcome::recorded(format!("at most {count} pieces, {} tiles of the picture", nearest.tiles()))
+}

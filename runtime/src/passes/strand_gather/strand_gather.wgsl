@@ -1,0 +1,187 @@
+// Finds the nearest pieces of hair in each pixel, in two rounds over all pieces: the first sorts keys, the second leaves the light of those that
+// are among the nearest. Whatever the order of the threads, both end with the same numbers.
+
+struct Frame {
+    clip_from_world: mat4x4<f32>,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+// The draw's arguments; corners: place in world space, and light.
+@group(1) @binding(0) var<storage, read> counts: array<u32>;
+@group(1) @binding(1) var<storage, read> ribbons: array<vec4<u32>>;
+@group(1) @binding(2) var<storage, read_write> keys: array<atomic<u32>>;
+@group(1) @binding(3) var<storage, read_write> lights: array<atomic<u32>>;
+// Arguments of the draw of what was found, then what it draws.
+@group(1) @binding(4) var<storage, read_write> layers: array<atomic<u32>>;
+@group(1) @binding(5) var<uniform> nearest: NearestHair;
+
+// The second round.
+override LEAVES_LIGHT: bool = false;
+
+// An end of a piece on screen.
+struct End {
+    // Pixels; depth.
+    at: vec2<f32>,
+    depth: f32,
+    // Half a width, pixels.
+    half: f32,
+    // Unit vector along the strand, across the line on which this piece ends and the next begins.
+    along: vec2<f32>,
+    light: vec3<f32>,
+    // It is before the eye.
+    before: bool,
+}
+
+fn on_screen(corner: vec3<u32>) -> vec4<f32> {
+    let clip = frame.clip_from_world * vec4(bitcast<vec3<f32>>(corner), 1.0);
+    let ndc = clip.xyz / clip.w;
+    return vec4((vec2(0.5, -0.5) * ndc.xy + 0.5) * nearest.size, ndc.z, clip.w);
+}
+
+fn end(first: u32) -> End {
+    let left = ribbons[first];
+    let a = on_screen(left.xyz);
+    let b = on_screen(ribbons[first + 1u].xyz);
+    let aside = 0.5 * (b.xy - a.xy);
+    let half = length(aside);
+    return End(
+        a.xy + aside, 0.5 * (a.z + b.z), half, vec2(aside.y, -aside.x) / half, unpacked_light(left.w), min(a.w, b.w) > 0.0
+    );
+}
+
+fn cross_2(a: vec2<f32>, b: vec2<f32>) -> f32 {
+    return a.x * b.y - a.y * b.x;
+}
+
+// A pixel's key among its nearest: whoever is nearer moves the others on. What does not fit is not forgotten.
+fn insert(pixel: u32, found: u32) {
+    let first = OF_A_PIXEL * pixel;
+    var key = found;
+    for (var k = 0u; k < NEAREST; k++) {
+        let there = atomicMax(&keys[first + k], key);
+        key = min(there, key);
+        if key == 0u {
+            return;
+        }
+    }
+    atomicAdd(&keys[first + NEAREST], u32(-OPTICAL_DEPTH * log(max(1.0 - covered_by(key), 1e-3)) + 0.5));
+}
+
+// Leaves light where the key is. Two pieces of one key share it, so that the order of threads is not to be seen.
+fn leave(pixel: u32, key: u32, light: u32) {
+    for (var k = 0u; k < NEAREST; k++) {
+        let there = atomicLoad(&keys[OF_A_PIXEL * pixel + k]);
+        if there == key {
+            atomicMax(&lights[NEAREST * pixel + k], light);
+        } else if there < key {
+            return;
+        }
+    }
+}
+
+// Thread for thread a piece.
+@compute @workgroup_size(64)
+fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let piece = id.y * groups.x * 64u + id.x;
+    // Six indices each.
+    if piece >= counts[0] / 6u {
+        return;
+    }
+    let first = 2u * (piece + piece / nearest.pieces);
+    var a = end(first);
+    var b = end(first + 2u);
+    // What the eye is within is not to be seen.
+    if !(a.before && b.before) {
+        return;
+    }
+    let way = b.at - a.at;
+    let long = length(way);
+    let axis = way / max(long, 1e-6);
+    // Tips have no width of their own to turn by.
+    a.along = select(axis, a.along, a.half > 1e-4);
+    b.along = select(axis, b.along, b.half > 1e-4);
+    a.along *= select(1.0, -1.0, dot(a.along, axis) < 0.0);
+    b.along *= select(1.0, -1.0, dot(b.along, axis) < 0.0);
+
+    // Row after row of the direction in which it is the longer, as many pixels as it is wide with half a pixel on either side.
+    let by_columns = abs(way.x) > abs(way.y);
+    let from_1 = select(a.at.y, a.at.x, by_columns);
+    let to_1 = select(b.at.y, b.at.x, by_columns);
+    let from_2 = select(a.at.x, a.at.y, by_columns);
+    let area_from = vec2<f32>(nearest.area.xy);
+    let area_to = area_from + vec2<f32>(nearest.area.zw);
+    let low_1 = select(area_from.y, area_from.x, by_columns);
+    let low_2 = select(area_from.x, area_from.y, by_columns);
+    let high_1 = select(area_to.y, area_to.x, by_columns);
+    let high_2 = select(area_to.x, area_to.y, by_columns);
+    let reach = max(a.half, b.half) + 0.5;
+    let run = select(axis.y, axis.x, by_columns);
+    let slope = select(axis.x, axis.y, by_columns) / select(run, 1.0, abs(run) < 1e-6);
+    let reach_2 = reach * sqrt(1.0 + slope * slope);
+    let begin_1 = floor(max(min(from_1, to_1) - reach, low_1));
+    let end_1 = min(max(from_1, to_1) + reach, high_1);
+    for (var row = begin_1 + 0.5; row < end_1; row += 1.0) {
+        let middle = from_2 + (row - from_1) * slope;
+        let begin_2 = floor(max(middle - reach_2, low_2));
+        let end_2 = min(middle + reach_2, high_2);
+        for (var column = begin_2 + 0.5; column < end_2; column += 1.0) {
+            let pixel = select(vec2(column, row), vec2(row, column), by_columns);
+            // Every pixel is of one of the pieces that meet in a point.
+            let since = dot(pixel - a.at, a.along);
+            let until = dot(b.at - pixel, b.along);
+            if since < 0.0 || until <= 0.0 {
+                continue;
+            }
+            let share = since / (since + until);
+            let half = mix(a.half, b.half, share);
+            let off = abs(cross_2(axis, pixel - a.at));
+            let covered = min(min(off + 0.5, half) - max(off - 0.5, -half), 1.0);
+            let depth = mix(a.depth, b.depth, share);
+            if covered * 255.0 < 0.5 || depth <= 0.0 || depth >= 1.0 {
+                continue;
+            }
+            let key = nearest_key(depth, covered);
+            let number = pixel_number(vec2<u32>(pixel) - nearest.area.xy);
+            if LEAVES_LIGHT {
+                leave(number, key, packed_light(mix(a.light, b.light, share)));
+            } else {
+                insert(number, key);
+            }
+        }
+    }
+}
+
+const DRAW_ARGUMENTS: u32 = 4u;
+
+var<workgroup> most: atomic<u32>;
+
+// Workgroup for workgroup a tile: as many layers as its fullest pixel has pieces, the farthest first.
+@compute @workgroup_size(64)
+fn list_layers(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let tile = group.y * groups.x + group.x;
+    let across = nearest.area.z / TILE;
+    let tiles = across * (nearest.area.w / TILE);
+    if tile < tiles {
+        let at = TILE * vec2(tile % across, tile / across) + vec2(local % TILE, local / TILE);
+        let place = OF_A_PIXEL * pixel_number(at);
+        var found = 0u;
+        while found < NEAREST && atomicLoad(&keys[place + found]) != 0u {
+            found += 1u;
+        }
+        atomicMax(&most, found);
+    }
+    workgroupBarrier();
+    if tile < tiles && local == 0u {
+        let count = atomicLoad(&most);
+        // Corners of two triangles; an instance for each layer of a tile.
+        atomicMax(&layers[0], 6u);
+        let next = DRAW_ARGUMENTS + atomicAdd(&layers[1], count);
+        for (var k = 0u; k < count; k++) {
+            atomicStore(&layers[next + k], NEAREST * tile + count - 1u - k);
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The nearest pieces of hair in each pixel: buffers that a frame fills on the GPU.
+
+use super::seen::Seen;
+use crate::bounds::Hull;
+use crate::gpu::{Gpu, Shelf, largest_buffer};
+use crate::params::{FrameParams, StrandEdges};
+use bytemuck::{Pod, Zeroable};
+use glam::Mat4;
+use std::sync::Arc;
+use wgpu::util::DrawIndirectArgs;
+
+/// Pieces of hair that a pixel keeps.
+pub(crate) const NEAREST: u32 = 8;
+
+/// Bytes of a pixel's keys, and of how opaque what is behind those is.
+const KEY_BYTES: u64 = 4 * (NEAREST as u64 + 1);
+
+/// Pixels along a side of a tile.
+pub(crate) const TILE: u32 = 8;
+
+/// What the shaders are told of them, as `hair/nearest.wgsl` declares it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct NearestHair {
+    /// Part of the picture: left, top, width and height in pixels, the last two multiples of [`TILE`].
+    pub(crate) area: [u32; 4],
+    /// Of the whole picture, pixels.
+    pub(crate) size: [f32; 2],
+    /// Of a strand.
+    pub(crate) pieces: u32,
+    pub(crate) reserved: u32,
+}
+
+/// Where the nearest pieces of a frame's hair are gathered, and which part of the picture that is.
+#[derive(Clone, Debug)]
+pub(crate) struct Nearest {
+    pub(crate) lists: Arc<NearestLists>,
+    pub(crate) block: NearestHair,
+}
+
+/// Buffers of the nearest pieces of hair.
+#[derive(Debug)]
+pub(crate) struct NearestLists {
+    /// Of each pixel what is in it, sorted, and how opaque the rest is.
+    pub(crate) keys: wgpu::Buffer,
+    /// Of each of those its light.
+    pub(crate) lights: wgpu::Buffer,
+    /// Arguments of the draw of all, then tile and layer of each of its instances.
+    pub(crate) layers: wgpu::Buffer,
+}
+
+impl NearestLists {
+    /// Bytes on the GPU.
+    pub(crate) fn gpu_bytes(&self) -> u64 {
+        self.keys.size() + self.lights.size() + self.layers.size()
+    }
+
+    /// Lists of so many tiles, none that a living frame still draws from.
+    fn take(shelf: &mut Shelf<Self>, gpu: &Gpu, tiles: u64) -> Arc<Self> {
+        let pixels = tiles * u64::from(TILE * TILE);
+        // What something drawn grows to while the eye comes nearer.
+        let fits = |lists: &Self| lists.keys.size() >= pixels * KEY_BYTES;
+        let lists = shelf.take(fits).unwrap_or_else(|| {
+            use wgpu::BufferUsages as Usage;
+            let of_pixels = |label, bytes| gpu.buffer(label, pixels * bytes, Usage::STORAGE | Usage::COPY_DST);
+            let layers = size_of::<DrawIndirectArgs>() as u64 + 4 * tiles * u64::from(NEAREST);
+            Self {
+                keys: of_pixels("pelage nearest hair", KEY_BYTES),
+                lights: of_pixels("pelage light of nearest hair", 4 * u64::from(NEAREST)),
+                layers: gpu.buffer(
+                    "pelage layers of nearest hair",
+                    layers,
+                    Usage::STORAGE | Usage::INDIRECT | Usage::COPY_DST,
+                ),
+            }
+        });
+        shelf.put(lists)
+    }
+}
+
+impl Nearest {
+    /// Of a frame that asks for them and draws strands; `None` where the device's buffers do not hold so many pixels.
+    pub(super) fn of(
+        shelf: &mut Shelf<NearestLists>,
+        gpu: &Gpu,
+        params: &FrameParams,
+        hull: &Hull,
+        clip_from_world: Mat4,
+    ) -> Option<Self> {
+        params.style.fur().filter(|fur| fur.strand_edges == StrandEdges::Blended)?;
+        let [left, top, right, bottom] = hull.on_screen(clip_from_world, params.viewport, 1.0);
+        let area = [left, top, (right - left).next_multiple_of(TILE), (bottom - top).next_multiple_of(TILE)];
+        let tiles = u64::from(area[2] / TILE) * u64::from(area[3] / TILE);
+        let bytes = tiles * u64::from(TILE * TILE) * KEY_BYTES;
+        if tiles == 0 || bytes > largest_buffer(&gpu.device.limits()) {
+            return None;
+        }
+        let size = params.viewport.map(|side| side as f32);
+        let block = NearestHair { area, size, pieces: 0, reserved: 0 };
+        Some(Self { lists: NearestLists::take(shelf, gpu, tiles), block })
+    }
+
+    /// Tiles of its part of the picture.
+    pub(crate) fn tiles(&self) -> u32 {
+        self.block.area[2] / TILE * (self.block.area[3] / TILE)
+    }
+}
+
+/// Whether single strands of it are to be in the picture.
+pub(super) fn has_ribbons(seen: &Seen) -> bool {
+    seen.sets.iter().any(|set| set.ribbons.is_some())
+}
