@@ -217,7 +217,7 @@ fn uniform_structs_agree() {
     for source in [strand_pose::SHADER.wgsl, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
         assert_eq!(
             members(source, "StrandConstants"),
-            fields!(StrandConstants, points, count, dry_points, radius, first, end, share, reserved)
+            fields!(StrandConstants, points, count, dry_points, radius, first, end, share, step)
         );
     }
     for source in [deep_opacity::WGSL, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {

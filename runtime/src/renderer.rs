@@ -8,7 +8,7 @@ use crate::hooks::Hooks;
 use crate::instance::Instance;
 use crate::model::{self, Model};
 use crate::motion::States;
-use crate::params::{Detail, FrameParams, RendererOptions, Style};
+use crate::params::{Detail, FrameParams, Hair, RendererOptions, Style};
 use crate::scene::Kept;
 use crate::surface::Surfaces;
 use glam::Vec3;
@@ -72,6 +72,10 @@ impl Renderer {
         {
             let level = |k: usize| Detail::Level(0.5 * k as f32);
             variants = (0..(2 * levels).max(1)).map(|k| params.clone().with_fur(|f| f.detail = level(k))).collect();
+        }
+        // What levels that are named leave out, because they are of layers.
+        if params.style.fur().is_some_and(|fur| fur.hair == Hair::Auto) && model.coat_strands().is_some() {
+            variants.push(params.clone().with_fur(|fur| fur.hair = Hair::Strands));
         }
         if self.kept.ring.lost_work() {
             self.invalidate();

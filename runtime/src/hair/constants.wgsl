@@ -15,7 +15,8 @@ struct StrandConstants {
     end: u32,
     // Of them that is drawn.
     share: f32,
-    reserved: u32,
+    // Every how many points is looked at.
+    step: u32,
 }
 
 // Vectors of the skin's frame before the posed points of each: normal and wetness; tangent and handedness.

@@ -58,6 +58,13 @@ pub(crate) struct DrawnSet {
     pub(crate) step: u32,
 }
 
+impl DrawnSet {
+    /// All points of all of them, as wide as they grow.
+    pub(crate) fn whole(&self) -> Self {
+        Self { share: 1.0, widened: 1.0, step: 1, ..*self }
+    }
+}
+
 impl Drawing {
     /// What `params` draws of an instance, with so many samples a pixel; `hull`: of it as it is posed, in world space.
     pub(crate) fn of(

@@ -36,7 +36,7 @@ pub enum StrandEdges {
     /// Opaque ribbons, in the samples of the application's pass.
     #[default]
     Samples,
-    /// Each pixel blends the eight nearest of its strands, by how much of it each covers: still and smooth with one sample a pixel, for 64 bytes a
+    /// Each pixel blends the eight nearest of its strands, by how much of it each covers: still and smooth with one sample a pixel, for 68 bytes a
     /// pixel that hair may reach. Where the device's buffers do not hold those, as with [`Self::Samples`].
     Blended,
 }

@@ -2,7 +2,7 @@
 
 use super::blocks::{fill_lights, frame_block, instance_block, map_level};
 use super::ink::{InkScene, View};
-use super::nearest::{Nearest, has_ribbons};
+use super::nearest::{Nearest, drawable, has_ribbons};
 use super::recording::{Kept, Recording};
 use super::ribbons::Ribbons;
 use super::seen::{Seen, SeenSet};
@@ -74,23 +74,31 @@ pub(crate) fn begin<'f>(
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
     let moved = kept.states.move_to(gpu, instances);
+    let hulls: Vec<Hull> = instances.iter().zip(&moved).map(|(instance, moved)| with_hair(instance, moved)).collect();
+    let limits = kept.gpu.device.limits();
+    let mut all_hulls = Hull::default();
+    hulls.iter().for_each(|hull| all_hulls.0.extend(&hull.0));
+    let params_drawn = drawable(params, &all_hulls, clip_from_world, &limits);
     let drawings: Vec<_> = instances
         .iter()
         .zip(&moved)
-        .map(|(instance, moved)| {
-            let mut drawing = Drawing::of(instance, &moved.hull, params, kept.options.sample_count, clip_from_view);
+        .zip(&hulls)
+        .map(|((instance, moved), hull)| {
+            let mut drawing =
+                Drawing::of(instance, &moved.hull, &params_drawn, kept.options.sample_count, clip_from_view);
             // Bounds hold what the manifest says of the fur's height.
             let beyond = instance.model.varies().beyond_height;
-            drawing.detail.in_picture = beyond || with_hair(instance, moved).may_be_seen(clip_from_world);
-            drawing.within(&kept.gpu.device.limits(), &instance.model)
+            drawing.detail.in_picture = beyond || hull.may_be_seen(clip_from_world);
+            drawing.within(&limits, &instance.model)
         })
         .collect();
 
-    let limits = kept.gpu.device.limits();
     let drawn_sets: Vec<Vec<DrawnSet>> = instances
         .iter()
         .zip(&drawings)
-        .map(|(instance, drawing)| drawing.sets(&instance.model, &params.style, kept.options.sample_count, &limits))
+        .map(|(instance, drawing)| {
+            drawing.sets(&instance.model, &params_drawn.style, kept.options.sample_count, &limits)
+        })
         .collect();
     let key = shadow_key(params, &limits, instances, &moved, &drawings, &drawn_sets, casters.as_ref());
     let targets = take_targets(&mut kept.cache.targets, gpu, params.viewport, targets);
@@ -116,7 +124,6 @@ pub(crate) fn begin<'f>(
     });
     let light_places = from_light.as_ref().map(|(_, places)| places.clone());
 
-    let hulls: Vec<Hull> = instances.iter().zip(&moved).map(|(instance, moved)| with_hair(instance, moved)).collect();
     let all = instances.iter().zip(moved).zip(drawings).zip(&drawn_sets).enumerate();
     let seen = all.map(|(index, (((instance, moved), drawing), drawn))| {
         let offset = |place: &Place| place.offset + index as u64 * place.stride;
@@ -143,7 +150,7 @@ pub(crate) fn begin<'f>(
     let mut of_hair = Hull::default();
     let with_ribbons = instances.iter().zip(hulls).filter(|(seen, _)| has_ribbons(seen));
     with_ribbons.for_each(|(_, hull)| of_hair.0.extend(hull.0));
-    let nearest = Nearest::of(&mut kept.nearest, gpu, params, &of_hair, clip_from_world);
+    let nearest = Nearest::of(&mut kept.nearest, gpu, &params_drawn, &of_hair, clip_from_world);
     let view = View { viewport: params.viewport, view_from_world, clip_from_view, reversed_depth };
     let ink = params.style.ink().map(|ink| InkScene::new(&mut uniforms, gpu, ink, &view, &instances));
     let mut group = |frame: &Place, places: &Place, maps: Option<&ShadowMaps>| {

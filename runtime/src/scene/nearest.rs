@@ -6,6 +6,7 @@ use crate::gpu::{Gpu, Shelf, largest_buffer};
 use crate::params::{FrameParams, StrandEdges};
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
+use std::borrow::Cow;
 use std::sync::Arc;
 use wgpu::util::DrawIndirectArgs;
 
@@ -78,8 +79,33 @@ impl NearestLists {
     }
 }
 
+/// The part of the picture that a hull may reach, in whole tiles: left, top, width and height, pixels.
+fn area(hull: &Hull, clip_from_world: Mat4, viewport: [u32; 2]) -> [u32; 4] {
+    let [left, top, right, bottom] = hull.on_screen(clip_from_world, viewport, 1.0);
+    [left, top, (right - left).next_multiple_of(TILE), (bottom - top).next_multiple_of(TILE)]
+}
+
+fn tiles(area: [u32; 4]) -> u32 {
+    area[2] / TILE * (area[3] / TILE)
+}
+
+/// `params` as they can be drawn: strands in samples where the device's buffers do not hold the lists of all pixels that `hull` may reach.
+pub(super) fn drawable<'p>(
+    params: &'p FrameParams,
+    hull: &Hull,
+    clip_from_world: Mat4,
+    limits: &wgpu::Limits,
+) -> Cow<'p, FrameParams> {
+    let bytes = || u64::from(tiles(area(hull, clip_from_world, params.viewport)) * TILE * TILE) * KEY_BYTES;
+    let blended = params.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended);
+    if blended && bytes() > largest_buffer(limits) {
+        return Cow::Owned(params.clone().with_fur(|fur| fur.strand_edges = StrandEdges::Samples));
+    }
+    Cow::Borrowed(params)
+}
+
 impl Nearest {
-    /// Of a frame that asks for them and draws strands; `None` where the device's buffers do not hold so many pixels.
+    /// Of a frame that asks for them and draws strands, whose instances reach as far as `hull`.
     pub(super) fn of(
         shelf: &mut Shelf<NearestLists>,
         gpu: &Gpu,
@@ -88,21 +114,16 @@ impl Nearest {
         clip_from_world: Mat4,
     ) -> Option<Self> {
         params.style.fur().filter(|fur| fur.strand_edges == StrandEdges::Blended)?;
-        let [left, top, right, bottom] = hull.on_screen(clip_from_world, params.viewport, 1.0);
-        let area = [left, top, (right - left).next_multiple_of(TILE), (bottom - top).next_multiple_of(TILE)];
-        let tiles = u64::from(area[2] / TILE) * u64::from(area[3] / TILE);
-        let bytes = tiles * u64::from(TILE * TILE) * KEY_BYTES;
-        if tiles == 0 || bytes > largest_buffer(&gpu.device.limits()) {
-            return None;
-        }
+        let area = area(hull, clip_from_world, params.viewport);
+        let count = Some(tiles(area)).filter(|count| *count > 0)?;
         let size = params.viewport.map(|side| side as f32);
         let block = NearestHair { area, size, pieces: 0, reserved: 0 };
-        Some(Self { lists: NearestLists::take(shelf, gpu, tiles), block })
+        Some(Self { lists: NearestLists::take(shelf, gpu, count.into()), block })
     }
 
     /// Tiles of its part of the picture.
     pub(crate) fn tiles(&self) -> u32 {
-        self.block.area[2] / TILE * (self.block.area[3] / TILE)
+        tiles(self.block.area)
     }
 }
 

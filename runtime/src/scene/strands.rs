@@ -3,6 +3,7 @@
 use super::recording::Recording;
 use super::seen::{Seen, StrandSet};
 use crate::gpu::{Bound, in_compute, storage_in, uniform};
+use crate::hair::DrawnSet;
 use crate::model::{Strand, StrandConstants};
 use std::ops::Range;
 
@@ -22,29 +23,25 @@ pub(crate) fn posed_layout() -> [wgpu::BindGroupLayoutEntry; 4] {
 }
 
 impl Recording<'_> {
-    /// What [`posed_layout`] binds of the strands of a part: this `share` of them, so much `widened`.
+    /// What [`posed_layout`] binds of the strands of a part, of which so much is looked at.
     pub(crate) fn posed_strands(
         &mut self,
         set: &StrandSet<'_>,
         of_part: &Range<u32>,
-        [share, widened]: [f32; 2],
+        drawn: &DrawnSet,
     ) -> [(u32, Bound); 4] {
         [
             (0, Bound::all(&set.posed.buffer)),
             (1, Bound::all(&set.strands.strands)),
             (2, Bound::all(&set.strands.tile)),
-            (3, self.strand_constants(set, of_part, [share, widened])),
+            (3, self.strand_constants(set, of_part, drawn)),
         ]
     }
 
     /// A block of what the strands of a part have in common.
-    pub(crate) fn strand_constants(
-        &mut self,
-        set: &StrandSet<'_>,
-        of_part: &Range<u32>,
-        [share, widened]: [f32; 2],
-    ) -> Bound {
-        let place = self.uniforms.put(self.gpu, &[set.strands.constants(of_part, share, widened)]);
+    pub(crate) fn strand_constants(&mut self, set: &StrandSet<'_>, of_part: &Range<u32>, drawn: &DrawnSet) -> Bound {
+        let place =
+            self.uniforms.put(self.gpu, &[set.strands.constants(of_part, [drawn.share, drawn.widened], drawn.step)]);
         Bound::block::<StrandConstants>(&place.buffer, place.offset)
     }
 }

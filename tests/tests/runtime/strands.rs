@@ -268,6 +268,51 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
     assert!(!ran(&at(1, 0.05, &|fur| fur.hair = Hair::Strands), PassId::SHELLS));
 }
 
+/// Nobody waits for a compiler when an animal comes near, however many points it is drawn with.
+#[test]
+fn prepared_pipelines_are_all_that_strands_need() {
+    let Some(gpu) = gpu("prepared_pipelines_are_all_that_strands_need") else { return };
+    for (edges, id) in [(StrandEdges::Samples, PassId::STRANDS), (StrandEdges::Blended, PassId::STRAND_BLEND)] {
+        let mut renderer = renderer(gpu, 4);
+        let instance = Instance::new(0, &renderer.load_bytes(&plane(lying(2.0), PlaneGroom::default())).unwrap());
+        let seen = |height_m| {
+            let projection = Projection::Orthographic { height_m, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
+            let detail = Detail::Auto { bias: 1.0 };
+            above()
+                .with(|p| p.camera.projection = projection)
+                .with_fur(|f| (f.strand_edges, f.detail) = (edges, detail))
+        };
+        renderer.prepare_pipelines(&instance.model, &seen(SEEN_M)).unwrap();
+        for nearer in [1.0, 8.0, 64.0] {
+            let report = report(gpu, &mut renderer, &seen(SEEN_M / nearer), &instance);
+            assert!(ran(&report, id), "{edges:?}, {nearer} times as near: {report:?}");
+            assert_eq!(report.created.pipelines, 0, "{edges:?}, {nearer} times as near");
+        }
+    }
+}
+
+/// Where the device's buffers do not hold the lists of a picture's pixels, strands are drawn in samples.
+#[test]
+fn blended_edges_fall_back_to_samples() {
+    if gpu("blended_edges_fall_back_to_samples").is_none() {
+        return;
+    }
+    // Room for half of the picture.
+    let bytes = u64::from(SIZE * SIZE) * 36 / 2;
+    let limits = wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
+    let gpu = Gpu::with(wgpu::Features::empty(), Some(limits)).unwrap();
+    let mut renderer = renderer(&gpu, 4);
+    let instance = Instance::new(0, &renderer.load_bytes(&plane(lying(2.0), PlaneGroom::default())).unwrap());
+    let params = in_strands(above()).with_fur(|fur| fur.strand_edges = StrandEdges::Blended);
+    let found = report(&gpu, &mut renderer, &params, &instance);
+    assert!(ran(&found, PassId::STRANDS) && !ran(&found, PassId::STRAND_BLEND), "{found:?}");
+    let reason = &found.passes.iter().find(|pass| pass.name == PassId::STRAND_GATHER.name()).unwrap().reason;
+    assert!(reason.contains("buffers"), "{reason}");
+    // A smaller picture has room.
+    let small = report(&gpu, &mut renderer, &params.with(|p| p.viewport = [SIZE / 2; 2]), &instance);
+    assert!(ran(&small, PassId::STRAND_BLEND) && !ran(&small, PassId::STRANDS), "{small:?}");
+}
+
 /// Who has too few storage buffers draws layers, and says so.
 #[test]
 fn a_small_device_draws_layers() {

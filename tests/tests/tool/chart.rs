@@ -275,7 +275,7 @@ fn the_strands_chart() {
     let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // Close up with four samples, and half as large with one: what the runtime chooses, layers, strands of 8 and of 2 pieces.
-    let rows = charted(&sandbox, "strands", "7,8,10,12,37,38,40,42", &sets);
+    let rows = charted(&sandbox, "strands", "10,11,13,15,55,56,58,60", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     for (i, row) in rows.iter().enumerate() {
         let (size, [width, height, samples]) =

@@ -84,8 +84,8 @@ impl Strands {
         }
     }
 
-    /// What the strands of a part have in common of which that share is drawn, so much wider than they are.
-    pub(crate) fn constants(&self, part: &Range<u32>, share: f32, widened: f32) -> StrandConstants {
+    /// What the strands of a part have in common: that `share` of them is looked at, every `step`th point, so much wider than they grow.
+    pub(crate) fn constants(&self, part: &Range<u32>, [share, widened]: [f32; 2], step: u32) -> StrandConstants {
         StrandConstants {
             points: self.points,
             count: self.count,
@@ -94,7 +94,7 @@ impl Strands {
             first: part.start,
             end: part.end,
             share,
-            reserved: 0,
+            step,
         }
     }
 
@@ -179,7 +179,8 @@ pub(crate) struct StrandConstants {
     pub(crate) end: u32,
     /// Of them that is drawn.
     pub(crate) share: f32,
-    pub(crate) reserved: u32,
+    /// Every how many points is looked at.
+    pub(crate) step: u32,
 }
 
 pub(super) fn steps(points: u32) -> impl DoubleEndedIterator<Item = u32> {

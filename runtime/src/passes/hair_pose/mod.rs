@@ -69,7 +69,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
                 (3, Bound::all(posed_guides)),
                 (4, Bound::all(&guided.hairs)),
                 (5, Bound::all(&set.posed.buffer)),
-                (6, frame.strand_constants(&set, of_part, [1.0, 1.0])),
+                (6, frame.strand_constants(&set, of_part, &set.drawn.whole())),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let mut dispatch = |entry, threads| {

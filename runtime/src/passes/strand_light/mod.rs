@@ -42,7 +42,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
     let mut constants = seen.look.strand_lights();
-    constants.extend([on("DEEP_SHADOW", seen.look.deep_shadow), ("POINT_STEP", set.drawn.step)]);
+    constants.push(on("DEEP_SHADOW", seen.look.deep_shadow));
     // The skin and its groom say nothing of hair on guides.
     if set.strands.guided().is_some() {
         constants.push(on("OWN_COLOR", true));
@@ -81,7 +81,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         for (number, (part, of_part)) in set.parts(seen.model.parts()).enumerate() {
             // Without a map nothing is read of what stands in for it.
             let deep = maps.and_then(|maps| maps.deep.as_ref()).unwrap_or(&strands.tile);
-            let mut entries = frame.posed_strands(&set, of_part, [set.drawn.share, set.drawn.widened]).to_vec();
+            let mut entries = frame.posed_strands(&set, of_part, set.drawn).to_vec();
             let buffers = [&ribbons.seen, &ribbons.counts, &ribbons.corners, deep];
             entries.extend((4..).zip(buffers.map(Bound::all)));
             entries.push((8, Bound::block::<DeepOpacity>(&block.buffer, block.offset)));

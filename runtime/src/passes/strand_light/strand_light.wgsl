@@ -10,9 +10,6 @@
 @group(2) @binding(7) var<storage, read> deep: array<u32>;
 @group(2) @binding(8) var<uniform> deep_opacity: DeepOpacity;
 
-// Every how many points is drawn.
-override POINT_STEP: u32 = 1u;
-
 const DRAW_ARGUMENTS: u32 = 5u;
 // Roots whose skin faces farther away than this grow hair that the skin hides.
 const FARTHEST_TURNED: f32 = -0.5;
@@ -69,7 +66,7 @@ const SCANNERS: u32 = 256u;
 var<workgroup> sums: array<u32, 256>;
 
 fn pieces() -> u32 {
-    return (constants.points - 1u) / POINT_STEP;
+    return (constants.points - 1u) / constants.step;
 }
 
 // Two corners a point.
@@ -166,15 +163,15 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let last = pieces();
 
     for (var i = 0u; i <= last; i++) {
-        let k = root + i * POINT_STEP;
+        let k = root + i * constants.step;
         let height = posed[k].w;
         let position = world_place(k);
-        let before = posed[select(k, k - POINT_STEP, i > 0u)].xyz;
-        let after = posed[select(k, k + POINT_STEP, i < last)].xyz;
+        let before = posed[select(k, k - constants.step, i > 0u)].xyz;
+        let after = posed[select(k, k + constants.step, i < last)].xyz;
         let tangent = normalize_or((instance.world_from_model * vec4(after - before, 0.0)).xyz, normal);
         let eye = direction_to(frame.eye_ws, position);
 
-        let of_tile = strand.of_tile * constants.points + i * POINT_STEP;
+        let of_tile = strand.of_tile * constants.points + i * constants.step;
         let point = tile[of_tile];
         var radius = f32(point.y >> 16u);
         var color = srgb_channels(unpack4x8unorm(point.z).rgb);

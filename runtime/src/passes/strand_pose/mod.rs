@@ -67,7 +67,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
                 (1, Bound::all(stands)),
                 (2, Bound::all(&strands.strands)),
                 (3, Bound::all(&strands.tile)),
-                (4, frame.strand_constants(&set, of_part, [1.0, 1.0])),
+                (4, frame.strand_constants(&set, of_part, &set.drawn.whole())),
                 (5, Bound::all(&set.posed.buffer)),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);

@@ -2,7 +2,7 @@
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Shader, depth_texture, in_compute, on, storage_out, uniform};
-use crate::hair::grown_by;
+use crate::hair::{DrawnSet, grown_by};
 use crate::light::CasterPass;
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, posed_layout, record_depth, record_dispatches, strand_sets};
@@ -72,7 +72,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let pieces = strands.points - 1;
         let step = strands.steps().rfind(|step| pieces / step >= FEWEST_PIECES).unwrap_or(1);
         for (part, of_part) in set.parts(seen.model.parts()) {
-            let mut entries = frame.posed_strands(&set, of_part, [1.0, 1.0]).to_vec();
+            let mut entries = frame.posed_strands(&set, of_part, &DrawnSet { step, ..set.drawn.whole() }).to_vec();
             entries.extend([
                 (4, Bound::all(deep)),
                 (5, Bound::View(maps.nearest.view.clone())),
@@ -83,8 +83,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
                 let surfaces = frame.surfaces;
                 let groups = vec![surfaces.frame.clone(), surfaces.material.clone(), layout.clone()];
                 let coat = strands.guided().is_none();
-                let mut constants = if coat { grown_by(&seen.model, part) } else { vec![on("GUIDED", true)] };
-                constants.push(("POINT_STEP", step));
+                let constants = if coat { grown_by(&seen.model, part) } else { vec![on("GUIDED", true)] };
                 let spec = ComputeSpec { shader: SHADER, entry, groups, constants };
                 Dispatch {
                     pipeline: frame.compute_pipeline(spec),

@@ -12,9 +12,6 @@ override GROOM_TEXTURE: bool = false;
 // It is hair on guides.
 override GUIDED: bool = false;
 
-// Every how many points is walked to.
-override POINT_STEP: u32 = 1u;
-
 // Most steps of a piece: one that fills the map is drawn with gaps.
 const MOST_STEPS: f32 = 256.0;
 
@@ -32,12 +29,12 @@ fn walk(number: u32, deposits: bool) {
     }
     let side = f32(deep_opacity.size);
     var place_a = map_texel(a, side);
-    for (var i = POINT_STEP; i < points; i += POINT_STEP) {
+    for (var i = constants.step; i < points; i += constants.step) {
         let b = world_place(first + POSED_BEFORE + i);
         let place_b = map_texel(b, side);
         let texels = distance(place_a.xy, place_b.xy);
         let steps = clamp(ceil(texels), 1.0, MOST_STEPS);
-        let radius = f32(tile[strand.of_tile * points + i - POINT_STEP / 2u].y >> 16u) / 65535.0 * constants.radius * instance.scale;
+        let radius = f32(tile[strand.of_tile * points + i - constants.step / 2u].y >> 16u) / 65535.0 * constants.radius * instance.scale;
         for (var k = 0.5; k < steps; k += 1.0) {
             let share = k / steps;
             let p = mix(place_a, place_b, share);
