@@ -29,9 +29,9 @@ pub(crate) const PASSES: &[&Pass] = &[
     &ink_stroke::PASS,
     &skin::PASS,
     &strands::PASS,
-    &strand_blend::PASS,
     &fins::PASS,
     &shells::PASS,
+    &strand_blend::PASS,
     &ink_composite::PASS,
     &ink_fur::PASS,
     #[cfg(test)]

@@ -88,6 +88,49 @@ fn every_wgsl_file_is_valid_and_used() {
     assert!(files.len() >= 48, "not all are found: {files:?}");
 }
 
+/// Browsers refuse a shift and a bitwise operator side by side without parentheses, which naga takes.
+#[test]
+fn shifts_stand_in_parentheses() {
+    let mut files = Vec::new();
+    wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    for file in files {
+        for (number, line) in std::fs::read_to_string(&file).unwrap().lines().enumerate() {
+            let code = line.split("//").next().unwrap_or_default();
+            assert!(!mixes_shifts(code), "{}:{}: {line}", file.display(), number + 1);
+        }
+    }
+    for refused in ["a << 9u | b", "(a >> 6u) | b >> 2u", "f(a & b << 1u)", "x[i] & 511u << 2u"] {
+        assert!(mixes_shifts(refused), "{refused}");
+    }
+    for taken in ["(a << 9u) | b", "vec2(a & 1u, a >> 1u)", "a << (b & 3u)", "a && b << 1u < c || d", "a |= b << 1u;"] {
+        assert!(!mixes_shifts(taken), "{taken}");
+    }
+}
+
+/// Whether between two parentheses, commas or other operators there are both.
+fn mixes_shifts(code: &str) -> bool {
+    let code = code.replace("&&", ",").replace("||", ",").replace("|=", ",").replace("&=", ",");
+    // Of each open bracket: a shift was seen, a bitwise operator was.
+    let mut open = vec![[false; 2]];
+    let mut before = ' ';
+    for letter in code.chars() {
+        let here = open.len() - 1;
+        match letter {
+            '(' | '[' => open.push([false; 2]),
+            ')' | ']' if here > 0 => drop(open.pop()),
+            ',' | ';' | '=' => open[here] = [false; 2],
+            '<' | '>' if before == letter => open[here][0] = true,
+            '|' | '&' | '^' => open[here][1] = true,
+            _ => (),
+        }
+        if open.last() == Some(&[true; 2]) {
+            return true;
+        }
+        before = letter;
+    }
+    false
+}
+
 /// Offset and size of each member of a struct, and the struct's size.
 fn members(source: &str, name: &str) -> (Vec<(String, u32, u32)>, u32) {
     let module = parse(name, source);
@@ -227,7 +270,7 @@ fn uniform_structs_agree() {
         assert_eq!((&wgsl[..6], wgsl[6].1, size), (&fields[..6], fields[6].1, rust_size));
     }
     for source in [strand_gather::SHADER.wgsl, strand_blend::SHADER.wgsl] {
-        assert_eq!(members(source, "NearestHair"), fields!(NearestHair, area, size, pieces, reserved));
+        assert_eq!(members(source, "NearestHair"), fields!(NearestHair, area, size, pieces, round));
     }
     // They read no more of the frame than how to place corners.
     for source in [strands::SHADER.wgsl, strand_gather::SHADER.wgsl] {

@@ -8,7 +8,7 @@ use crate::hooks::Hooks;
 use crate::instance::Instance;
 use crate::model::{self, Model};
 use crate::motion::States;
-use crate::params::{Detail, FrameParams, Hair, RendererOptions, Style};
+use crate::params::{Detail, FrameParams, Hair, RendererOptions, StrandEdges, Style};
 use crate::scene::Kept;
 use crate::surface::Surfaces;
 use glam::Vec3;
@@ -76,6 +76,13 @@ impl Renderer {
         // What levels that are named leave out, because they are of layers.
         if params.style.fur().is_some_and(|fur| fur.hair == Hair::Auto) && model.coat_strands().is_some() {
             variants.push(params.clone().with_fur(|fur| fur.hair = Hair::Strands));
+        }
+        if params.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended) && !model.strands().is_empty()
+        {
+            let strands = params.clone().with_fur(|fur| fur.hair = Hair::Strands);
+            // Which of the two a picture gets hangs on its size, and on the device.
+            variants.push(strands.clone().with(|p| p.viewport = [64; 2]));
+            variants.push(strands.with_fur(|fur| fur.strand_edges = StrandEdges::Samples));
         }
         if self.kept.ring.lost_work() {
             self.invalidate();

@@ -12,8 +12,8 @@ pub struct FrameReport {
     pub created: Created,
     /// Bytes of uniforms and storage that the queue was given: none where all is as in a frame before.
     pub uploaded_bytes: u64,
-    /// Bytes on the GPU of the textures of the picture's size that the passes hand on. The renderer keeps them for the next frames of
-    /// the same size.
+    /// Bytes on the GPU of the textures of the picture's size that the passes hand on, and of the lists of its pixels where strands have blended
+    /// edges. The renderer keeps them for the next frames of the same size.
     pub target_bytes: u64,
 }
 

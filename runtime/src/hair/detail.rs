@@ -81,16 +81,18 @@ impl Drawing {
         let Some(fur) = params.style.fur().filter(|_| crate::study::only_layer(params).is_none()) else {
             return drawing;
         };
-        let samples = found_as(fur, samples);
         let Some(strands) = instance.model.coat_strands().filter(|_| drawing.has_shells()) else { return drawing };
         let way = match fur.hair {
             Hair::Shells => 0.0,
             Hair::Strands => 1.0,
             // Who names layers wants to see them.
             Hair::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
-            Hair::Auto => way_to_strands(px_per_m * strands.mean_width_m * bias(fur.detail), samples),
+            Hair::Auto => way_to_strands(fur, px_per_m * strands.mean_width_m * bias(fur.detail), samples),
         };
-        Self { point_step: point_step(strands, px_per_m, samples, most_pieces), ..drawing.with_strands(way) }
+        Self {
+            point_step: point_step(strands, px_per_m, found_as(fur, samples), most_pieces),
+            ..drawing.with_strands(way)
+        }
     }
 
     /// On the [way](way_to_strands) from layers to single strands. The far coat is in both.

@@ -12,7 +12,8 @@ struct NearestHair {
     size: vec2<f32>,
     // Of a strand.
     pieces: u32,
-    reserved: u32,
+    // Of the gathering: 0 sorts keys, 1 leaves light.
+    round: u32,
 }
 
 // Pixels along a side of a tile.
@@ -24,7 +25,7 @@ override REVERSED_DEPTH: bool = false;
 // A key is larger the nearer a piece is, and holds how much of the pixel it covers in its last 8 bits. 0 is none.
 fn nearest_key(depth: f32, covered: f32) -> u32 {
     let nearness = select(1.0 - depth, depth, REVERSED_DEPTH);
-    return (bitcast<u32>(nearness) >> 6u) << 8u | u32(covered * 255.0 + 0.5);
+    return ((bitcast<u32>(nearness) >> 6u) << 8u) | u32(covered * 255.0 + 0.5);
 }
 
 fn depth_of(key: u32) -> f32 {

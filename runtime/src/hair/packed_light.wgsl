@@ -15,10 +15,10 @@ fn packed_light(light: vec3<f32>) -> u32 {
         exponent += 1;
     }
     let bits = vec3<u32>(c * power_of_two(24 - exponent) + 0.5);
-    return bits.r | bits.g << 9u | bits.b << 18u | u32(exponent) << 27u;
+    return bits.r | (bits.g << 9u) | (bits.b << 18u) | (u32(exponent) << 27u);
 }
 
 fn unpacked_light(bits: u32) -> vec3<f32> {
-    let channels = vec3(bits & 511u, bits >> 9u & 511u, bits >> 18u & 511u);
+    let channels = vec3(bits & 511u, (bits >> 9u) & 511u, (bits >> 18u) & 511u);
     return vec3<f32>(channels) * power_of_two(i32(bits >> 27u) - 24);
 }

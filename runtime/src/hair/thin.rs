@@ -55,10 +55,12 @@ pub(super) fn shares_on_the_way(way: f32) -> [f32; 2] {
     [(way / STRANDS_IN).min(1.0), left * left]
 }
 
-/// How far on the way to single strands hair is where those are so many pixels wide and a pixel has so many samples.
-pub(super) fn way_to_strands(width_px: f32, samples: u32) -> f32 {
-    let over = width_px * (samples as f32).sqrt() / MIXED_FROM_PX;
-    ((over - 1.0) / (MIXED_TO - 1.0)).clamp(0.0, 1.0)
+/// How far on the way to single strands hair is where those are so many pixels wide, in a pass of so many samples. With blended edges it is one or the
+/// other: they are as bright as layers, and layers between them would fill what is dark.
+pub(super) fn way_to_strands(fur: &FurParams, width_px: f32, samples: u32) -> f32 {
+    let over = width_px * (found_as(fur, samples) as f32).sqrt() / MIXED_FROM_PX;
+    let way = ((over - 1.0) / (MIXED_TO - 1.0)).clamp(0.0, 1.0);
+    if fur.strand_edges == StrandEdges::Blended { way.round() } else { way }
 }
 
 /// How far, in pixels over the root of the samples, the mean strand may bend away from what is left of it when points are left out.
@@ -96,7 +98,14 @@ mod tests {
 
     #[test]
     fn strands_begin_where_samples_find_them() {
-        assert_eq!([0.7, 0.81, 0.91].map(|px| (1e4 * way_to_strands(px, 1)).round() / 1e4), [0.0, 0.5, 1.0]);
-        assert_eq!([0.35, 0.405, 0.455].map(|px| (1e4 * way_to_strands(px, 4)).round() / 1e4), [0.0, 0.5, 1.0]);
+        let of = |edges, px, samples| {
+            let fur = FurParams::default().with(|fur| fur.strand_edges = edges);
+            (1e4 * way_to_strands(&fur, px, samples)).round() / 1e4
+        };
+        assert_eq!([0.7, 0.81, 0.91].map(|px| of(StrandEdges::Samples, px, 1)), [0.0, 0.5, 1.0]);
+        assert_eq!([0.35, 0.405, 0.455].map(|px| of(StrandEdges::Samples, px, 4)), [0.0, 0.5, 1.0]);
+        for samples in [1, 4] {
+            assert_eq!([0.175, 0.2, 0.21].map(|px| of(StrandEdges::Blended, px, samples)), [0.0, 0.0, 1.0]);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::blocks::{fill_lights, frame_block, instance_block, map_level};
 use super::ink::{InkScene, View};
-use super::nearest::{Nearest, drawable, has_ribbons};
+use super::nearest::{Nearest, area, drawable, has_ribbons};
 use super::recording::{Kept, Recording};
 use super::ribbons::Ribbons;
 use super::seen::{Seen, SeenSet};
@@ -13,7 +13,7 @@ use crate::hair::{Drawing, DrawnSet, Look};
 use crate::instance::Instance;
 use crate::light::{Casters, DeepHair, InstanceKey, ShadowKey, ShadowMaps, settle};
 use crate::motion::Moved;
-use crate::params::{FrameParams, MAX_FILL_LIGHTS, SelfShadow};
+use crate::params::{FrameParams, MAX_FILL_LIGHTS, SelfShadow, StrandEdges};
 use crate::shared::frame as blocks;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -74,11 +74,14 @@ pub(crate) fn begin<'f>(
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
     let moved = kept.states.move_to(gpu, instances);
-    let hulls: Vec<Hull> = instances.iter().zip(&moved).map(|(instance, moved)| with_hair(instance, moved)).collect();
+    let hulls: Vec<Hull> = instances.iter().zip(&moved).map(|(instance, moved)| on_screen(instance, moved)).collect();
     let limits = kept.gpu.device.limits();
-    let mut all_hulls = Hull::default();
-    hulls.iter().for_each(|hull| all_hulls.0.extend(&hull.0));
-    let params_drawn = drawable(params, &all_hulls, clip_from_world, &limits);
+    let params_drawn = drawable(params, &limits, || {
+        let haired = instances.iter().zip(&hulls).filter(|(instance, _)| !instance.model.strands().is_empty());
+        let seen = haired.filter(|(_, hull)| hull.may_be_seen(clip_from_world));
+        let union = Hull(seen.flat_map(|(_, hull)| hull.0.iter().copied()).collect());
+        area(&union, clip_from_world, params.viewport)
+    });
     let drawings: Vec<_> = instances
         .iter()
         .zip(&moved)
@@ -86,9 +89,7 @@ pub(crate) fn begin<'f>(
         .map(|((instance, moved), hull)| {
             let mut drawing =
                 Drawing::of(instance, &moved.hull, &params_drawn, kept.options.sample_count, clip_from_view);
-            // Bounds hold what the manifest says of the fur's height.
-            let beyond = instance.model.varies().beyond_height;
-            drawing.detail.in_picture = beyond || hull.may_be_seen(clip_from_world);
+            drawing.detail.in_picture = hull.may_be_seen(clip_from_world);
             drawing.within(&limits, &instance.model)
         })
         .collect();
@@ -124,12 +125,13 @@ pub(crate) fn begin<'f>(
     });
     let light_places = from_light.as_ref().map(|(_, places)| places.clone());
 
+    let blended = params_drawn.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended);
     let all = instances.iter().zip(moved).zip(drawings).zip(&drawn_sets).enumerate();
     let seen = all.map(|(index, (((instance, moved), drawing), drawn))| {
         let offset = |place: &Place| place.offset + index as u64 * place.stride;
         let mut set = |drawn: &DrawnSet| {
             let strands = &instance.model.strands()[drawn.set];
-            let take = || Ribbons::take(&mut kept.ribbons, gpu, strands, drawn.step);
+            let take = || Ribbons::take(&mut kept.ribbons, gpu, strands, drawn.step, !blended);
             SeenSet {
                 drawn: *drawn,
                 posed: kept.states.pose_strands(gpu, instance, moved.revision, drawn.set),
@@ -195,6 +197,12 @@ const THICKNESS: f32 = 0.12;
 /// An instance in world space with all its hair.
 fn with_hair(instance: &Instance, moved: &Moved) -> Hull {
     moved.hull.widened(instance.scale() * instance.model.hair_reach_m())
+}
+
+/// The same, and anywhere where its fur is longer than the manifest says.
+fn on_screen(instance: &Instance, moved: &Moved) -> Hull {
+    let anywhere = if instance.model.varies().beyond_height { f32::INFINITY } else { 0.0 };
+    with_hair(instance, moved).widened(anywhere)
 }
 
 /// What the shadow maps of a frame depend on; `None` where it needs none.

@@ -29,7 +29,8 @@ pub(crate) struct NearestHair {
     pub(crate) size: [f32; 2],
     /// Of a strand.
     pub(crate) pieces: u32,
-    pub(crate) reserved: u32,
+    /// Of the gathering: 0 sorts keys, 1 leaves light.
+    pub(crate) round: u32,
 }
 
 /// Where the nearest pieces of a frame's hair are gathered, and which part of the picture that is.
@@ -56,15 +57,17 @@ impl NearestLists {
         self.keys.size() + self.lights.size() + self.layers.size()
     }
 
-    /// Lists of so many tiles, none that a living frame still draws from.
-    fn take(shelf: &mut Shelf<Self>, gpu: &Gpu, tiles: u64) -> Arc<Self> {
-        let pixels = tiles * u64::from(TILE * TILE);
-        // What something drawn grows to while the eye comes nearer.
-        let fits = |lists: &Self| lists.keys.size() >= pixels * KEY_BYTES;
+    /// Lists of so many tiles, none that a living frame still draws from; of at most as many as `most` where there is a choice.
+    fn take(shelf: &mut Shelf<Self>, gpu: &Gpu, tiles: u64, most: u64) -> Arc<Self> {
+        // With room to grow, or an animal that comes nearer would make buffers in each frame; but not those of one that was nearer long ago.
+        let room = tiles.next_power_of_two().min(most).max(tiles);
+        let bytes = |tiles: u64| tiles * u64::from(TILE * TILE) * KEY_BYTES;
+        let fits = |lists: &Self| (bytes(tiles)..=bytes(2 * room)).contains(&lists.keys.size());
         let lists = shelf.take(fits).unwrap_or_else(|| {
             use wgpu::BufferUsages as Usage;
+            let pixels = room * u64::from(TILE * TILE);
             let of_pixels = |label, bytes| gpu.buffer(label, pixels * bytes, Usage::STORAGE | Usage::COPY_DST);
-            let layers = size_of::<DrawIndirectArgs>() as u64 + 4 * tiles * u64::from(NEAREST);
+            let layers = size_of::<DrawIndirectArgs>() as u64 + 4 * room * u64::from(NEAREST);
             Self {
                 keys: of_pixels("pelage nearest hair", KEY_BYTES),
                 lights: of_pixels("pelage light of nearest hair", 4 * u64::from(NEAREST)),
@@ -80,7 +83,7 @@ impl NearestLists {
 }
 
 /// The part of the picture that a hull may reach, in whole tiles: left, top, width and height, pixels.
-fn area(hull: &Hull, clip_from_world: Mat4, viewport: [u32; 2]) -> [u32; 4] {
+pub(super) fn area(hull: &Hull, clip_from_world: Mat4, viewport: [u32; 2]) -> [u32; 4] {
     let [left, top, right, bottom] = hull.on_screen(clip_from_world, viewport, 1.0);
     [left, top, (right - left).next_multiple_of(TILE), (bottom - top).next_multiple_of(TILE)]
 }
@@ -89,14 +92,13 @@ fn tiles(area: [u32; 4]) -> u32 {
     area[2] / TILE * (area[3] / TILE)
 }
 
-/// `params` as they can be drawn: strands in samples where the device's buffers do not hold the lists of all pixels that `hull` may reach.
+/// `params` as they can be drawn: strands in samples where the device's buffers do not hold the lists of all pixels of the `area` that they may reach.
 pub(super) fn drawable<'p>(
     params: &'p FrameParams,
-    hull: &Hull,
-    clip_from_world: Mat4,
     limits: &wgpu::Limits,
+    area: impl FnOnce() -> [u32; 4],
 ) -> Cow<'p, FrameParams> {
-    let bytes = || u64::from(tiles(area(hull, clip_from_world, params.viewport)) * TILE * TILE) * KEY_BYTES;
+    let bytes = || u64::from(tiles(area())) * u64::from(TILE * TILE) * KEY_BYTES;
     let blended = params.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended);
     if blended && bytes() > largest_buffer(limits) {
         return Cow::Owned(params.clone().with_fur(|fur| fur.strand_edges = StrandEdges::Samples));
@@ -116,9 +118,19 @@ impl Nearest {
         params.style.fur().filter(|fur| fur.strand_edges == StrandEdges::Blended)?;
         let area = area(hull, clip_from_world, params.viewport);
         let count = Some(tiles(area)).filter(|count| *count > 0)?;
+        let most = largest_buffer(&gpu.device.limits()) / (u64::from(TILE * TILE) * KEY_BYTES);
+        let picture = params.viewport.map(|side| u64::from(side.div_ceil(TILE))).iter().product::<u64>();
         let size = params.viewport.map(|side| side as f32);
-        let block = NearestHair { area, size, pieces: 0, reserved: 0 };
-        Some(Self { lists: NearestLists::take(shelf, gpu, count.into()), block })
+        let block = NearestHair { area, size, pieces: 0, round: 0 };
+        Some(Self { lists: NearestLists::take(shelf, gpu, count.into(), most.min(picture)), block })
+    }
+
+    /// Empties what this frame uses of the lists.
+    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        let pixels = u64::from(self.tiles() * TILE * TILE);
+        encoder.clear_buffer(&self.lists.keys, 0, Some(pixels * KEY_BYTES));
+        encoder.clear_buffer(&self.lists.lights, 0, Some(pixels * 4 * u64::from(NEAREST)));
+        encoder.clear_buffer(&self.lists.layers, 0, Some(size_of::<DrawIndirectArgs>() as u64));
     }
 
     /// Tiles of its part of the picture.

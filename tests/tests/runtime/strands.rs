@@ -268,6 +268,30 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
     assert!(!ran(&at(1, 0.05, &|fur| fur.hair = Hair::Strands), PassId::SHELLS));
 }
 
+/// A mane whose edges are soft lies over a coat that is layers.
+#[test]
+fn blended_hair_lies_over_layers() {
+    let Some(gpu) = gpu("blended_hair_lies_over_layers") else { return };
+    let model = workspace().join("assets/models/pony.glb");
+    let bytes = bake_plain("pony", &model, Some("assets/recipes/pony.toml"), &[]);
+    let drawn = |edges, samples: u32, side: u32| {
+        let mut renderer = renderer(gpu, samples);
+        let instance = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
+        let bounds = instance.model.manifest().bounds;
+        let center = Vec3::from(bounds.center);
+        let eye = center + Vec3::new(0.9, 0.2, 0.4).normalize() * bounds.radius * 3.5;
+        let projection = Projection::Perspective { fov_y_rad: 0.5, aspect: 1.0, near_m: 0.01, far_m: 100.0 };
+        let params = FrameParams::new(Camera::look_at(eye, center, projection), [side; 2])
+            .with_fur(|fur| (fur.hair, fur.strand_edges, fur.detail) = (Hair::Shells, edges, Detail::Full));
+        draw(gpu, &mut renderer, &params, &[&instance])
+    };
+    let fine = drawn(StrandEdges::Samples, 4, 1024).shrunk(4);
+    let of = |edges, samples| difference(&drawn(edges, samples, 256), &fine).mean;
+    let found = [of(StrandEdges::Blended, 4), of(StrandEdges::Samples, 4)];
+    println!("mean difference to 64 samples: {found:.3?} blended, in samples");
+    assert!(found[0] < found[1], "{found:?}");
+}
+
 /// Nobody waits for a compiler when an animal comes near, however many points it is drawn with.
 #[test]
 fn prepared_pipelines_are_all_that_strands_need() {

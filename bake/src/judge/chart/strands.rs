@@ -135,7 +135,7 @@ pub fn configurations(ways: usize) -> Vec<Configuration> {
 /// * `frame_milliseconds`: a frame whose light and pose stand still. `anew_milliseconds`: the passes of one whose pose and maps are made anew.
 /// * `over_cheapest`: of what the runtime chooses without being asked for blended edges, the former over that of the cheapest way of the same size and
 ///   samples whose FLIP is at most [`AS_TRUE`] as large.
-/// * `package_bytes`: of a package with strands, or without where none are drawn; `gpu_bytes`: model, copy and maps.
+/// * `package_bytes`: of a package with strands, or without where none are drawn; `gpu_bytes`: model, copy, maps and lists.
 pub const COLUMNS: [&str; 24] = [
     "size",
     "width",

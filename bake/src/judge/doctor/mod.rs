@@ -442,7 +442,6 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
         of_strands("strand_gather"),
         pass("skin", w.vertices > 0, yes_or(w.vertices > 0, "always".into(), "no triangles"), w.vertices, Some(w.skin)),
         of_strands("strands"),
-        of_strands("strand_blend"),
         pass(
             "fins",
             has_fins,
@@ -469,6 +468,7 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
             w.furry_vertices * w.drawn,
             Some(w.shells),
         ),
+        of_strands("strand_blend"),
     ]
 }
 

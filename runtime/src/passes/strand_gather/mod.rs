@@ -52,15 +52,16 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     for (seen, set) in strand_sets(&instances) {
         let Some(ribbons) = set.ribbons else { continue };
         let pieces = set.strands.pieces(set.drawn.step);
-        let block = frame.uniforms.put(frame.gpu, &[NearestHair { pieces, ..nearest.block }]);
         let lists = &nearest.lists;
-        let buffers = [&ribbons.counts, &ribbons.corners, &lists.keys, &lists.lights, &lists.layers];
-        let mut entries: Vec<_> = (0..).zip(buffers.map(Bound::all)).collect();
-        entries.push((5, Bound::block::<NearestHair>(&block.buffer, block.offset)));
-        let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
-        let mut dispatch = |entry, leaves_light, threads| {
+        // The rounds are of one pipeline: keys that differ in a bit would not be found again.
+        let mut dispatch = |entry, round, threads| {
+            let block = frame.uniforms.put(frame.gpu, &[NearestHair { pieces, round, ..nearest.block }]);
+            let buffers = [&ribbons.counts, &ribbons.corners, &lists.keys, &lists.lights, &lists.layers];
+            let mut entries: Vec<_> = (0..).zip(buffers.map(Bound::all)).collect();
+            entries.push((5, Bound::block::<NearestHair>(&block.buffer, block.offset)));
+            let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let groups = vec![frame.surfaces.frame.clone(), layout.clone()];
-            let constants = vec![on("LEAVES_LIGHT", leaves_light), on("REVERSED_DEPTH", frame.options.reversed_depth)];
+            let constants = vec![on("REVERSED_DEPTH", frame.options.reversed_depth)];
             Dispatch {
                 pipeline: frame.compute_pipeline(ComputeSpec { shader: SHADER, entry, groups, constants }),
                 groups: vec![frame.seen_from_eye(seen), Group::of(&group)],
@@ -68,16 +69,14 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             }
         };
         let of_all = set.strands.count * pieces;
-        gather.push(dispatch("gather", false, of_all));
-        leave.push(dispatch("gather", true, of_all));
+        gather.push(dispatch("gather", 0, of_all));
+        leave.push(dispatch("gather", 1, of_all));
         if list.is_empty() {
-            list.push(dispatch("list_layers", false, nearest.tiles() * WORKGROUP));
+            list.push(dispatch("list_layers", 0, nearest.tiles() * WORKGROUP));
         }
         count += of_all;
     }
-    for buffer in [&nearest.lists.keys, &nearest.lists.lights, &nearest.lists.layers] {
-        frame.encoder.clear_buffer(buffer, 0, None);
-    }
+    nearest.clear(frame.encoder);
     // Each sees what those before it wrote.
     gather.append(&mut leave);
     gather.append(&mut list);

@@ -15,9 +15,6 @@ struct Frame {
 @group(1) @binding(4) var<storage, read_write> layers: array<atomic<u32>>;
 @group(1) @binding(5) var<uniform> nearest: NearestHair;
 
-// The second round.
-override LEAVES_LIGHT: bool = false;
-
 // An end of a piece on screen.
 struct End {
     // Pixels; depth.
@@ -28,25 +25,43 @@ struct End {
     // Unit vector along the strand, across the line on which this piece ends and the next begins.
     along: vec2<f32>,
     light: vec3<f32>,
-    // It is before the eye.
-    before: bool,
 }
 
-fn on_screen(corner: vec3<u32>) -> vec4<f32> {
-    let clip = frame.clip_from_world * vec4(bitcast<vec3<f32>>(corner), 1.0);
-    let ndc = clip.xyz / clip.w;
-    return vec4((vec2(0.5, -0.5) * ndc.xy + 0.5) * nearest.size, ndc.z, clip.w);
+// Corners of an end in clip space, and its light.
+struct Corners {
+    left: vec4<f32>,
+    right: vec4<f32>,
+    light: vec3<f32>,
 }
 
-fn end(first: u32) -> End {
+fn corners_at(first: u32) -> Corners {
     let left = ribbons[first];
-    let a = on_screen(left.xyz);
-    let b = on_screen(ribbons[first + 1u].xyz);
+    let a = frame.clip_from_world * vec4(bitcast<vec3<f32>>(left.xyz), 1.0);
+    let b = frame.clip_from_world * vec4(bitcast<vec3<f32>>(ribbons[first + 1u].xyz), 1.0);
+    return Corners(a, b, unpacked_light(left.w));
+}
+
+// How far behind the near plane it is, in clip space.
+fn behind_near(corners: Corners) -> f32 {
+    let middle = 0.5 * (corners.left + corners.right);
+    return select(middle.z, middle.w - middle.z, REVERSED_DEPTH);
+}
+
+fn between(a: Corners, b: Corners, share: f32) -> Corners {
+    return Corners(mix(a.left, b.left, share), mix(a.right, b.right, share), mix(a.light, b.light, share));
+}
+
+fn on_screen(clip: vec4<f32>) -> vec3<f32> {
+    let ndc = clip.xyz / clip.w;
+    return vec3((vec2(0.5, -0.5) * ndc.xy + 0.5) * nearest.size, ndc.z);
+}
+
+fn end(corners: Corners) -> End {
+    let a = on_screen(corners.left);
+    let b = on_screen(corners.right);
     let aside = 0.5 * (b.xy - a.xy);
     let half = length(aside);
-    return End(
-        a.xy + aside, 0.5 * (a.z + b.z), half, vec2(aside.y, -aside.x) / half, unpacked_light(left.w), min(a.w, b.w) > 0.0
-    );
+    return End(a.xy + aside, 0.5 * (a.z + b.z), half, vec2(aside.y, -aside.x) / half, corners.light);
 }
 
 fn cross_2(a: vec2<f32>, b: vec2<f32>) -> f32 {
@@ -79,6 +94,9 @@ fn leave(pixel: u32, key: u32, light: u32) {
     }
 }
 
+// A strand that is larger than this fills the picture, or is not a number.
+const MOST_PX: f32 = 1e6;
+
 // Thread for thread a piece.
 @compute @workgroup_size(64)
 fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -88,14 +106,27 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
         return;
     }
     let first = 2u * (piece + piece / nearest.pieces);
-    var a = end(first);
-    var b = end(first + 2u);
-    // What the eye is within is not to be seen.
-    if !(a.before && b.before) {
+    var root = corners_at(first);
+    var tip = corners_at(first + 2u);
+    // Only what is behind the near plane is to be seen.
+    let root_behind = behind_near(root);
+    let tip_behind = behind_near(tip);
+    if root_behind <= 0.0 && tip_behind <= 0.0 {
         return;
     }
+    if root_behind <= 0.0 {
+        root = between(root, tip, root_behind / (root_behind - tip_behind));
+    } else if tip_behind <= 0.0 {
+        tip = between(root, tip, root_behind / (root_behind - tip_behind));
+    }
+    var a = end(root);
+    var b = end(tip);
     let way = b.at - a.at;
     let long = length(way);
+    // Nothing is seen of what is nowhere.
+    if !(long + a.half + b.half < MOST_PX) {
+        return;
+    }
     let axis = way / max(long, 1e-6);
     // Tips have no width of their own to turn by.
     a.along = select(axis, a.along, a.half > 1e-4);
@@ -142,7 +173,7 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
             }
             let key = nearest_key(depth, covered);
             let number = pixel_number(vec2<u32>(pixel) - nearest.area.xy);
-            if LEAVES_LIGHT {
+            if nearest.round == 1u {
                 leave(number, key, packed_light(mix(a.light, b.light, share)));
             } else {
                 insert(number, key);

@@ -23,7 +23,7 @@ pub(crate) const PASS: Pass = Pass {
     place: PassPlace::Picture,
     styles: &[StyleKind::Fur],
     does: "strands one by one: opaque ribbons of true width that face the eye, depth written",
-    runs_when: "single hairs are to be seen, and the package has strands",
+    runs_when: "single hairs are to be seen, the package has strands, and edges are not blended",
     shaders: &[SHADER],
     targets: &[],
     run,
@@ -42,7 +42,10 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let instances = frame.instances.clone();
     let mut draws = Vec::new();
     for (seen, set) in strand_sets(&instances) {
-        let Some(ribbons) = set.ribbons else { continue };
+        let Some((ribbons, indices)) = set.ribbons.and_then(|ribbons| Some((ribbons, ribbons.indices.as_ref()?)))
+        else {
+            continue;
+        };
         let spec = RenderSpec {
             shader: SHADER,
             vertex: "vs_strands",
@@ -59,7 +62,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             pipeline: frame.pipeline(spec),
             groups: [frame.seen_from_eye(seen), None, None, None],
             vertices: [Some(ribbons.corners.clone()), None, None, None],
-            indices: Some(ribbons.indices.clone()),
+            indices: Some(indices.clone()),
             range: 0..0,
             instances: 0..1,
             indirect: Some(ribbons.counts.clone()),
