@@ -7,6 +7,7 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
 
 mod angle;
+pub mod decision;
 pub mod error;
 pub mod guides;
 pub(crate) mod image_file;

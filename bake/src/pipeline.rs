@@ -5,6 +5,7 @@
 //! [`Outputs::forget`] everything from there on is made again, and nothing before it.
 
 use crate::BakeError;
+use crate::decision::Decision;
 use crate::mesh::{Image, Model, RestPose};
 use crate::recipe::{PackParams, Recipe, Style, SurfaceSource};
 use crate::stages::detail;
@@ -177,6 +178,8 @@ pub struct Laid<'a> {
     pub lengths: Lengths,
     /// The recipe's groom maps.
     pub maps: Maps<'a>,
+    /// What the recipe left open and was chosen.
+    pub decisions: Vec<Decision>,
     /// What `import` and this stage had to say.
     pub warnings: Vec<String>,
 }
@@ -193,6 +196,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let furred = groom::furred_materials(&model.materials, &recipe.model.bare, &mut warnings);
     let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings);
     let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+    let decisions = lengths.decisions(recipe);
     size::check(file, recipe, &bounds, &lengths)?;
     let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.lay(&model.mesh, &rest, params.comb.everywhere())?;
@@ -204,7 +208,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::remarks(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Laid { surface, bounds, furred, lengths, maps, warnings })
+    Ok(Laid { surface, bounds, furred, lengths, maps, decisions, warnings })
 }
 
 use Output::*;
@@ -247,6 +251,8 @@ pub struct Baked {
     pub package: Vec<u8>,
     /// Quality of the parameterization.
     pub measures: Measures,
+    /// What the recipe left open and was chosen.
+    pub decisions: Vec<Decision>,
     /// What was repaired, left out or guessed.
     pub warnings: Vec<String>,
 }
@@ -263,8 +269,9 @@ pub fn bake(told: &Told<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static st
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     run(told, &mut outputs, on_stage)?;
     let measures = made(&outputs.groomed, Output::Groomed)?.surface.measures;
+    let decisions = made(&outputs.laid, Output::Laid)?.decisions.clone();
     let Packed { bytes, warnings } = outputs.package.ok_or_else(|| missing(Package))?;
-    Ok(Baked { package: bytes, measures, warnings })
+    Ok(Baked { package: bytes, measures, decisions, warnings })
 }
 
 /// Runs every step that the package needs and that is not made yet. `on_stage` is called as a stage begins.

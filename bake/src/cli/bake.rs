@@ -396,6 +396,7 @@ fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result
         "seconds": seconds,
         "stages": stages.iter().map(|(name, seconds)| json!({ "name": name, "seconds": seconds })).collect::<Vec<_>>(),
         "warnings": baked.warnings,
+        "decisions": baked.decisions,
         "patches": m.patches,
         "flipped_triangles": m.flipped_triangles,
         "angle_distortion": m.angle_distortion,
@@ -412,6 +413,9 @@ fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result
     let mut text = format!("{}: {size} in {seconds:.2} s", path.display());
     let mut said = |key: &str, value: String| text += &format!("\n{key:<14} {value}");
     anatomy::rows(&anatomy, &mut said);
+    for decision in &baked.decisions {
+        said("chosen", format!("{}: {}  ({})", decision.what, decision.chosen, decision.line));
+    }
     if let Some((.., why)) = choice {
         text += &format!("\n{why}");
     }

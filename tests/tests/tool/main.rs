@@ -7,6 +7,7 @@ mod common;
 mod bad_input;
 mod chart;
 mod compare;
+mod decisions;
 mod doctor;
 mod framing;
 mod groom;

@@ -12,7 +12,9 @@ pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
 pub(crate) use maps::{average, last, report_unmatched, scalar_at};
 pub use pattern::Pattern;
 
+use crate::decision::Decision;
 use crate::mesh::{Material, RestPose};
+use crate::recipe::Recipe;
 use pelage_formats::Bounds;
 use pelage_params::glob;
 
@@ -41,6 +43,18 @@ impl Lengths {
             length_m: length_m.unwrap_or(LENGTH_PER_RADIUS * radius),
             tile_size_m: tile_size_m.unwrap_or(TILE_PER_RADIUS * radius),
         }
+    }
+
+    /// What of it the recipe left open.
+    pub fn decisions(&self, recipe: &Recipe) -> Vec<Decision> {
+        let mut decisions = Vec::new();
+        if recipe.hair.length_m.is_none() {
+            decisions.push(Decision::of_length("length of hair", "hair.length_m", self.length_m));
+        }
+        if recipe.surface.tile_size_m.is_none() {
+            decisions.push(Decision::of_length("width of tile", "surface.tile_size_m", self.tile_size_m));
+        }
+        decisions
     }
 }
 

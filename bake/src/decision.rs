@@ -1,0 +1,45 @@
+//! What a recipe leaves open and a bake chooses: said with the line of a recipe that would say it otherwise.
+
+use serde::Serialize;
+
+/// One choice of a bake.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Decision {
+    /// What was open, in words: `length of hair`.
+    pub what: &'static str,
+    /// What was chosen, in words: `31 mm`.
+    pub chosen: String,
+    /// The line of a recipe that says the same, and that an author edits to say otherwise: `hair.length_m = 0.031`.
+    pub line: String,
+}
+
+impl Decision {
+    /// A number that the recipe leaves out, in metres, at `key`.
+    pub fn of_length(what: &'static str, key: &str, metres: f32) -> Self {
+        Self { what, chosen: metres_in_words(metres), line: format!("{key} = {metres}") }
+    }
+}
+
+/// A length for people: three digits in the unit that suits it.
+pub fn metres_in_words(metres: f32) -> String {
+    let (number, unit) = match metres {
+        m if m < 1e-3 => (m * 1e6, "µm"),
+        m if m < 1.0 => (m * 1e3, "mm"),
+        m => (m, "m"),
+    };
+    let digits = if number < 10.0 { 1 } else { 0 };
+    format!("{number:.digits$} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_said_in_units_that_suit_them() {
+        let said = [0.000_25, 0.0042, 0.031, 0.999, 1.25, 140.0].map(metres_in_words);
+        assert_eq!(said, ["250 µm", "4.2 mm", "31 mm", "999 mm", "1.2 m", "140 m"]);
+        let decision = Decision::of_length("length of hair", "hair.length_m", 0.031);
+        assert_eq!((decision.chosen.as_str(), decision.line.as_str()), ("31 mm", "hair.length_m = 0.031"));
+    }
+}

@@ -1,0 +1,32 @@
+//! What a bake chooses where the recipe is silent, through the real binary.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::{Sandbox, workspace};
+use serde_json::Value;
+
+const BAKE: [&str; 8] =
+    ["bake", "m.glb", "-o", "m.pelage", "--json", "--set", "slice.layers=4", "--set=slice.tile_texels=16"];
+
+/// The decisions of a bake of a built-in model.
+fn decisions(model: &str, more: &[&str]) -> Vec<Value> {
+    let sandbox = Sandbox::new();
+    sandbox.write("m.glb", std::fs::read(workspace().join("assets/models").join(model)).unwrap());
+    let run = sandbox.run(&[&BAKE[..], more].concat());
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let value: Value = serde_json::from_str(&run.stdout).unwrap();
+    value["decisions"].as_array().unwrap().clone()
+}
+
+fn lines(decisions: &[Value]) -> Vec<&str> {
+    decisions.iter().map(|decision| decision["line"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn what_a_recipe_leaves_open_is_said_with_the_line_that_says_the_same() {
+    let open = decisions("torus.glb", &[]);
+    let length = lines(&open).into_iter().find(|line| line.starts_with("hair.length_m = ")).unwrap().to_owned();
+    assert!(lines(&open).iter().any(|line| line.starts_with("surface.tile_size_m = ")), "{open:?}");
+    // Said in the recipe, it is no longer open.
+    let said = decisions("torus.glb", &["--set", &length.replace(' ', "")]);
+    assert!(lines(&said).iter().all(|line| !line.starts_with("hair.length_m")), "{said:?}");
+}
