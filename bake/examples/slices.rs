@@ -7,7 +7,7 @@
 
 use glam::{Vec2, Vec3};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::stages::hair::{VolumeParams, simulate};
+use pelage_bake::stages::hair::{VolumeParams, simulate_recipe};
 use pelage_bake::stages::textures::{ShellSet, collect_layers, slice};
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{TextureFormat, decode_direction};
@@ -33,7 +33,7 @@ fn main() -> anyhow::Result<()> {
     }
 
     let start = Instant::now();
-    let strands = simulate(&recipe.hair, &recipe.color, &volume)?;
+    let strands = simulate_recipe(recipe, &volume)?;
     let simulated = start.elapsed();
     let mut bytes = 0;
     slice(&strands, &recipe.slice, FORMAT, |layer| {

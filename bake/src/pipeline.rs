@@ -485,7 +485,7 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         bounds: laid.bounds,
         lengths: laid.lengths,
         height_m: height_m(hair, laid.lengths),
-        strands: recipe.hair.density,
+        strands: recipe.strands_in_tile(),
         pattern_size_m: groomed.pattern_size_m,
         shading: if hair.style == Style::Wet { shading.wet() } else { shading },
         base_colors: &encode(&groomed.colors.images, textures::encode_base_color)?,

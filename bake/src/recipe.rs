@@ -32,7 +32,7 @@ pub use named_table::MaterialTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
     HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat,
-    SliceParams, StrandParams, SurfaceParams, SurfaceSource, VisibilityParams,
+    SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams, VisibilityParams,
 };
 pub use pelage_params::SrgbColor;
 pub use style::Style;
@@ -49,6 +49,8 @@ pelage_params::tables! {
         surface: SurfaceParams,
         /// The strands.
         hair: HairParams,
+        /// A second, shorter coat below them.
+        underfur: UnderfurParams,
         /// What varies over the model.
         groom: GroomParams,
         /// The strands' colour.
@@ -205,6 +207,11 @@ impl Recipe {
             (format!("strands.group, table {i}, file"), group.file.as_ref().map(|path| path.0.as_str()))
         }
         each_once(self.strands.group.iter().enumerate().map(path))
+    }
+
+    /// Strands in the tile: guard hair and underfur.
+    pub fn strands_in_tile(&self) -> u32 {
+        self.hair.density + self.underfur.density
     }
 
     /// Checks every value against its range.

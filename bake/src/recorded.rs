@@ -23,8 +23,10 @@ pub fn disagreements(manifest: &Manifest, text: &str) -> Vec<Disagreement> {
     };
     let fur = &manifest.fur;
     let tile_size_m = recipe.surface.tile_size_m.unwrap_or(fur.tile_size_m);
+    // The package counts underfur with the guard hairs.
+    let guard_hairs = fur.strands.saturating_sub(recipe.underfur.density);
     let facts = [
-        ("hair.density", recipe.hair.density.to_string(), fur.strands.to_string(), "strands in the tile"),
+        ("hair.density", recipe.hair.density.to_string(), guard_hairs.to_string(), "strands in the tile"),
         ("slice.layers", recipe.slice.layers.to_string(), fur.layers.to_string(), "layers"),
         ("slice.tile_texels", recipe.slice.tile_texels.to_string(), fur.tile_texels.to_string(), "texels each way"),
         ("surface.tile_size_m", tile_size_m.to_string(), fur.tile_size_m.to_string(), "metres of tile"),

@@ -108,8 +108,39 @@ params! {
         frizz: f32 = 0.1, in 0.0..=1.0;
         /// How closely the strands of `wet` hair gather: 0 not at all, 1 every lock ends in a point.
         clump: f32 = 0.9, in 0.0..=1.0;
-        /// Locks of `wet` hair in the tile, at most one a strand. Left out, it is chosen from the hair's length.
+        /// How closely hair that is not wet gathers in locks towards its tips, as thick coats do: 0 not at all, 1 every lock ends in a point.
+        dry_clump: f32 = 0.0, in 0.0..=1.0;
+        /// Locks in the tile, at most one a strand. Left out, it is chosen from the hair's length.
         clump_count: Option<u32> = None, in 1..=1_000_000;
+    }
+}
+
+params! {
+    /// `[underfur]`: a second coat below the first, as most animals have it: short, fine and dense under the longer and coarser guard hairs
+    /// that `[hair]` describes. What it leaves out is as `[hair]` says, and both gather in the same locks.
+    UnderfurParams in underfur {
+        /// Strands of underfur in the tile, beside those of `hair.density`. 0 is a coat of guard hair alone.
+        density: u32 = 0, in 0..=1_000_000;
+        /// Length of the longest of them, as a share of the longest guard hair's.
+        length: f32 = 0.5, in 0.01..=1.0;
+        /// How much shorter than that one may be, as `hair.length_variation`.
+        length_variation: f32 = 0.4, in 0.0..=1.0;
+        /// Radius at the root, fractions of the tile's width.
+        root_radius: f32 = 0.002, in 1e-5..=0.25;
+        /// Radius at the tip, fractions of the tile's width.
+        tip_radius: f32 = 0.001, in 0.0..=0.25;
+        /// Its style, where it is another than `hair.style`. Hair is wet in both coats or in none.
+        style: Option<Style> = None;
+        /// How far it bends over, where that is not as `hair.lean` says.
+        lean: Option<f32> = None, in 0.0..=1.0;
+        /// Small random bends along a strand: underfur is crimped.
+        frizz: f32 = 0.3, in 0.0..=1.0;
+        /// How closely it gathers in locks, where that is not as `hair.dry_clump` says.
+        dry_clump: Option<f32> = None, in 0.0..=1.0;
+        /// sRGB colour at the root, where it is another than `color.root`.
+        root: Option<SrgbColor> = None;
+        /// sRGB colour at the tip, where it is another than `color.tip`.
+        tip: Option<SrgbColor> = None;
     }
 }
 
@@ -147,6 +178,12 @@ params! {
         root: SrgbColor = SrgbColor::hex(0x4a_36_24);
         /// sRGB colour at the tip.
         tip: SrgbColor = SrgbColor::hex(0xe8_d2_ac);
+        /// sRGB colour of a band across each guard hair, as agouti coats of wild animals have: root, band, tip. Left out, there is none.
+        band: Option<SrgbColor> = None;
+        /// Where the middle of the band lies: 0 at the root, 1 at the tip.
+        band_at: f32 = 0.7, in 0.0..=1.0;
+        /// Width of the band, share of the hair's length. It fades over half of that to either side.
+        band_width: f32 = 0.25, in 0.01..=1.0;
         /// How much strands differ in brightness: 0 all alike, 1 from black to double.
         variation: f32 = 0.35, in 0.0..=1.0;
         /// Whether the model's base colour (factor, texture and vertex colours) multiplies the hair's.

@@ -117,10 +117,11 @@ fn validate_names_the_key() {
 fn validate_looks_at_every_table() {
     // A number far outside in each table that has one; `detail` was once forgotten.
     type Spoil = fn(&mut Recipe);
-    let wrong: [(&str, Spoil); 14] = [
+    let wrong: [(&str, Spoil); 15] = [
         ("model.unit_m", |r| r.model.unit_m = 0.0),
         ("surface.patch_size", |r| r.surface.patch_size = 1e9),
         ("hair.density", |r| r.hair.density = 0),
+        ("underfur.length", |r| r.underfur.length = 0.0),
         ("groom.length", |r| r.groom.length = ScalarMap::Constant(2.0)),
         ("color.variation", |r| r.color.variation = -1.0),
         ("shading.ambient_floor", |r| r.shading.ambient_floor = 2.0),
@@ -334,7 +335,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
     let hair = (
         (prop::sample::select(Style::ALL), 0..=i64::MAX as u64, 1u32..=1_000_000, prop::option::of(1e-6f32..=1e3)),
         (unit(), 1e-5f32..=0.25, 0f32..=0.25, unit(), -360f32..=360.0, unit(), 1e-3f32..=100.0, unit()),
-        (unit(), prop::option::of(1u32..=1_000_000)),
+        (unit(), unit(), prop::option::of(1u32..=1_000_000)),
     )
         .prop_map(|(a, b, c)| HairParams {
             style: a.0,
@@ -350,7 +351,8 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             curl_pitch: b.6,
             frizz: b.7,
             clump: c.0,
-            clump_count: c.1,
+            dry_clump: c.1,
+            clump_count: c.2,
         });
     let pack = (
         prop::sample::select(ShellFormat::ALL),
@@ -376,23 +378,37 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         (prop::option::of("[a-z /.]{1,9}".prop_filter_map("a path", |p| FilePath::from_raw(&Raw::String(p)))),),
         (prop::sample::select(PatternProjection::ALL), prop::sample::select(PatternWrap::ALL), 6u32..=13),
     );
+    let underfur = ((0u32..=1_000_000, 0.01f32..=1.0), prop::option::of(color()), prop::option::of(unit())).prop_map(
+        |((density, length), tip, lean)| UnderfurParams {
+            density,
+            length,
+            tip,
+            lean,
+            style: lean.map(|_| Style::Curly),
+            ..UnderfurParams::default()
+        },
+    );
     let rest = (
         (1e-6f32..=1e6, prop::collection::vec(any::<String>(), 0..3), prop::option::of(1e-6f32..=1e3)),
-        (color(), color(), unit(), any::<bool>()),
+        (color(), color(), unit(), any::<bool>(), prop::option::of((color(), unit()))),
         ([0f32..=100.0, 0.0..=100.0, 0.0..=100.0], 0f32..=10_000.0, 0f32..=0.999, 0.001f32..=0.999),
         (4u32..=256, 4u32..=11, 0.25f32..=4.0),
         (any::<bool>(), prop::option::of(1e-3f32..=8.0)),
         (any::<bool>(), 0.05f32..=64.0, 0.1f32..=1.0, 0f32..=1e4, 0f32..=1e4),
     );
-    (hair, pack, rest, (coat, grooms(), judge, inks())).prop_map(
-        |(hair, pack, (model, color, shading, slice, fins, detail), (coat, groom, judge, ink))| Recipe {
+    ((hair, underfur), pack, rest, (coat, grooms(), judge, inks())).prop_map(
+        |((hair, underfur), pack, (model, color, shading, slice, fins, detail), (coat, groom, judge, ink))| Recipe {
             model: ModelParams { unit_m: model.0, bare: model.1 },
             surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
             hair,
+            underfur,
             groom,
             color: ColorParams {
                 root: color.0,
                 tip: color.1,
+                band: color.4.map(|band| band.0),
+                band_at: color.4.map_or(0.5, |band| band.1),
+                band_width: 0.25,
                 variation: color.2,
                 base_color: color.3,
                 pattern: coat.0.0,

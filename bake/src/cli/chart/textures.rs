@@ -8,7 +8,7 @@ use pelage_bake::judge::chart::Cell;
 use pelage_bake::judge::chart::textures::{COLUMNS, Configuration, PANELS, Truth, configurations, measure};
 use pelage_bake::mesh::RestPose;
 use pelage_bake::stages::groom::{self, Lengths};
-use pelage_bake::stages::hair::{VolumeParams, simulate};
+use pelage_bake::stages::hair::{VolumeParams, simulate_recipe};
 use std::time::Instant;
 
 /// The topic.
@@ -52,7 +52,7 @@ impl Topic for TexturesTopic<'_> {
             let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
             let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
             let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
-            Ok(Truth::new(recipe, simulate(&recipe.hair, &recipe.color, &volume)?)?)
+            Ok(Truth::new(recipe, simulate_recipe(recipe, &volume)?)?)
         })?;
         doing("encoding");
         let start = Instant::now();

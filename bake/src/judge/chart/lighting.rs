@@ -9,7 +9,7 @@ use super::{Cell, Panel};
 use crate::BakeError;
 use crate::recipe::{DirectionFormat, Recipe, ShellFormat};
 use crate::stages::groom::Lengths;
-use crate::stages::hair::{Strands, VolumeParams, simulate};
+use crate::stages::hair::{Strands, VolumeParams, simulate_recipe};
 use crate::stages::textures::shell_textures;
 use glam::{DVec3, Vec3};
 use pelage_formats::{Limits, Shading, TextureFormat, TextureView, decode_direction};
@@ -126,7 +126,7 @@ pub struct Measured {
 pub fn measure(configuration: &Configuration, lengths: Lengths) -> Result<Measured, BakeError> {
     let recipe = &configuration.recipe;
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
-    let strands = simulate(&recipe.hair, &recipe.color, &volume)?;
+    let strands = simulate_recipe(recipe, &volume)?;
     let textures = shell_textures(&strands, None, &recipe.slice, &recipe.pack, false, &mut || ())?;
     let view = TextureView::parse(&textures.direction, 0, &Limits::default())
         .map_err(|e| BakeError::Internal(format!("the direction texture just written: {e}")))?;

@@ -17,7 +17,7 @@ use crate::recipe::{
     BcQuality, DirectionFormat, FinParams, PackParams, Recipe, ShellFormat, SurfaceParams, SurfaceSource,
 };
 use crate::stages::groom::{Lengths, MapImages};
-use crate::stages::hair::{Strands, VolumeParams, simulate};
+use crate::stages::hair::{Strands, VolumeParams, simulate_recipe};
 use crate::stages::textures::{ShellSet, collect_layers, decode_texture};
 use glam::{DVec3, Vec2, Vec3, Vec4, vec2, vec3};
 use pelage_formats::meaning::layer_height;
@@ -521,7 +521,7 @@ fn sheet_model(width_m: f32, tiles: f32) -> Model {
 /// The strands that a bake of the sheet grows.
 fn strands_of(recipe: &Recipe, lengths: Lengths) -> Result<Strands, BakeError> {
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
-    simulate(&recipe.hair, &recipe.color, &volume)
+    simulate_recipe(recipe, &volume)
 }
 
 /// A fault of the sheet's package.

@@ -29,24 +29,31 @@ enum Draw {
     Hand,
     Brightness,
     Frizz,
+    Stray,
 }
 
-/// Grows strands of one recipe.
+/// What the seed of underfur is hashed with: any number that no strand has.
+const UNDERFUR: u64 = u64::MAX - 4;
+
+/// Grows strands of one kind.
 pub(super) struct Grower<'a> {
     params: &'a HairParams,
     height: f32,
     segments: u32,
     lean_to: Vec2,
+    /// Of what the strands of a coat have in common.
     seed: u64,
-    /// Present for `wet` hair.
-    locks: Option<Locks>,
+    /// Of what each strand of this kind has by itself: roots, lengths, tilts.
+    own_seed: u64,
+    /// Present where hairs gather.
+    locks: Option<&'a Locks>,
+    /// The guard hair above underfur, whose locks it joins.
+    leader: Option<&'a Grower<'a>>,
 }
 
 impl<'a> Grower<'a> {
     /// `height` is the length of the longest strand in widths of the tile; a strand has at most `max_segments` segments.
-    pub(super) fn new(params: &'a HairParams, height: f32, max_segments: u32) -> Self {
-        let locks =
-            (params.style == Style::Wet).then(|| Locks::new(params.seed, params.clump_count, params.density, height));
+    pub(super) fn new(params: &'a HairParams, height: f32, max_segments: u32, locks: Option<&'a Locks>) -> Self {
         let noise = if params.frizz > 0.0 { NOISY_SEGMENTS } else { 0.0 };
         let wanted = match params.style {
             Style::Straight | Style::Lying => SMOOTH_SEGMENTS,
@@ -62,8 +69,22 @@ impl<'a> Grower<'a> {
             segments,
             lean_to: Vec2::new(libm::sinf(azimuth), libm::cosf(azimuth)),
             seed: params.seed,
+            own_seed: params.seed,
             locks,
+            leader: None,
         }
+    }
+
+    /// What grows underfur below this guard hair: with roots of its own, along the same flow, in the same locks.
+    pub(super) fn under<'b>(&'b self, params: &'b HairParams, height: f32, max_segments: u32) -> Grower<'b> {
+        let own_seed = hash(self.seed, UNDERFUR);
+        let gathers = params.style == Style::Wet || params.dry_clump > 0.0;
+        let locks = self.locks.filter(|_| gathers);
+        Grower { own_seed, leader: Some(self), ..Grower::new(params, height, max_segments, locks) }
+    }
+
+    pub(super) fn params(&self) -> &'a HairParams {
+        self.params
     }
 
     pub(super) fn segments(&self) -> usize {
@@ -73,19 +94,27 @@ impl<'a> Grower<'a> {
     /// In -1..1.
     pub(super) fn brightness(&self, strand: u32) -> f32 {
         let own = 2.0 * self.draw(strand, Draw::Brightness) - 1.0;
-        match &self.locks {
-            // Hairs that stick together look alike.
-            Some(locks) => 0.3 * own + 0.7 * locks.brightness(locks.of(self.root(strand)).index),
+        match self.locks {
+            // Hairs that stick together look alike, wet ones more so.
+            Some(locks) => {
+                let together = if self.params.style == Style::Wet { 0.7 } else { 0.5 * self.params.dry_clump };
+                (1.0 - together) * own + together * locks.brightness(locks.of(self.root(strand)).index)
+            }
             None => own,
         }
     }
 
+    /// In -1..1: how far a strand's band lies nearer its root or its tip than others'.
+    pub(super) fn stray(&self, strand: u32) -> f32 {
+        2.0 * self.draw(strand, Draw::Stray) - 1.0
+    }
+
     fn draw(&self, strand: u32, what: Draw) -> f32 {
-        uniform(self.seed, u64::from(strand) << 8 | what as u64)
+        uniform(self.own_seed, u64::from(strand) << 8 | what as u64)
     }
 
     fn root(&self, strand: u32) -> Vec2 {
-        stratified(self.seed, strand, self.params.density)
+        stratified(self.own_seed, strand, self.params.density)
     }
 
     /// Arc length, widths of the tile. The longest are the rarest.
@@ -131,11 +160,12 @@ impl<'a> Grower<'a> {
         let length = self.length(strand);
         let step = length / segments as f32;
         let follow = Self::follow(step, length);
-        let tilt = vector(self.seed, u64::from(strand) << 8 | Draw::Tilt as u64) * self.disorder();
-        let frizz_seed = hash(self.seed, u64::from(strand) << 8 | Draw::Frizz as u64);
+        let tilt = vector(self.own_seed, u64::from(strand) << 8 | Draw::Tilt as u64) * self.disorder();
+        let frizz_seed = hash(self.own_seed, u64::from(strand) << 8 | Draw::Frizz as u64);
         let root = self.root(strand);
         let mut position = root.extend(0.0);
-        let mut axis_of_lock = self.locks.as_ref().map(|locks| LockAxis::new(self, locks, locks.of(root)));
+        let leader = self.leader.unwrap_or(self);
+        let mut axis_of_lock = self.locks.map(|locks| LockAxis::new(leader, locks, locks.of(root)));
         let mut phase = self.curl_phase(strand, position);
         let hand = if self.draw(strand, Draw::Hand) < 0.15 { -1.0 } else { 1.0 };
         let mut axis = (self.lean(0.0) + tilt).normalize_or(Vec3::Z);
@@ -146,8 +176,13 @@ impl<'a> Grower<'a> {
                 Some(lock) => {
                     let left = (segments - j.min(segments - 1)) as f32 * step;
                     let into_lock = heading_into_lock(position, lock.position, lock.heading, left);
-                    let target = (lock.target + tilt).lerp(into_lock, p.clump);
-                    lock.advance(self, step);
+                    let target = if p.style == Style::Wet {
+                        (lock.target + tilt).lerp(into_lock, p.clump)
+                    } else {
+                        // Dry hairs stand by themselves at their roots; it is their tips that gather.
+                        (self.lean(t) + tilt + self.style_force(position, t)).lerp(into_lock, p.dry_clump * t)
+                    };
+                    lock.advance(leader, step);
                     target
                 }
                 None => self.lean(t) + tilt + self.style_force(position, t),
@@ -215,7 +250,9 @@ struct LockAxis {
 
 impl LockAxis {
     fn new(grower: &Grower<'_>, locks: &Locks, lock: Lock) -> Self {
-        let tilt = locks.tilt(lock.index) * Vec3::new(0.35, 0.35, 0.1);
+        // Locks of dry hair lie more alike: it is the comb that lays them.
+        let strays = if grower.params.style == Style::Wet { 1.0 } else { 0.6 };
+        let tilt = locks.tilt(lock.index) * Vec3::new(0.35, 0.35, 0.1) * strays;
         let target = grower.lean(0.0) + tilt;
         let heading = target.normalize_or(Vec3::Z);
         Self { position: lock.center.extend(0.0), heading, target, tilt, along: 0.0 }

@@ -1,10 +1,11 @@
-//! Wet hair sticks together: the strands of a tile gathered into pointed locks.
+//! Wet hair sticks together, and the tips of thick dry coats do: the strands of a tile gathered into pointed locks.
 //!
 //! Each strand belongs to the lock whose centre is nearest to its root in the periodic tile. A lock has an axis, a curve that
 //! grows from its centre as a strand would; its strands steer onto the axis while they grow and lie beside it from then on.
 //! Because the short ones end first, a lock thins out to a point.
 
 use crate::noise::{hash, stratified, uniform, vector};
+use crate::recipe::{HairParams, Style};
 use glam::{Vec2, Vec3};
 
 /// Lock centres lie about this share of the hair's length apart where the recipe gives no number of locks.
@@ -31,6 +32,12 @@ pub(super) struct Lock {
 }
 
 impl Locks {
+    /// Those of a coat with such guard hair, `height` widths of the tile long; none where its hairs do not gather.
+    pub(super) fn of_coat(guard: &HairParams, height: f32) -> Option<Self> {
+        let gather = guard.style == Style::Wet || guard.dry_clump > 0.0;
+        gather.then(|| Self::new(guard.seed, guard.clump_count, guard.density, height))
+    }
+
     /// `count` locks, or as many as suit `density` strands of length `height`, widths of the tile.
     pub(super) fn new(seed: u64, count: Option<u32>, density: u32, height: f32) -> Self {
         let spacing = SPACING_PER_LENGTH * height;

@@ -14,15 +14,18 @@
 
 mod forces;
 mod locks;
+mod shades;
 mod tile;
 
-pub use tile::TileHair;
+pub use tile::{TileHair, simulate_recipe};
 
 use crate::BakeError;
-use crate::recipe::{ColorParams, HairParams, SrgbColor, Style};
+use crate::recipe::{ColorParams, HairParams, SrgbColor, Style, UnderfurParams};
 use forces::Grower;
 use glam::Vec3;
+use locks::Locks;
 use rayon::prelude::*;
+use shades::Shades;
 
 /// The box that the strands grow in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +97,15 @@ impl Strands {
         }
     }
 
+    /// Adds those of `more` behind its own.
+    fn extend(&mut self, more: Self) {
+        let first = self.points.len() as u32;
+        self.points.extend(more.points);
+        self.radii.extend(more.radii);
+        self.colors.extend(more.colors);
+        self.offsets.extend(more.offsets.iter().skip(1).map(|offset| first + offset));
+    }
+
     /// Checks that the lists fit together and every value is finite; what `slice` relies on.
     ///
     /// # Errors
@@ -127,7 +139,7 @@ const MAX_POINTS: u32 = 32 << 20;
 /// the hair, where it is absorbed.
 const WET_COLOR: f32 = 0.45;
 
-/// Grows the strands of one tile.
+/// Grows the strands of one tile, guard hair alone.
 ///
 /// * `params`: number, lengths, radii and style of the strands
 /// * `color`: their colour from root to tip
@@ -139,12 +151,62 @@ const WET_COLOR: f32 = 0.45;
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range.
 pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams) -> Result<Strands, BakeError> {
+    simulate_coats(params, &UnderfurParams::default(), color, volume)
+}
+
+/// Grows all the strands of one tile: guard hair, then underfur. The arguments, and what holds for the result, are as in [`simulate`].
+///
+/// * `underfur`: the second coat; of no strands by default
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_coats(
+    params: &HairParams,
+    underfur: &UnderfurParams,
+    color: &ColorParams,
+    volume: &VolumeParams,
+) -> Result<Strands, BakeError> {
     params.validate()?;
+    underfur.validate()?;
     color.validate()?;
     volume.validate()?;
     let water = if params.style == Style::Wet { WET_COLOR } else { 1.0 };
-    let (root, tip) = (linear(color.root) * water, linear(color.tip) * water);
-    let grower = Grower::new(params, volume.height, MAX_POINTS / params.density);
+    let shades = Shades::new(color, water);
+    let most_segments = MAX_POINTS / (params.density + underfur.density);
+    let locks = Locks::of_coat(params, volume.height);
+    let guard = Grower::new(params, volume.height, most_segments, locks.as_ref());
+    let mut strands = grown(&guard, &shades, color.variation);
+    if underfur.density > 0 {
+        let own = under(params, underfur);
+        let own_shades = shades.under(underfur.root, underfur.tip, water);
+        let grower = guard.under(&own, volume.height * underfur.length, most_segments);
+        strands.extend(grown(&grower, &own_shades, color.variation));
+        strands.root_color = own_shades.root;
+    }
+    let tallest = strands.points.par_iter().map(|p| p.z).reduce(|| 0.0, f32::max);
+    // Hair pressed flat still needs a volume to be sliced.
+    strands.height = tallest.max(volume.height * 1e-3);
+    Ok(strands)
+}
+
+/// What describes underfur beside guard hair.
+fn under(guard: &HairParams, fur: &UnderfurParams) -> HairParams {
+    HairParams {
+        density: fur.density,
+        length_variation: fur.length_variation,
+        root_radius: fur.root_radius,
+        tip_radius: fur.tip_radius,
+        style: fur.style.filter(|style| guard.style != Style::Wet && *style != Style::Wet).unwrap_or(guard.style),
+        lean: fur.lean.unwrap_or(guard.lean),
+        frizz: fur.frizz,
+        dry_clump: fur.dry_clump.unwrap_or(guard.dry_clump),
+        ..guard.clone()
+    }
+}
+
+/// The strands of one kind, of which nobody has asked yet how tall they are.
+fn grown(grower: &Grower<'_>, shades: &Shades, variation: f32) -> Strands {
+    let params = grower.params();
     let per_strand = grower.segments() + 1;
     let count = params.density as usize * per_strand;
     let mut strands = Strands {
@@ -153,7 +215,7 @@ pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams)
         colors: vec![Vec3::ZERO; count],
         offsets: (0..=params.density).map(|i| i * per_strand as u32).collect(),
         height: 0.0,
-        root_color: root,
+        root_color: shades.root,
     };
     let lists = (
         strands.points.par_chunks_mut(per_strand),
@@ -162,17 +224,15 @@ pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams)
     );
     lists.into_par_iter().enumerate().for_each(|(i, (points, radii, colors))| {
         grower.grow(i as u32, points);
-        let brightness = 1.0 + color.variation * grower.brightness(i as u32);
+        let brightness = 1.0 + variation * grower.brightness(i as u32);
+        let stray = grower.stray(i as u32);
         for (j, (radius, color)) in radii.iter_mut().zip(colors).enumerate() {
             let t = j as f32 / (per_strand - 1) as f32;
             *radius = params.root_radius + (params.tip_radius - params.root_radius) * t;
-            *color = (root + (tip - root) * t) * brightness;
+            *color = shades.at(t, stray) * brightness;
         }
     });
-    let tallest = strands.points.par_iter().map(|p| p.z).reduce(|| 0.0, f32::max);
-    // Hair pressed flat still needs a volume to be sliced.
-    strands.height = tallest.max(volume.height * 1e-3);
-    Ok(strands)
+    strands
 }
 
 /// Linear RGB of an sRGB colour (IEC 61966-2-1).

@@ -94,7 +94,7 @@ fn curls_have_the_radius_and_pitch_asked_for() {
 /// Mean distance of the strands' last points from the mean of their lock's, locks taken as `wet` hair forms them.
 fn spread_of_locks(params: &HairParams, height: f32) -> f32 {
     let strands = simulate(params, &ColorParams::default(), &VolumeParams { height }).unwrap();
-    let locks = locks::Locks::new(params.seed, params.clump_count, params.density, height);
+    let locks = Locks::new(params.seed, params.clump_count, params.density, height);
     let mut tips: std::collections::BTreeMap<u32, Vec<Vec3>> = std::collections::BTreeMap::new();
     for range in (0..strands.len()).map(|i| strands.range(i)) {
         let lock = locks.of(strands.points[range.start].truncate());
@@ -152,4 +152,60 @@ fn colour_runs_from_root_to_tip() {
     assert!((strands.colors[range.start] - linear(color.root)).length() < 1e-6);
     assert!((strands.colors[range.end - 1] - linear(color.tip)).length() < 1e-6);
     assert_eq!(strands.range(strands.len()), 0..0);
+}
+
+/// Guard hair of 200 strands and underfur of 600.
+fn two_coats(change: impl FnOnce(&mut HairParams, &mut UnderfurParams)) -> Strands {
+    let mut hair = HairParams { density: 200, ..HairParams::default() };
+    let mut underfur = UnderfurParams { density: 600, ..UnderfurParams::default() };
+    change(&mut hair, &mut underfur);
+    simulate_coats(&hair, &underfur, &ColorParams::default(), &VolumeParams::default()).unwrap()
+}
+
+#[test]
+fn underfur_grows_below_guard_hair_that_stays_as_it_is() {
+    let both = two_coats(|_, _| {});
+    both.validate().unwrap();
+    assert_eq!(both.len(), 800);
+    let guard = grow(|p| p.density = 200);
+    assert_eq!(both.points[..guard.points.len()], guard.points);
+    let tallest = |from: usize, to: usize| {
+        let points = (from..to).flat_map(|i| both.points[both.range(i)].iter());
+        points.map(|p| p.z).fold(0.0, f32::max)
+    };
+    assert_eq!(both.height, tallest(0, 200));
+    assert!(tallest(200, 800) < 0.6 * both.height);
+    // Its roots are its own: none lies where a guard hair stands.
+    let root = |i: usize| both.points[both.range(i).start];
+    assert!((200..800).all(|i| (0..200).all(|k| root(i) != root(k))));
+}
+
+#[test]
+fn underfur_has_a_style_of_its_own_but_not_its_own_water() {
+    let straight = two_coats(|_, _| {});
+    let curly = two_coats(|_, underfur| underfur.style = Some(Style::Curly));
+    assert_ne!(straight.points, curly.points);
+    let wet = two_coats(|hair, _| hair.style = Style::Wet);
+    assert_eq!(wet, two_coats(|hair, underfur| (hair.style, underfur.style) = (Style::Wet, Some(Style::Curly))));
+    assert_eq!(straight, two_coats(|_, underfur| underfur.style = Some(Style::Wet)));
+}
+
+#[test]
+fn dry_hair_gathers_at_its_tips_and_underfur_in_the_same_locks() {
+    // How far tips, and how far middles, lie from where they would without.
+    let moved = |clump: f32, at: fn(std::ops::Range<usize>) -> usize, strands: std::ops::Range<usize>| {
+        let [loose, gathered] = [0.0, clump].map(|dry_clump| two_coats(|hair, _| hair.dry_clump = dry_clump));
+        let count = strands.len() as f32;
+        strands.map(|i| loose.points[at(loose.range(i))].distance(gathered.points[at(gathered.range(i))])).sum::<f32>()
+            / count
+    };
+    let tip = |range: std::ops::Range<usize>| range.end - 1;
+    let near_root = |range: std::ops::Range<usize>| range.start + range.len() / 5;
+    for strands in [0..200, 200..800] {
+        assert!(moved(0.8, tip, strands.clone()) > 1.5 * moved(0.3, tip, strands.clone()), "{strands:?}");
+        assert!(moved(0.8, tip, strands.clone()) > 8.0 * moved(0.8, near_root, strands.clone()), "{strands:?}");
+    }
+    let params = HairParams { density: 900, length_variation: 0.0, ..HairParams::default() };
+    let spread = |dry_clump| spread_of_locks(&HairParams { dry_clump, ..params.clone() }, 0.4);
+    assert!(spread(1.0) < 0.7 * spread(0.0), "{} {}", spread(1.0), spread(0.0));
 }

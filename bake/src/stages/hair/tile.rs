@@ -1,6 +1,6 @@
 //! All the hair of a coat's tile, as a resolved recipe describes it: the one place where a bake and the traced truth get their strands from.
 
-use super::{Strands, VolumeParams, simulate};
+use super::{Strands, VolumeParams, simulate_coats};
 use crate::BakeError;
 use crate::recipe::{HairParams, Recipe, Style};
 use crate::stages::groom::{Lengths, Water};
@@ -24,7 +24,7 @@ impl TileHair {
     pub fn grow(recipe: &Recipe, lengths: Lengths, water: Water) -> Result<Self, BakeError> {
         let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
         let style = if water == Water::Wet { Style::Wet } else { recipe.hair.style };
-        let grow = |style| simulate(&HairParams { style, ..recipe.hair.clone() }, &recipe.color, &volume);
+        let grow = |style| simulate_of(recipe, style, &volume);
         let mut strands = grow(style)?;
         let mut wet = if water == Water::Mixed && style != Style::Wet { Some(grow(Style::Wet)?) } else { None };
         if let Some(wet) = &mut wet {
@@ -34,4 +34,18 @@ impl TileHair {
         }
         Ok(Self { strands, wet, style })
     }
+}
+
+/// The strands of a recipe's tile, both coats, in that style of guard hair.
+fn simulate_of(recipe: &Recipe, style: Style, volume: &VolumeParams) -> Result<Strands, BakeError> {
+    let hair = HairParams { style, ..recipe.hair.clone() };
+    simulate_coats(&hair, &recipe.underfur, &recipe.color, volume)
+}
+
+/// The dry or wet strands of a recipe's tile, as its style says.
+///
+/// # Errors
+/// [`BakeError::Params`] for a value outside its range.
+pub fn simulate_recipe(recipe: &Recipe, volume: &VolumeParams) -> Result<Strands, BakeError> {
+    simulate_of(recipe, recipe.hair.style, volume)
 }

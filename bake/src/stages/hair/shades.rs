@@ -1,0 +1,80 @@
+//! The colour of a hair from root to tip.
+
+use super::linear;
+use crate::recipe::{ColorParams, SrgbColor};
+use glam::Vec3;
+
+/// How far a hair's band lies nearer the root or the tip than the recipe says, shares of its length: hairs that are all banded at one height would
+/// show as a ring.
+const BAND_STRAYS: f32 = 0.08;
+
+/// The colours of one kind of hair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shades {
+    /// Linear RGB at the root.
+    pub(super) root: Vec3,
+    tip: Vec3,
+    band: Option<Band>,
+}
+
+/// A stretch of another colour, as hairs of wild animals have (agouti).
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Band {
+    color: Vec3,
+    /// Its middle, share of the hair's length.
+    at: f32,
+    /// Share of the hair's length.
+    width: f32,
+}
+
+impl Shades {
+    /// Those of guard hair; `water` is what a film of water leaves of the light.
+    pub(super) fn new(color: &ColorParams, water: f32) -> Self {
+        let band = |band| Band { color: linear(band) * water, at: color.band_at, width: color.band_width };
+        Self { root: linear(color.root) * water, tip: linear(color.tip) * water, band: color.band.map(band) }
+    }
+
+    /// The same with the colours that underfur has of its own. It has no band.
+    pub(super) fn under(self, root: Option<SrgbColor>, tip: Option<SrgbColor>, water: f32) -> Self {
+        let own = |color: Option<SrgbColor>, else_: Vec3| color.map_or(else_, |color| linear(color) * water);
+        Self { root: own(root, self.root), tip: own(tip, self.tip), band: None }
+    }
+
+    /// Linear RGB at share `t` of a hair's length; `stray` in -1..1 is the hair's own.
+    pub(super) fn at(&self, t: f32, stray: f32) -> Vec3 {
+        let plain = self.root + (self.tip - self.root) * t;
+        let Some(band) = self.band else { return plain };
+        let aside = (t - band.at - BAND_STRAYS * stray).abs() / (0.5 * band.width);
+        plain.lerp(band.color, crate::noise::smooth((1.5 - aside).clamp(0.0, 1.0)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_band_has_its_colour_at_its_place_and_none_elsewhere() {
+        let color = ColorParams {
+            band: Some(SrgbColor::hex(0xff_ff_ff)),
+            band_at: 0.7,
+            band_width: 0.2,
+            ..ColorParams::default()
+        };
+        let (banded, plain) = (Shades::new(&color, 1.0), Shades::new(&ColorParams::default(), 1.0));
+        assert_eq!(banded.at(0.7, 0.0), Vec3::ONE);
+        assert_eq!((banded.at(0.5, 0.0), banded.at(0.9, 0.0)), (plain.at(0.5, 0.0), plain.at(0.9, 0.0)));
+        // Half of the colours meet at its border.
+        let border = banded.at(0.6, 0.0);
+        assert!((border - plain.at(0.6, 0.0).midpoint(Vec3::ONE)).length() < 1e-5, "{border}");
+        assert_ne!(banded.at(0.6, 1.0), banded.at(0.6, -1.0));
+    }
+
+    #[test]
+    fn underfur_has_the_colours_of_guard_hair_where_it_has_none() {
+        let guard = Shades::new(&ColorParams::default(), 1.0);
+        assert_eq!(guard.under(None, None, 1.0), Shades { band: None, ..guard });
+        let white = guard.under(None, Some(SrgbColor::hex(0xff_ff_ff)), 0.5);
+        assert_eq!((white.root, white.at(1.0, 0.0)), (guard.root, Vec3::splat(0.5)));
+    }
+}
