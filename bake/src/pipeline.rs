@@ -7,7 +7,7 @@
 use crate::BakeError;
 use crate::decision::Decision;
 use crate::mesh::{Image, Model, RestPose};
-use crate::recipe::{PackParams, Recipe, Style, SurfaceSource};
+use crate::recipe::{ColorParams, HairColors, PackParams, Recipe, Style, SurfaceSource};
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, Coat, Colors, GroomTextures, Lay, Lengths, MapImages, Maps, Pattern};
@@ -176,6 +176,8 @@ pub struct Laid<'a> {
     pub furred: Vec<bool>,
     /// Lengths that the recipe may leave open.
     pub lengths: Lengths,
+    /// Colours of the hair, which the recipe may leave open too.
+    pub hair_colors: HairColors,
     /// The recipe's groom maps.
     pub maps: Maps<'a>,
     /// What the recipe left open and was chosen.
@@ -196,7 +198,10 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let furred = groom::furred_materials(&model.materials, &recipe.model.bare, &mut warnings);
     let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings);
     let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
-    let decisions = lengths.decisions(recipe);
+    let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
+    let hair_colors = recipe.color.hair(if colored { HairColors::NEUTRAL } else { HairColors::BROWN });
+    let mut decisions = lengths.decisions(recipe);
+    decisions.extend(hair_color_decisions(&recipe.color, hair_colors, colored));
     size::check(file, recipe, &bounds, &lengths)?;
     let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.lay(&model.mesh, &rest, params.comb.everywhere())?;
@@ -208,7 +213,21 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::remarks(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Laid { surface, bounds, furred, lengths, maps, decisions, warnings })
+    Ok(Laid { surface, bounds, furred, lengths, hair_colors, maps, decisions, warnings })
+}
+
+/// What `color` leaves open of the colours of hair; `colored` says whether something else colours it.
+fn hair_color_decisions(color: &ColorParams, hair: HairColors, colored: bool) -> impl Iterator<Item = Decision> {
+    let why = if colored { "neutral, the model's own colours show" } else { "brown, the model brings no colour" };
+    let open = [
+        ("colour at the root", "root", color.root.is_none(), hair.root),
+        ("colour at the tip", "tip", color.tip.is_none(), hair.tip),
+    ];
+    open.into_iter().filter(|(.., is_open, _)| *is_open).map(move |(what, key, _, value)| Decision {
+        what,
+        chosen: why.into(),
+        line: format!("color.{key} = {}", pelage_params::Field::to_toml(&value).unwrap_or_default()),
+    })
 }
 
 use Output::*;
@@ -345,7 +364,10 @@ fn surface<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeErr
 
 fn simulate(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let laid = made(&outputs.laid, Laid)?;
-    outputs.hair = Some(TileHair::grow(told.recipe, laid.lengths, laid.maps.water())?);
+    let HairColors { root, tip } = laid.hair_colors;
+    let color = ColorParams { root: Some(root), tip: Some(tip), ..told.recipe.color.clone() };
+    let recipe = Recipe { color, ..told.recipe.clone() };
+    outputs.hair = Some(TileHair::grow(&recipe, laid.lengths, laid.maps.water())?);
     Ok(())
 }
 
@@ -484,6 +506,7 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         colors: &groomed.colors,
         bounds: laid.bounds,
         lengths: laid.lengths,
+        hair_colors: laid.hair_colors,
         height_m: height_m(hair, laid.lengths),
         strands: recipe.strands_in_tile(),
         pattern_size_m: groomed.pattern_size_m,

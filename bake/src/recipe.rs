@@ -31,8 +31,8 @@ pub use material_groom::MaterialGroom;
 pub use named_table::MaterialTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
-    HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams, ShellFormat,
-    SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams, VisibilityParams,
+    HairColors, HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams,
+    ShellFormat, SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams, VisibilityParams,
 };
 pub use pelage_params::SrgbColor;
 pub use style::Style;

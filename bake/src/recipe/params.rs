@@ -174,10 +174,11 @@ params! {
 params! {
     /// `[color]`: the strands' colour.
     ColorParams in color {
-        /// sRGB colour at the root.
-        root: SrgbColor = SrgbColor::hex(0x4a_36_24);
-        /// sRGB colour at the tip.
-        tip: SrgbColor = SrgbColor::hex(0xe8_d2_ac);
+        /// sRGB colour at the root. Left out, it is near white where the model brings colours of its own, which the hair then has, and brown where it brings
+        /// none.
+        root: Option<SrgbColor> = None;
+        /// sRGB colour at the tip. Left out, it is white or a light brown, likewise.
+        tip: Option<SrgbColor> = None;
         /// sRGB colour of a band across each guard hair, as agouti coats of wild animals have: root, band, tip. Left out, there is none.
         band: Option<SrgbColor> = None;
         /// Where the middle of the band lies: 0 at the root, 1 at the tip.
@@ -199,6 +200,29 @@ params! {
         pattern_wrap: PatternWrap = PatternWrap::Repeat;
         /// Width and height of the texture that the pattern is painted into, texels; at most `pack.base_color_max`.
         pattern_texels: u32 = 1024, in 64..=8192, as PowerOfTwo;
+    }
+}
+
+/// Colours of hair at root and tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HairColors {
+    /// At the root.
+    pub root: SrgbColor,
+    /// At the tip.
+    pub tip: SrgbColor,
+}
+
+impl HairColors {
+    /// Those of hair that nothing else colours: a brown coat.
+    pub const BROWN: Self = Self { root: SrgbColor::hex(0x4a_36_24), tip: SrgbColor::hex(0xe8_d2_ac) };
+    /// Those of hair that the model colours: it is the hairs' own shadows that darken it towards the roots.
+    pub const NEUTRAL: Self = Self { root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };
+}
+
+impl ColorParams {
+    /// Colours of the hair, with `open` for those that are left out.
+    pub fn hair(&self, open: HairColors) -> HairColors {
+        HairColors { root: self.root.unwrap_or(open.root), tip: self.tip.unwrap_or(open.tip) }
     }
 }
 

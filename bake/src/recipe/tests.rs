@@ -82,7 +82,7 @@ fn set_takes_bare_strings_and_reports_the_key() {
         recipe.set(assignment).unwrap();
     }
     assert_eq!(recipe.hair.style, Style::Messy);
-    assert_eq!(recipe.color.tip, SrgbColor([1.0, 128.0 / 255.0, 0.0]));
+    assert_eq!(recipe.color.tip, Some(SrgbColor([1.0, 128.0 / 255.0, 0.0])));
     assert_eq!(recipe.model.bare, ["Eye*"]);
     assert_eq!((recipe.hair.length_m, recipe.hair.lean), (Some(0.02), 1.0));
     recipe.set("model.bare=[\"a\", \"b\"]").unwrap();
@@ -404,8 +404,8 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             underfur,
             groom,
             color: ColorParams {
-                root: color.0,
-                tip: color.1,
+                root: Some(color.0),
+                tip: color.4.map(|_| color.1),
                 band: color.4.map(|band| band.0),
                 band_at: color.4.map_or(0.5, |band| band.1),
                 band_width: 0.25,

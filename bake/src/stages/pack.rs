@@ -3,7 +3,7 @@
 use super::assemble::{Content, NamedTexture, Textures, assemble, carried, lent};
 use crate::BakeError;
 use crate::mesh::Model;
-use crate::recipe::Recipe;
+use crate::recipe::{HairColors, Recipe};
 use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Coat, Colors, Lengths};
@@ -31,6 +31,8 @@ pub struct Skin<'a> {
     pub images: Vec<NamedTexture<'a>>,
     /// Lengths that its recipe may leave open; `None` where the recipe says them.
     pub lengths: Option<Lengths>,
+    /// Colours of the hair, likewise.
+    pub hair_colors: Option<HairColors>,
     /// Width of the pattern, metres, likewise.
     pub pattern_size_m: Option<f32>,
 }
@@ -65,6 +67,8 @@ pub struct SkinPieces<'a> {
     pub bounds: Bounds,
     /// Lengths of hair and tile.
     pub lengths: Lengths,
+    /// Colours of the hair.
+    pub hair_colors: HairColors,
     /// Height of the fur, metres.
     pub height_m: f32,
     /// Strands in the tile.
@@ -124,6 +128,7 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
         sections: [Content::Mesh(Arc::new(mesh))].into_iter().chain(simplified).chain(animation).collect(),
         images: textures,
         lengths: Some(pieces.lengths),
+        hair_colors: Some(pieces.hair_colors),
         pattern_size_m: pieces.pattern_size_m,
     }
 }
@@ -250,6 +255,9 @@ fn resolved(pieces: &Pieces<'_>) -> Recipe {
     if let Some(lengths) = pieces.skin.lengths {
         recipe.hair.length_m = Some(lengths.length_m);
         recipe.surface.tile_size_m = Some(lengths.tile_size_m);
+    }
+    if let Some(HairColors { root, tip }) = pieces.skin.hair_colors {
+        (recipe.color.root, recipe.color.tip) = (Some(root), Some(tip));
     }
     recipe.fins.depth = recipe.fins.depth.or(pieces.fins.depth);
     recipe.color.pattern_size_m = pieces.skin.pattern_size_m.or(recipe.color.pattern_size_m);

@@ -30,3 +30,17 @@ fn what_a_recipe_leaves_open_is_said_with_the_line_that_says_the_same() {
     let said = decisions("torus.glb", &["--set", &length.replace(' ', "")]);
     assert!(lines(&said).iter().all(|line| !line.starts_with("hair.length_m")), "{said:?}");
 }
+
+#[test]
+fn the_models_own_colours_stay() {
+    let root = |decisions: &[Value]| {
+        let decision = decisions.iter().find(|decision| decision["what"] == "colour at the root").unwrap().clone();
+        (decision["chosen"].as_str().unwrap().to_owned(), decision["line"].as_str().unwrap().to_owned())
+    };
+    let (why, line) = root(&decisions("hare.glb", &[]));
+    assert!(why.starts_with("neutral") && line == "color.root = \"#d8d8d8\"", "{why}, {line}");
+    let (why, line) = root(&decisions("torus.glb", &[]));
+    assert!(why.starts_with("brown") && line == "color.root = \"#4a3624\"", "{why}, {line}");
+    let said = decisions("hare.glb", &["--set", "color.root=#102030"]);
+    assert!(lines(&said).iter().all(|line| !line.starts_with("color.root")), "{said:?}");
+}

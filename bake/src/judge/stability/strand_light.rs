@@ -28,7 +28,7 @@ const LIGHT: Vec3 = vec3(-0.3, 0.4, 0.8);
 /// Hair that is as bright as its light.
 fn plain(recipe: &mut Recipe) {
     let white = SrgbColor::hex(0xff_ff_ff);
-    (recipe.color.root, recipe.color.tip, recipe.color.variation) = (white, white, 0.0);
+    (recipe.color.root, recipe.color.tip, recipe.color.variation) = (Some(white), Some(white), 0.0);
     let shading = &mut recipe.shading;
     (shading.ambient, shading.diffuse, shading.specular) = ([0.0; 3], [1.0; 3], [0.0; 3]);
     shading.diffuse_exponent = 0.0;

@@ -2,8 +2,8 @@
 
 use super::maps::Maps;
 use crate::BakeError;
-use crate::mesh::{Image, Mesh, Model};
-use crate::recipe::ColorMap;
+use crate::mesh::{Image, Material, Mesh, MeshPart, Model};
+use crate::recipe::{ColorMap, ColorParams};
 use pelage_formats::meaning::srgb_value_to_linear;
 
 /// Colours of a model as the package stores them: factor, texture and vertex colour multiply each other.
@@ -77,4 +77,67 @@ pub fn colors(
         }
     }
     Ok(colors)
+}
+
+/// Whether something colours the hair besides the colours of its root and tip: a pattern, `groom.color`, or the model's own factors, textures and vertex
+/// colours. White counts as none.
+pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &ColorParams) -> bool {
+    let is_furred = |material: usize| furred.get(material).copied().unwrap_or(false);
+    let by_material = |(i, material): (usize, &Material)| {
+        let own = || material.base_color_image.is_some() || material.base_color[..3].iter().any(|c| *c < 1.0);
+        is_furred(i) && (maps.color(i).is_some() || params.base_color && own())
+    };
+    let by_vertices = |part: &MeshPart| {
+        let triangles = &model.mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
+        is_furred(part.material) && triangles.iter().flatten().any(|v| model.mesh.colors[*v as usize][..3] != [255; 3])
+    };
+    params.pattern.is_some()
+        || model.materials.iter().enumerate().any(by_material)
+        || params.base_color && model.mesh.parts.iter().any(by_vertices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recipe::Recipe;
+    use crate::stages::groom::MapImages;
+
+    /// Whether the hair of a triangle has colours, after a change of the model and with a recipe.
+    fn colored(change: impl FnOnce(&mut Model), recipe: &str) -> bool {
+        let mesh = Mesh {
+            positions: vec![glam::Vec3::X, glam::Vec3::Y, glam::Vec3::Z],
+            normals: vec![glam::Vec3::Z; 3],
+            uvs: vec![glam::Vec2::ZERO; 3],
+            colors: vec![[255; 4]; 3],
+            triangles: vec![[0, 1, 2]],
+            parts: vec![MeshPart {
+                source: "t".into(),
+                material: 0,
+                first_triangle: 0,
+                triangle_count: 1,
+                has_uvs: false,
+            }],
+            ..Mesh::default()
+        };
+        let mut model = Model { mesh, materials: vec![Material::default(); 2], ..Model::default() };
+        change(&mut model);
+        let recipe = Recipe::parse("r", recipe).unwrap();
+        let (furred, images) = ([true, false], MapImages::default());
+        let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, &images, &mut Vec::new());
+        is_colored(&model, &maps, &furred, &recipe.color)
+    }
+
+    #[test]
+    fn what_colours_the_hair() {
+        assert!(!colored(|_| {}, ""));
+        assert!(colored(|m| m.materials[0].base_color[1] = 0.5, ""));
+        assert!(!colored(|m| m.materials[1].base_color[1] = 0.5, ""), "it is bare");
+        assert!(colored(|m| m.materials[0].base_color_image = Some(0), ""));
+        assert!(colored(|m| m.mesh.colors[2] = [255, 9, 255, 255], ""));
+        let own = "[color]\nbase_color = false\n";
+        assert!(!colored(|m| m.mesh.colors[2] = [0, 0, 0, 255], own));
+        assert!(!colored(|m| m.materials[0].base_color[1] = 0.5, own));
+        assert!(colored(|_| {}, "[groom]\ncolor = \"#804020\"\n"));
+        assert!(colored(|_| {}, "[color]\npattern = \"spots.png\"\n"));
+    }
 }

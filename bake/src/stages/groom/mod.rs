@@ -7,7 +7,7 @@ mod maps;
 mod pattern;
 
 pub use atlas::Atlas;
-pub use colors::{Colors, MaterialColor, colors};
+pub use colors::{Colors, MaterialColor, colors, is_colored};
 pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
 pub(crate) use maps::{average, last, report_unmatched, scalar_at};
 pub use pattern::Pattern;

@@ -1,7 +1,7 @@
 //! The colour of a hair from root to tip.
 
 use super::linear;
-use crate::recipe::{ColorParams, SrgbColor};
+use crate::recipe::{ColorParams, HairColors, SrgbColor};
 use glam::Vec3;
 
 /// How far a hair's band lies nearer the root or the tip than the recipe says, shares of its length: hairs that are all banded at one height would
@@ -28,10 +28,11 @@ struct Band {
 }
 
 impl Shades {
-    /// Those of guard hair; `water` is what a film of water leaves of the light.
+    /// Those of guard hair, brown where no colour is said; `water` is what a film of water leaves of the light.
     pub(super) fn new(color: &ColorParams, water: f32) -> Self {
         let band = |band| Band { color: linear(band) * water, at: color.band_at, width: color.band_width };
-        Self { root: linear(color.root) * water, tip: linear(color.tip) * water, band: color.band.map(band) }
+        let HairColors { root, tip } = color.hair(HairColors::BROWN);
+        Self { root: linear(root) * water, tip: linear(tip) * water, band: color.band.map(band) }
     }
 
     /// The same with the colours that underfur has of its own. It has no band.

@@ -52,7 +52,7 @@ fn layers_have_every_level_and_the_skin_is_opaque() {
         assert_eq!(layer.color.iter().map(Vec::len).collect::<Vec<_>>(), sizes);
         assert_eq!(layer.direction.iter().map(Vec::len).collect::<Vec<_>>(), sizes);
     }
-    let root = crate::stages::hair::linear(ColorParams::default().root).to_array().map(linear_to_srgb);
+    let root = crate::stages::hair::linear(crate::recipe::HairColors::BROWN.root).to_array().map(linear_to_srgb);
     for level in &set.layers[0].color {
         assert!(level.chunks_exact(4).all(|t| t == [root[0], root[1], root[2], 255]));
     }
