@@ -7,7 +7,7 @@
 use crate::BakeError;
 use crate::decision::Decision;
 use crate::mesh::{Image, Model, RestPose};
-use crate::recipe::{ColorParams, HairColors, PackParams, Recipe, Style, SurfaceSource};
+use crate::recipe::{ColorParams, HairColors, PackParams, Recipe, SrgbColor, Style, SurfaceSource};
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, Coat, Colors, GroomTextures, Lay, Lengths, MapImages, Maps, Pattern};
@@ -219,14 +219,16 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
 /// What `color` leaves open of the colours of hair; `colored` says whether something else colours it.
 fn hair_color_decisions(color: &ColorParams, hair: HairColors, colored: bool) -> impl Iterator<Item = Decision> {
     let why = if colored { "neutral, the model's own colours show" } else { "brown, the model brings no colour" };
+    let in_toml = |value: SrgbColor| pelage_params::Field::to_toml(&value).unwrap_or_default();
     let open = [
-        ("colour at the root", "root", color.root.is_none(), hair.root),
-        ("colour at the tip", "tip", color.tip.is_none(), hair.tip),
+        ("lightness of hair", "gain", color.gain.is_none(), hair.gain.to_string()),
+        ("colour at the root", "root", color.root.is_none(), in_toml(hair.root)),
+        ("colour at the tip", "tip", color.tip.is_none(), in_toml(hair.tip)),
     ];
     open.into_iter().filter(|(.., is_open, _)| *is_open).map(move |(what, key, _, value)| Decision {
         what,
         chosen: why.into(),
-        line: format!("color.{key} = {}", pelage_params::Field::to_toml(&value).unwrap_or_default()),
+        line: format!("color.{key} = {value}"),
     })
 }
 
@@ -364,7 +366,7 @@ fn surface<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeErr
 
 fn simulate(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let laid = made(&outputs.laid, Laid)?;
-    let HairColors { root, tip } = laid.hair_colors;
+    let HairColors { root, tip, .. } = laid.hair_colors;
     let color = ColorParams { root: Some(root), tip: Some(tip), ..told.recipe.color.clone() };
     let recipe = Recipe { color, ..told.recipe.clone() };
     outputs.hair = Some(TileHair::grow(&recipe, laid.lengths, laid.maps.water())?);
@@ -421,6 +423,7 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     if let (Some(pattern), Some(atlas)) = (&pattern, &atlas) {
         pattern.paint(atlas, furred, &mut surface, &mut colors, &mut grooms);
     }
+    colors.lighten(furred, laid.hair_colors.gain);
     let warnings = atlas.as_ref().and_then(Atlas::warning).into_iter().collect();
     let pattern_size_m = pattern.as_ref().map(Pattern::width_m);
     outputs.groomed = Some(self::Groomed { surface, coat, colors, grooms, pattern_size_m, warnings });

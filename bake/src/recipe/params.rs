@@ -179,6 +179,9 @@ params! {
         root: Option<SrgbColor> = None;
         /// sRGB colour at the tip. Left out, it is white or a light brown, likewise.
         tip: Option<SrgbColor> = None;
+        /// How much lighter hair is than its colours say: makes up for the shadow that hairs throw on each other, so that a coat is on the whole as light as the
+        /// skin that it hides. Left out, it does so where the model brings colours of its own, and is 1 where it brings none. Bare materials keep theirs.
+        gain: Option<f32> = None, in 0.1..=4.0;
         /// sRGB colour of a band across each guard hair, as agouti coats of wild animals have: root, band, tip. Left out, there is none.
         band: Option<SrgbColor> = None;
         /// Where the middle of the band lies: 0 at the root, 1 at the tip.
@@ -203,9 +206,11 @@ params! {
     }
 }
 
-/// Colours of hair at root and tip.
+/// Colours of hair at root and tip, and how they are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HairColors {
+    /// What multiplies the colours of furred materials.
+    pub gain: f32,
     /// At the root.
     pub root: SrgbColor,
     /// At the tip.
@@ -214,15 +219,20 @@ pub struct HairColors {
 
 impl HairColors {
     /// Those of hair that nothing else colours: a brown coat.
-    pub const BROWN: Self = Self { root: SrgbColor::hex(0x4a_36_24), tip: SrgbColor::hex(0xe8_d2_ac) };
-    /// Those of hair that the model colours: it is the hairs' own shadows that darken it towards the roots.
-    pub const NEUTRAL: Self = Self { root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };
+    pub const BROWN: Self = Self { gain: 1.0, root: SrgbColor::hex(0x4a_36_24), tip: SrgbColor::hex(0xe8_d2_ac) };
+    /// Those of hair that the model colours: it is the hairs' own shadows that darken it towards the roots. The gain is what five animals need on the
+    /// mean of four lights (`formats/docs/formulas.md`, 7.7).
+    pub const NEUTRAL: Self = Self { gain: 1.35, root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };
 }
 
 impl ColorParams {
     /// Colours of the hair, with `open` for those that are left out.
     pub fn hair(&self, open: HairColors) -> HairColors {
-        HairColors { root: self.root.unwrap_or(open.root), tip: self.tip.unwrap_or(open.tip) }
+        HairColors {
+            gain: self.gain.unwrap_or(open.gain),
+            root: self.root.unwrap_or(open.root),
+            tip: self.tip.unwrap_or(open.tip),
+        }
     }
 }
 

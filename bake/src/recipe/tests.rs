@@ -404,6 +404,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             underfur,
             groom,
             color: ColorParams {
+                gain: color.4.map(|band| 0.1 + band.1),
                 root: Some(color.0),
                 tip: color.4.map(|_| color.1),
                 band: color.4.map(|band| band.0),

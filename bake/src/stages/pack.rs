@@ -256,8 +256,8 @@ fn resolved(pieces: &Pieces<'_>) -> Recipe {
         recipe.hair.length_m = Some(lengths.length_m);
         recipe.surface.tile_size_m = Some(lengths.tile_size_m);
     }
-    if let Some(HairColors { root, tip }) = pieces.skin.hair_colors {
-        (recipe.color.root, recipe.color.tip) = (Some(root), Some(tip));
+    if let Some(HairColors { gain, root, tip }) = pieces.skin.hair_colors {
+        (recipe.color.gain, recipe.color.root, recipe.color.tip) = (Some(gain), Some(root), Some(tip));
     }
     recipe.fins.depth = recipe.fins.depth.or(pieces.fins.depth);
     recipe.color.pattern_size_m = pieces.skin.pattern_size_m.or(recipe.color.pattern_size_m);

@@ -17,10 +17,20 @@ pub struct Colors {
     pub vertices: Vec<[u8; 4]>,
 }
 
+impl Colors {
+    /// Makes furred materials lighter by a factor; it may lead above 1, because hair hides part of its own light.
+    ///
+    /// * `furred`: one per material
+    pub fn lighten(&mut self, furred: &[bool], gain: f32) {
+        let of_hair = self.materials.iter_mut().zip(furred).filter(|(_, furred)| **furred);
+        of_hair.for_each(|(material, _)| material.factor[..3].iter_mut().for_each(|c| *c *= gain));
+    }
+}
+
 /// Colour of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialColor {
-    /// Linear RGBA.
+    /// Linear RGBA, of hair above 1 where it has to be.
     pub factor: [f32; 4],
     /// Index into [`Colors::images`], sRGB.
     pub image: Option<usize>,
@@ -125,6 +135,14 @@ mod tests {
         let (furred, images) = ([true, false], MapImages::default());
         let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, &images, &mut Vec::new());
         is_colored(&model, &maps, &furred, &recipe.color)
+    }
+
+    #[test]
+    fn hair_is_lightened_and_bare_skin_is_not() {
+        let color = |c| MaterialColor { factor: [c, c, c, 0.5], image: None };
+        let mut colors = Colors { materials: vec![color(0.8), color(0.8)], ..Colors::default() };
+        colors.lighten(&[true, false], 1.5);
+        assert_eq!(colors.materials, [color(0.8 * 1.5), color(0.8)]);
     }
 
     #[test]

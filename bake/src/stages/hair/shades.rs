@@ -31,7 +31,7 @@ impl Shades {
     /// Those of guard hair, brown where no colour is said; `water` is what a film of water leaves of the light.
     pub(super) fn new(color: &ColorParams, water: f32) -> Self {
         let band = |band| Band { color: linear(band) * water, at: color.band_at, width: color.band_width };
-        let HairColors { root, tip } = color.hair(HairColors::BROWN);
+        let HairColors { root, tip, .. } = color.hair(HairColors::BROWN);
         Self { root: linear(root) * water, tip: linear(tip) * water, band: color.band.map(band) }
     }
 
