@@ -8,7 +8,7 @@ use glam::vec3;
 use pelage_bake::io::{Reach, read_model};
 use pelage_bake::judge::stability::surface::grid;
 use pelage_bake::mesh::{Model, RestPose};
-use pelage_bake::recipe;
+use pelage_bake::recipe::{self, Recipe};
 use pelage_bake::stages::groom::{Lengths, bounds};
 use pelage_bake::stages::import::ImportOptions;
 use pelage_bake::stages::surface::{SurfaceParams, parameterize};
@@ -28,7 +28,7 @@ fn knot(along: u32, around: u32) -> Model {
 /// Prints what came out, and returns the median seconds of three runs.
 fn measure(name: &str, model: &Model) -> f64 {
     let box_of = bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
-    let tile_size_m = Lengths::resolve(None, None, &box_of).tile_size_m;
+    let tile_size_m = Lengths::resolve(&Recipe::default(), &box_of).tile_size_m;
     let furred = vec![true; model.materials.len()];
     let params = SurfaceParams::from_recipe(&recipe::SurfaceParams::default(), tile_size_m, furred);
     let mut runs = Vec::new();

@@ -25,7 +25,7 @@ fn main() -> anyhow::Result<()> {
             None => recipe = Recipe::parse(&argument, &std::fs::read_to_string(&argument)?)?,
         }
     }
-    let strands = simulate_recipe(recipe, &volume)?;
+    let strands = simulate_recipe(&recipe, &volume)?;
     let images = read_map_images("recipe", &|name| name.into(), &recipe)?;
     let scan = |path: &Option<FilePath>| path.as_ref().map(|p| (p.0.clone(), images.get(&p.0)));
     let band = scan(&recipe.ink.stroke_image).map(|(path, image)| ink::stroke_band(&path, image?)).transpose()?;

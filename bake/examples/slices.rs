@@ -33,7 +33,7 @@ fn main() -> anyhow::Result<()> {
     }
 
     let start = Instant::now();
-    let strands = simulate_recipe(recipe, &volume)?;
+    let strands = simulate_recipe(&recipe, &volume)?;
     let simulated = start.elapsed();
     let mut bytes = 0;
     slice(&strands, &recipe.slice, FORMAT, |layer| {

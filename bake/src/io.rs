@@ -264,6 +264,43 @@ pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
 ) -> Result<(), BakeError> {
+    prepare(path, write)?.map_or(Ok(()), Prepared::appear)
+}
+
+/// Writes several files, which appear only when all of them are whole: an error before that leaves none of them.
+///
+/// # Errors
+///
+/// As [`write_atomic`]. Where the system refuses to rename one that is whole, those before it stand already.
+pub fn write_all_atomic(files: &[(&Path, &[u8])]) -> Result<(), BakeError> {
+    let whole = files.iter().map(|(path, bytes)| prepare(path, |out| out.write_all(bytes)));
+    let whole = whole.collect::<Result<Vec<_>, _>>()?;
+    whole.into_iter().flatten().try_for_each(Prepared::appear)
+}
+
+/// A file that is whole, and has yet to get its name.
+struct Prepared {
+    // Dropped in this order: a name is forgotten when its file is gone.
+    file: tempfile::NamedTempFile,
+    unfinished: Unfinished,
+    target: PathBuf,
+}
+
+impl Prepared {
+    fn appear(self) -> Result<(), BakeError> {
+        let Self { file, unfinished, target } = self;
+        let renamed =
+            file.persist(&target).map_err(|error| io_error(&target, "rename a temporary file to", error.error));
+        drop(unfinished);
+        renamed.map(drop)
+    }
+}
+
+/// Writes a file under a temporary name beside its own; `None` for what is written to directly.
+fn prepare(
+    path: &Path,
+    write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
+) -> Result<Option<Prepared>, BakeError> {
     let write = |file: &std::fs::File| {
         let mut out = io::BufWriter::new(file);
         write(&mut out)?;
@@ -279,7 +316,10 @@ pub fn write_atomic_with(
         // Renaming a file over /dev/null would replace the device.
         Ok(found) if !found.is_file() => {
             let open = std::fs::OpenOptions::new().write(true).open(&target);
-            return open.and_then(|f| write(&f)).map_err(|source| io_error(path, "write", source));
+            return match open.and_then(|f| write(&f)) {
+                Ok(()) => Ok(None),
+                Err(source) => Err(io_error(path, "write", source)),
+            };
         }
         _ => {}
     }
@@ -297,7 +337,5 @@ pub fn write_atomic_with(
     let unfinished = Unfinished::new(file.path());
     let written = write(file.as_file()).and_then(|()| file.as_file().sync_all());
     written.map_err(|source| io_error(path, "write", source))?;
-    let renamed = file.persist(&target).map_err(|error| io_error(path, "rename a temporary file to", error.error));
-    drop(unfinished);
-    renamed.map(drop)
+    Ok(Some(Prepared { file, unfinished, target }))
 }

@@ -9,6 +9,7 @@
 mod angle;
 pub mod decision;
 pub mod error;
+pub mod groom_map;
 pub mod guides;
 pub(crate) mod image_file;
 pub mod io;

@@ -64,10 +64,12 @@ impl Mesh {
 }
 
 /// A run of triangles that came from one primitive.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshPart {
     /// Where it stands in the input, for messages: `mesh 0 "body", primitive 1`.
     pub source: String,
+    /// Names of the node and the mesh that it belongs to, of an OBJ those of its object and group. Empty names are left out.
+    pub names: Vec<String>,
     /// Index into [`Model::materials`].
     pub material: usize,
     /// First triangle.
@@ -91,6 +93,10 @@ pub struct Material {
     pub alpha_cutoff: Option<f32>,
     /// Whether back faces show.
     pub double_sided: bool,
+    /// How rough it is, 0 a mirror to 1 dull (glTF `roughnessFactor`). `None` where the file does not say it in one number.
+    pub roughness: Option<f32>,
+    /// How metallic it is, 0..=1 (glTF `metallicFactor`), likewise.
+    pub metallic: Option<f32>,
 }
 
 impl Default for Material {
@@ -102,6 +108,8 @@ impl Default for Material {
             base_color_image: None,
             alpha_cutoff: None,
             double_sided: false,
+            roughness: None,
+            metallic: None,
         }
     }
 }

@@ -7,10 +7,13 @@
 use crate::BakeError;
 use crate::decision::Decision;
 use crate::mesh::{Image, Model, RestPose};
-use crate::recipe::{ColorParams, HairColors, PackParams, Recipe, SrgbColor, Style, SurfaceSource};
+use crate::recipe::{ColorParams, GroomCoordinates, HairColors, PackParams, Recipe, SrgbColor, Style, SurfaceSource};
 use crate::stages::detail;
 use crate::stages::fins;
-use crate::stages::groom::{self, Atlas, Coat, Colors, GroomTextures, Lay, Lengths, MapImages, Maps, Pattern};
+use crate::stages::groom::{
+    self, Atlas, Body, BodyGroom, Coat, Colors, GroomTextures, Growth, JointValues, Lay, Lengths, MapImages, Maps,
+    ModelAtlas, Pattern,
+};
 use crate::stages::hair::TileHair;
 use crate::stages::hair_groups;
 use crate::stages::ink::{self, Canvas, InkFiles, SkinInk};
@@ -174,12 +177,16 @@ pub struct Laid<'a> {
     pub bounds: Bounds,
     /// One per material: whether hair grows on it.
     pub furred: Vec<bool>,
+    /// What `model.bare` says, or would have to say for the same.
+    pub bare: Vec<String>,
     /// Lengths that the recipe may leave open.
     pub lengths: Lengths,
     /// Colours of the hair, which the recipe may leave open too.
     pub hair_colors: HairColors,
     /// The recipe's groom maps.
     pub maps: Maps<'a>,
+    /// Density and comb as the maps say them, at the vertices of the model.
+    pub lay: Lay,
     /// What the recipe left open and was chosen.
     pub decisions: Vec<Decision>,
     /// What `import` and this stage had to say.
@@ -195,12 +202,27 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let mut warnings = model.warnings.clone();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let bounds = groom::bounds(&rest);
-    let furred = groom::furred_materials(&model.materials, &recipe.model.bare, &mut warnings);
-    let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings);
-    let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+    let Growth { furred, bare, decision } = groom::growth(model, &rest, recipe.model.bare.as_deref(), &mut warnings);
+    let animation = model.animation.as_ref();
+    let body = Body { mesh: &model.mesh, rest: &rest, animation, furred: &furred, bounds: &bounds };
+    let mut by_body = BodyGroom::of(&body, recipe.groom.by_body);
+    if recipe.surface.source == SurfaceSource::Model {
+        // The model's own coordinates say how dense hair is.
+        by_body.iter_mut().for_each(|body| body.density = None);
+    }
+    let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings)
+        .with_joints(JointValues::new(&recipe.groom.joint, animation, &mut warnings))
+        .with_body(by_body);
+    let maps = if recipe.groom.coordinates == GroomCoordinates::Atlas && maps.has_images() {
+        maps.over(ModelAtlas::new(file, model)?)
+    } else {
+        maps
+    };
+    let lengths = Lengths::resolve(recipe, &bounds);
     let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
     let hair_colors = recipe.color.hair(if colored { HairColors::NEUTRAL } else { HairColors::BROWN });
-    let mut decisions = lengths.decisions(recipe);
+    let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(recipe)).collect();
+    decisions.extend(maps.decision(recipe.groom.by_body, lengths.length_m));
     decisions.extend(hair_color_decisions(&recipe.color, hair_colors, colored));
     size::check(file, recipe, &bounds, &lengths)?;
     let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
@@ -208,20 +230,29 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     if lay != Lay::default() && recipe.surface.source == SurfaceSource::Model {
         warnings.push("groom.density and groom.comb have no effect beside surface.source = \"model\"".into());
     }
-    let comb = lay.comb.map_or(params.comb, Comb::PerVertex);
-    let params = SurfaceParams { comb, density: lay.density, ..params };
+    let comb = lay.comb.clone().map_or(params.comb, Comb::PerVertex);
+    let params = SurfaceParams { comb, density: lay.density.clone(), ..params };
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::remarks(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Laid { surface, bounds, furred, lengths, hair_colors, maps, decisions, warnings })
+    Ok(Laid { surface, bounds, furred, bare, lengths, hair_colors, maps, lay, decisions, warnings })
 }
 
 /// What `color` leaves open of the colours of hair; `colored` says whether something else colours it.
 fn hair_color_decisions(color: &ColorParams, hair: HairColors, colored: bool) -> impl Iterator<Item = Decision> {
     let why = if colored { "neutral, the model's own colours show" } else { "brown, the model brings no colour" };
-    let in_toml = |value: SrgbColor| pelage_params::Field::to_toml(&value).unwrap_or_default();
+    // What is left open has one of our own colours, which are whole bytes.
+    let in_toml = |value: SrgbColor| {
+        let [r, g, b] = value.0.map(|c| (255.0 * c).round() as u8);
+        format!("\"#{r:02x}{g:02x}{b:02x}\"")
+    };
     let open = [
-        ("lightness of hair", "gain", color.gain.is_none(), hair.gain.to_string()),
+        (
+            "lightness of hair",
+            "gain",
+            color.gain.is_none() && color.root.is_none() && color.tip.is_none(),
+            hair.gain.to_string(),
+        ),
         ("colour at the root", "root", color.root.is_none(), in_toml(hair.root)),
         ("colour at the tip", "tip", color.tip.is_none(), in_toml(hair.tip)),
     ];
@@ -417,7 +448,9 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let mut surface = laid.surface.clone();
     let pattern = Pattern::new(&recipe.color, told.images, bounds)?;
     let atlas = pattern.is_some().then(|| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
-    let coat = maps.coat(&surface.mesh)?;
+    let mut coat = maps.coat(&surface.mesh, &surface.input_vertex)?;
+    let margin_m = recipe.groom.bare_margin_m.unwrap_or(0.0);
+    groom::fade_to_bare(&mut coat.length, &surface.mesh, &surface.rest, furred, margin_m);
     let mut colors = groom::colors(model, &surface.mesh, maps, furred, recipe.color.base_color)?;
     let mut grooms = maps.textures()?;
     if let (Some(pattern), Some(atlas)) = (&pattern, &atlas) {
@@ -476,7 +509,7 @@ fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
     let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images: told.images };
     let params = &told.recipe.ink;
-    let fur = ink::fur_strength(told.recipe, model);
+    let fur = ink::fur_strength(told.recipe, model, &laid.furred);
     outputs.ink = Some(params.enabled.then(|| ink::on_skin(params, fur, &canvas)).transpose()?);
     Ok(())
 }
@@ -508,6 +541,7 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         coat: &groomed.coat,
         colors: &groomed.colors,
         bounds: laid.bounds,
+        bare: &laid.bare,
         lengths: laid.lengths,
         hair_colors: laid.hair_colors,
         height_m: height_m(hair, laid.lengths),

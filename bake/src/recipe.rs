@@ -14,25 +14,30 @@
 //! # Ok::<(), pelage_bake::BakeError>(())
 //! ```
 
+mod coats;
 mod comb_marks;
 mod hair_group;
 mod ink;
+mod joint_groom;
 mod maps;
 mod material_groom;
 mod named_table;
 mod params;
 mod style;
 
+pub use coats::{Coat, coats_page};
 pub use comb_marks::CombMarkParams;
 pub use hair_group::{HairGroupParams, TuftParams};
 pub use ink::{InkFill, InkParams, MaterialInk};
+pub use joint_groom::JointGroom;
 pub use maps::{Channel, ColorMap, FilePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
 pub use named_table::MaterialTable;
 pub use params::{
-    BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomParams,
-    HairColors, HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap, ShadingParams,
-    ShellFormat, SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams, VisibilityParams,
+    BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomCoordinates,
+    GroomParams, HairColors, HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap,
+    ShadingParams, ShellFormat, SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams,
+    VisibilityParams,
 };
 pub use pelage_params::SrgbColor;
 pub use style::Style;
@@ -88,7 +93,8 @@ pub fn reference_page() -> String {
 
 const INTRODUCTION: [&str; 3] = [
     "A recipe is a TOML file that says how a model becomes fur: `pelage bake fox.glb --recipe fox.toml -o fox.pelage`. It has a table for each \
-     stage of the bake and a key for each parameter. What it leaves out keeps its default, so that an empty recipe is a natural short fur. \
+     stage of the bake and a key for each parameter. What it leaves out keeps its default, so that an empty recipe is a natural short fur; \
+     `hair.coat` begins with another kind ([coats](coats.md)). \
      `--set hair.length_m=0.02` sets one key on the command line, after the recipe. A table or key that does not exist is an error, which names \
      the line and the nearest key that does.",
     "Lengths end in `_m` and are metres, angles end in `_deg`, widths on screen in `_px`. Where a default is \"left out\", the bake chooses the \
@@ -133,16 +139,40 @@ impl Recipe {
     /// its range.
     pub fn parse(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::default();
-        pelage_params::read(&mut recipe, text).map_err(|fault| input(file, fault))?;
+        recipe.read(file, text)?;
         Ok(recipe)
     }
 
-    /// Sets one value, as in `--set hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`.
+    /// Reads more of a recipe over this one, as [`Recipe::parse`] reads a whole one: what the text names is set, everything else stays. A text that
+    /// names a coat changes the keys that have the value of the coat before, but for those that it names.
     ///
     /// # Errors
-    /// As [`Recipe::parse`], with `--set` for the file.
+    /// As [`Recipe::parse`]; what stood before the fault is set then.
+    pub fn read(&mut self, file: &str, text: &str) -> Result<(), BakeError> {
+        self.dressed(file, |recipe| pelage_params::read(recipe, text))
+    }
+
+    /// Sets one value, as in `--set hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`. `hair.coat=winter` changes the keys that have the
+    /// value of the coat before, and no other.
+    ///
+    /// # Errors
+    /// As [`Recipe::parse`], with `--set` for the file; nothing is changed then.
     pub fn set(&mut self, assignment: &str) -> Result<(), BakeError> {
-        pelage_params::set(self, assignment).map_err(|fault| input("--set", fault))
+        self.dressed("--set", |recipe| pelage_params::set(recipe, assignment))
+    }
+
+    /// Makes a change, after which keys that nobody named are those of its coat.
+    fn dressed(&mut self, file: &str, change: impl Fn(&mut Self) -> Result<(), ParamError>) -> Result<(), BakeError> {
+        let before = self.hair.coat;
+        change(self).map_err(|fault| input(file, fault))?;
+        let coat = self.hair.coat;
+        if coat == before {
+            return Ok(());
+        }
+        coats::change(self, before, coat)
+            .map_err(|fault| BakeError::Internal(format!("the coat {:?}: {fault}", coat.word())))?;
+        // Once more: a key that was named may have had the value of the coat before.
+        change(self).map_err(|fault| input(file, fault))
     }
 
     /// The recipe as TOML with every key that has a value, in the order of [`keys`]. Parsing it gives an equal recipe.
@@ -153,6 +183,11 @@ impl Recipe {
     /// As [`Recipe::to_toml`], with each key's meaning, type and range as comments, and keys without a value commented out.
     pub fn to_documented_toml(&self) -> String {
         pelage_params::to_documented_toml(self)
+    }
+
+    /// As [`Recipe::to_documented_toml`], with what `note` has to say of a key as further comments right above it.
+    pub fn to_noted_toml(&self, note: impl Fn(&Knob) -> Vec<String>) -> String {
+        pelage_params::to_noted_toml(self, note)
     }
 
     /// The images that it names, each path once with the key that names it first.

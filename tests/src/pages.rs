@@ -1,4 +1,4 @@
-//! The reference pages that are made from the code: of recipes, of looks and of the command line.
+//! The reference pages that are made from the code: of recipes and their coats, of looks and of the command line.
 
 use crate::binary::{Sandbox, workspace};
 use pelage_bake::recipe;
@@ -16,6 +16,7 @@ pub fn pages() -> Vec<(PathBuf, String)> {
     vec![
         page("commands.md", run.stdout),
         page("recipe.md", recipe::reference_page()),
+        page("coats.md", recipe::coats_page(|picture| workspace().join("bake/docs").join(picture).exists())),
         page("look.md", Look::reference_page()),
     ]
 }

@@ -9,6 +9,7 @@ use super::output::{Output, human_bytes, require_parent};
 use super::shell_judge::Source;
 use super::threads;
 use super::view::View;
+use super::write_recipe::{self, Chosen};
 use pelage_bake::BakeError;
 use pelage_bake::io::{self, Reach};
 use pelage_bake::judge::decide::Limits;
@@ -50,6 +51,10 @@ pub struct BakeArgs {
     for_size: Option<Size>,
     #[command(flatten)]
     limits: LimitArgs,
+    /// Write the whole recipe of this bake, with comments and what was chosen, to start from: the same model with it gives the same package, byte for
+    /// byte, which is therefore without evidence of how limits chose
+    #[arg(long, value_name = "R.toml")]
+    write_recipe: Option<PathBuf>,
 }
 
 /// Limits of a bake: with any of them, layers, tile and fins are chosen by measuring instead of taken from the recipe.
@@ -128,7 +133,7 @@ impl RecipeArgs {
     }
 
     /// An error with where its value stands: stages name the key of a recipe alone. Without a recipe the value follows from the model.
-    fn placed(&self, model: &str, error: BakeError) -> BakeError {
+    pub fn placed(&self, model: &str, error: BakeError) -> BakeError {
         let BakeError::Params { what, reason } = error else { return error };
         let set = self.set.iter().any(|assignment| assignment.split('=').next().is_some_and(|key| key.trim() == what));
         let file = match &self.recipe {
@@ -201,14 +206,19 @@ pub type Stage = (&'static str, f64);
 pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
     require_parent(&args.output)?;
+    if let Some(path) = &args.write_recipe {
+        write_recipe::require_place(path, &args.model, &args.output, args.recipe.recipe.as_deref())?;
+    }
     let pool = threads::pool(args.threads)?;
     let limits = args.limits.limits();
     if args.limits.exhaustive && limits.is_empty() {
         return Err(Failure::Usage("--exhaustive needs a limit: --max-error, --max-frame-ms or --max-bytes".into()));
     }
     let done = pool.install(|| bake_file(args, &limits, output))?;
-    io::write_atomic(&args.output, &done.baked.package)?;
-    report(output, &args.output, &done, start.elapsed().as_secs_f64())?;
+    let recipe = args.write_recipe.as_deref().zip(done.recipe.as_ref().map(String::as_bytes));
+    let files: Vec<(&Path, &[u8])> = [(&*args.output, &*done.baked.package)].into_iter().chain(recipe).collect();
+    io::write_all_atomic(&files)?;
+    report(output, args, &done, start.elapsed().as_secs_f64())?;
     Ok(Exit::Done)
 }
 
@@ -220,6 +230,8 @@ struct Done {
     choice: Option<(Choice, Vec<Value>, String)>,
     /// Whether it was said before the work that the package will be large.
     told_size: bool,
+    /// The recipe to write.
+    recipe: Option<String>,
 }
 
 fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Done, Failure> {
@@ -227,8 +239,13 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     let mut watch = StageWatch::new(output);
     watch.begin("import");
     let images = args.recipe.images(&recipe)?;
+    if let Some(path) = &args.write_recipe {
+        write_recipe::require_files(path, &recipe, &images)?;
+    }
     let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
+    let inputs = model.inputs.clone();
     model.inputs.extend(recipe_input);
+    let asked = recipe.clone();
     let file = args.model.display().to_string();
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     #[cfg_attr(not(feature = "preview"), expect(unused_mut, reason = "only what draws can choose"))]
@@ -267,16 +284,21 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     large.iter().for_each(|note| watch.output.note(note));
     let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage))
         .map_err(|error| args.recipe.placed(&file, error))?;
-    if let Some((choice, ..)) = &choice {
+    let written = args.write_recipe.as_ref().map(|path| {
+        let options = write_recipe::options(limits, args.for_size);
+        let chosen = Chosen { model: &name, asked: &asked, recipe: &recipe, options: &options };
+        chosen.put_into(&mut baked, path, inputs, &images)
+    });
+    let written = written.transpose()?;
+    if let Some((choice, ..)) = choice.as_ref().filter(|_| written.is_none()) {
         baked.package = pack::with_choice(&baked.package, choice.clone())?;
-        let bytes = baked.package.len() as u64;
-        if let Some(limit) = limits.max_bytes.filter(|limit| bytes > *limit) {
-            return Err(
-                BakeError::Internal(format!("{bytes} bytes with the evidence, more than --max-bytes {limit}")).into()
-            );
-        }
     }
-    Ok(Done { baked, stages: watch.finish(), choice, told_size: large.is_some() })
+    let bytes = baked.package.len() as u64;
+    if let Some(limit) = limits.max_bytes.filter(|limit| bytes > *limit) {
+        let text = format!("{bytes} bytes with what the package says of its bake, more than --max-bytes {limit}");
+        return Err(BakeError::Internal(text).into());
+    }
+    Ok(Done { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
 }
 
 /// The recipe with layers and tile for pictures of that size, which the model fills. What decides them is found by a bake of the coarsest tile.
@@ -378,8 +400,9 @@ impl<'a> StageWatch<'a> {
     }
 }
 
-fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result<(), Failure> {
-    let Done { baked, stages, choice, told_size } = done;
+fn report(output: &mut Output, args: &BakeArgs, done: &Done, seconds: f64) -> Result<(), Failure> {
+    let Done { baked, stages, choice, told_size, .. } = done;
+    let path = &args.output;
     for warning in &baked.warnings {
         output.note(&format!("warning: {warning}"));
     }
@@ -397,6 +420,7 @@ fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result
         "stages": stages.iter().map(|(name, seconds)| json!({ "name": name, "seconds": seconds })).collect::<Vec<_>>(),
         "warnings": baked.warnings,
         "decisions": baked.decisions,
+        "recipe": args.write_recipe.as_ref().map(|path| path.display().to_string()),
         "patches": m.patches,
         "flipped_triangles": m.flipped_triangles,
         "angle_distortion": m.angle_distortion,
@@ -415,6 +439,9 @@ fn report(output: &mut Output, path: &Path, done: &Done, seconds: f64) -> Result
     anatomy::rows(&anatomy, &mut said);
     for decision in &baked.decisions {
         said("chosen", format!("{}: {}  ({})", decision.what, decision.chosen, decision.line));
+    }
+    if let Some(path) = &args.write_recipe {
+        said("recipe", path.display().to_string());
     }
     if let Some((.., why)) = choice {
         text += &format!("\n{why}");

@@ -16,6 +16,7 @@ mod doctor;
 mod doctor_trial;
 mod exit;
 mod export;
+mod groom;
 mod inspect;
 mod journal;
 #[cfg(feature = "preview")]
@@ -25,6 +26,7 @@ mod mesh_glb;
 mod output;
 mod pack;
 mod package_file;
+mod paint_mesh;
 mod reference;
 #[cfg(feature = "preview")]
 mod render;
@@ -44,6 +46,7 @@ mod validate;
 mod view;
 mod view_args;
 mod work;
+mod write_recipe;
 
 use clap::CommandFactory as _;
 use clap::{Args, Parser, Subcommand};
@@ -88,6 +91,7 @@ enum Command {
     Bench(bench::BenchArgs),
     Reference(reference::ReferenceArgs),
     Export(export::ExportArgs),
+    Groom(groom::GroomArgs),
     Chart(chart::ChartArgs),
     CommandsPage(commands_page::CommandsPageArgs),
     Compare(compare::CompareArgs),
@@ -110,6 +114,7 @@ impl Command {
             Self::Bench(args) => bench::run(&args, output),
             Self::Reference(args) => reference::run(&args, output),
             Self::Export(args) => export::run(&args, output),
+            Self::Groom(args) => groom::run(&args, output),
             Self::Chart(args) => chart::run(&args, output),
             Self::CommandsPage(_) => commands_page::run(Cli::command(), output),
             Self::Compare(args) => compare::run(&args, output),

@@ -1,7 +1,9 @@
 //! The parameters of each stage, with their meaning, range and default in one place.
 
+use super::coats::Coat;
 use super::comb_marks::CombMarkParams;
 use super::hair_group::{HairGroupParams, TuftParams};
+use super::joint_groom::JointGroom;
 use super::maps::{ColorMap, FilePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
 use super::style::Style;
@@ -13,8 +15,10 @@ params! {
     ModelParams in model {
         /// Metres per unit of the model. glTF says metres; set it where an exporter did not keep to that, and for OBJ, which does not say.
         unit_m: f32 = 1.0, in 1e-6..=1e6;
-        /// Names of materials where no hair grows, such as eyes and hooves. `*` stands for any characters, `?` for one.
-        bare: Vec<String> = Vec::new();
+        /// Names of materials where no hair grows, such as eyes and hooves. `*` stands for any characters, `?` for one; `[]` has hair grow everywhere. Left
+        /// out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and clothes are found by the names of materials, nodes and meshes in eight languages,
+        /// and small parts by gloss or by the shape of eyes. What is in doubt grows hair; the bake says what it found.
+        bare: Option<Vec<String>> = None;
     }
 }
 
@@ -55,6 +59,8 @@ params! {
         /// Width of the tile on the skin, metres: the reciprocal of tiles per metre. Left out, it is chosen from the model's size. Small
         /// repeats visibly, large spreads the texels thin.
         tile_size_m: Option<f32> = None, in 1e-6..=1e3;
+        /// The same where surface.tile_size_m is left out, as a share of the radius of the sphere around the model at rest.
+        tile_size_per_radius: f32 = 0.3, in 1e-3..=10.0;
         /// Where hair is combed to: `direction` (surface.comb_direction), `gravity`, `tangents` (down the model's own texture), `marks`
         /// (surface.comb_marks), or `none`, which lets patches lie as they distort least and suits hair that stands up.
         comb: CombSource = CombSource::Direction;
@@ -80,6 +86,9 @@ params! {
     /// `[hair]`: the strands of one tile. Lengths on the tile are fractions of its width, so that the look does not depend on
     /// the model's units.
     HairParams in hair {
+        /// The kind of hair, which gives other keys their defaults: what each sets stands on the page of [coats](coats.md). What a recipe says
+        /// itself counts, wherever it stands; keys that have the value of the coat before follow a change by `--set`.
+        coat: Coat = Coat::Natural;
         /// The forces that shape a strand: `straight`, `curly`, `messy`, `wet` or `lying`. `wet` gathers strands into locks,
         /// darkens their colour and makes the highlight stronger and narrower than `[shading]` says; `lying` is combed flat.
         style: Style = Style::Straight;
@@ -89,6 +98,9 @@ params! {
         density: u32 = 700, in 1..=1_000_000;
         /// Length of the longest strand along its curve, metres. Left out, it is chosen from the model's size.
         length_m: Option<f32> = None, in 1e-6..=1e3;
+        /// The same where hair.length_m is left out, as a share of the radius of the sphere around the model at rest: 0.02 a short-haired animal,
+        /// 0.15 a long-haired one.
+        length_per_radius: f32 = 0.045, in 1e-4..=10.0;
         /// How much shorter than the longest a strand may be: 0 all alike, 1 down to nothing. Longer is rarer, so that the
         /// fur thins towards its surface.
         length_variation: f32 = 0.6, in 0.0..=1.0;
@@ -112,6 +124,17 @@ params! {
         dry_clump: f32 = 0.0, in 0.0..=1.0;
         /// Locks in the tile, at most one a strand. Left out, it is chosen from the hair's length.
         clump_count: Option<u32> = None, in 1..=1_000_000;
+    }
+}
+
+words! {
+    /// What the images of `[groom]` lie over.
+    GroomCoordinates {
+        /// The model's own texture coordinates.
+        #[default]
+        Model = "model",
+        /// An atlas of the model alone.
+        Atlas = "atlas",
     }
 }
 
@@ -146,9 +169,13 @@ params! {
 
 params! {
     /// `[groom]`: what varies over the model. A map is a number for the whole model, `"vertex"` for the vertex colours, or the
-    /// path of an image in the model's texture coordinates, from the recipe's folder; `#g` behind either reads another channel
+    /// path of an image over `groom.coordinates`, from the recipe's folder; `#g` behind either reads another channel
     /// than the red.
     GroomParams in groom {
+        /// What its images lie over: `model`, the model's own texture coordinates, or `atlas`, an atlas that needs none and is the same for the same
+        /// model whatever else the recipe says. `pelage groom` writes maps over either, to paint on. Over the atlas all images are read at the
+        /// vertices, also those of wetness, bareness and colour.
+        coordinates: GroomCoordinates = GroomCoordinates::Model;
         /// Share of `hair.length_m`: 0 no hair, 1 full length.
         length: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
         /// Hairs per area relative to the rest of the coat. Of a map, 0, 0.5 and 1 stand for 0.25, 1 and 4.
@@ -161,13 +188,24 @@ params! {
         comb: Option<VectorMap> = None;
         /// 0 dry, 1 as `hair.style` `wet`; anything between mixes both.
         wetness: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
-        /// 1 where no hair grows: the skin shows its base colour. Images are followed texel by texel.
+        /// 1 where no hair grows: the skin shows its base colour. Images over the model's texture coordinates are followed texel by texel.
         bare: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
+        /// How far from a bare material hair has its full length, metres on the skin; from there it grows shorter, to nothing at the border, so that
+        /// long hair beside an eye does not hang over it. It is known at the model's vertices. Left out, hair is as long beside bare materials as elsewhere.
+        bare_margin_m: Option<f32> = None, in 0.0..=1e3;
         /// Colour of the hair on furred materials in place of the model's base colour; multiplies root and tip colour.
         color: Option<ColorMap> = None;
         /// The same for single materials: `[[groom.material]]` with a `name`, in which `*` stands for any characters and `?` for
         /// one, and any of the keys above. Later ones win.
         material: Vec<MaterialGroom> = Vec::new();
+        /// The same for single joints of the skeleton: `[[groom.joint]]` with a `name`, in which `*` stands for any characters and `?` for one, and
+        /// numbers for any of length, density, lean, wetness and bare. A table holds for the joints that hang on its own as well, where none
+        /// nearer says the key; of several for one joint the last wins. Values fade into each other, and into what materials say, as the skin's
+        /// weights do.
+        joint: Vec<JointGroom> = Vec::new();
+        /// How much the shape of the body and the names of its joints shape the coat where no map says it: 0 not at all, 1 short and flat hair on legs,
+        /// ears and muzzle and near small bare parts, long hair on neck, belly and tail. `hair.length_m` stays the length of the longest.
+        by_body: f32 = 0.0, in SHARE;
     }
 }
 
@@ -228,8 +266,10 @@ impl HairColors {
 impl ColorParams {
     /// Colours of the hair, with `open` for those that are left out.
     pub fn hair(&self, open: HairColors) -> HairColors {
+        // Who says a colour of hair has chosen how light it is.
+        let is_said = self.root.is_some() || self.tip.is_some();
         HairColors {
-            gain: self.gain.unwrap_or(open.gain),
+            gain: self.gain.unwrap_or(if is_said { 1.0 } else { open.gain }),
             root: self.root.unwrap_or(open.root),
             tip: self.tip.unwrap_or(open.tip),
         }

@@ -83,10 +83,14 @@ fn set_takes_bare_strings_and_reports_the_key() {
     }
     assert_eq!(recipe.hair.style, Style::Messy);
     assert_eq!(recipe.color.tip, Some(SrgbColor([1.0, 128.0 / 255.0, 0.0])));
-    assert_eq!(recipe.model.bare, ["Eye*"]);
+    assert_eq!(recipe.model.bare, Some(vec!["Eye*".to_owned()]));
     assert_eq!((recipe.hair.length_m, recipe.hair.lean), (Some(0.02), 1.0));
     recipe.set("model.bare=[\"a\", \"b\"]").unwrap();
-    assert_eq!(recipe.model.bare, ["a", "b"]);
+    assert_eq!(recipe.model.bare, Some(vec!["a".to_owned(), "b".to_owned()]));
+    recipe.set("model.bare=[]").unwrap();
+    assert_eq!(recipe.model.bare, Some(Vec::new()), "everything furred, which is not what leaving it out says");
+    assert_eq!(Recipe::parse("r", &recipe.to_toml()).unwrap(), recipe);
+    assert_eq!(Recipe::parse("r", "").unwrap().model.bare, None);
     let before = recipe.clone();
     for (assignment, part) in [
         ("hair.style", "key=value"),
@@ -182,6 +186,10 @@ fn maps_are_numbers_vertex_colours_or_images() {
         ("groom.material=[{ length = 1 }]", "found no name"),
         ("groom.material=[{ name = \"a\", length = 7 }]", "table 0: length: found 7"),
         ("groom.material=3", "found 3, expected a list of tables"),
+        ("groom.joint=[{ length = 1 }]", "found no name, expected the name of a joint"),
+        ("groom.joint=[{ name = \"head\", length = \"vertex\" }]", "table 0: length: found"),
+        ("groom.joint=[{ name = \"head\", density = 5 }]", "0.25..=4"),
+        ("groom.by_body=2", "0..=1"),
     ] {
         let error = Recipe::default().set(set).unwrap_err().to_string();
         assert!(error.contains(part), "{set}: {error}");
@@ -258,16 +266,27 @@ fn grooms() -> impl Strategy<Value = GroomParams> {
             ..MaterialGroom::default()
         },
     );
-    let whole = (share(), scalar(0.25..=4.0), share(), of(vector()), share(), share(), of(color()));
-    (whole, prop::collection::vec(material, 0..3)).prop_map(|(w, material)| GroomParams {
+    let number = || of(0f32..=1.0);
+    let joint = ("\\PC{1,9}", number(), of(0.25f32..=4.0), number(), number(), number()).prop_map(
+        |(name, length, density, lean, wetness, bare)| JointGroom { name, length, density, lean, wetness, bare },
+    );
+    let bare = (share(), of(0f32..=1e3));
+    let whole = (share(), scalar(0.25..=4.0), share(), of(vector()), share(), bare, of(color()), 0f32..=1.0);
+    let tables = (prop::collection::vec(material, 0..3), prop::collection::vec(joint, 0..3));
+    let coordinates = prop::sample::select(GroomCoordinates::ALL);
+    (coordinates, whole, tables).prop_map(|(coordinates, w, (material, joint))| GroomParams {
+        coordinates,
         length: w.0,
         density: w.1,
         lean: w.2,
         comb: w.3,
         wetness: w.4,
-        bare: w.5,
+        bare: w.5.0,
+        bare_margin_m: w.5.1,
         color: w.6,
         material,
+        joint,
+        by_body: w.7,
     })
 }
 
@@ -335,7 +354,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
     let hair = (
         (prop::sample::select(Style::ALL), 0..=i64::MAX as u64, 1u32..=1_000_000, prop::option::of(1e-6f32..=1e3)),
         (unit(), 1e-5f32..=0.25, 0f32..=0.25, unit(), -360f32..=360.0, unit(), 1e-3f32..=100.0, unit()),
-        (unit(), unit(), prop::option::of(1u32..=1_000_000)),
+        (unit(), unit(), prop::option::of(1u32..=1_000_000), prop::sample::select(Coat::ALL), 1e-4f32..=10.0),
     )
         .prop_map(|(a, b, c)| HairParams {
             style: a.0,
@@ -353,6 +372,8 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             clump: c.0,
             dry_clump: c.1,
             clump_count: c.2,
+            coat: c.3,
+            length_per_radius: c.4,
         });
     let pack = (
         prop::sample::select(ShellFormat::ALL),
@@ -389,7 +410,11 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         },
     );
     let rest = (
-        (1e-6f32..=1e6, prop::collection::vec(any::<String>(), 0..3), prop::option::of(1e-6f32..=1e3)),
+        (
+            1e-6f32..=1e6,
+            prop::option::of(prop::collection::vec(any::<String>(), 0..3)),
+            prop::option::of(1e-6f32..=1e3),
+        ),
         (color(), color(), unit(), any::<bool>(), prop::option::of((color(), unit()))),
         ([0f32..=100.0, 0.0..=100.0, 0.0..=100.0], 0f32..=10_000.0, 0f32..=0.999, 0.001f32..=0.999),
         (4u32..=256, 4u32..=11, 0.25f32..=4.0),

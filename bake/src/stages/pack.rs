@@ -35,6 +35,8 @@ pub struct Skin<'a> {
     pub hair_colors: Option<HairColors>,
     /// Width of the pattern, metres, likewise.
     pub pattern_size_m: Option<f32>,
+    /// Names of the bare materials, likewise.
+    pub bare: Option<Vec<String>>,
 }
 
 /// Fins as they stand on the skin, without their textures.
@@ -59,6 +61,8 @@ pub struct SkinPieces<'a> {
     pub surface: &'a Surface,
     /// One per material.
     pub furred: &'a [bool],
+    /// What `model.bare` says, or would have to say for the same.
+    pub bare: &'a [String],
     /// What varies over the vertices of the surface's mesh.
     pub coat: &'a Coat,
     /// Colours of its materials and vertices.
@@ -130,6 +134,7 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
         lengths: Some(pieces.lengths),
         hair_colors: Some(pieces.hair_colors),
         pattern_size_m: pieces.pattern_size_m,
+        bare: Some(pieces.bare.to_vec()),
     }
 }
 
@@ -252,6 +257,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
 /// The recipe with everything that was left open filled in.
 fn resolved(pieces: &Pieces<'_>) -> Recipe {
     let mut recipe = pieces.recipe.clone();
+    recipe.model.bare = recipe.model.bare.or_else(|| pieces.skin.bare.clone());
     if let Some(lengths) = pieces.skin.lengths {
         recipe.hair.length_m = Some(lengths.length_m);
         recipe.surface.tile_size_m = Some(lengths.tile_size_m);
@@ -281,6 +287,25 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
         assemble(FORMAT_VERSION, manifest, carried(&opened, |_| true)?)
     };
     write().map_err(|fault| BakeError::Internal(format!("the package with its evidence does not read back: {fault}")))
+}
+
+/// The package as a bake by another recipe gives it: one that says what the bake before was told or chose, no more and no less. It has no evidence of
+/// how settings were chosen, because nothing is left to choose.
+///
+/// * `file`: the recipe's name, for messages
+/// * `text`: the recipe
+/// * `inputs`: the files that such a bake reads, in the order of reading
+///
+/// # Errors
+///
+/// As [`Recipe::parse`] for the text; [`BakeError::Internal`] for a package that does not open: it was written just before.
+pub fn with_recipe(package: &[u8], file: &str, text: &str, inputs: Vec<InputRecord>) -> Result<Vec<u8>, BakeError> {
+    let fault = |fault| BakeError::Internal(format!("the package with its recipe does not read back: {fault}"));
+    let opened = Package::open(package, &Limits::default()).map_err(fault)?;
+    let recipe = Recipe::parse(file, text)?.to_toml();
+    let manifest = Manifest { recipe, inputs, choice: None, ..opened.manifest().clone() };
+    let sections = carried(&opened, |_| true).map_err(fault)?;
+    assemble(FORMAT_VERSION, manifest, sections).map_err(fault)
 }
 
 fn materials(pieces: &SkinPieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {

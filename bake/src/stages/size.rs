@@ -188,7 +188,7 @@ mod tests {
     fn a_size_that_no_coat_suits_is_refused() {
         let check_of = |radius: f32, recipe: &Recipe| {
             let (bounds, ..) = ball(radius, false);
-            let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+            let lengths = Lengths::resolve(recipe, &bounds);
             check("big.obj", recipe, &bounds, &lengths).map_err(|e| e.to_string())
         };
         let mut recipe = Recipe::default();

@@ -235,6 +235,42 @@ fn materials_keep_what_fur_needs() {
     assert_eq!(model.materials[3].base_color, [0.5, 0.5, 0.5, 1.0]);
 }
 
+#[test]
+fn gloss_is_known_where_a_number_says_it() {
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    for pbr in [
+        json!({"roughnessFactor": 0.25, "metallicFactor": 0.5}),
+        // What is left out is 1, says the specification.
+        json!({}),
+        // Of an image the factors are but the upper ends; which image it is does not matter.
+        json!({"roughnessFactor": 0.25, "metallicRoughnessTexture": {"index": 99}}),
+    ] {
+        let material = doc.push("materials", json!({"pbrMetallicRoughness": pbr}));
+        doc.show(json!({"attributes": {"POSITION": position}, "material": material}));
+    }
+    let silent = doc.push("materials", json!({"name": "silent"}));
+    doc.show(json!({"attributes": {"POSITION": position}, "material": silent}));
+    let found: Vec<_> = doc.model().materials.iter().map(|m| (m.roughness, m.metallic)).collect();
+    assert_eq!(found, [(Some(0.25), Some(0.5)), (Some(1.0), Some(1.0)), (None, None), (None, None)]);
+}
+
+#[test]
+fn parts_know_the_names_of_their_node_and_mesh() {
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    let primitive = || json!([{"attributes": {"POSITION": position}}]);
+    let named = doc.push("meshes", json!({"name": "Cone.003", "primitives": primitive()}));
+    let nameless = doc.push("meshes", json!({"primitives": primitive()}));
+    for node in [json!({"name": "Horn.L", "mesh": named}), json!({"mesh": named}), json!({"mesh": nameless})] {
+        let node = doc.push("nodes", node);
+        doc.json["scenes"] = doc.json.get("scenes").cloned().unwrap_or_else(|| json!([{"nodes": []}]));
+        doc.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(node));
+    }
+    let names: Vec<_> = doc.model().mesh.parts.into_iter().map(|part| part.names).collect();
+    assert_eq!(names, [vec!["Horn.L", "Cone.003"], vec!["Cone.003"], vec![]]);
+}
+
 /// The eight faces of the octahedron with corners at distance 1, no index.
 const OCTAHEDRON: [[[f32; 3]; 3]; 8] = {
     let (x, y, z) = ([1., 0., 0.], [0., 1., 0.], [0., 0., 1.]);

@@ -3,7 +3,7 @@
 
 use crate::support::*;
 use pelage_bake::BakeError;
-use pelage_bake::io::{Reach, read_file, read_model, write_atomic};
+use pelage_bake::io::{Reach, read_file, read_model, write_all_atomic, write_atomic};
 use pelage_bake::stages::import::ImportOptions;
 use serde_json::json;
 use std::path::Path;
@@ -92,6 +92,23 @@ fn writing_replaces_whole_files_and_leaves_nothing_behind() {
 }
 
 #[cfg(unix)]
+#[test]
+fn of_several_files_none_appears_before_all_are_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, two, sub] = ["one", "two", "sub"].map(|name| folder.path().join(name));
+    std::fs::create_dir(&sub).unwrap();
+    write_atomic(&one, b"before").unwrap();
+    let error = write_all_atomic(&[(&one, b"1"), (&two, b"2"), (&sub, b"3")]).unwrap_err().to_string();
+    assert!(error.contains("sub: cannot write"), "{error}");
+    assert_eq!(
+        (names(folder.path()), std::fs::read(&one).unwrap()),
+        (vec!["one".into(), "sub".into()], b"before".into())
+    );
+    write_all_atomic(&[(&one, b"1"), (&two, b"2")]).unwrap();
+    assert_eq!([one, two].map(|path| std::fs::read(path).unwrap()), [b"1", b"2"]);
+    assert_eq!(names(folder.path()), ["one", "sub", "two"]);
+}
+
 #[test]
 fn written_files_have_ordinary_permissions_and_links_stay_links() {
     use std::os::unix::fs::PermissionsExt as _;

@@ -43,6 +43,7 @@ fn a_square_with_everything() {
     assert_eq!(m.mesh.uvs[2], Vec2::new(1.0, 0.25));
     assert!(m.mesh.parts[0].has_uvs && m.animation.is_none());
     assert_eq!(m.mesh.parts[0].source, r#"object "box", group "side", material "skin""#);
+    assert_eq!(m.mesh.parts[0].names, ["box", "side"]);
     assert_eq!((m.materials[0].name.as_str(), m.materials[0].base_color), ("skin", [1.0; 4]));
     assert_eq!((m.inputs[0].role.as_str(), m.inputs[0].name.as_str()), ("model", "model"));
     assert!(m.warnings.is_empty(), "{:?}", m.warnings);

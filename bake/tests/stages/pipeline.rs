@@ -116,6 +116,47 @@ fn bare_materials_carry_no_hair() {
 }
 
 #[test]
+fn what_is_found_to_be_bare_is_recorded_and_baked_again() {
+    let mut recipe = fur("hare");
+    recipe.model.bare = None;
+    let found = bake("hare", &recipe).unwrap();
+    let line = found.decisions.iter().find(|d| d.line.starts_with("model.bare")).unwrap().line.clone();
+    assert_eq!(line, "model.bare = [\"Eye\", \"Nose\"]");
+    let manifest = Package::open(&found.package, &Limits::default()).unwrap().manifest().clone();
+    let bare: Vec<&str> = manifest.materials.iter().filter(|m| !m.furred).map(|m| m.name.as_str()).collect();
+    assert_eq!(bare, ["Eye", "Nose"]);
+    let recorded = Recipe::parse("recorded", &manifest.recipe).unwrap();
+    assert_eq!(recorded.model.bare, Some(vec!["Eye".to_owned(), "Nose".to_owned()]));
+    // The line in words of the recipe gives the same bytes, and is a choice no more.
+    recipe.set(&line).unwrap();
+    let said = bake("hare", &recipe).unwrap();
+    assert!(said.package == found.package, "the line says something else than was chosen");
+    assert!(said.decisions.iter().all(|d| !d.line.starts_with("model.bare")), "{:?}", said.decisions);
+    recipe.set("model.bare=[]").unwrap();
+    let furred = bake("hare", &recipe).unwrap().package;
+    let furred = Package::open(&furred, &Limits::default()).unwrap().manifest().clone();
+    assert!(furred.materials.iter().all(|m| m.furred), "an empty list is no silence");
+}
+
+#[test]
+fn hair_grows_short_towards_bare_parts() {
+    let heights = |margin: Option<f32>| {
+        let mut recipe = fur("hare");
+        recipe.groom.bare_margin_m = margin;
+        let bytes = bake("hare", &recipe).unwrap().package;
+        let package = Package::open(&bytes, &Limits::default()).unwrap();
+        let mesh = package.mesh().unwrap().unwrap();
+        mesh.geometry().map(|v| v.fur_height).collect::<Vec<_>>()
+    };
+    let (without, with) = (heights(None), heights(Some(0.02)));
+    assert_eq!(without, heights(Some(0.0)));
+    assert_eq!(without.len(), with.len());
+    assert!(without.iter().zip(&with).all(|(a, b)| b <= a));
+    let shorter = without.iter().zip(&with).filter(|(a, b)| b < a).count();
+    assert!(shorter > 10 && shorter < without.len() / 4, "{shorter} of {} vertices", without.len());
+}
+
+#[test]
 fn hair_can_keep_its_own_colour() {
     let mut recipe = fur("hare");
     let colors = |recipe: &Recipe| {
@@ -138,7 +179,7 @@ fn hair_can_keep_its_own_colour() {
 #[test]
 fn a_pattern_that_matches_nothing_is_a_warning_with_the_names_there_are() {
     let mut recipe = fur("hare");
-    recipe.model.bare = vec!["Hoof*".into()];
+    recipe.model.bare = Some(vec!["Hoof*".into()]);
     let warnings = bake("hare", &recipe).unwrap().warnings;
     let warning = warnings.iter().find(|w| w.contains("Hoof*")).unwrap_or_else(|| panic!("{warnings:?}"));
     assert!(warning.contains("Eye") && warning.contains("Coat"), "{warning}");

@@ -18,6 +18,7 @@ fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
         triangles: (0..n as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
         parts: vec![MeshPart {
             source: "mesh 0 \"body\", primitive 0".into(),
+            names: Vec::new(),
             material: 0,
             first_triangle: 0,
             triangle_count: n / 3,

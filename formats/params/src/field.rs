@@ -128,6 +128,15 @@ impl<T: Field> Field for Option<T> {
     fn raw_of_word(word: &str) -> Raw {
         T::raw_of_word(word)
     }
+
+    fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
+        // Which may know more of what is wrong than that it is: a list says which of its entries.
+        T::read(raw, range).map(Some)
+    }
+
+    fn check(&self, range: &Self::Range) -> Result<(), String> {
+        self.as_ref().map_or(Ok(()), |value| value.check(range))
+    }
 }
 
 /// Integers whose range is plain.

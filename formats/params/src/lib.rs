@@ -67,7 +67,7 @@ pub use list::Item;
 pub use nearest::{closest, nearest, unknown_key};
 pub use page::{reference_page, wrap};
 pub use raw::Raw;
-pub use text::{read, read_table, set, set_word, to_documented_toml, to_toml};
+pub use text::{read, read_table, set, set_word, to_documented_toml, to_noted_toml, to_toml};
 
 #[cfg(test)]
 mod tests;

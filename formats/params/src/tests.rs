@@ -43,6 +43,8 @@ params! {
         color: SrgbColor = SrgbColor::hex(0xff_00_00);
         /// Who sees it.
         seen_by: Vec<String> = Vec::new();
+        /// Who does not see it.
+        hidden_from: Option<Vec<String>> = None;
         /// Its number.
         seed: u64 = 1, in 0..=i64::MAX as u64;
     }
@@ -78,7 +80,7 @@ fn every_key_of_every_table_is_checked() {
             "light.color" => look.light.color.0[1] = 1.5,
             "light.seed" => look.light.seed = u64::MAX,
             // Every value of these types is in their range.
-            "picture.drawn" | "picture.enabled" | "light.seen_by" => continue,
+            "picture.drawn" | "picture.enabled" | "light.seen_by" | "light.hidden_from" => continue,
             other => panic!("{other} has no wrong value here"),
         }
         assert_eq!(validate(&look).unwrap_err().name, knob.name);
@@ -96,6 +98,24 @@ fn the_later_of_two_that_exclude_each_other_counts() {
     let mut again = sun;
     read(&mut again, &text).unwrap();
     assert_eq!(again, lamp, "{text}");
+}
+
+#[test]
+fn a_list_left_out_is_not_an_empty_one() {
+    let open = after(&[]);
+    assert_eq!(open.light.hidden_from, None);
+    assert!(!to_toml(&open).contains("hidden_from") && to_documented_toml(&open).contains("# hidden_from =\n"));
+    let nobody = after(&["light.hidden_from=[]"]);
+    assert_eq!(nobody.light.hidden_from, Some(Vec::new()));
+    let some = after(&["light.hidden_from=Cat"]);
+    assert_eq!(some.light.hidden_from, Some(vec!["Cat".to_owned()]));
+    for look in [open, nobody, some] {
+        let mut again = Look::default();
+        read(&mut again, &to_toml(&look)).unwrap();
+        assert_eq!(again, look);
+    }
+    let error = set(&mut Look::default(), "light.hidden_from=[1]").unwrap_err().to_string();
+    assert_eq!(error, "light.hidden_from: found [1], expected a list of strings");
 }
 
 #[test]
@@ -205,6 +225,18 @@ fn the_page_says_all_and_no_line_is_too_long() {
         assert!(page.contains(&format!("- **`{}`**: ", knob.key())), "{}", knob.name);
     }
     assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");
+}
+
+#[test]
+fn notes_stand_right_above_the_line_of_their_key() {
+    let look = Look::default();
+    let note = |knob: &Knob| {
+        if knob.key() == "enabled" { vec!["one\ntwo".to_owned(), "three".to_owned()] } else { Vec::new() }
+    };
+    let text = to_noted_toml(&look, note);
+    let line = format!("# one\n# two\n# three\nenabled = {}\n", look.picture.enabled);
+    assert!(text.contains(&line), "{text}");
+    assert_eq!(text.replace("# one\n# two\n# three\n", ""), to_documented_toml(&look));
 }
 
 proptest! {

@@ -124,12 +124,20 @@ pub fn to_toml<S: Tables>(set: &S) -> String {
 
 /// As [`to_toml`], with each key's meaning, type and range as comments, and keys without a value commented out.
 pub fn to_documented_toml<S: Tables>(set: &S) -> String {
+    to_noted_toml(set, |_| Vec::new())
+}
+
+/// As [`to_documented_toml`], with what `note` has to say of a key as further comments right above it, each in lines of its own.
+pub fn to_noted_toml<S: Tables>(set: &S, note: impl Fn(&Knob) -> Vec<String>) -> String {
     write(set, |knob, value| {
         let mut lines = String::new();
         for line in knob.doc.lines().map(str::trim) {
             lines += &format!("# {line}\n");
         }
         lines += &format!("# Expects {}.\n", (knob.expected)());
+        for line in note(knob).iter().flat_map(|note| note.lines()) {
+            lines += &format!("# {line}\n");
+        }
         if value.is_none() {
             lines += &format!("# {} =\n", knob.key());
         }

@@ -161,7 +161,9 @@ fn documents_keep_their_size() {
 fn what_documents_tell_to_type_is_understood() {
     let sandbox = Sandbox::new();
     let mut options = String::new();
-    for command in ["bake", "render", "reference", "export", "bench", "doctor", "compare", "chart", "demo", "inspect"] {
+    for command in
+        ["bake", "render", "reference", "export", "bench", "doctor", "compare", "chart", "demo", "inspect", "groom"]
+    {
         options += &sandbox.run(&[command, "--help"]).stdout;
     }
     // Options of cargo.

@@ -4,7 +4,7 @@
 use pelage_bake::BakeError;
 use pelage_bake::io::{Reach, read_model};
 use pelage_bake::mesh::{Model, RestPose};
-use pelage_bake::recipe;
+use pelage_bake::recipe::{self, Recipe};
 use pelage_bake::stages::groom::{Lengths, bounds};
 use pelage_bake::stages::import::ImportOptions;
 use pelage_bake::stages::surface::{Surface, SurfaceParams, parameterize};
@@ -20,7 +20,7 @@ fn is_model(path: &Path) -> bool {
 /// As `pelage bake` does it without a recipe.
 fn surface(model: &Model) -> Result<Surface, BakeError> {
     let box_of = bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
-    let tile_size_m = Lengths::resolve(None, None, &box_of).tile_size_m;
+    let tile_size_m = Lengths::resolve(&Recipe::default(), &box_of).tile_size_m;
     let furred = vec![true; model.materials.len()];
     let params = SurfaceParams::from_recipe(&recipe::SurfaceParams::default(), tile_size_m, furred);
     parameterize("model", model, &params)

@@ -32,7 +32,7 @@ fn usage_errors_exit_with_1() {
     let sandbox = Sandbox::new();
     for (args, words) in [
         (&[][..], &["Usage"][..]),
-        (&["groom"], &["unrecognized subcommand", "groom"]),
+        (&["brush"], &["unrecognized subcommand", "brush"]),
         (&["inspect"], &["required", "<PKG>"]),
         (&["inspect", "a", "b"], &["unexpected argument"]),
         (&["inspect", "--fast", "a"], &["--fast"]),

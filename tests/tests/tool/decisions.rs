@@ -26,6 +26,7 @@ fn what_a_recipe_leaves_open_is_said_with_the_line_that_says_the_same() {
     let open = decisions("torus.glb", &[]);
     let length = lines(&open).into_iter().find(|line| line.starts_with("hair.length_m = ")).unwrap().to_owned();
     assert!(lines(&open).iter().any(|line| line.starts_with("surface.tile_size_m = ")), "{open:?}");
+    assert!(lines(&open).contains(&"model.bare = []"), "{open:?}");
     // Said in the recipe, it is no longer open.
     let said = decisions("torus.glb", &["--set", &length.replace(' ', "")]);
     assert!(lines(&said).iter().all(|line| !line.starts_with("hair.length_m")), "{said:?}");
@@ -39,8 +40,20 @@ fn the_models_own_colours_stay() {
     };
     let (why, line) = root(&decisions("hare.glb", &[]));
     assert!(why.starts_with("neutral") && line == "color.root = \"#d8d8d8\"", "{why}, {line}");
-    let (why, line) = root(&decisions("torus.glb", &[]));
+    let (why, line) = root(&decisions("hare.glb", &["--set", "color.base_color=false"]));
     assert!(why.starts_with("brown") && line == "color.root = \"#4a3624\"", "{why}, {line}");
     let said = decisions("hare.glb", &["--set", "color.root=#102030"]);
     assert!(lines(&said).iter().all(|line| !line.starts_with("color.root")), "{said:?}");
+    // Who says a colour has chosen how light it is.
+    assert!(lines(&said).iter().all(|line| !line.starts_with("color.gain")), "{said:?}");
+}
+
+#[test]
+fn bare_parts_are_found_and_a_list_in_the_recipe_goes_first() {
+    let found = decisions("ox.glb", &[]);
+    let bare = found.iter().find(|d| d["line"].as_str().unwrap().starts_with("model.bare")).unwrap();
+    assert_eq!(bare["line"], "model.bare = [\"horn\", \"hoof\", \"eye\"]");
+    assert!(bare["chosen"].as_str().unwrap().starts_with("2 of 5 materials furred, 3 bare: horn (by name)"), "{bare}");
+    let said = decisions("ox.glb", &["--set", "model.bare=[]"]);
+    assert!(lines(&said).iter().all(|line| !line.starts_with("model.bare")), "{said:?}");
 }

@@ -5,12 +5,14 @@
 mod common;
 
 mod bad_input;
+mod body;
 mod chart;
 mod compare;
 mod decisions;
 mod doctor;
 mod framing;
 mod groom;
+mod groom_maps;
 mod likeness;
 mod limits;
 mod models;
@@ -21,3 +23,4 @@ mod sequences;
 mod strands;
 mod strangers;
 mod unpacked_hair;
+mod written_recipes;

@@ -30,7 +30,7 @@ impl<'a> LightingTopic<'a> {
     pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
         let configurations = lighting::configurations(&subject.recipe)?;
         let bounds = groom::bounds(&RestPose::of(&subject.model.mesh, subject.model.animation.as_ref()));
-        let lengths = Lengths::resolve(subject.recipe.hair.length_m, subject.recipe.surface.tile_size_m, &bounds);
+        let lengths = Lengths::resolve(&subject.recipe, &bounds);
         Ok(Self { subject, configurations, lengths, gpu: Gpu::open()? })
     }
 }

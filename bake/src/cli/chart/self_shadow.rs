@@ -40,7 +40,7 @@ impl<'a> SelfShadowTopic<'a> {
     pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
         let bounds = groom::bounds(&RestPose::of(&subject.model.mesh, subject.model.animation.as_ref()));
         let recipe = &subject.recipe;
-        let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+        let lengths = Lengths::resolve(recipe, &bounds);
         let configurations = configurations(recipe);
         Ok(Self { subject, configurations, bounds, lengths, gpu: Gpu::open()?, shared: None })
     }

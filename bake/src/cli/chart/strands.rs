@@ -18,9 +18,10 @@ use pelage_bake::judge::compare::{CompareParams, compare_pictures};
 use pelage_bake::judge::compare_motion::{Moment, flicker};
 use pelage_bake::judge::truth::Sight;
 use pelage_bake::mask::Mask;
+use pelage_bake::mesh::RestPose;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
-use pelage_bake::stages::groom::furred_materials;
+use pelage_bake::stages::groom::growth;
 use pelage_bake::stages::hair_groups::HAIR_POINTS;
 use pelage_stage::{Gpu, LookStrandEdges, Meter, NamedPackage, Samples, Stage, Viewpoint, count_fragments, framing};
 use std::time::Instant;
@@ -132,7 +133,8 @@ impl Topic for StrandsTopic<'_> {
 /// How the subject's hair is drawn: its coat's, or where no coat grows that on guides.
 fn ways(subject: &Subject) -> Vec<Way> {
     let recipe = &subject.recipe;
-    let furred = furred_materials(&subject.model.materials, &recipe.model.bare, &mut Vec::new());
+    let rest = RestPose::of(&subject.model.mesh, subject.model.animation.as_ref());
+    let furred = growth(&subject.model, &rest, recipe.model.bare.as_deref(), &mut Vec::new()).furred;
     match recipe.strands.group.first().filter(|_| !furred.contains(&true)) {
         Some(group) => Way::all(group.points.unwrap_or(HAIR_POINTS) - 1, false),
         None => Way::all(recipe.strands.points - 1, true),

@@ -50,7 +50,7 @@ impl Topic for TexturesTopic<'_> {
             doing("slicing");
             let (model, recipe) = (&self.subject.model, &self.subject.recipe);
             let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
-            let lengths = Lengths::resolve(recipe.hair.length_m, recipe.surface.tile_size_m, &bounds);
+            let lengths = Lengths::resolve(recipe, &bounds);
             let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
             Ok(Truth::new(recipe, simulate_recipe(recipe, &volume)?)?)
         })?;

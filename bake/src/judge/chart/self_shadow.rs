@@ -509,6 +509,7 @@ fn sheet_model(width_m: f32, tiles: f32) -> Model {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         parts: vec![MeshPart {
             source: "sheet".into(),
+            names: Vec::new(),
             material: 0,
             first_triangle: 0,
             triangle_count: 2,

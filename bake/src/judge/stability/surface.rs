@@ -33,6 +33,7 @@ pub fn model(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Model {
         skin: Vec::new(),
         parts: vec![MeshPart {
             source: "mesh 0".into(),
+            names: Vec::new(),
             material: 0,
             first_triangle: 0,
             triangle_count: triangles.len(),

@@ -3,13 +3,13 @@
 //! Charts are packed on shelves, the highest first. Around each lies a gutter, in which the triangle at its border is continued, so that
 //! bilinear filtering and the coarser mips find there what the chart would go on with.
 
-use super::charts::{Spacing, barycentric, bounds, charts};
+use super::canvas::{Canvas, Piece, Spot};
+use super::charts::{Spacing, bounds, charts};
 use crate::BakeError;
 use crate::mesh::Image;
 use crate::stages::surface::Surface;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
-use rayon::prelude::*;
 
 /// Texels between a chart and the border of its place in the texture: enough that bilinear filtering of mip level 2 finds nothing of
 /// another chart. Less where so many charts leave no room.
@@ -24,17 +24,15 @@ pub struct Atlas {
     pub(super) gutter: u32,
     /// One per vertex of the surface; where there is none, the vertex has no furred triangle.
     pub(super) uvs: Vec<Option<Vec2>>,
-    /// For each texel the triangle that paints it, `u32::MAX` for none.
-    owner: Vec<u32>,
+    /// Its texels.
+    canvas: Canvas,
 }
 
-/// A point of the skin, as a texel sees it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
-    /// Triangle of the surface's mesh.
-    pub(super) triangle: usize,
-    /// Barycentric coordinates; in gutters one of them is below 0.
-    pub(super) weights: Vec3,
+/// Why charts could not be packed: there are so many that not even the smallest gutters leave room for them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct TooMany {
+    /// Number of charts.
+    pub(super) charts: usize,
 }
 
 /// Where a chart lies in the texture.
@@ -55,6 +53,14 @@ impl Atlas {
     /// # Errors
     /// [`BakeError::Params`] naming `color.pattern_texels` where the charts do not fit.
     pub fn new(surface: &mut Surface, side: u32) -> Result<Self, BakeError> {
+        Self::pack(surface, side).map_err(|TooMany { charts }| BakeError::Params {
+            what: "color.pattern_texels",
+            reason: format!("{side} texels each way are too few for {charts} charts; expected more"),
+        })
+    }
+
+    /// As [`Self::new`], for whoever can do with another size. Where it fails, vertices are parted all the same.
+    pub(super) fn pack(surface: &mut Surface, side: u32) -> Result<Self, TooMany> {
         let spacing = spacing(surface, side);
         let places = &surface.rest.positions;
         let chart_of = charts(&surface.mesh, &surface.patch_of_triangle, places, &surface.tile_uvs, &spacing);
@@ -68,12 +74,7 @@ impl Atlas {
         }
         // A triangle without sound coordinates keeps one texel.
         boxes.iter_mut().filter(|(min, max)| !(*max - *min).is_finite()).for_each(|b| *b = (Vec2::ZERO, Vec2::ZERO));
-        let Some((scale, gutter, places)) = pack(&boxes, side) else {
-            return Err(BakeError::Params {
-                what: "color.pattern_texels",
-                reason: format!("{side} texels each way are too few for {count} charts; expected more"),
-            });
-        };
+        let Some((scale, gutter, places)) = pack(&boxes, side) else { return Err(TooMany { charts: count }) };
         let uv = |(v, chart): (usize, &u32)| {
             let place = places.get(*chart as usize)?;
             let p = (surface.tile_uvs[v] - place.min) * scale;
@@ -82,18 +83,22 @@ impl Atlas {
             let corner = Vec2::new(place.at.0 as f32, place.at.1 as f32) + gutter as f32 + 0.5;
             Some((corner + p) / side as f32)
         };
-        let uvs = chart_of_vertex.iter().enumerate().map(uv).collect();
-        let mut atlas = Self { side, gutter, uvs, owner: vec![u32::MAX; (side * side) as usize] };
-        for t in (0..chart_of.len()).filter(|t| chart_of[*t] != u32::MAX) {
-            atlas.draw(surface, t);
-        }
-        atlas.dilate();
-        Ok(atlas)
+        let uvs: Vec<Option<Vec2>> = chart_of_vertex.iter().enumerate().map(uv).collect();
+        let corners = |t: usize| surface.mesh.triangles[t].map(|v| uvs[v as usize].unwrap_or_default() * side as f32);
+        let charted = (0..chart_of.len()).filter(|t| chart_of[*t] != u32::MAX);
+        let pieces = charted.map(|t| Piece { triangle: t as u32, corners: corners(t) }).collect();
+        let canvas = Canvas::new(side, pieces, gutter);
+        Ok(Self { side, gutter, uvs, canvas })
+    }
+
+    /// Whether every chart has the widest gutter.
+    pub(super) fn is_roomy(&self) -> bool {
+        self.gutter == GUTTERS[0]
     }
 
     /// What to tell of gutters that had to shrink.
     pub fn warning(&self) -> Option<String> {
-        (self.gutter < GUTTERS[0]).then(|| {
+        (!self.is_roomy()).then(|| {
             format!(
                 "color.pattern_texels: {} texels leave gutters of {} between the pieces of skin instead of {}; colours may run into each \
                  other at a distance",
@@ -102,66 +107,12 @@ impl Atlas {
         })
     }
 
-    /// Corners of a triangle, texels.
-    fn corners(&self, surface: &Surface, triangle: usize) -> [Vec2; 3] {
-        surface.mesh.triangles[triangle].map(|v| self.uvs[v as usize].unwrap_or_default() * self.side as f32)
-    }
-
-    /// Marks the texels whose centre a triangle covers; the first triangle wins.
-    fn draw(&mut self, surface: &Surface, triangle: usize) {
-        let corners = self.corners(surface, triangle);
-        let (min, max) = bounds(&corners);
-        let last = i64::from(self.side) - 1;
-        let range = |a: f32, b: f32| (a.floor() as i64).clamp(0, last)..=(b.ceil() as i64).clamp(0, last);
-        for (y, x) in range(min.y, max.y).flat_map(|y| range(min.x, max.x).map(move |x| (y, x))) {
-            let inside = barycentric(&corners, Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
-                .is_some_and(|w| w.min_element() >= -1e-4);
-            let owner = &mut self.owner[(y * (last + 1) + x) as usize];
-            if inside && *owner == u32::MAX {
-                *owner = triangle as u32;
-            }
-        }
-    }
-
-    /// Hands triangles on to free neighbours, as far as the gutter reaches.
-    fn dilate(&mut self) {
-        let n = self.side as usize;
-        for _ in 0..self.gutter {
-            let before = self.owner.clone();
-            self.owner.par_chunks_mut(n).enumerate().for_each(|(y, row)| {
-                for (x, owner) in row.iter_mut().enumerate().filter(|(_, o)| **o == u32::MAX) {
-                    // Straight neighbours first: they are nearer.
-                    let steps = [(0, -1), (-1, 0), (1, 0), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
-                    let at = |(dx, dy): (isize, isize)| {
-                        let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
-                        (x < n && y < n).then(|| before[y * n + x]).filter(|t| *t != u32::MAX)
-                    };
-                    if let Some(found) = steps.into_iter().find_map(at) {
-                        *owner = found;
-                    }
-                }
-            });
-        }
-    }
-
     /// Paints the texture. `color` gives linear RGBA at a spot, `extent` is the texel's there: the difference of the barycentric
     /// coordinates over a texel to the right and one down.
     ///
     /// Texels without a triangle get the mean of all others, so that the coarsest mips keep the colour.
-    pub(super) fn paint(&self, surface: &Surface, color: impl Fn(Spot, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
-        let n = self.side as usize;
-        let texel = |(i, owner): (usize, &u32)| {
-            let triangle = Some(*owner as usize).filter(|_| *owner != u32::MAX)?;
-            let corners = self.corners(surface, triangle);
-            let center = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5);
-            let weights = barycentric(&corners, center)?;
-            let step = |d: Vec2| barycentric(&corners, center + d).map_or(Vec3::ZERO, |w| w - weights);
-            Some(color(Spot { triangle, weights }, [step(Vec2::X), step(Vec2::Y)]))
-        };
-        let painted: Vec<Option<Vec4>> = self.owner.par_iter().enumerate().map(texel).collect();
-        let (sum, count) = painted.iter().flatten().fold((Vec4::ZERO, 0.0), |(sum, n), c| (sum + *c, n + 1.0f32));
-        let mean = sum / count.max(1.0);
-        painted.into_iter().map(|c| c.unwrap_or(mean)).collect()
+    pub(super) fn paint(&self, color: impl Fn(Spot, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
+        self.canvas.paint(color)
     }
 }
 
@@ -191,7 +142,7 @@ pub(super) fn srgb_image(side: u32, texels: &[Vec4]) -> Image {
 }
 
 /// Linear values as an image.
-pub(super) fn linear_image(side: u32, texels: &[Vec4]) -> Image {
+pub(crate) fn linear_image(side: u32, texels: &[Vec4]) -> Image {
     let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     Image { width: side, height: side, rgba: texels.iter().flat_map(|t| t.to_array().map(byte)).collect() }
 }

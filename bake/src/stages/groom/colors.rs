@@ -54,6 +54,7 @@ pub fn colors(
     let mut colors = Colors { vertices: vec![[255; 4]; mesh.positions.len()], ..Colors::default() };
     let mut known: Vec<&Image> = Vec::new();
     let mut keeps_vertex_colors = Vec::new();
+    let mut painted = Vec::new();
     for (i, material) in model.materials.iter().enumerate() {
         let own = base_color || !furred.get(i).copied().unwrap_or(false);
         let [.., alpha] = material.base_color;
@@ -63,6 +64,10 @@ pub fn colors(
                 ([r, g, b, alpha], None, false)
             }
             Some(ColorMap::Vertex) => ([1.0, 1.0, 1.0, alpha], None, true),
+            Some(ColorMap::Image(path)) if maps.has_atlas() => {
+                painted.push((i, maps.image(path)?));
+                ([1.0, 1.0, 1.0, alpha], None, false)
+            }
             Some(ColorMap::Image(path)) => ([1.0, 1.0, 1.0, alpha], Some(maps.image(path)?), false),
             None if own => {
                 let image = material.base_color_image.and_then(|image| model.images.get(image));
@@ -84,6 +89,15 @@ pub fn colors(
     for part in mesh.parts.iter().filter(|p| keeps_vertex_colors.get(p.material).copied().unwrap_or(false)) {
         for v in mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count].iter().flatten() {
             colors.vertices[*v as usize] = mesh.colors[*v as usize];
+        }
+    }
+    for part in &mesh.parts {
+        let Some((_, image)) = painted.iter().find(|(material, _)| *material == part.material) else { continue };
+        for v in mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count].iter().flatten() {
+            if let Some(color) = maps.atlas_color(image, mesh, part, *v as usize) {
+                let [r, g, b] = color.to_array().map(|share| (255.0 * share).round() as u8);
+                colors.vertices[*v as usize] = [r, g, b, 255];
+            }
         }
     }
     Ok(colors)
@@ -126,12 +140,13 @@ mod tests {
                 first_triangle: 0,
                 triangle_count: 1,
                 has_uvs: false,
+                ..MeshPart::default()
             }],
             ..Mesh::default()
         };
         let mut model = Model { mesh, materials: vec![Material::default(); 2], ..Model::default() };
         change(&mut model);
-        let recipe = Recipe::parse("r", recipe).unwrap();
+        let recipe = Recipe::parse("r", recipe).expect("the recipes of these tests read");
         let (furred, images) = ([true, false], MapImages::default());
         let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, &images, &mut Vec::new());
         is_colored(&model, &maps, &furred, &recipe.color)

@@ -1,14 +1,19 @@
 //! What varies over the model, evaluated: `[groom]` of the recipe, its tables for single materials and the images that it names,
 //! at every vertex and, where it matters, at every texel.
 
-use super::glob;
+use super::body::BodyGroom;
+use super::flow::image_axes;
+use super::joints::JointValues;
+use super::model_atlas::ModelAtlas;
 use crate::BakeError;
+use crate::decision::Decision;
 use crate::guides::Guides;
 use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
-use crate::recipe::{ColorMap, GroomParams, MaterialTable, ScalarMap, VectorMap};
+use crate::recipe::{ColorMap, GroomCoordinates, GroomParams, JointGroom, MaterialTable, ScalarMap, VectorMap};
 use crate::sample::{Encoding, Wrap, bilinear};
 use glam::{Vec2, Vec3};
 use pelage_formats::InputRecord;
+use pelage_params::glob;
 use std::collections::BTreeMap;
 
 /// The decoded images that a recipe names, by their paths.
@@ -66,15 +71,19 @@ pub enum Water {
 }
 
 impl Water {
-    /// How wet furred materials of those names are by that groom.
+    /// How wet furred materials of those names are by that groom. Of joints its tables alone are asked, so that no skeleton is needed.
     pub fn of(groom: &GroomParams, names: &[&str]) -> Self {
         Self::over(
             names.iter().map(|name| last(&groom.material, name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness)),
+            &groom.joint,
         )
     }
 
-    fn over<'m>(maps: impl Iterator<Item = &'m ScalarMap> + Clone) -> Self {
-        let all = |share: f32| maps.clone().all(|map| *map == ScalarMap::Constant(share));
+    fn over<'m>(maps: impl Iterator<Item = &'m ScalarMap> + Clone, joints: &[JointGroom]) -> Self {
+        let all = |share: f32| {
+            maps.clone().all(|map| *map == ScalarMap::Constant(share))
+                && joints.iter().filter_map(|table| table.wetness).all(|wetness| wetness == share)
+        };
         if all(0.0) {
             Self::Dry
         } else if all(1.0) {
@@ -99,12 +108,18 @@ pub struct GroomTextures {
 pub struct Maps<'a> {
     images: &'a MapImages,
     materials: Vec<MaterialMaps<'a>>,
+    tables_of_joints: &'a [JointGroom],
+    joints: JointValues,
+    body: Option<BodyGroom>,
+    /// What images are read over in place of the model's texture coordinates.
+    atlas: Option<ModelAtlas>,
 }
 
 /// The maps of one material.
 #[derive(Clone, Copy, Debug)]
 struct MaterialMaps<'a> {
     furred: bool,
+    silent: Silent,
     length: &'a ScalarMap,
     density: &'a ScalarMap,
     lean: &'a ScalarMap,
@@ -112,6 +127,14 @@ struct MaterialMaps<'a> {
     wetness: &'a ScalarMap,
     bare: &'a ScalarMap,
     color: Option<&'a ColorMap>,
+}
+
+/// Of which keys neither `[groom]` nor a table for the material says anything.
+#[derive(Clone, Copy, Debug)]
+struct Silent {
+    length: bool,
+    density: bool,
+    lean: bool,
 }
 
 impl<'a> Maps<'a> {
@@ -132,6 +155,14 @@ impl<'a> Maps<'a> {
         report_unmatched("groom.material", &groom.material, materials, warnings);
         let convert = |(i, m): (usize, &Material)| MaterialMaps {
             furred: furred.get(i).copied().unwrap_or(false),
+            silent: Silent {
+                length: groom.length == ScalarMap::Constant(1.0)
+                    && last(&groom.material, &m.name, |t| t.length.as_ref()).is_none(),
+                density: groom.density == ScalarMap::Constant(1.0)
+                    && last(&groom.material, &m.name, |t| t.density.as_ref()).is_none(),
+                lean: groom.lean == ScalarMap::Constant(0.0)
+                    && last(&groom.material, &m.name, |t| t.lean.as_ref()).is_none(),
+            },
             length: last(&groom.material, &m.name, |t| t.length.as_ref()).unwrap_or(&groom.length),
             density: last(&groom.material, &m.name, |t| t.density.as_ref()).unwrap_or(&groom.density),
             lean: last(&groom.material, &m.name, |t| t.lean.as_ref()).unwrap_or(&groom.lean),
@@ -140,16 +171,53 @@ impl<'a> Maps<'a> {
             bare: last(&groom.material, &m.name, |t| t.bare.as_ref()).unwrap_or(&groom.bare),
             color: last(&groom.material, &m.name, |t| t.color.as_ref()).or(groom.color.as_ref()),
         };
-        let maps = Self { images, materials: materials.iter().enumerate().map(convert).collect() };
-        for part in maps.furred_parts(mesh).filter(|(part, _)| !part.has_uvs) {
+        let maps = Self {
+            images,
+            materials: materials.iter().enumerate().map(convert).collect(),
+            tables_of_joints: &groom.joint,
+            joints: JointValues::default(),
+            body: None,
+            atlas: None,
+        };
+        let over_model = groom.coordinates == GroomCoordinates::Model;
+        for part in maps.furred_parts(mesh).filter(|(part, _)| over_model && !part.has_uvs) {
             if let Some(path) = part.1.image() {
                 warnings.push(format!(
-                    "{}: no texture coordinates, so that {path:?} and other images of [groom] have no effect on it",
+                    "{}: no texture coordinates, so that {path:?} and other images of [groom] have no effect on it; groom.coordinates = \"atlas\" \
+                     needs none",
                     part.0.source
                 ));
             }
         }
         maps
+    }
+
+    /// Lets tables for single joints have their say, over all others.
+    #[must_use]
+    pub fn with_joints(self, joints: JointValues) -> Self {
+        Self { joints, ..self }
+    }
+
+    /// Lets the body have its say where no map has.
+    #[must_use]
+    pub fn with_body(self, body: Option<BodyGroom>) -> Self {
+        Self { body, ..self }
+    }
+
+    /// What the body decided, where it decides the length of hair anywhere. Arguments as [`BodyGroom::decision`].
+    pub fn decision(&self, share: f32, length_m: f32) -> Option<Decision> {
+        let body = self.body.as_ref()?;
+        self.materials.iter().any(|m| m.furred && m.silent.length).then(|| body.decision(share, length_m))
+    }
+
+    /// Whether a map of a furred material is an image.
+    pub fn has_images(&self) -> bool {
+        self.materials.iter().any(|m| m.furred && m.image().is_some())
+    }
+
+    /// Reads images over an atlas of the model that they vary over, in place of its texture coordinates.
+    pub fn over(self, atlas: ModelAtlas) -> Self {
+        Self { atlas: Some(atlas), ..self }
     }
 
     fn furred_parts<'m>(&'m self, mesh: &'m Mesh) -> impl Iterator<Item = (&'m MeshPart, &'m MaterialMaps<'a>)> {
@@ -164,22 +232,24 @@ impl<'a> Maps<'a> {
     pub fn lay(&self, mesh: &Mesh, rest: &RestPose, elsewhere: Vec3) -> Result<Lay, BakeError> {
         let furred = || self.materials.iter().filter(|m| m.furred);
         let mut lay = Lay::default();
-        if furred().any(|m| *m.density != ScalarMap::Constant(1.0)) {
+        let by_body = self.body.as_ref().and_then(|body| body.density.as_ref());
+        let by_body = by_body.filter(|_| furred().any(|m| m.silent.density));
+        let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.say(|t| t.density);
+        if says || by_body.is_some() {
             // Of a map, equal steps are equal ratios.
             let hairs = |map: &ScalarMap, v: f32| {
                 if matches!(map, ScalarMap::Constant(_)) { v } else { libm::exp2f(4.0 * v - 2.0) }
             };
             let each = |part: &MeshPart, m: &MaterialMaps<'a>, v: usize| {
-                Ok(hairs(m.density, self.scalar(mesh, part, m.density, v)?.unwrap_or(0.5)))
+                let on_body = by_body.filter(|_| m.silent.density).and_then(|density| density.get(v)).copied();
+                let mapped = hairs(m.density, self.scalar(mesh, part, m.density, v)?.unwrap_or(0.5));
+                Ok(self.joints.mix(mesh.skin.get(v), |t| t.density, on_body.unwrap_or(mapped)))
             };
             lay.density = Some(self.average(mesh, 1.0, each)?);
         }
         if furred().any(|m| m.comb.is_some()) {
-            let flows = if furred().any(|m| matches!(m.comb, Some(VectorMap::Image { flow: true, .. }))) {
-                image_axes(mesh, rest)
-            } else {
-                Vec::new()
-            };
+            let flow = |m: &MaterialMaps<'a>| matches!(m.comb, Some(VectorMap::Image { flow: true, .. }));
+            let flows = if self.atlas.is_none() && furred().any(flow) { image_axes(mesh, rest) } else { Vec::new() };
             let each = |part: &MeshPart, m: &MaterialMaps<'a>, v: usize| {
                 m.comb.map_or(Ok(elsewhere), |map| self.vector(mesh, part, map, v, &flows))
             };
@@ -190,28 +260,43 @@ impl<'a> Maps<'a> {
 
     /// Evaluates length, lean, wetness and bareness at the vertices of `mesh`.
     ///
+    /// * `input_vertex`: for each of them the vertex of the model that it came from
+    ///
     /// # Errors
     /// [`BakeError::Internal`] where an image was not read.
-    pub fn coat(&self, mesh: &Mesh) -> Result<Coat, BakeError> {
-        let scalar =
-            |map: fn(&MaterialMaps<'a>) -> &'a ScalarMap, without_uvs: f32, per_vertex: fn(&ScalarMap) -> bool| {
-                self.average(mesh, 0.0, |part, m, v| {
-                    let map = map(m);
-                    if per_vertex(map) { Ok(self.scalar(mesh, part, map, v)?.unwrap_or(without_uvs)) } else { Ok(0.0) }
-                })
-            };
-        let no_image = |map: &ScalarMap| map.image().is_none();
+    pub fn coat(&self, mesh: &Mesh, input_vertex: &[u32]) -> Result<Coat, BakeError> {
+        // Over an atlas no texel is followed: the runtime does not know its coordinates.
+        let at_vertices = |map: &ScalarMap| self.atlas.is_some() || map.image().is_none();
+        let on_body = |values: fn(&BodyGroom) -> &Vec<f32>, v: usize| {
+            let values = values(self.body.as_ref()?);
+            input_vertex.get(v).and_then(|input| values.get(*input as usize)).copied()
+        };
+        let skin = |v: usize| mesh.skin.get(v);
         Ok(Coat {
-            length: scalar(|m| m.length, 1.0, |_| true)?,
-            lean: scalar(|m| m.lean, 0.0, |_| true)?,
-            wetness: scalar(|m| m.wetness, 0.0, no_image)?,
-            bareness: scalar(|m| m.bare, 0.0, no_image)?,
+            length: self.average(mesh, 0.0, |part, m, v| {
+                let by_body = m.silent.length.then(|| on_body(|body| &body.length, v)).flatten();
+                let mapped = self.scalar(mesh, part, m.length, v)?.unwrap_or(1.0);
+                Ok(self.joints.mix(skin(v), |t| t.length, by_body.unwrap_or(mapped)))
+            })?,
+            lean: self.average(mesh, 0.0, |part, m, v| {
+                let by_body = m.silent.lean.then(|| on_body(|body| &body.lean, v)).flatten();
+                let mapped = self.scalar(mesh, part, m.lean, v)?.unwrap_or(0.0);
+                Ok(self.joints.mix(skin(v), |t| t.lean, by_body.unwrap_or(mapped)))
+            })?,
+            wetness: self.average(mesh, 0.0, |part, m, v| {
+                let mapped = if at_vertices(m.wetness) { self.scalar(mesh, part, m.wetness, v)? } else { None };
+                Ok(self.joints.mix(skin(v), |t| t.wetness, mapped.unwrap_or(0.0)))
+            })?,
+            bareness: self.average(mesh, 0.0, |part, m, v| {
+                let mapped = if at_vertices(m.bare) { self.scalar(mesh, part, m.bare, v)? } else { None };
+                Ok(self.joints.mix(skin(v), |t| t.bare, mapped.unwrap_or(0.0)))
+            })?,
         })
     }
 
     /// How wet the furred materials are.
     pub fn water(&self) -> Water {
-        Water::over(self.materials.iter().filter(|m| m.furred).map(|m| m.wetness))
+        Water::over(self.materials.iter().filter(|m| m.furred).map(|m| m.wetness), self.tables_of_joints)
     }
 
     /// Source of the hair's colour on a material in place of the model's, if there is one.
@@ -232,7 +317,8 @@ impl<'a> Maps<'a> {
         let mut textures = GroomTextures::default();
         let mut known: Vec<(Option<&ScalarMap>, Option<&ScalarMap>)> = Vec::new();
         for m in &self.materials {
-            let image = |map: &'a ScalarMap| Some(map).filter(|map| m.furred && map.image().is_some());
+            let textured = m.furred && self.atlas.is_none();
+            let image = |map: &'a ScalarMap| Some(map).filter(|map| textured && map.image().is_some());
             let pair = (image(m.bare), image(m.wetness));
             if pair == (None, None) {
                 textures.of_material.push(None);
@@ -281,9 +367,16 @@ impl<'a> Maps<'a> {
         average(mesh, parts, outside, |part, maps, v| each(part, maps, v))
     }
 
-    /// As [`scalar_at`].
+    /// As [`scalar_at`], over the atlas where there is one.
     fn scalar(&self, mesh: &Mesh, part: &MeshPart, map: &ScalarMap, v: usize) -> Result<Option<f32>, BakeError> {
-        scalar_at(self.images, mesh, part, map, v)
+        match (map, &self.atlas) {
+            (ScalarMap::Image { path, channel }, Some(atlas)) => {
+                let image = self.images.get(path)?;
+                let texel = |uv, _| bilinear(image, uv, Wrap::Repeat, Encoding::Linear)[channel.index()];
+                Ok(over_atlas(atlas, mesh, part, v, texel))
+            }
+            _ => scalar_at(self.images, mesh, part, map, v),
+        }
     }
 
     fn vector(
@@ -295,23 +388,54 @@ impl<'a> Maps<'a> {
         axes: &[[Vec3; 2]],
     ) -> Result<Vec3, BakeError> {
         let signed = |rgb: Vec3| rgb * 2.0 - 1.0;
+        let read = |image: &Image, flow: bool, uv: Vec2, axes: Option<[Vec3; 2]>| {
+            let direction = signed(bilinear(image, uv, Wrap::Repeat, Encoding::Linear).truncate());
+            axes.filter(|_| flow).map_or(direction, |[right, up]| right * direction.x + up * direction.y)
+        };
         Ok(match map {
             VectorMap::Constant(direction) => Vec3::from(*direction),
             VectorMap::Vertex => {
                 let [r, g, b, _] = mesh.colors[v].map(|byte| f32::from(byte) / 255.0);
                 signed(Vec3::new(r, g, b))
             }
-            VectorMap::Image { .. } if !part.has_uvs => Vec3::ZERO,
             VectorMap::Image { path, flow } => {
-                let texel = bilinear(self.images.get(path)?, mesh.uvs[v], Wrap::Repeat, Encoding::Linear);
-                let direction = signed(texel.truncate());
-                match axes.get(v).filter(|_| *flow) {
-                    Some([right, up]) => *right * direction.x + *up * direction.y,
-                    None => direction,
+                let image = self.images.get(path)?;
+                match &self.atlas {
+                    Some(atlas) => {
+                        let texel = |uv, vertex| read(image, *flow, uv, Some(atlas.axes(vertex)));
+                        over_atlas(atlas, mesh, part, v, texel).unwrap_or_default()
+                    }
+                    None if part.has_uvs => read(image, *flow, mesh.uvs[v], axes.get(v).copied()),
+                    None => Vec3::ZERO,
                 }
             }
         })
     }
+
+    /// Colour of an image over the atlas at vertex `v` of `mesh`, linear RGB; `None` without an atlas, and where it does not reach.
+    pub(super) fn atlas_color(&self, image: &Image, mesh: &Mesh, part: &MeshPart, v: usize) -> Option<Vec3> {
+        let texel = |uv, _| bilinear(image, uv, Wrap::Repeat, Encoding::Srgb).truncate();
+        over_atlas(self.atlas.as_ref()?, mesh, part, v, texel)
+    }
+
+    /// Whether images are read over an atlas.
+    pub(super) fn has_atlas(&self) -> bool {
+        self.atlas.is_some()
+    }
+}
+
+/// The mean of what `read` finds at a vertex's coordinates in the atlas; it is given each with the atlas's vertex there. `None` where there are none.
+fn over_atlas<T: Averaged>(
+    atlas: &ModelAtlas,
+    mesh: &Mesh,
+    part: &MeshPart,
+    v: usize,
+    read: impl Fn(Vec2, u32) -> T,
+) -> Option<T> {
+    let vertices = atlas.standing_for(mesh, part.material, v);
+    let mut sum = T::default();
+    vertices.iter().for_each(|vertex| sum += read(atlas.uv(*vertex), *vertex));
+    (!vertices.is_empty()).then(|| sum * (vertices.len() as f32).recip())
 }
 
 impl MaterialMaps<'_> {
@@ -389,29 +513,6 @@ pub(crate) fn report_unmatched<M: MaterialTable>(
         let names: Vec<_> = materials.iter().map(|m| m.name.as_str()).collect();
         warnings.push(format!("{key}: {:?} matches no material; the model has {names:?}", table.material_name()));
     }
-}
-
-/// Per vertex the unit directions on the skin, at rest, that point right and up on the model's images: the mean over its triangles
-/// of the gradients of the texture coordinates, zero where there is none.
-fn image_axes(mesh: &Mesh, rest: &RestPose) -> Vec<[Vec3; 2]> {
-    let mut axes = vec![[Vec3::ZERO; 2]; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|v| v as usize);
-        let (p1, p2) = (rest.positions[b] - rest.positions[a], rest.positions[c] - rest.positions[a]);
-        let (t1, t2) = (mesh.uvs[b] - mesh.uvs[a], mesh.uvs[c] - mesh.uvs[a]);
-        let area = t1.perp_dot(t2);
-        if area == 0.0 {
-            continue;
-        }
-        // Images have v downwards.
-        let (right, down) = ((p1 * t2.y - p2 * t1.y) / area, (p2 * t1.x - p1 * t2.x) / area);
-        for v in [a, b, c] {
-            axes[v][0] += right.normalize_or_zero();
-            axes[v][1] -= down.normalize_or_zero();
-        }
-    }
-    axes.iter_mut().flatten().for_each(|axis| *axis = axis.normalize_or_zero());
-    axes
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ fn square() -> (Mesh, Vec<Material>, RestPose) {
     let positions = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
     let part = |material, first_triangle| MeshPart {
         source: format!("part {material}"),
+        names: Vec::new(),
         material,
         first_triangle,
         triangle_count: 1,
@@ -55,7 +56,7 @@ fn evaluate(recipe: &str, furred: [bool; 2]) -> Evaluated {
     let maps = Maps::new(&mesh, &materials, &furred, &groom, &images, &mut warnings);
     Evaluated {
         lay: maps.lay(&mesh, &rest, Vec3::X).unwrap(),
-        coat: maps.coat(&mesh).unwrap(),
+        coat: maps.coat(&mesh, &[0, 1, 2, 3]).unwrap(),
         textures: maps.textures().unwrap(),
         water: maps.water(),
         warnings,
@@ -103,6 +104,73 @@ fn tables_for_materials_win_and_shared_vertices_take_the_mean() {
 }
 
 #[test]
+fn the_body_speaks_where_maps_are_silent() {
+    let body = BodyGroom {
+        length: vec![0.5, 1.0, 0.25, 0.75],
+        lean: vec![0.5; 4],
+        density: Some(vec![2.0; 4]),
+        ..BodyGroom::default()
+    };
+    let with = |text: &str, body: &BodyGroom| {
+        let groom = Recipe::parse("r.toml", text).unwrap().groom;
+        let (mesh, materials, rest) = square();
+        let images = images();
+        let maps = Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut Vec::new());
+        let maps = maps.with_body(Some(body.clone()));
+        // The surface's vertices come from others of the model.
+        (maps.coat(&mesh, &[3, 2, 1, 0]).unwrap(), maps.lay(&mesh, &rest, Vec3::X).unwrap(), maps.decision(1.0, 0.01))
+    };
+    let (coat, lay, said) = with("", &body);
+    assert_eq!(
+        (coat.length, coat.lean, lay.density.unwrap()),
+        (vec![0.75, 0.25, 1.0, 0.5], vec![0.5; 4], vec![2.0; 4])
+    );
+    assert!(said.is_some());
+    let (coat, lay, said) = with("[groom]\nlength = 0.5\nlean = 0.25\ndensity = 3", &body);
+    assert_eq!((coat.length, coat.lean, lay.density.unwrap()), (vec![0.5; 4], vec![0.25; 4], vec![3.0; 4]));
+    assert_eq!(said, None);
+    // A table for one material silences the body there alone; shared vertices take the mean.
+    let (coat, _, said) = with("[[groom.material]]\nname = \"Nose\"\nlength = 1", &body);
+    assert_eq!(coat.length, [0.875, 0.25, 1.0, 1.0]);
+    assert!(said.is_some());
+    let (_, lay, _) = with("", &BodyGroom { density: None, ..body.clone() });
+    assert_eq!(lay, Lay::default());
+}
+
+#[test]
+fn tables_for_joints_win_over_maps_and_body() {
+    let text = "[groom]\nlean = 0.5\nwetness = \"a.png#g\"\n[[groom.joint]]\nname = \"ear\"\nlength = 0.5\nlean = 0\n\
+        density = 2\nwetness = 1\nbare = 0.5";
+    let groom = Recipe::parse("r.toml", text).unwrap().groom;
+    let (mut mesh, materials, rest) = square();
+    let node = pelage_formats::Node {
+        name: "Ear".into(),
+        parent: None,
+        translation: [0.0; 3],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        scale: [1.0; 3],
+    };
+    let other = pelage_formats::Node { name: "Back".into(), ..node.clone() };
+    let joints = [0, 1].map(|node| pelage_formats::Joint { node, inverse_bind: [0.0; 16] }).to_vec();
+    let animation = pelage_formats::Animation { nodes: vec![node, other], joints, clips: Vec::new() };
+    let follow =
+        |weight: f32| pelage_formats::SkinVertex { joints: [0, 1, 0, 0], weights: [weight, 1.0 - weight, 0.0, 0.0] };
+    mesh.skin = [0.0, 0.5, 1.0, 0.0].map(follow).to_vec();
+    let (images, mut warnings) = (images(), Vec::new());
+    let body = BodyGroom { length: vec![0.25; 4], lean: vec![1.0; 4], ..BodyGroom::default() };
+    let maps = Maps::new(&mesh, &materials, &[true, false], &groom, &images, &mut warnings)
+        .with_joints(JointValues::new(&groom.joint, Some(&animation), &mut warnings))
+        .with_body(Some(body));
+    assert_eq!(warnings, Vec::<String>::new());
+    let coat = maps.coat(&mesh, &[0, 1, 2, 3]).unwrap();
+    assert_eq!(coat.length, [0.25, 0.375, 0.5, 0.0], "the last vertex is on no furred material");
+    assert_eq!(coat.lean, [0.5, 0.25, 0.0, 0.0]);
+    assert_eq!(coat.wetness, [0.0, 0.5, 1.0, 0.0], "to which the texture's is added");
+    assert_eq!(coat.bareness, [0.0, 0.25, 0.5, 0.0]);
+    assert_eq!(maps.lay(&mesh, &rest, Vec3::X).unwrap().density.unwrap(), [1.0, 1.5, 2.0, 1.0]);
+}
+
+#[test]
 fn combs_are_vectors_at_rest_or_flow_on_the_image() {
     let comb = |comb: &str| evaluate(&format!("[groom]\ncomb = {comb}"), [true, true]).lay.comb.unwrap();
     assert_eq!(comb("[0, -2, 0]"), [Vec3::new(0.0, -2.0, 0.0); 4]);
@@ -138,7 +206,7 @@ fn without_texture_coordinates_images_do_nothing_and_say_so() {
     mesh.uvs.fill(Vec2::ZERO);
     let (images, mut warnings) = (images(), Vec::new());
     let maps = Maps::new(&mesh, &materials, &[true; 2], &groom, &images, &mut warnings);
-    assert_eq!(maps.coat(&mesh).unwrap().length, [1.0; 4]);
+    assert_eq!(maps.coat(&mesh, &[0, 1, 2, 3]).unwrap().length, [1.0; 4]);
     assert_eq!(maps.lay(&mesh, &rest, Vec3::X).unwrap().comb.unwrap(), [Vec3::ZERO; 4]);
     assert!(warnings.len() == 2 && warnings[0].contains("part 0") && warnings[0].contains("a.png"), "{warnings:?}");
 }
@@ -152,7 +220,7 @@ fn an_image_that_was_not_read_is_an_error() {
     let (mesh, materials, _) = square();
     let images = images();
     let maps = Maps::new(&mesh, &materials, &[true; 2], &groom, &images, &mut Vec::new());
-    assert!(maps.coat(&mesh).unwrap_err().to_string().contains("b.png"));
+    assert!(maps.coat(&mesh, &[0, 1, 2, 3]).unwrap_err().to_string().contains("b.png"));
 }
 
 #[test]
@@ -163,4 +231,11 @@ fn water_is_dry_wet_or_mixed() {
     let nose = "[[groom.material]]\nname = \"Nose\"\nwetness = 1";
     assert_eq!([water(nose, [true, true]), water(nose, [false, true])], [Water::Mixed, Water::Wet]);
     assert_eq!(water(nose, [true, false]), Water::Dry);
+    // Joints count by their tables alone, so that a package without the model's names comes to the same.
+    let joint = |wetness: f32| format!("[[groom.joint]]\nname = \"*\"\nwetness = {wetness}");
+    assert_eq!([water(&joint(0.0), [true; 2]), water(&joint(1.0), [true; 2])], [Water::Dry, Water::Mixed]);
+    let all = format!("[groom]\nwetness = 1\n{}", joint(1.0));
+    assert_eq!(water(&all, [true; 2]), Water::Wet);
+    let groom = Recipe::parse("r.toml", &joint(1.0)).unwrap().groom;
+    assert_eq!(Water::of(&groom, &["skin"]), Water::Mixed);
 }

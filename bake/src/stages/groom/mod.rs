@@ -1,27 +1,37 @@
 //! Where hair grows, how long, and what varies over the model: the `groom` stage. Lengths are metres in the posed rest state.
 
 mod atlas;
+mod bare;
+mod body;
+pub(crate) mod canvas;
 mod charts;
 mod colors;
+mod flow;
+mod joints;
 mod maps;
+mod margin;
+mod model_atlas;
+mod names;
+mod pairs;
 mod pattern;
+mod words;
 
 pub use atlas::Atlas;
+pub(crate) use atlas::linear_image;
+pub use bare::{Growth, growth};
+pub use body::{Body, BodyGroom};
 pub use colors::{Colors, MaterialColor, colors, is_colored};
+pub use joints::JointValues;
 pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
 pub(crate) use maps::{average, last, report_unmatched, scalar_at};
+pub use margin::fade_to_bare;
+pub use model_atlas::ModelAtlas;
 pub use pattern::Pattern;
 
 use crate::decision::Decision;
-use crate::mesh::{Material, RestPose};
+use crate::mesh::RestPose;
 use crate::recipe::Recipe;
 use pelage_formats::Bounds;
-use pelage_params::glob;
-
-/// Length of the hair where the recipe gives none, as a share of the bounding sphere's radius: a short-haired animal's coat.
-const LENGTH_PER_RADIUS: f32 = 0.045;
-/// Width of the tile where the recipe gives none, as a share of the radius.
-const TILE_PER_RADIUS: f32 = 0.3;
 
 /// Lengths that the recipe may leave open, resolved for one model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,12 +46,13 @@ impl Lengths {
     /// Takes what the recipe gives and derives the rest from the model's size.
     ///
     /// Models are modelled in all units, whatever glTF says, so only a length relative to the model suits them all.
-    pub fn resolve(length_m: Option<f32>, tile_size_m: Option<f32>, bounds: &Bounds) -> Self {
+    pub fn resolve(recipe: &Recipe, bounds: &Bounds) -> Self {
+        let Recipe { hair, surface, .. } = recipe;
         // A model of one point has no size to go by; any positive number keeps the stages defined.
         let radius = if bounds.radius > 0.0 { bounds.radius } else { 1.0 };
         Self {
-            length_m: length_m.unwrap_or(LENGTH_PER_RADIUS * radius),
-            tile_size_m: tile_size_m.unwrap_or(TILE_PER_RADIUS * radius),
+            length_m: hair.length_m.unwrap_or(hair.length_per_radius * radius),
+            tile_size_m: surface.tile_size_m.unwrap_or(surface.tile_size_per_radius * radius),
         }
     }
 
@@ -66,18 +77,6 @@ pub fn bounds(rest: &RestPose) -> Bounds {
     let center = (min + max) / 2.0;
     let radius = rest.positions.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
     Bounds { min: min.into(), max: max.into(), center: center.into(), radius }
-}
-
-/// One per material: whether hair grows on it.
-///
-/// `bare` holds names, in which `*` stands for any run of characters and `?` for one; case does not matter. A pattern that matches no material
-/// is reported in `warnings`, with the names there are.
-pub fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
-    for pattern in bare.iter().filter(|p| !materials.iter().any(|m| glob(p, &m.name))) {
-        let names: Vec<_> = materials.iter().map(|m| m.name.as_str()).collect();
-        warnings.push(format!("model.bare: {pattern:?} matches no material; the model has {names:?}"));
-    }
-    materials.iter().map(|m| !bare.iter().any(|p| glob(p, &m.name))).collect()
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 //! What is painted is a function of place and normal alone, so that it runs on over the borders of charts without a seam, and a model
 //! needs no texture coordinates of its own for it. One that has them keeps its base colour: both are painted into the same texture.
 
-use super::atlas::{Atlas, Spot, linear_image, srgb_image};
+use super::atlas::{Atlas, linear_image, srgb_image};
+use super::canvas::Spot;
 use super::colors::Colors;
 use super::maps::{GroomTextures, MapImages};
 use crate::BakeError;
@@ -146,7 +147,7 @@ impl Pattern<'_> {
     ) {
         let material_of = material_of_triangles(surface);
         let material = |spot: Spot| material_of[spot.triangle];
-        let texels = atlas.paint(surface, |spot, extent| {
+        let texels = atlas.paint(|spot, extent| {
             let own = colors.materials.get(material(spot)).and_then(|m| m.image).map(|image| &colors.images[image]);
             // Four samples a texel, so that borders in the image stay smooth.
             let samples = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(dx, dy)| {
@@ -159,7 +160,7 @@ impl Pattern<'_> {
         });
         let color = srgb_image(atlas.side, &texels);
         let groom = grooms.of_material.iter().any(Option::is_some).then(|| {
-            let texels = atlas.paint(surface, |spot, _| {
+            let texels = atlas.paint(|spot, _| {
                 let own = grooms.of_material.get(material(spot)).copied().flatten().map(|image| &grooms.images[image]);
                 own.map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |image| read(surface, spot, image, Encoding::Linear))
             });

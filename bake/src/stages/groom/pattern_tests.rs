@@ -29,6 +29,7 @@ fn torus() -> Model {
     let total = mesh.triangles.len();
     let part = |material, first_triangle, triangle_count| MeshPart {
         source: String::new(),
+        names: Vec::new(),
         material,
         first_triangle,
         triangle_count,

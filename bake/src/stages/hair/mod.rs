@@ -17,10 +17,11 @@ mod locks;
 mod shades;
 mod tile;
 
+pub use shades::linear;
 pub use tile::{TileHair, simulate_recipe};
 
 use crate::BakeError;
-use crate::recipe::{ColorParams, HairParams, SrgbColor, Style, UnderfurParams};
+use crate::recipe::{ColorParams, HairParams, Style, UnderfurParams};
 use forces::Grower;
 use glam::Vec3;
 use locks::Locks;
@@ -233,11 +234,6 @@ fn grown(grower: &Grower<'_>, shades: &Shades, variation: f32) -> Strands {
         }
     });
     strands
-}
-
-/// Linear RGB of an sRGB colour (IEC 61966-2-1).
-pub fn linear(color: SrgbColor) -> Vec3 {
-    Vec3::from(color.0.map(pelage_formats::meaning::srgb_value_to_linear))
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! The colour of a hair from root to tip.
 
-use super::linear;
 use crate::recipe::{ColorParams, HairColors, SrgbColor};
 use glam::Vec3;
 
@@ -48,6 +47,11 @@ impl Shades {
         let aside = (t - band.at - BAND_STRAYS * stray).abs() / (0.5 * band.width);
         plain.lerp(band.color, crate::noise::smooth((1.5 - aside).clamp(0.0, 1.0)))
     }
+}
+
+/// Linear RGB of an sRGB colour (IEC 61966-2-1).
+pub fn linear(color: SrgbColor) -> Vec3 {
+    Vec3::from(color.0.map(pelage_formats::meaning::srgb_value_to_linear))
 }
 
 #[cfg(test)]

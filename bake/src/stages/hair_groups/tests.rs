@@ -30,6 +30,7 @@ fn ball() -> (Mesh, RestPose, Vec<Material>) {
     let scalp = (border * around * 2) as usize;
     let part = |material, first_triangle, triangle_count| MeshPart {
         source: String::new(),
+        names: Vec::new(),
         material,
         first_triangle,
         triangle_count,

@@ -23,6 +23,8 @@ struct Instance<'a> {
     node: Option<usize>,
     /// Number of the skin.
     skin: Option<usize>,
+    /// Names of node and mesh, without empty ones.
+    names: Vec<String>,
     primitives: Rc<Vec<Primitive<'a>>>,
 }
 
@@ -66,7 +68,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
             } else {
                 Placed::At(instance.node.map_or(root, |n| world[n]))
             };
-            builder.add(primitive, placed)?;
+            builder.add(primitive, &instance.names, placed)?;
         }
     }
     let Builder { mut mesh, places, authored } = builder;
@@ -120,6 +122,7 @@ fn instances<'a>(
         let skin = at.get("skin").map(|s| joints.skin(source, &s)).transpose()?;
         let weights = at.get("weights");
         let (key, own) = ((index, skin.is_some()), weights.is_some());
+        let names = names([at.name(), mesh_at.name()]);
         let mesh = MeshUse { index, at: mesh_at, weights, skinned: skin.is_some() };
         let primitives = match known.get(&key).filter(|_| !own) {
             Some(primitives) => primitives.clone(),
@@ -134,9 +137,14 @@ fn instances<'a>(
         if let (Some(_), Some(rigid)) = (skin, primitives.iter().find(|p| p.influences.is_none())) {
             source.warn(format!("{} is shown with a skin and has no joints; it follows its node", rigid.label));
         }
-        instances.push(Instance { node: Some(*node), skin, primitives });
+        instances.push(Instance { node: Some(*node), skin, names, primitives });
     }
     Ok(instances)
+}
+
+/// Those that are not empty.
+fn names<const N: usize>(names: [&str; N]) -> Vec<String> {
+    names.into_iter().filter(|name| !name.is_empty()).map(str::to_owned).collect()
 }
 
 /// A document without nodes is a library of meshes, of which a viewer shows nothing. A file with one animal in it and no scene is
@@ -146,9 +154,10 @@ fn library<'a>(source: &mut Source<'a, '_>, gathered: &mut Gathered) -> Result<V
     source.warn("the file has no nodes; all its meshes are shown as they are");
     let mut instances = Vec::new();
     for (index, at) in meshes.entries()?.enumerate() {
+        let names = names([at.name()]);
         let mesh = MeshUse { index, at, weights: None, skinned: false };
         let primitives = Rc::new(read_mesh(source, gathered, &mesh)?);
-        instances.push(Instance { node: None, skin: None, primitives });
+        instances.push(Instance { node: None, skin: None, names, primitives });
     }
     Ok(instances)
 }
@@ -220,7 +229,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn add(&mut self, primitive: &Primitive<'a>, placed: Placed) -> Result<(), BakeError> {
+    fn add(&mut self, primitive: &Primitive<'a>, names: &[String], placed: Placed) -> Result<(), BakeError> {
         let mesh = &mut self.mesh;
         let (base, first_triangle) = (mesh.positions.len(), mesh.triangles.len());
         let mut flip = false;
@@ -246,6 +255,7 @@ impl<'a> Builder<'a> {
         }));
         mesh.parts.push(MeshPart {
             source: primitive.label.clone(),
+            names: names.to_vec(),
             material: primitive.material,
             first_triangle,
             triangle_count: primitive.triangles.len(),

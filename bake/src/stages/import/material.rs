@@ -1,4 +1,4 @@
-//! Materials: base-colour factor, texture and its coordinates, cut-out alpha.
+//! Materials: base-colour factor, texture and its coordinates, cut-out alpha, gloss.
 
 use super::extensions::conversion;
 use super::json::At;
@@ -75,6 +75,7 @@ impl Materials {
             (base, _) => (base, "baseColorFactor", "baseColorTexture"),
         };
         let mut coords = TextureCoords { set: None, transform: Affine2::IDENTITY };
+        gloss(at, material)?;
         let Some(base) = base else { return Ok(coords) };
         if let Some(factor) = base.get(factor) {
             material.base_color = factor.numbers()?;
@@ -122,6 +123,18 @@ impl Materials {
         self.images.push(image);
         Ok(self.images.len() - 1)
     }
+}
+
+/// How rough and how metallic a material is. Where a texture says it, the factors are but its upper ends, and nothing is known. A material that says
+/// nothing at all would be metal by the specification, which no author meant.
+fn gloss(at: &At<'_>, material: &mut Material) -> Result<(), BakeError> {
+    let Some(base) = at.get("pbrMetallicRoughness") else { return Ok(()) };
+    if base.get("metallicRoughnessTexture").is_none() {
+        let factor = |key| base.get(key).map_or(Ok(1.0), |factor| factor.number());
+        material.roughness = Some(factor("roughnessFactor")?);
+        material.metallic = Some(factor("metallicFactor")?);
+    }
+    Ok(())
 }
 
 /// KHR_texture_transform: scale, then turn, then shift. The extension turns coordinates counter-clockwise as seen on the image,

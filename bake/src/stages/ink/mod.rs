@@ -71,13 +71,16 @@ const GRAIN_PER_RADIUS: f32 = 0.8;
 
 /// Strength of the strokes of fur, 0..=1: what the recipe says; where it says nothing, full on what is known to be furred, and none on the rest. A static
 /// mesh with the default coat may as well be stone, and its owner is asked no question: hair that nobody spoke of is the worse guess.
-pub fn fur_strength(recipe: &Recipe, model: &Model) -> f32 {
+///
+/// `furred` has one entry per material: a model of which a part was found to be bare, as eyes are, is no stone.
+pub fn fur_strength(recipe: &Recipe, model: &Model, furred: &[bool]) -> f32 {
     let speaks_of_fur = model.animation.is_some()
         || recipe.hair != HairParams::default()
         || recipe.groom != GroomParams::default()
         || recipe.color != ColorParams::default()
         || recipe.fins.depth.is_some()
-        || !recipe.model.bare.is_empty();
+        || recipe.model.bare.as_ref().is_some_and(|bare| !bare.is_empty())
+        || furred.contains(&false);
     recipe.ink.fur.unwrap_or(if speaks_of_fur { InkShading::default().fur } else { 0.0 })
 }
 

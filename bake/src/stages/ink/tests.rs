@@ -187,17 +187,18 @@ fn fur_is_painted_where_something_speaks_of_it() {
         set.iter().for_each(|set| recipe.set(set).unwrap());
         recipe
     };
-    assert_eq!([&stone, &animal].map(|model| fur_strength(&with(&[]), model)), [0.0, 1.0]);
+    assert_eq!([&stone, &animal].map(|model| fur_strength(&with(&[]), model, &[true])), [0.0, 1.0]);
     for set in ["hair.length_m=0.02", "groom.lean=0.5", "color.tip=#ffffff", "fins.depth=0.3", "model.bare=[\"eye\"]"] {
-        assert_eq!(fur_strength(&with(&[set]), &stone), 1.0, "{set}");
+        assert_eq!(fur_strength(&with(&[set]), &stone, &[true]), 1.0, "{set}");
     }
+    assert_eq!(fur_strength(&with(&[]), &stone, &[true, false]), 1.0, "eyes were found");
     // What says how finely is no word of fur, nor is the lack of fins.
     for set in ["slice.layers=8", "model.unit_m=0.01", "fins.enabled=false", "ink.line=2"] {
-        assert_eq!(fur_strength(&with(&[set]), &stone), 0.0, "{set}");
+        assert_eq!(fur_strength(&with(&[set]), &stone, &[true]), 0.0, "{set}");
     }
     // Who says it is right.
-    assert_eq!(fur_strength(&with(&["ink.fur=0.3"]), &stone), 0.3);
-    assert_eq!(fur_strength(&with(&["ink.fur=0"]), &animal), 0.0);
+    assert_eq!(fur_strength(&with(&["ink.fur=0.3"]), &stone, &[true]), 0.3);
+    assert_eq!(fur_strength(&with(&["ink.fur=0"]), &animal, &[true]), 0.0);
 }
 
 #[test]

@@ -30,6 +30,7 @@ fn sphere(radius: f32) -> (Mesh, RestPose) {
     let half = mesh.triangles.len() / 2;
     let part = |material, first_triangle| MeshPart {
         source: "sphere".into(),
+        names: Vec::new(),
         material,
         first_triangle,
         triangle_count: half,

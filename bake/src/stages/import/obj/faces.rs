@@ -48,6 +48,11 @@ impl Part {
             .collect();
         if named.is_empty() { "the faces without a name".to_owned() } else { named.join(", ") }
     }
+
+    /// Names of object and group, without empty ones.
+    pub fn names(&self) -> Vec<String> {
+        [&self.object, &self.group].into_iter().filter(|name| !name.is_empty()).cloned().collect()
+    }
 }
 
 /// All faces of a file, every index in range, every number finite.

@@ -48,7 +48,8 @@ pub(super) fn read(
     for face in &faces.list {
         let piece = *piece_of_part[face.part].get_or_insert_with(|| {
             let part = &faces.parts[face.part];
-            pieces.push(Piece::new(part.label(), library.material(&part.material, resolve, &mut notes)));
+            let material = library.material(&part.material, resolve, &mut notes);
+            pieces.push(Piece::new(part.label(), part.names(), material));
             pieces.len() - 1
         });
         let outline = &faces.corners[face.first..face.first + face.count];
@@ -91,6 +92,7 @@ pub(super) fn read(
 /// The triangles of one part, with vertices of their own.
 struct Piece {
     label: String,
+    names: Vec<String>,
     material: usize,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
@@ -104,9 +106,10 @@ struct Piece {
 }
 
 impl Piece {
-    fn new(label: String, material: usize) -> Self {
+    fn new(label: String, names: Vec<String>, material: usize) -> Self {
         Self {
             label,
+            names,
             material,
             positions: Vec::new(),
             normals: Vec::new(),
@@ -162,6 +165,7 @@ impl Piece {
         mesh.triangles.extend(self.triangles.iter().map(|t| t.map(|i| first + i)));
         mesh.parts.push(MeshPart {
             source: self.label,
+            names: self.names,
             material: self.material,
             first_triangle,
             triangle_count: self.triangles.len(),

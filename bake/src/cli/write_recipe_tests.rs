@@ -1,0 +1,54 @@
+//! The text of a written recipe, and where it may lie.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use super::*;
+
+fn chosen<'a>(asked: &'a Recipe, recipe: &'a Recipe) -> Chosen<'a> {
+    Chosen { model: "fox", asked, recipe, options: "--max-error 0.05" }
+}
+
+#[test]
+fn what_was_chosen_is_said_above_its_line_and_counts() {
+    let asked = Recipe::parse("r.toml", "[hair]\ncoat = \"wool\"\nlean = 0.25\n").unwrap();
+    let mut fitted = asked.clone();
+    fitted.slice.layers = 11;
+    // What the bake filled in without a word of its own.
+    let mut recorded = fitted.clone();
+    (recorded.hair.length_m, recorded.ink.fur) = (Some(0.031), Some(0.0));
+    let decisions = [Decision::of_length("length of hair", "hair.length_m", 0.031)];
+    let text = chosen(&asked, &fitted).text(&recorded.to_toml(), &decisions).unwrap();
+    assert!(text.contains("\n# chosen by the bake: length of hair, 31 mm\nlength_m = 0.031\n"), "{text}");
+    assert!(text.contains("\n# chosen by the bake: for --max-error 0.05\nlayers = 11\n"), "{text}");
+    assert!(text.contains("\n# chosen by the bake\nfur = 0.0\n"), "{text}");
+    assert_eq!(text.matches("\n# chosen by the bake").count(), 3);
+    assert_eq!(Recipe::parse("r.toml", &text).unwrap(), recorded);
+}
+
+#[test]
+fn a_decision_that_no_recipe_can_say_is_a_fault_of_the_code() {
+    let recipe = Recipe::default();
+    let broken = Decision { what: "length", chosen: "3".into(), line: "hair.lenth_m = 3".into() };
+    let error = chosen(&recipe, &recipe).text(&recipe.to_toml(), &[broken]).unwrap_err();
+    assert!(matches!(&error, BakeError::Internal(text) if text.contains("hair.lenth_m")), "{error}");
+}
+
+#[test]
+fn it_takes_the_place_of_no_file_of_the_bake() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("r.toml"), "").unwrap();
+    let asked = |path: &Path| require_place(path, &at("m.glb"), &at("m.pelage"), Some(&at("r.toml")));
+    assert!(asked(&at("new.toml")).is_ok());
+    for (name, what) in [("./r.toml", "the recipe that is read"), ("m.pelage", "the package"), ("m.glb", "the model")] {
+        let error = asked(&at(name)).unwrap_err();
+        assert!(matches!(&error, Failure::Usage(text) if text.contains(what) && text.contains(name)), "{error}");
+    }
+    assert!(matches!(asked(&at("none/r.toml")), Err(Failure::Bake(BakeError::Io { .. }))));
+}
+
+#[test]
+fn the_options_that_choose_are_said_as_they_are_typed() {
+    let limits = Limits { max_error: Some(0.05), max_bytes: Some(90_000), ..Limits::default() };
+    assert_eq!(options(&limits, None), "--max-error 0.05 --max-bytes 90000");
+    assert_eq!(options(&Limits::default(), "834x424".parse().ok()), "--for-size 834x424");
+}

@@ -1,0 +1,349 @@
+//! Groom maps as images to paint on: what varies over a model, as a bake evaluates it now, over the model's own texture coordinates or over the
+//! atlas that is made of it.
+//!
+//! Values are written as `[groom]` reads them back. An image is read at the vertices alone, between texels; so it is painted such that vertices
+//! find there what they had.
+
+mod fit;
+
+use crate::BakeError;
+use crate::mesh::{Image, Mesh, Model, RestPose};
+use crate::pipeline::{Groomed, Laid, Output, Outputs, STEPS, Told};
+use crate::recipe::{CombSource, GroomCoordinates};
+use crate::sample::{Encoding, Wrap, bilinear};
+use crate::stages::groom::canvas::{Canvas, Piece, Spot};
+use crate::stages::groom::{ModelAtlas, linear_image};
+use crate::stages::surface::Surface;
+use fit::Reading;
+use glam::{Vec2, Vec3, Vec4};
+use pelage_formats::meaning::linear_to_srgb;
+
+/// Free texels past the border of what is painted over a model's own coordinates, as a share of the image's width.
+const GUTTER: f32 = 1.0 / 128.0;
+/// How often an image is repeated to both sides for triangles that lie beyond it.
+const MOST_REPEATS: f32 = 16.0;
+
+/// What of a groom is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// `groom.length`.
+    Length,
+    /// `groom.density`.
+    Density,
+    /// `groom.lean`.
+    Lean,
+    /// `groom.wetness`.
+    Wetness,
+    /// `groom.bare`.
+    Bare,
+    /// `groom.comb`.
+    Comb,
+    /// `groom.color`.
+    Color,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::Length, Self::Density, Self::Lean, Self::Wetness, Self::Bare, Self::Comb, Self::Color];
+
+    /// Its key in `[groom]`.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Length => "length",
+            Self::Density => "density",
+            Self::Lean => "lean",
+            Self::Wetness => "wetness",
+            Self::Bare => "bare",
+            Self::Comb => "comb",
+            Self::Color => "color",
+        }
+    }
+
+    /// The quantity of that key.
+    pub fn of_key(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|quantity| quantity.key() == key)
+    }
+}
+
+/// An image to paint on, and the mesh that it lies over.
+#[derive(Clone, Debug)]
+pub struct GroomMap {
+    /// Opaque; grey for shares, sRGB for colours.
+    pub image: Image,
+    /// What it lies over.
+    pub coordinates: GroomCoordinates,
+    /// The model's sound triangles with these coordinates.
+    pub mesh: Mesh,
+    /// Its rest pose, metres.
+    pub rest: RestPose,
+    /// Greatest difference, 0..=1, between what a vertex has and what it reads from the image before that is rounded to bytes; 0 for what is followed
+    /// texel by texel.
+    pub misses_by: f32,
+    /// What there was to say.
+    pub warnings: Vec<String>,
+}
+
+/// Writes a groom map of a model.
+///
+/// * `coordinates`: what it lies over; without, what the recipe reads images over, or the atlas where a furred part has no coordinates
+/// * `texels`: width and height of the image
+///
+/// # Errors
+/// As [`crate::pipeline::bake`], as far as surface and groom go; [`BakeError::Input`] where the model has no texture coordinates and shall not be
+/// given any.
+pub fn groom_map(
+    told: &Told<'_>,
+    model: &Model,
+    quantity: Quantity,
+    coordinates: Option<GroomCoordinates>,
+    texels: u32,
+) -> Result<GroomMap, BakeError> {
+    told.recipe.validate()?;
+    let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
+    for step in STEPS.iter().filter(|step| matches!(step.makes, Output::Laid | Output::Groomed)) {
+        step.run(told, &mut outputs)?;
+    }
+    let missing = || BakeError::Internal("the model was not laid and groomed, expected both".into());
+    let (laid, groomed) = (outputs.laid.as_ref().ok_or_else(missing)?, outputs.groomed.as_ref().ok_or_else(missing)?);
+    let over = coordinates.unwrap_or_else(|| usual_coordinates(told, laid));
+    let ground = match over {
+        GroomCoordinates::Atlas => Ground::of_atlas(ModelAtlas::new(told.file, model)?, texels),
+        GroomCoordinates::Model => Ground::of_model(told.file, laid, texels)?,
+    };
+    if ground.mesh.triangles.len() != groomed.surface.mesh.triangles.len() {
+        return Err(BakeError::Internal("atlas and surface have other triangles, expected the same".into()));
+    }
+    let canvas = Canvas::new(texels, ground.pieces, ground.gutter);
+    let groomed_model = GroomedModel { told, model, laid, groomed };
+    let (painted, misses_by) = match groomed_model.values(quantity)? {
+        Values::OfVertices(values) => {
+            let corner = |t: usize| groomed.surface.mesh.triangles[t].map(|v| values[v as usize]);
+            let corners: Vec<[Vec4; 3]> = (0..groomed.surface.mesh.triangles.len()).map(corner).collect();
+            let reading = Reading { canvas: &canvas, side: texels, places: &ground.places, uvs: &ground.uvs };
+            reading.fitted(&corners)
+        }
+        Values::OfTexels(value) => (canvas.paint(|spot, _| value(spot.inside())), 0.0),
+    };
+    // A half of a byte must not fall to either side by the last bit of a sum.
+    let painted: Vec<Vec4> = painted.into_iter().map(|texel| (texel * 65536.0).round() / 65536.0).collect();
+    let mut warnings = laid.warnings.clone();
+    warnings.extend(groomed.warnings.iter().cloned());
+    Ok(GroomMap {
+        image: linear_image(texels, &painted),
+        coordinates: over,
+        mesh: ground.mesh,
+        rest: ground.rest,
+        misses_by,
+        warnings,
+    })
+}
+
+fn usual_coordinates(told: &Told<'_>, laid: &Laid<'_>) -> GroomCoordinates {
+    let mut furred = laid.surface.mesh.parts.iter().filter(|part| is_furred(laid, part.material));
+    if furred.any(|part| !part.has_uvs) { GroomCoordinates::Atlas } else { told.recipe.groom.coordinates }
+}
+
+fn is_furred(laid: &Laid<'_>, material: usize) -> bool {
+    laid.furred.get(material).copied().unwrap_or(false)
+}
+
+/// What a map is painted over.
+struct Ground {
+    mesh: Mesh,
+    rest: RestPose,
+    pieces: Vec<Piece>,
+    /// Texels that pieces are continued for.
+    gutter: u32,
+    /// For each triangle's corners the number of what reads the image there.
+    places: Vec<[u32; 3]>,
+    /// Where each of those reads it.
+    uvs: Vec<Vec<Vec2>>,
+}
+
+impl Ground {
+    fn of_atlas(atlas: ModelAtlas, texels: u32) -> Self {
+        let (places, uvs) = atlas.places();
+        let corners = |t: &[u32; 3]| t.map(|v| atlas.mesh.uvs[v as usize] * texels as f32);
+        let triangles = atlas.mesh.triangles.iter().zip(0..);
+        let pieces = triangles.map(|(t, triangle)| Piece { triangle, corners: corners(t) }).collect();
+        let gutter = (atlas.gutter * texels).div_ceil(atlas.side).max(1);
+        Self { mesh: atlas.mesh, rest: atlas.rest, pieces, gutter, places, uvs }
+    }
+
+    /// Over the model's own coordinates: its furred parts that have any.
+    fn of_model(file: &str, laid: &Laid<'_>, texels: u32) -> Result<Self, BakeError> {
+        let Surface { mesh, rest, .. } = &laid.surface;
+        let parts = || mesh.parts.iter().filter(|part| is_furred(laid, part.material));
+        if !parts().any(|part| part.has_uvs) {
+            let reason = "has no texture coordinates (TEXCOORD_0) where hair grows, expected some for a map over the model's own; \
+                          write it over the atlas";
+            let place = parts().next().map_or("whole model".to_owned(), |part| part.source.clone());
+            return Err(BakeError::Input { file: file.to_owned(), place, reason: reason.to_owned() });
+        }
+        let mut pieces = Vec::new();
+        for part in parts().filter(|part| part.has_uvs) {
+            for t in part.first_triangle..part.first_triangle + part.triangle_count {
+                let uvs = mesh.triangles[t].map(|v| mesh.uvs[v as usize]);
+                repeated(uvs, |uvs| {
+                    pieces.push(Piece { triangle: t as u32, corners: uvs.map(|uv| uv * texels as f32) });
+                });
+            }
+        }
+        Ok(Self {
+            gutter: ((texels as f32 * GUTTER).ceil() as u32).max(1),
+            places: mesh.triangles.clone(),
+            uvs: mesh.uvs.iter().map(|uv| vec![*uv]).collect(),
+            mesh: mesh.clone(),
+            rest: rest.clone(),
+            pieces,
+        })
+    }
+}
+
+/// A triangle wherever it lies on the image, which repeats beyond its borders.
+fn repeated(uvs: [Vec2; 3], mut each: impl FnMut([Vec2; 3])) {
+    if !uvs.iter().all(|uv| uv.is_finite()) {
+        return;
+    }
+    let low = uvs[0].min(uvs[1]).min(uvs[2]).floor();
+    let high = uvs[0].max(uvs[1]).max(uvs[2]).ceil().max(low + 1.0).min(low + MOST_REPEATS);
+    let tiles = |low: f32, high: f32| 0..(high - low) as u32;
+    for (y, x) in tiles(low.y, high.y).flat_map(|y| tiles(low.x, high.x).map(move |x| (y, x))) {
+        let tile = low + Vec2::new(x as f32, y as f32);
+        each(uvs.map(|uv| uv - tile));
+    }
+}
+
+/// A model as a bake grooms it.
+struct GroomedModel<'a> {
+    told: &'a Told<'a>,
+    model: &'a Model,
+    laid: &'a Laid<'a>,
+    groomed: &'a Groomed,
+}
+
+/// Where the values of a map are known. Red, green, blue and alpha, 0..=1, as the image has them.
+enum Values<'a> {
+    /// One per vertex of the groomed surface.
+    OfVertices(Vec<Vec4>),
+    /// At each point of it.
+    OfTexels(Box<dyn Fn(Spot) -> Vec4 + Sync + 'a>),
+}
+
+fn grey(share: f32) -> Vec4 {
+    Vec3::splat(share).extend(1.0)
+}
+
+impl<'a> GroomedModel<'a> {
+    fn values(&self, quantity: Quantity) -> Result<Values<'a>, BakeError> {
+        let coat = &self.groomed.coat;
+        Ok(match quantity {
+            Quantity::Length => Values::OfVertices(coat.length.iter().copied().map(grey).collect()),
+            Quantity::Lean => Values::OfVertices(coat.lean.iter().copied().map(grey).collect()),
+            Quantity::Density => Values::OfVertices(self.of_inputs(self.laid.lay.density.as_deref(), 1.0, |hairs| {
+                grey((libm::log2f(hairs.max(f32::MIN_POSITIVE)) + 2.0) / 4.0)
+            })),
+            Quantity::Comb => Values::OfVertices(self.comb()),
+            Quantity::Wetness => self.followed(&coat.wetness, |texel| texel.y),
+            Quantity::Bare => self.followed(&coat.bareness, |texel| 1.0 - texel.x),
+            Quantity::Color => self.colors(),
+        })
+    }
+
+    /// What vertices of the imported mesh say, at those of the groomed surface.
+    fn of_inputs<T: Copy>(&self, values: Option<&[T]>, without: T, write: impl Fn(T) -> Vec4) -> Vec<Vec4> {
+        let value = |v: &u32| values.and_then(|all| all.get(*v as usize)).copied().unwrap_or(without);
+        self.groomed.surface.input_vertex.iter().map(|v| write(value(v))).collect()
+    }
+
+    /// The wishes of a map, else the way the hair was laid; no direction where there is none.
+    fn comb(&self) -> Vec<Vec4> {
+        let write = |direction: Vec3| (direction.clamp_length_max(1.0) * 0.5 + 0.5).extend(1.0);
+        match &self.laid.lay.comb {
+            Some(wishes) => self.of_inputs(Some(wishes), Vec3::ZERO, write),
+            None if self.told.recipe.surface.comb == CombSource::None => {
+                vec![write(Vec3::ZERO); self.groomed.surface.mesh.positions.len()]
+            }
+            None => along_v(&self.groomed.surface).into_iter().map(write).collect(),
+        }
+    }
+
+    /// What vertices say, or textures in their place.
+    fn followed(&self, of_vertices: &'a [f32], of_texel: fn(Vec4) -> f32) -> Values<'a> {
+        let Groomed { surface, grooms, .. } = self.groomed;
+        if grooms.images.is_empty() {
+            return Values::OfVertices(of_vertices.iter().copied().map(grey).collect());
+        }
+        let material_of = material_of_triangles(&surface.mesh);
+        Values::OfTexels(Box::new(move |spot| {
+            let corners = surface.mesh.triangles[spot.triangle].map(|v| v as usize);
+            let own: f32 = corners.iter().zip(spot.weights.to_array()).map(|(v, w)| of_vertices[*v] * w).sum();
+            let material = material_of[spot.triangle];
+            let image = grooms.of_material.get(material).copied().flatten().and_then(|image| grooms.images.get(image));
+            grey(own + image.map_or(0.0, |image| of_texel(read(&surface.mesh, spot, image, Encoding::Linear))))
+        }))
+    }
+
+    /// Base colours: factor, texture and vertex colour, and the pattern.
+    fn colors(&self) -> Values<'a> {
+        let Groomed { surface, colors, .. } = self.groomed;
+        // Read back they are lightened again.
+        let laid = self.laid;
+        let gain = |material| if is_furred(laid, material) { laid.hair_colors.gain } else { 1.0 };
+        let factors: Vec<Vec4> = self.model.materials.iter().map(|m| Vec4::from(m.base_color)).collect();
+        let material_of = material_of_triangles(&surface.mesh);
+        Values::OfTexels(Box::new(move |spot| {
+            let material = material_of[spot.triangle];
+            let own = colors.materials.get(material);
+            let factor = own.map(|m| Vec4::from(m.factor)).or(factors.get(material).copied()).unwrap_or(Vec4::ONE);
+            let image = own.and_then(|m| m.image).and_then(|image| colors.images.get(image));
+            let texel = image.map_or(Vec4::ONE, |image| read(&surface.mesh, spot, image, Encoding::Srgb));
+            let corners = surface.mesh.triangles[spot.triangle].map(|v| colors.vertices[v as usize]);
+            let shares = corners.map(|rgba| Vec4::from(rgba.map(|byte| f32::from(byte) / 255.0)));
+            let painted: Vec4 = shares.iter().zip(spot.weights.to_array()).map(|(color, w)| *color * w).sum();
+            let [r, g, b, _] =
+                (factor * texel * painted / gain(material)).to_array().map(|x| f32::from(linear_to_srgb(x)) / 255.0);
+            Vec4::new(r, g, b, 1.0)
+        }))
+    }
+}
+
+fn material_of_triangles(mesh: &Mesh) -> Vec<usize> {
+    let mut materials = vec![usize::MAX; mesh.triangles.len()];
+    for part in &mesh.parts {
+        materials[part.first_triangle..part.first_triangle + part.triangle_count].fill(part.material);
+    }
+    materials
+}
+
+/// An image over the mesh's texture coordinates.
+fn read(mesh: &Mesh, spot: Spot, image: &Image, encoding: Encoding) -> Vec4 {
+    let [a, b, c] = mesh.triangles[spot.triangle].map(|v| mesh.uvs[v as usize]);
+    bilinear(image, a * spot.weights.x + b * spot.weights.y + c * spot.weights.z, Wrap::Repeat, encoding)
+}
+
+/// Per vertex the unit direction, at rest, in which tile coordinate v rises, which is where hair is combed to; zero on bare parts.
+fn along_v(surface: &Surface) -> Vec<Vec3> {
+    let Surface { mesh, rest, .. } = surface;
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    let furred = mesh.triangles.iter().zip(&surface.patch_of_triangle).filter(|(_, patch)| **patch != u32::MAX);
+    for (triangle, _) in furred {
+        let [a, b, c] = triangle.map(|v| v as usize);
+        let edges = |points: &[Vec3]| [points[b] - points[a], points[c] - points[a]];
+        let ([own1, own2], [rest1, rest2]) = (edges(&mesh.positions), edges(&rest.positions));
+        let across = own1.cross(own2);
+        for v in [a, b, c] {
+            // From the mesh's own space, in which tangents are, to rest: the same combination of the edges there.
+            let tangent = surface.tangents[v].truncate();
+            let share = |x: Vec3, y: Vec3| x.cross(y).dot(across) / across.length_squared();
+            let along_u = rest1 * share(tangent, own2) + rest2 * share(own1, tangent);
+            let direction = rest1.cross(rest2).cross(along_u).normalize_or_zero() * surface.tangents[v].w;
+            sums[v] += if direction.is_finite() { direction } else { Vec3::ZERO };
+        }
+    }
+    sums.into_iter().map(Vec3::normalize_or_zero).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,191 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use super::*;
+use crate::mesh::{Material, MeshPart};
+use crate::recipe::Recipe;
+use crate::stages::groom::MapImages;
+
+const RINGS: u32 = 28;
+const SIDES: u32 = 14;
+
+/// A torus about the y axis, radii 0.3 m and 0.12 m. Vertex colours say something at every vertex that is far from smooth. With texture
+/// coordinates it is one chart, cut open along both circles.
+fn torus(with_uvs: bool) -> Model {
+    let mut mesh = Mesh::default();
+    let seam = u32::from(with_uvs);
+    for (i, j) in (0..RINGS + seam).flat_map(|i| (0..SIDES + seam).map(move |j| (i, j))) {
+        let (s, t) = (i as f32 / RINGS as f32, j as f32 / SIDES as f32);
+        let (a, b) = ((s * std::f32::consts::TAU), (t * std::f32::consts::TAU));
+        let out = Vec3::new(a.cos(), 0.0, a.sin());
+        let normal = out * b.cos() + Vec3::Y * b.sin();
+        mesh.positions.push(out * 0.3 + normal * 0.12);
+        mesh.normals.push(normal);
+        mesh.uvs.push(if with_uvs { Vec2::new(s, t) } else { Vec2::ZERO });
+        let (i, j) = (i % RINGS, j % SIDES);
+        let odd = |k: u32| ((i * 7919 + j * 104_729 + k * 31) % 197) as u8 + 29;
+        mesh.colors.push([odd(0), odd(1), odd(2), 255]);
+    }
+    let row = SIDES + seam;
+    for (i, j) in (0..RINGS).flat_map(|i| (0..SIDES).map(move |j| (i, j))) {
+        let wrap = |k: u32, n: u32| if with_uvs { k } else { k % n };
+        let at = |i: u32, j: u32| wrap(i, RINGS) * row + wrap(j, SIDES);
+        mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
+        mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
+    }
+    let triangle_count = mesh.triangles.len();
+    let part = MeshPart {
+        source: "torus".into(),
+        material: 0,
+        first_triangle: 0,
+        triangle_count,
+        has_uvs: with_uvs,
+        ..MeshPart::default()
+    };
+    mesh.parts = vec![part];
+    Model { mesh, materials: vec![Material { name: "coat".into(), ..Material::default() }], ..Model::default() }
+}
+
+fn recipe(text: &str) -> Recipe {
+    Recipe::parse("r.toml", text).unwrap()
+}
+
+fn written(
+    model: &Model,
+    text: &str,
+    images: &MapImages,
+    quantity: Quantity,
+    texels: u32,
+) -> Result<GroomMap, BakeError> {
+    let recipe = recipe(text);
+    groom_map(&Told::new("torus", "torus", &recipe, images), model, quantity, None, texels)
+}
+
+/// Length, lean and density, as maps have it, that a recipe gives each vertex of the model.
+fn groomed(model: &Model, text: &str, images: &MapImages) -> [Vec<f32>; 3] {
+    let recipe = recipe(text);
+    let told = Told::new("torus", "torus", &recipe, images);
+    let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
+    for step in STEPS.iter().filter(|step| matches!(step.makes, Output::Laid | Output::Groomed)) {
+        step.run(&told, &mut outputs).unwrap();
+    }
+    let (laid, groomed) = (outputs.laid.unwrap(), outputs.groomed.unwrap());
+    let of_inputs = |values: &[f32]| {
+        let mut of_input = vec![f32::NAN; model.mesh.positions.len()];
+        groomed.surface.input_vertex.iter().zip(values).for_each(|(v, value)| of_input[*v as usize] = *value);
+        of_input
+    };
+    let density = laid.lay.density.unwrap_or_else(|| vec![1.0; model.mesh.positions.len()]);
+    let density = density.into_iter().map(|hairs| (libm::log2f(hairs) + 2.0) / 4.0).collect();
+    [of_inputs(&groomed.coat.length), of_inputs(&groomed.coat.lean), density]
+}
+
+fn with_image(map: GroomMap) -> MapImages {
+    MapImages { images: [("m.png".to_owned(), map.image)].into(), ..MapImages::default() }
+}
+
+/// Greatest difference of two lists.
+fn worst(a: &[f32], b: &[f32]) -> f32 {
+    assert!(a.len() == b.len() && a.iter().chain(b).all(|x| x.is_finite()));
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn what_is_written_is_read_back_to_a_byte_at_every_vertex() {
+    for (with_uvs, over) in [(false, "coordinates = \"atlas\"\n"), (true, ""), (true, "coordinates = \"atlas\"\n")] {
+        let model = torus(with_uvs);
+        let none = MapImages::default();
+        let before = format!("[groom]\n{over}length = \"vertex\"\nlean = \"vertex#g\"\ndensity = \"vertex#b\"");
+        let had = groomed(&model, &before, &none);
+        for (k, quantity) in [Quantity::Length, Quantity::Lean, Quantity::Density].into_iter().enumerate() {
+            let map = written(&model, &before, &none, quantity, 512).unwrap();
+            assert!(map.misses_by < 0.5 / 255.0, "{quantity:?}, {over:?}: {}", map.misses_by);
+            let after = format!("[groom]\n{over}{} = \"m.png\"", quantity.key());
+            let has = groomed(&model, &after, &with_image(map));
+            let difference = worst(&has[k], &had[k]);
+            assert!(difference <= 1.0 / 255.0, "{quantity:?}, {over:?}: {difference}");
+        }
+    }
+}
+
+#[test]
+fn constants_have_their_bytes() {
+    let model = torus(true);
+    let none = MapImages::default();
+    let text = "[groom]\nlength = 0.6\nlean = 0.2\ndensity = 2\nwetness = 0.4\nbare = 0.8\ncomb = [0, 0.5, -1]\ncolor = \"#336699\"";
+    for (quantity, expected) in [
+        (Quantity::Length, [153; 3]),
+        (Quantity::Lean, [51; 3]),
+        (Quantity::Density, [191; 3]),
+        (Quantity::Wetness, [102; 3]),
+        (Quantity::Bare, [204; 3]),
+        (Quantity::Comb, [128, 185, 13]),
+        (Quantity::Color, [0x33, 0x66, 0x99]),
+    ] {
+        let map = written(&model, text, &none, quantity, 64).unwrap();
+        assert_eq!(map.coordinates, GroomCoordinates::Model);
+        for texel in map.image.rgba.chunks_exact(4) {
+            assert!(
+                texel[3] == 255 && texel.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1),
+                "{quantity:?}: {texel:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_comb_that_no_map_says_is_the_way_the_hair_lies() {
+    let model = torus(false);
+    let none = MapImages::default();
+    let lies = |text| written(&model, text, &none, Quantity::Comb, 512).unwrap();
+    let down = lies("[surface]\ncomb = \"gravity\"");
+    assert_eq!(down.coordinates, GroomCoordinates::Atlas);
+    // At the outer equator the skin is upright, and hair lies straight down.
+    let at = |map: &GroomMap, v: usize| {
+        let uv = map.mesh.uvs[v];
+        bilinear(&map.image, uv, Wrap::Repeat, Encoding::Linear).truncate() * 2.0 - 1.0
+    };
+    let outer = |v: &usize| down.rest.positions[*v].length() > 0.415;
+    let upright = (0..down.mesh.positions.len()).filter(outer);
+    let directions: Vec<Vec3> = upright.map(|v| at(&down, v)).collect();
+    assert!(directions.len() >= RINGS as usize && directions.iter().all(|d| d.y < -0.9), "{directions:?}");
+    let nowhere = lies("[surface]\ncomb = \"none\"");
+    assert!(nowhere.image.rgba.chunks_exact(4).all(|t| t[3] == 255 && t[..3].iter().all(|c| matches!(c, 127 | 128))));
+}
+
+#[test]
+fn what_is_followed_by_texels_is_written_by_texels() {
+    let model = torus(true);
+    let mut rgba = vec![0; 4 * 64 * 64];
+    for (i, texel) in rgba.chunks_exact_mut(4).enumerate() {
+        texel.copy_from_slice(&[if i % 64 < 32 { 255 } else { 0 }, 51, 0, 255]);
+    }
+    let image = Image { width: 64, height: 64, rgba };
+    let images = MapImages { images: [("m.png".to_owned(), image)].into(), ..MapImages::default() };
+    let text = "[groom]\nbare = \"m.png\"\nwetness = \"m.png#g\"";
+    let bare = written(&model, text, &images, Quantity::Bare, 64).unwrap().image;
+    let wet = written(&model, text, &images, Quantity::Wetness, 64).unwrap().image;
+    for i in 0..64 * 64 {
+        let expected = if i % 64 < 32 { 255 } else { 0 };
+        assert_eq!((bare.rgba[4 * i], wet.rgba[4 * i]), (expected, 51), "texel {i}");
+    }
+}
+
+#[test]
+fn a_model_without_coordinates_is_not_written_over_them() {
+    let (model, none, recipe) = (torus(false), MapImages::default(), Recipe::default());
+    let told = Told::new("torus.glb", "torus", &recipe, &none);
+    let error = groom_map(&told, &model, Quantity::Length, Some(GroomCoordinates::Model), 64).unwrap_err().to_string();
+    assert!(error.contains("torus.glb") && error.contains("TEXCOORD_0"), "{error}");
+}
+
+#[test]
+fn triangles_beyond_the_image_lie_where_it_repeats() {
+    let mut found = Vec::new();
+    repeated([Vec2::new(-0.2, 1.2), Vec2::new(0.2, 1.2), Vec2::new(0.0, 1.6)], |uvs| found.push(uvs[0]));
+    let expected = [Vec2::new(0.8, 0.2), Vec2::new(-0.2, 0.2)];
+    assert!(found.len() == 2 && found.iter().zip(expected).all(|(a, b)| a.distance(b) < 1e-6), "{found:?}");
+    repeated([Vec2::NAN; 3], |_| panic!("no coordinates, no place"));
+    let mut count = 0;
+    repeated([Vec2::ZERO, Vec2::splat(1e9), Vec2::X], |_| count += 1);
+    assert_eq!(count, 256);
+}

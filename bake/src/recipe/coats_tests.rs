@@ -1,0 +1,95 @@
+//! The files of coats, and what becomes of a recipe that names one.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use super::{Coat, coats_page};
+use crate::recipe::{Recipe, keys};
+use std::path::Path;
+
+fn of(coat: Coat) -> Recipe {
+    Recipe::parse("r.toml", &format!("[hair]\ncoat = {:?}\n", coat.word())).unwrap()
+}
+
+#[test]
+fn every_coat_has_a_file_that_gives_other_defaults() {
+    let natural = Recipe::default();
+    assert_eq!(of(Coat::Natural), natural);
+    for coat in &Coat::ALL[1..] {
+        let mut said = Recipe::default();
+        pelage_params::read(&mut said, coat.toml()).unwrap();
+        assert_ne!(said, natural, "{coat:?} changes nothing");
+        assert_eq!(said.hair.coat, Coat::Natural, "{coat:?} names a coat itself");
+        assert_eq!((said.hair.length_m, said.surface.tile_size_m), (None, None), "{coat:?} suits one size alone");
+        assert_eq!(of(*coat), Recipe { hair: crate::recipe::HairParams { coat: *coat, ..said.hair.clone() }, ..said });
+        let others = Coat::ALL.iter().filter(|other| *other != coat);
+        assert!(others.clone().all(|other| other.toml() != coat.toml()), "{coat:?} is another");
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/recipe/coats");
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().file_name()).collect();
+    let mut words: Vec<std::ffi::OsString> =
+        Coat::ALL[1..].iter().map(|coat| format!("{}.toml", coat.word()).into()).collect();
+    files.sort();
+    words.sort();
+    assert_eq!(files, words);
+}
+
+/// A key that a recipe leaves out could not be written back: `to_toml` has no word for it.
+#[test]
+fn coats_set_keys_that_always_have_a_value() {
+    let natural = Recipe::default();
+    for coat in &Coat::ALL[1..] {
+        let changed: Vec<_> = keys().filter(|key| key.value(&of(*coat)) != key.value(&natural)).collect();
+        assert!(changed.iter().all(|key| key.value(&natural).is_some()), "{coat:?}: {changed:?}");
+        assert!(changed.len() > 4, "{coat:?}: {changed:?}");
+    }
+}
+
+#[test]
+fn what_a_recipe_says_counts_before_its_coat() {
+    let natural = Recipe::default();
+    let winter = of(Coat::Winter);
+    // Before the coat, after it, and also the very value that the coat takes away.
+    let text =
+        format!("[slice]\nlayers = 9\n[hair]\ndensity = {}\ncoat = \"winter\"\nlean = 0.1\n", natural.hair.density);
+    let recipe = Recipe::parse("r.toml", &text).unwrap();
+    assert_eq!((recipe.slice.layers, recipe.hair.lean, recipe.hair.density), (9, 0.1, natural.hair.density));
+    assert_ne!(winter.hair.density, natural.hair.density);
+    assert_eq!(recipe.hair.root_radius, winter.hair.root_radius);
+    assert_eq!(Recipe::parse("r.toml", &recipe.to_toml()).unwrap(), recipe);
+}
+
+#[test]
+fn another_coat_changes_what_the_coat_before_gave() {
+    let mut recipe = Recipe::parse("r.toml", "[hair]\ncoat = \"wool\"\nlean = 0.33\n").unwrap();
+    recipe.set("hair.coat=wet").unwrap();
+    let wet = of(Coat::Wet);
+    assert_eq!(recipe.hair, crate::recipe::HairParams { lean: 0.33, ..wet.hair.clone() });
+    assert_eq!(recipe.surface, wet.surface);
+    recipe.set("hair.lean=0.5").unwrap();
+    recipe.set("hair.coat=natural").unwrap();
+    assert_eq!((recipe.hair.lean, recipe.hair.density), (0.5, Recipe::default().hair.density));
+    recipe.read("more.toml", "[hair]\ncoat = \"short\"\ndensity = 700\n").unwrap();
+    assert_eq!((recipe.hair.density, recipe.hair.tip_radius), (700, of(Coat::Short).hair.tip_radius));
+}
+
+#[test]
+fn an_unknown_coat_is_told_which_there_are() {
+    for error in [
+        Recipe::parse("r.toml", "[hair]\ncoat = \"wolly\"\n").unwrap_err().to_string(),
+        Recipe::default().set("hair.coat=wolly").unwrap_err().to_string(),
+    ] {
+        assert!(error.contains("hair.coat") && error.contains("wolly"), "{error}");
+        assert!(Coat::ALL.iter().all(|coat| error.contains(coat.word())), "{error}");
+    }
+}
+
+#[test]
+fn the_page_has_every_coat_and_the_pictures_that_are_there() {
+    let page = coats_page(|path| path == "pictures/coat_wool.png");
+    for coat in &Coat::ALL[1..] {
+        assert!(page.contains(&format!("\n## `{}`\n", coat.word())) && page.contains(coat.toml()), "{page}");
+    }
+    assert!(page.contains("\n## `wool`\n\nCurls on curls"), "{page}");
+    assert_eq!(page.matches("](pictures/").count(), 1);
+    assert!(page.contains("](pictures/coat_wool.png)"));
+    assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");
+}

@@ -1,0 +1,249 @@
+//! Where hair grows: on all materials but those that `model.bare` names, or, where a recipe leaves it out, but those that are found to be bare by their
+//! names, by the names of the nodes and meshes that show them, or by being small and either glossy or shaped as eyes are.
+//!
+//! A bald body is worse than a furred claw, so that what is in doubt stays furred.
+
+use super::names::{Said, said_by, words};
+use super::pairs::{are_round_pairs, weld};
+use crate::decision::Decision;
+use crate::mesh::{Material, Model, RestPose};
+use pelage_params::{Field, glob};
+
+/// Largest share of the skin's area that gloss or shape may speak for: eyes, claws and a nose together cover less of most animals.
+const SMALL: f64 = 0.03;
+/// Gloss: at most that rough, and at most that share of how rough the furred rest is on average.
+const GLOSSY: f32 = 0.35;
+const GLOSSY_BESIDE: f32 = 0.6;
+/// Metal: at least that metallic beside a furred rest of at most that on average.
+const METAL: f32 = 0.9;
+const METAL_BESIDE: f32 = 0.3;
+
+/// Where hair grows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Growth {
+    /// One per material: whether hair grows on it.
+    pub furred: Vec<bool>,
+    /// What `model.bare` has to name for the same: the recipe's own list where there is one.
+    pub bare: Vec<String>,
+    /// What was chosen where the recipe left it open.
+    pub decision: Option<Decision>,
+}
+
+/// Why a material is bare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Why {
+    Name,
+    PartName,
+    Gloss,
+    Shape,
+}
+
+impl Why {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Name => "by name",
+            Self::PartName => "by its mesh's name",
+            Self::Gloss => "small and glossy",
+            Self::Shape => "small round pairs",
+        }
+    }
+}
+
+/// Says of each material whether hair grows on it.
+///
+/// * `rest`: of the model's mesh
+/// * `bare`: names, in which `*` stands for any run of characters and `?` for one; case does not matter. `None` finds bare materials, and what was found is
+///   said in [`Growth::decision`]; a model's only material is furred then, and all are where none would be left.
+///
+/// A pattern that matches no material, and a model of which everything looks bare, are reported in `warnings`.
+pub fn growth(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings: &mut Vec<String>) -> Growth {
+    let materials = &model.materials;
+    if let Some(bare) = bare {
+        let furred = furred_materials(materials, bare, warnings);
+        return Growth { furred, bare: bare.to_vec(), decision: None };
+    }
+    let mut why = find(model, rest);
+    if why.len() > 1 && why.iter().all(Option::is_some) {
+        warnings.push(format!(
+            "all {} materials look bare, such as {} ({}), so that all are furred; model.bare says which are not",
+            why.len(),
+            in_words(&materials[0].name),
+            why[0].map_or("", Why::words)
+        ));
+        why.fill(None);
+    }
+    let alike = keep_apart(materials, &mut why);
+    let mut names: Vec<String> = Vec::new();
+    for (material, _) in materials.iter().zip(&why).filter(|(_, why)| why.is_some()) {
+        if !names.contains(&material.name) {
+            names.push(material.name.clone());
+        }
+    }
+    let decision = (!materials.is_empty()).then(|| Decision {
+        what: "where hair grows",
+        chosen: chosen(materials, &why, &alike),
+        line: format!("model.bare = {}", names.to_toml().unwrap_or_default()),
+    });
+    Growth { furred: why.iter().map(Option::is_none).collect(), bare: names, decision }
+}
+
+/// One per material: whether hair grows on it by a recipe's list, as in [`growth`].
+fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
+    for pattern in bare.iter().filter(|p| !materials.iter().any(|m| glob(p, &m.name))) {
+        let names: Vec<_> = materials.iter().map(|m| m.name.as_str()).collect();
+        warnings.push(format!("model.bare: {pattern:?} matches no material; the model has {names:?}"));
+    }
+    materials.iter().map(|m| !bare.iter().any(|p| glob(p, &m.name))).collect()
+}
+
+/// For each material why it is bare, or `None`.
+fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
+    let Model { mesh, materials, .. } = model;
+    // One material alone is the animal, whatever it is called.
+    if materials.len() < 2 {
+        return vec![None; materials.len()];
+    }
+    let shares = shares(model, rest);
+    let share = |m: usize| shares.get(m).copied().unwrap_or(0.0);
+    let names = without_common(materials.iter().map(|m| vec![words(&m.name)]).collect());
+    let of_parts = without_common(mesh.parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
+    let mut never = vec![false; materials.len()];
+    let mut why = vec![None; materials.len()];
+    for m in 0..materials.len() {
+        let fits = |most: f32| share(m) <= f64::from(most);
+        match (said_of(&names[m]), said_of_parts(model, &of_parts, m)) {
+            (Said::Furred, _) => never[m] = true,
+            (Said::Bare { most }, _) if fits(most) => why[m] = Some(Why::Name),
+            (Said::Nothing, Said::Bare { most }) if fits(most) => why[m] = Some(Why::PartName),
+            // A mesh may be called a body and have eyes of a material of their own.
+            _ => {}
+        }
+    }
+    let is_open = |m: &usize| why[*m].is_none() && !never[*m] && share(*m) > 0.0 && share(*m) <= SMALL;
+    let open: Vec<usize> = (0..materials.len()).filter(is_open).collect();
+    let furred: Vec<bool> = why.iter().map(Option::is_none).collect();
+    let places = if open.is_empty() { Vec::new() } else { weld(&rest.positions) };
+    for m in open {
+        if is_glossy(materials, &shares, &furred, m) {
+            why[m] = Some(Why::Gloss);
+        } else if are_round_pairs(mesh, &rest.positions, &places, m) {
+            why[m] = Some(Why::Shape);
+        }
+    }
+    why
+}
+
+/// The share of the skin's area that each material covers at rest.
+fn shares(model: &Model, rest: &RestPose) -> Vec<f64> {
+    let mut areas = vec![0.0; model.materials.len()];
+    for part in &model.mesh.parts {
+        let triangles = model.mesh.triangles.iter().skip(part.first_triangle).take(part.triangle_count);
+        let area = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|v| rest.positions[v as usize].as_dvec3());
+            (b - a).cross(c - a).length() / 2.0
+        };
+        areas[part.material] += triangles.map(area).sum::<f64>();
+    }
+    let whole: f64 = areas.iter().sum();
+    if whole > 0.0 {
+        areas.iter_mut().for_each(|area| *area /= whole);
+    }
+    areas
+}
+
+/// The words of things, a list for each of their names, without those that all things have: such a word names the animal, as in `Bighorn_Body`,
+/// `Bighorn_Eye`.
+fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
+    let has = |thing: &Vec<Vec<String>>, word: &String| thing.iter().any(|name| name.contains(word));
+    let first = things.first().into_iter().flatten().flatten();
+    let common: Vec<String> = first.filter(|word| things.iter().all(|thing| has(thing, word))).cloned().collect();
+    let keep = |name: Vec<String>| name.into_iter().filter(|word| !common.contains(word)).collect();
+    things.into_iter().map(|thing| thing.into_iter().map(keep).collect()).collect()
+}
+
+/// What the names of one thing say: fur if one of them does, else the strictest that is bare.
+fn said_of(names: &[Vec<String>]) -> Said {
+    names.iter().map(|name| said_by(name)).fold(Said::Nothing, |all, said| match (all, said) {
+        (Said::Furred, _) | (_, Said::Furred) => Said::Furred,
+        (Said::Bare { most: a }, Said::Bare { most: b }) => Said::Bare { most: a.min(b) },
+        (Said::Nothing, said) => said,
+        (all, Said::Nothing) => all,
+    })
+}
+
+/// What nodes and meshes say of the material that they show: bare where all of them do, and fur where one does.
+fn said_of_parts(model: &Model, names: &[Vec<Vec<String>>], material: usize) -> Said {
+    let parts = model.mesh.parts.iter().zip(names).filter(|(part, _)| part.material == material);
+    let said = parts.map(|(_, names)| said_of(names)).reduce(|all, said| match (all, said) {
+        (Said::Furred, _) | (_, Said::Furred) => Said::Furred,
+        (Said::Bare { most: a }, Said::Bare { most: b }) => Said::Bare { most: a.min(b) },
+        _ => Said::Nothing,
+    });
+    said.unwrap_or(Said::Nothing)
+}
+
+/// Whether a material shines, or is of metal, while the furred rest is known not to.
+fn is_glossy(materials: &[Material], shares: &[f64], furred: &[bool], material: usize) -> bool {
+    // Mean over the furred rest, of which most has to be known.
+    let rest = |value: fn(&Material) -> Option<f32>| {
+        let others = || (0..materials.len()).filter(|m| *m != material && furred[*m]);
+        let known: Vec<(f64, f64)> =
+            others().filter_map(|m| Some((shares[m], f64::from(value(&materials[m])?)))).collect();
+        let (all, area) = (others().map(|m| shares[m]).sum::<f64>(), known.iter().map(|(share, _)| share).sum::<f64>());
+        (area > 0.0 && area > all / 2.0).then(|| known.iter().map(|(share, v)| share * v).sum::<f64>() / area)
+    };
+    let Material { roughness, metallic, .. } = materials[material];
+    let smooth = roughness
+        .zip(rest(|m| m.roughness))
+        .is_some_and(|(own, rest)| own <= GLOSSY && f64::from(own) <= f64::from(GLOSSY_BESIDE) * rest);
+    let metal =
+        metallic.zip(rest(|m| m.metallic)).is_some_and(|(own, rest)| own >= METAL && rest <= f64::from(METAL_BESIDE));
+    smooth || metal
+}
+
+/// Makes furred again what `model.bare` cannot name without naming a furred material, too: one of the same name, or one that the name stands for as a
+/// pattern. Returns their names.
+fn keep_apart(materials: &[Material], why: &mut [Option<Why>]) -> Vec<String> {
+    let mut alike = Vec::new();
+    // What becomes furred may be what another names.
+    loop {
+        let names_furred = |m: &usize| {
+            why[*m].is_some()
+                && (0..materials.len()).any(|o| why[o].is_none() && glob(&materials[*m].name, &materials[o].name))
+        };
+        let Some(m) = (0..materials.len()).find(names_furred) else { return alike };
+        why[m] = None;
+        if !alike.contains(&materials[m].name) {
+            alike.push(materials[m].name.clone());
+        }
+    }
+}
+
+/// The choice in words: `4 of 7 materials furred, 3 bare: Eyes (by name), Nose (small and glossy)`.
+fn chosen(materials: &[Material], why: &[Option<Why>], alike: &[String]) -> String {
+    let count = materials.len();
+    let bare: Vec<String> = materials
+        .iter()
+        .zip(why)
+        .filter_map(|(material, why)| Some(format!("{} ({})", in_words(&material.name), (*why)?.words())))
+        .collect();
+    let mut text = match (count, bare.len()) {
+        (1, _) => "the only material furred".to_owned(),
+        (_, 0) => format!("all {count} materials furred"),
+        (_, n) => format!("{} of {count} materials furred, {n} bare: {}", count - n, bare.join(", ")),
+    };
+    if !alike.is_empty() {
+        let names: Vec<String> = alike.iter().map(|name| in_words(name)).collect();
+        text += &format!("; furred because others go by the same name: {}", names.join(", "));
+    }
+    text
+}
+
+/// A name for people.
+fn in_words(name: &str) -> String {
+    if name.is_empty() { "one without a name".to_owned() } else { name.escape_debug().to_string() }
+}
+
+#[cfg(test)]
+#[path = "bare_tests.rs"]
+mod tests;

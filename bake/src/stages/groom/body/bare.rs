@@ -1,0 +1,82 @@
+//! How near places are to eyes, nose and mouth: to parts of the skin where no hair grows, and which are small.
+
+use super::skin::{Skin, smooth_step};
+use super::subject::Body;
+use crate::stages::cells::{Cells, closest};
+
+/// How far from bare parts hair is shortened, radii of the body.
+const REACH: f32 = 0.15;
+/// How far a bare part may stand off the skin that it sits in, as an eyeball does in its socket, radii of the body.
+const GAP: f32 = 0.03;
+/// Share of the whole surface that a bare part may have: what is larger is a garment or a shell, and hair beside it as long as elsewhere.
+const LARGEST: f32 = 0.04;
+
+/// One per triangle of the body: whether hair grows on it.
+fn furred_faces(body: &Body<'_>) -> Vec<bool> {
+    let mut faces = vec![false; body.mesh.triangles.len()];
+    for part in body.mesh.parts.iter().filter(|part| body.furred.get(part.material) == Some(&true)) {
+        faces[part.first_triangle..part.first_triangle + part.triangle_count].fill(true);
+    }
+    faces
+}
+
+/// One per place: whether a triangle with hair is there.
+pub(super) fn furred_places(body: &Body<'_>, skin: &Skin) -> Vec<bool> {
+    let mut places = vec![false; skin.len()];
+    let faces = skin.faces.iter().zip(furred_faces(body));
+    faces.filter(|(_, furred)| *furred).flat_map(|(face, _)| face).for_each(|p| places[*p as usize] = true);
+    places
+}
+
+/// How near each place is to a small bare part: 1 at its border, 0 from [`REACH`] on, along the skin.
+pub(super) fn nearness(body: &Body<'_>, skin: &Skin) -> Vec<f32> {
+    let furred = furred_faces(body);
+    let bare: Vec<[u32; 3]> = skin.faces.iter().zip(&furred).filter(|(_, furred)| !**furred).map(|(f, _)| *f).collect();
+    let small = small_parts(skin, &bare);
+    if small.is_empty() {
+        return vec![0.0; skin.len()];
+    }
+    let place = |p: u32| skin.positions[p as usize];
+    let cells = Cells::new(&small, &place, GAP);
+    let gap = |p: u32| {
+        let at = place(p);
+        let distance = |triangle: u32| {
+            let corners = small[triangle as usize].map(place);
+            let w = closest(at, corners);
+            at.distance(corners[0] * w.x + corners[1] * w.y + corners[2] * w.z)
+        };
+        cells.within(at, GAP).map(distance).fold(f32::INFINITY, f32::min)
+    };
+    let seeds = (0..skin.len() as u32).map(|p| (p, gap(p))).filter(|(_, gap)| *gap <= GAP);
+    let distances = skin.distances(seeds, REACH);
+    distances.into_iter().map(|distance| 1.0 - smooth_step(0.0, REACH, distance)).collect()
+}
+
+/// Of bare triangles those whose part, as far as they hang together, is small.
+fn small_parts(skin: &Skin, bare: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    // Union and find by the least place of each part.
+    let mut least: Vec<u32> = (0..skin.len() as u32).collect();
+    fn find(least: &mut [u32], mut place: u32) -> u32 {
+        while least[place as usize] != place {
+            least[place as usize] = least[least[place as usize] as usize];
+            place = least[place as usize];
+        }
+        place
+    }
+    for face in bare {
+        for other in &face[1..] {
+            let (a, b) = (find(&mut least, face[0]), find(&mut least, *other));
+            least[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let area = |face: &[u32; 3]| {
+        let [a, b, c] = face.map(|p| skin.positions[p as usize]);
+        (b - a).cross(c - a).length() / 2.0
+    };
+    let mut areas = vec![0.0; skin.len()];
+    for face in bare {
+        areas[find(&mut least, face[0]) as usize] += area(face);
+    }
+    let whole: f32 = skin.areas.iter().sum();
+    bare.iter().filter(|face| areas[find(&mut least, face[0]) as usize] <= LARGEST * whole).copied().collect()
+}

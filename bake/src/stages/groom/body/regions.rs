@@ -1,0 +1,33 @@
+//! Which part of the body each joint moves.
+
+use super::parts::Region;
+use super::words::{number, region, words};
+use pelage_formats::Animation;
+
+/// The part that each node moves: what its name means, or else what the node it hangs on moves.
+pub(super) fn of_nodes(animation: &Animation) -> Vec<Region> {
+    let named: Vec<Option<Region>> = animation.nodes.iter().map(|node| region(&node.name)).collect();
+    let spine: Vec<Option<u32>> = animation.nodes.iter().map(|node| number_in_spine(&node.name)).collect();
+    // Rigify numbers a human spine through to the head: 4 and 5 are the neck, 6 is the head.
+    let is_numbered = spine.iter().flatten().max() == Some(&6)
+        && !named.iter().flatten().any(|r| matches!(r, Region::Head | Region::Neck));
+    let mut regions: Vec<Region> = Vec::with_capacity(animation.nodes.len());
+    for ((node, named), spine) in animation.nodes.iter().zip(named).zip(spine) {
+        let parent = node.parent.and_then(|p| regions.get(p as usize)).copied().unwrap_or(Region::Unknown);
+        regions.push(match (named, spine.filter(|_| is_numbered)) {
+            (_, Some(4 | 5)) => Region::Neck,
+            (_, Some(6)) => Region::Head,
+            // "LeftUpLeg" has the child "LeftLeg", and "leg01" the child "leg02".
+            (Some(Region::Limb), _) if matches!(parent, Region::UpperLeg | Region::LowerLeg) => Region::LowerLeg,
+            (Some(Region::Limb), _) => Region::UpperLeg,
+            (Some(found), _) => found,
+            (None, _) => parent,
+        });
+    }
+    regions
+}
+
+/// The number of a joint of the spine.
+fn number_in_spine(name: &str) -> Option<u32> {
+    words(name).iter().any(|word| word == "spine").then(|| number(name)).flatten()
+}

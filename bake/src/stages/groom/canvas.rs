@@ -1,0 +1,107 @@
+//! A square texture that triangles are painted into, and on past their borders.
+
+use super::charts::{barycentric, bounds};
+use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
+
+/// A triangle as it lies on a canvas.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    /// Triangle of a mesh. Several pieces may show the same.
+    pub(crate) triangle: u32,
+    /// Its corners, texels.
+    pub(crate) corners: [Vec2; 3],
+}
+
+/// A point of the skin, as a texel sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spot {
+    /// Triangle of the mesh.
+    pub(crate) triangle: usize,
+    /// Barycentric coordinates; in gutters one of them is below 0.
+    pub(crate) weights: Vec3,
+}
+
+impl Spot {
+    /// The spot of its triangle that is nearest to one beyond the border: a sliver's plane soon leads anywhere.
+    pub(crate) fn inside(self) -> Self {
+        let weights = self.weights.max(Vec3::ZERO);
+        Self { weights: weights / weights.element_sum().max(f32::MIN_POSITIVE), ..self }
+    }
+}
+
+/// A square texture, each texel of which knows the triangle that it shows.
+#[derive(Clone, Debug)]
+pub(crate) struct Canvas {
+    /// Width and height, texels.
+    side: u32,
+    pieces: Vec<Piece>,
+    /// For each texel the piece that paints it, `u32::MAX` for none.
+    owner: Vec<u32>,
+}
+
+impl Canvas {
+    /// A canvas of `side` texels each way on which pieces lie. Of those on one texel the first wins; each is continued over `gutter` free
+    /// texels past its border.
+    pub(crate) fn new(side: u32, pieces: Vec<Piece>, gutter: u32) -> Self {
+        let owner = vec![u32::MAX; side as usize * side as usize];
+        let mut canvas = Self { side, pieces, owner };
+        (0..canvas.pieces.len()).for_each(|piece| canvas.draw(piece));
+        (0..gutter).for_each(|_| canvas.dilate());
+        canvas
+    }
+
+    /// Marks the texels whose centre a piece covers.
+    fn draw(&mut self, piece: usize) {
+        let corners = self.pieces[piece].corners;
+        let (min, max) = bounds(&corners);
+        let last = i64::from(self.side) - 1;
+        let range = |a: f32, b: f32| (a.floor() as i64).clamp(0, last)..=(b.ceil() as i64).clamp(0, last);
+        for (y, x) in range(min.y, max.y).flat_map(|y| range(min.x, max.x).map(move |x| (y, x))) {
+            let inside = barycentric(&corners, Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
+                .is_some_and(|w| w.min_element() >= -1e-4);
+            let owner = &mut self.owner[(y * (last + 1) + x) as usize];
+            if inside && *owner == u32::MAX {
+                *owner = piece as u32;
+            }
+        }
+    }
+
+    /// Hands pieces on to free neighbours.
+    fn dilate(&mut self) {
+        let n = self.side as usize;
+        let before = self.owner.clone();
+        self.owner.par_chunks_mut(n).enumerate().for_each(|(y, row)| {
+            for (x, owner) in row.iter_mut().enumerate().filter(|(_, o)| **o == u32::MAX) {
+                // Straight neighbours first: they are nearer.
+                let steps = [(0, -1), (-1, 0), (1, 0), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+                let at = |(dx, dy): (isize, isize)| {
+                    let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
+                    (x < n && y < n).then(|| before[y * n + x]).filter(|t| *t != u32::MAX)
+                };
+                if let Some(found) = steps.into_iter().find_map(at) {
+                    *owner = found;
+                }
+            }
+        });
+    }
+
+    /// Paints the texture. `color` gives a value at a spot, `extent` is the texel's there: the difference of the barycentric coordinates
+    /// over a texel to the right and one down.
+    ///
+    /// Texels without a piece get the mean of all others, so that the coarsest mips keep the colour.
+    pub(crate) fn paint(&self, color: impl Fn(Spot, [Vec3; 2]) -> Vec4 + Sync) -> Vec<Vec4> {
+        let n = self.side as usize;
+        let texel = |(i, owner): (usize, &u32)| {
+            let Piece { triangle, corners } = self.pieces.get(*owner as usize)?;
+            let center = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5);
+            let weights = barycentric(corners, center)?;
+            let step = |d: Vec2| barycentric(corners, center + d).map_or(Vec3::ZERO, |w| w - weights);
+            Some(color(Spot { triangle: *triangle as usize, weights }, [step(Vec2::X), step(Vec2::Y)]))
+        };
+        let painted: Vec<Option<Vec4>> = self.owner.par_iter().enumerate().map(texel).collect();
+        let (sum, count) = painted.iter().flatten().fold((Vec4::ZERO, 0.0), |(sum, n), c| (sum + *c, n + 1.0f32));
+        let mean = sum / count.max(1.0);
+        painted.into_iter().map(|c| c.unwrap_or(mean)).collect()
+    }
+}

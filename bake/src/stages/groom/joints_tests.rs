@@ -1,0 +1,91 @@
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use super::*;
+use crate::recipe::Recipe;
+use pelage_formats::{Joint, Node};
+
+/// A root with no joint, on it a neck, on that a head, on that two ears; joints 0..=3 are neck, head, left and right ear.
+fn rig() -> Animation {
+    let node = |name: &str, parent| Node {
+        name: name.into(),
+        parent,
+        translation: [0.0; 3],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        scale: [1.0; 3],
+    };
+    let nodes = vec![
+        node("Armature", None),
+        node("Neck", Some(0)),
+        node("Head", Some(1)),
+        node("Ear.L", Some(2)),
+        node("Ear.R", Some(2)),
+    ];
+    let joints = (1..5).map(|node| Joint { node, inverse_bind: [0.0; 16] }).collect();
+    Animation { nodes, joints, clips: Vec::new() }
+}
+
+fn values(tables: &str) -> (JointValues, Vec<String>) {
+    let groom = Recipe::parse("r.toml", tables).unwrap().groom;
+    let mut warnings = Vec::new();
+    (JointValues::new(&groom.joint, Some(&rig()), &mut warnings), warnings)
+}
+
+/// A vertex that follows two joints.
+fn follows(a: (u16, f32), b: (u16, f32)) -> SkinVertex {
+    SkinVertex { joints: [a.0, b.0, 0, 0], weights: [a.1, b.1, 0.0, 0.0] }
+}
+
+/// The length at vertices that follow one joint each, where it is 1 elsewhere.
+fn lengths(tables: &str) -> [f32; 4] {
+    let (values, warnings) = values(tables);
+    assert_eq!(warnings, Vec::<String>::new(), "{tables}");
+    [0, 1, 2, 3].map(|joint| values.mix(Some(&follows((joint, 1.0), (0, 0.0))), |t| t.length, 1.0))
+}
+
+#[test]
+fn a_table_holds_for_what_hangs_on_its_joint_and_nearer_ones_win() {
+    let head = "[[groom.joint]]\nname = \"head*\"\nlength = 0.25\n";
+    assert_eq!(lengths(head), [1.0, 0.25, 0.25, 0.25]);
+    // The order of the tables does not count for joints at different heights, and does for the same joint.
+    let left = "[[groom.joint]]\nname = \"ear.l\"\nlength = 0.5\n";
+    assert_eq!(lengths(&format!("{left}{head}")), [1.0, 0.25, 0.5, 0.25]);
+    let ears = "[[groom.joint]]\nname = \"ear*\"\nlength = 0.75\n";
+    assert_eq!(lengths(&format!("{left}{ears}{head}")), [1.0, 0.25, 0.75, 0.75]);
+    assert_eq!(lengths(&format!("{ears}{left}{head}")), [1.0, 0.25, 0.5, 0.75]);
+    // Key by key: a nearer table that says nothing of the length leaves it to the farther.
+    let lean = "[[groom.joint]]\nname = \"ear*\"\nlean = 1\n";
+    assert_eq!(lengths(&format!("{head}{lean}")), [1.0, 0.25, 0.25, 0.25]);
+    // A node that is no joint holds for the joints on it.
+    assert_eq!(lengths("[[groom.joint]]\nname = \"armature\"\nlength = 0.5\n"), [0.5; 4]);
+}
+
+#[test]
+fn values_fade_as_the_weights_do() {
+    let (values, _) = values("[[groom.joint]]\nname = \"Head\"\nlength = 0.5\nwetness = 1\n");
+    let mix = |a, b, elsewhere| values.mix(Some(&follows(a, b)), |t| t.length, elsewhere);
+    assert_eq!(mix((0, 0.75), (1, 0.25), 1.0), 0.875);
+    assert_eq!(mix((1, 0.75), (2, 0.25), 1.0), 0.5, "the ear says what the head says");
+    let third = 1.0 / 3.0;
+    assert_eq!(mix((0, 1.0), (0, 0.0), third), third, "untouched to the last bit");
+    assert_eq!(values.mix(None, |t| t.length, third), third, "a vertex without joints");
+    assert_eq!(mix((77, 1.0), (0, 0.0), third), third, "a joint that the skeleton has not got");
+    assert!(values.say(|t| t.wetness) && !values.say(|t| t.density));
+}
+
+#[test]
+fn tables_without_effect_are_reported() {
+    let tables = "[[groom.joint]]\nname = \"trunk\"\nlength = 0.5\n[[groom.joint]]\nname = \"NECK\"\nlength = 0.5\n";
+    let (_, warnings) = values(tables);
+    assert!(
+        matches!(&warnings[..], [one] if one.contains("\"trunk\"") && one.contains("Ear.L") && !one.contains("Armature")),
+        "{warnings:?}"
+    );
+    let groom = Recipe::parse("r.toml", tables).unwrap().groom;
+    let mut warnings = Vec::new();
+    let values = JointValues::new(&groom.joint, None, &mut warnings);
+    assert!(!values.say(|t| t.length));
+    assert!(matches!(&warnings[..], [one] if one.contains("no skeleton")), "{warnings:?}");
+    let mut warnings = Vec::new();
+    JointValues::new(&[], None, &mut warnings);
+    assert_eq!(warnings, Vec::<String>::new());
+}

@@ -1,0 +1,84 @@
+use super::*;
+use crate::mesh::MeshPart;
+
+/// A furred strip of 1 m along x from 0, a vertex each centimetre, with vertices of its own on each triangle; and bare triangles.
+fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
+    let mut mesh = Mesh::default();
+    let mut add = |corners: [Vec3; 3]| {
+        let base = mesh.positions.len() as u32;
+        mesh.positions.extend(corners);
+        mesh.triangles.push([base, base + 1, base + 2]);
+    };
+    for i in 0..100 {
+        let [a, b] = [i, i + 1].map(|i| Vec3::X * i as f32 * 0.01);
+        add([a, b, b + Vec3::Z * 0.01]);
+        add([a, b + Vec3::Z * 0.01, a + Vec3::Z * 0.01]);
+    }
+    bare.iter().for_each(|corners| add(*corners));
+    let part = |material, first_triangle, triangle_count| MeshPart {
+        material,
+        first_triangle,
+        triangle_count,
+        ..MeshPart::default()
+    };
+    mesh.parts = vec![part(0, 0, 200), part(1, 200, bare.len())];
+    let rest = RestPose { normals: vec![Vec3::Y; mesh.positions.len()], positions: mesh.positions.clone() };
+    (mesh, rest)
+}
+
+/// What becomes of full length at x, metres, for each vertex of the strip.
+fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
+    let (mesh, rest) = strip(bare);
+    let mut length = vec![1.0; mesh.positions.len()];
+    fade_to_bare(&mut length, &mesh, &rest, &[true, false], margin_m);
+    assert!(length[600..].iter().all(|length| *length == 1.0), "bare vertices are left as they are");
+    mesh.positions.iter().map(|p| p.x).zip(length).take(600).collect()
+}
+
+/// A triangle to the left of x = 0, which it touches along z.
+const JOINED: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.0, 0.0, 0.01), Vec3::new(-0.1, 0.0, 0.0)];
+
+#[test]
+fn length_grows_from_nothing_to_all_over_the_margin() {
+    for (x, length) in faded(&[JOINED], 0.2) {
+        let t = (x / 0.2).min(1.0);
+        let expected = t * t * (3.0 - 2.0 * t);
+        assert!((length - expected).abs() < 0.01, "{length} at {x} m, expected {expected}");
+        assert!(x < 0.21 || length == 1.0, "{length} at {x} m");
+    }
+    for (_, length) in faded(&[JOINED], 0.0).into_iter().chain(faded(&[], 0.2)) {
+        assert_eq!(length, 1.0);
+    }
+}
+
+#[test]
+fn an_eye_need_not_be_joined_to_its_lids() {
+    // A gap of 2 cm, and the bare part a little above.
+    let apart = JOINED.map(|p| p + Vec3::new(-0.02, 0.005, 0.0));
+    let at_rim = faded(&[apart], 0.2)[0];
+    assert!(at_rim.1 > 0.0 && at_rim.1 < 0.05, "{at_rim:?}");
+}
+
+#[test]
+fn what_lies_below_the_skin_shortens_nothing() {
+    // Teeth 1.5 cm behind a cheek.
+    let teeth = [Vec3::new(0.4, -0.015, 0.0), Vec3::new(0.4, -0.015, 0.01), Vec3::new(0.41, -0.015, 0.0)];
+    let near = |all: Vec<(f32, f32)>| all.into_iter().filter(|(x, _)| (*x - 0.4).abs() < 0.012).collect::<Vec<_>>();
+    assert!(faded(&[teeth], 0.05).iter().all(|(_, length)| *length == 1.0));
+    let above = teeth.map(|p| Vec3::new(p.x, 0.01, p.z));
+    assert!(near(faded(&[above], 0.05)).iter().all(|(_, length)| *length < 0.3));
+}
+
+#[test]
+fn the_way_goes_along_the_skin_where_it_is_not_seen_straight() {
+    // Where all bare ways lead below the skin, only the seam is a start, and edges lead on from it.
+    let (mesh, mut rest) = strip(&[JOINED]);
+    rest.normals.fill(Vec3::X);
+    let mut length = vec![1.0; mesh.positions.len()];
+    fade_to_bare(&mut length, &mesh, &rest, &[true, false], 0.2);
+    for (p, length) in mesh.positions.iter().zip(&length).take(600) {
+        let t = (p.x / 0.2).min(1.0);
+        // Edges go a little round.
+        assert!((length - t * t * (3.0 - 2.0 * t)).abs() < 0.1, "{length} at {p}");
+    }
+}

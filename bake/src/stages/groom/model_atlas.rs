@@ -1,0 +1,158 @@
+//! An atlas of the model alone: coordinates for images where a model has none of its own, the same for the same model whatever the recipe
+//! says, so that an image painted over them fits again.
+//!
+//! Patches as they lie with the least distortion are grown over all of the mesh, bare parts too, and packed as charts. Sizes follow from the
+//! model's own, and every constant stands here: a default of a recipe that changes must not move what somebody has painted.
+
+use super::atlas::{Atlas, TooMany};
+use super::flow::image_axes;
+use crate::BakeError;
+use crate::mesh::{Mesh, Model, RestPose};
+use crate::stages::surface::{Comb, PatchParams, Source, Surface, SurfaceParams, parameterize};
+use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
+
+/// How far a patch may grow, as a share of the diagonal of the model's bounding box.
+const PATCH_PER_DIAGONAL: f32 = 0.5;
+/// Largest stretch of a triangle in any direction, and the inverse of the least.
+const STRETCH: f32 = 1.6;
+/// Texels each way that charts are packed for, from the first that leaves them wide gutters. Images may have any size.
+const SIDES: [u32; 4] = [1024, 2048, 4096, 8192];
+
+/// What a vertex of the model is known by when the mesh is cut or joined: its material, its place and what moves it.
+type Key = (usize, [u32; 3], [u16; 4], [u32; 4]);
+
+/// The atlas of a model.
+#[derive(Clone, Debug)]
+pub struct ModelAtlas {
+    /// The model's sound triangles, in their order, with the atlas in place of texture coordinates: vertices are copied where charts end.
+    pub mesh: Mesh,
+    /// Its rest pose.
+    pub rest: RestPose,
+    /// Texels each way that it was packed for.
+    pub side: u32,
+    /// Free texels round each chart, of `side`.
+    pub gutter: u32,
+    /// Vertices of `mesh` that stand for a vertex of the model, one for each coordinate.
+    standing_for: BTreeMap<Key, Vec<u32>>,
+    /// Per vertex the directions on the skin that point right and up on the atlas.
+    axes: Vec<[Vec3; 2]>,
+}
+
+impl ModelAtlas {
+    /// Lays out all of a model.
+    ///
+    /// * `file`: the model as the user named it, for messages
+    ///
+    /// # Errors
+    /// [`BakeError::Input`] where no triangle has an area, or where there are so many separate pieces that no texture holds them.
+    pub fn new(file: &str, model: &Model) -> Result<Self, BakeError> {
+        let diagonal_m = diagonal(&RestPose::of(&model.mesh, model.animation.as_ref()).positions);
+        let patches = PatchParams { size: 1.0, turn_deg: 60.0, stretch: STRETCH, comb_weight: 0.0 };
+        let params = SurfaceParams {
+            tile_size_m: (PATCH_PER_DIAGONAL * diagonal_m).max(f32::MIN_POSITIVE),
+            furred: vec![true; model.materials.len()],
+            source: Source::Patches(patches),
+            comb: Comb::None,
+            comb_smoothing: 0.5,
+            density: None,
+        };
+        let uncut = parameterize(file, model, &params)?;
+        let (surface, atlas) = packed(uncut).map_err(|TooMany { charts }| BakeError::Input {
+            file: file.to_owned(),
+            place: "whole model".to_owned(),
+            reason: format!(
+                "its skin falls into {charts} pieces, which are too many for an atlas; expected fewer: join vertices that stand at \
+                 one place, or unwrap it in a modelling tool and keep groom.coordinates = \"model\""
+            ),
+        })?;
+        let Surface { mut mesh, rest, .. } = surface;
+        mesh.uvs = atlas.uvs.iter().map(|uv| uv.unwrap_or_default()).collect();
+        mesh.parts.iter_mut().for_each(|part| part.has_uvs = true);
+        let axes = image_axes(&mesh, &rest);
+        let standing_for = by_key(&mesh);
+        Ok(Self { mesh, rest, side: atlas.side, gutter: atlas.gutter, standing_for, axes })
+    }
+
+    /// The vertices of the atlas that stand for vertex `v` of `mesh`, which is the model's, cut or joined: one for each coordinate that it has. None
+    /// for a vertex whose triangles have no area.
+    pub(super) fn standing_for(&self, mesh: &Mesh, material: usize, v: usize) -> &[u32] {
+        self.standing_for.get(&key(mesh, material, v)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Coordinate of a vertex of the atlas.
+    pub(super) fn uv(&self, vertex: u32) -> Vec2 {
+        self.mesh.uvs[vertex as usize]
+    }
+
+    /// Directions on the skin, at rest, that point right and up on the atlas at one of its vertices.
+    pub(super) fn axes(&self, vertex: u32) -> [Vec3; 2] {
+        self.axes[vertex as usize]
+    }
+
+    /// For each triangle's corners a number of the vertex of the model that they stand for, from 0 without gaps, and for each of those its
+    /// coordinates.
+    pub fn places(&self) -> (Vec<[u32; 3]>, Vec<Vec<Vec2>>) {
+        let mut number_of = vec![0; self.mesh.positions.len()];
+        let mut coordinates = Vec::new();
+        let keys: BTreeMap<&Key, u32> = self.standing_for.keys().zip(0..).collect();
+        for vertices in self.standing_for.values() {
+            coordinates.push(vertices.iter().map(|v| self.uv(*v)).collect());
+        }
+        for (material, v) in corners(&self.mesh) {
+            number_of[v] = keys.get(&key(&self.mesh, material, v)).copied().unwrap_or_default();
+        }
+        (self.mesh.triangles.iter().map(|t| t.map(|v| number_of[v as usize])).collect(), coordinates)
+    }
+}
+
+/// Of the box about some points.
+fn diagonal(points: &[Vec3]) -> f32 {
+    let box_of = |(min, max): (Vec3, Vec3), p: &Vec3| (min.min(*p), max.max(*p));
+    let (min, max) = points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), box_of);
+    if points.is_empty() { 0.0 } else { min.distance(max) }
+}
+
+/// Packs charts for the least of [`SIDES`] that leaves wide gutters, else for the largest.
+fn packed(uncut: Surface) -> Result<(Surface, Atlas), TooMany> {
+    let mut found = Err(TooMany { charts: 0 });
+    for side in SIDES {
+        let mut surface = uncut.clone();
+        found = Atlas::pack(&mut surface, side).map(|atlas| (surface, atlas));
+        if found.as_ref().is_ok_and(|(_, atlas)| atlas.is_roomy()) {
+            break;
+        }
+    }
+    found
+}
+
+fn key(mesh: &Mesh, material: usize, v: usize) -> Key {
+    // Adding zero turns -0 into +0.
+    let bits = |x: f32| (x + 0.0).to_bits();
+    let (joints, weights) = mesh.skin.get(v).map_or(([0; 4], [0.0; 4]), |skin| (skin.joints, skin.weights));
+    (material, mesh.positions[v].to_array().map(bits), joints, weights.map(bits))
+}
+
+/// Material and vertex of every corner.
+fn corners(mesh: &Mesh) -> impl Iterator<Item = (usize, usize)> {
+    mesh.parts.iter().flat_map(|part| {
+        let triangles = &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
+        triangles.iter().flatten().map(|v| (part.material, *v as usize))
+    })
+}
+
+/// The vertices of each key, those with a coordinate that another has left out.
+fn by_key(mesh: &Mesh) -> BTreeMap<Key, Vec<u32>> {
+    let mut found: BTreeMap<Key, Vec<u32>> = BTreeMap::new();
+    for (material, v) in corners(mesh) {
+        let known = found.entry(key(mesh, material, v)).or_default();
+        if known.iter().all(|k| mesh.uvs[*k as usize] != mesh.uvs[v]) {
+            known.push(v as u32);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+#[path = "model_atlas_tests.rs"]
+mod tests;

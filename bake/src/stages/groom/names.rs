@@ -1,0 +1,140 @@
+//! What the name of a material, node or mesh says of hair.
+
+use super::words::{BARE, FURRED, FURRED_WITHIN, INSIDE, MOUTH, PLACE_CHARACTERS, PLACES};
+
+/// What a name says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Said {
+    /// Nothing of hair.
+    Nothing,
+    /// Hair grows there: `EyeFur`, `Body`.
+    Furred,
+    /// No hair grows there, if it covers at most that share of the skin's area, 0..=1.
+    Bare {
+        /// That share.
+        most: f32,
+    },
+}
+
+/// What a character can be a part of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Script {
+    /// Words are parted by what is no letter, or by a capital.
+    Letters { upper: bool },
+    /// Words run into each other.
+    Katakana,
+    /// As katakana; kanji take hiragana as endings, so that both are one.
+    HanAndHiragana,
+    /// No word.
+    None,
+}
+
+fn script(c: char) -> Script {
+    match c {
+        '\u{30a0}'..='\u{30ff}' => Script::Katakana,
+        '\u{3005}' | '\u{3041}'..='\u{309f}' | '\u{3400}'..='\u{4dbf}' | '\u{4e00}'..='\u{9fff}' => {
+            Script::HanAndHiragana
+        }
+        _ if c.is_alphabetic() => Script::Letters { upper: c.is_uppercase() },
+        _ => Script::None,
+    }
+}
+
+/// The words of a name, folded: in lower case, without accents but `ñ`. `LeftEye.001`, `left_eye` and `LEFT-EYE2` have the same two.
+pub(super) fn words(name: &str) -> Vec<String> {
+    let narrow = |c: char| match c {
+        // Wide forms of ASCII.
+        '\u{ff01}'..='\u{ff5e}' => char::from_u32(c as u32 - 0xfee0).unwrap_or(c),
+        _ => c,
+    };
+    // Accents that stand behind their letter belong to it, and part no words.
+    let is_accent = |c: &char| ('\u{300}'..='\u{36f}').contains(c);
+    let all: Vec<char> = name.chars().map(narrow).collect();
+    let mut chars: Vec<char> = Vec::new();
+    for c in all {
+        match chars.last_mut() {
+            Some(last) if c == '\u{303}' && matches!(*last, 'n' | 'N') => *last = 'ñ',
+            _ if is_accent(&c) => {}
+            _ => chars.push(c),
+        }
+    }
+    let mut words = vec![String::new()];
+    let mut before = Script::None;
+    for (i, c) in chars.iter().enumerate() {
+        let here = script(*c);
+        let next_is_lower = chars.get(i + 1).is_some_and(|c| script(*c) == Script::Letters { upper: false });
+        let goes_on = match (before, here) {
+            (_, Script::None) => false,
+            (Script::Letters { upper: false }, Script::Letters { upper: true }) => false,
+            // The last capital of a run begins a word: `LODEye`.
+            (Script::Letters { upper: true }, Script::Letters { upper: true }) => !next_is_lower,
+            (Script::Letters { .. }, Script::Letters { .. }) => true,
+            (before, here) => before == here,
+        };
+        if !goes_on {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut().filter(|_| here != Script::None) {
+            c.to_lowercase().for_each(|c| fold(c, word));
+        }
+        before = here;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// Appends a letter without its accent.
+fn fold(c: char, word: &mut String) {
+    word.push_str(match c {
+        'à'..='å' | 'ā' | 'ă' | 'ǎ' => "a",
+        'ç' => "c",
+        'è'..='ë' | 'ē' | 'ě' => "e",
+        'ì'..='ï' | 'ī' | 'ǐ' => "i",
+        'ò'..='ö' | 'ø' | 'ō' | 'ǒ' => "o",
+        'ù'..='ü' | 'ū' | 'ǔ' | 'ǖ' | 'ǘ' | 'ǚ' | 'ǜ' => "u",
+        'æ' => "ae",
+        'œ' => "oe",
+        'ß' => "ss",
+        other => return word.push(other),
+    });
+}
+
+/// What words, as [`words`] gives them, say together. One that speaks of fur counts more than any other: a bald body is worse than a furred claw.
+pub(super) fn said_by<W: AsRef<str>>(words: &[W]) -> Said {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    let is_furred = |word: &&str| is_one_of(word, FURRED) || FURRED_WITHIN.iter().any(|within| word.contains(within));
+    if words.iter().any(is_furred) {
+        return Said::Furred;
+    }
+    let is_inside = words.iter().any(|word| INSIDE.contains(word));
+    let limits = words.iter().filter_map(|word| {
+        let of_mouth = (is_inside && is_one_of(word, MOUTH.words)).then_some(MOUTH.most);
+        limit(word).or(of_mouth)
+    });
+    limits.reduce(f32::min).map_or(Said::Nothing, |most| Said::Bare { most })
+}
+
+/// How much of the skin what that word names may cover; `None` for a word that names nothing bare.
+fn limit(word: &str) -> Option<f32> {
+    let of = |word: &str| BARE.iter().find(|kind| is_one_of(word, kind.words)).map(|kind| kind.most);
+    let without_place = || {
+        let cut = PLACES.iter().find_map(|place| word.strip_prefix(place).or_else(|| word.strip_suffix(place)))?;
+        of(cut.trim_matches(PLACE_CHARACTERS))
+    };
+    let characters = word.trim_matches(PLACE_CHARACTERS);
+    of(word)
+        .or_else(without_place)
+        .or_else(|| of(characters))
+        // "Of": 犬の目, 狗的眼睛.
+        .or_else(|| characters.split(['の', '的']).filter(|run| *run != characters).find_map(of))
+}
+
+/// Whether a word, or its singular, is in the list.
+fn is_one_of(word: &str, list: &[&str]) -> bool {
+    let singular = |ending: &str| word.strip_suffix(ending).filter(|stem| stem.len() > 2);
+    [Some(word), singular("s"), singular("es")].into_iter().flatten().any(|word| list.contains(&word))
+}
+
+#[cfg(test)]
+#[path = "names_tests.rs"]
+mod tests;

@@ -1,0 +1,145 @@
+//! Shapes of eyes: small round pieces in pairs, high on the body.
+
+use crate::mesh::Mesh;
+use glam::{DVec3, Vec3};
+use std::collections::{BTreeMap, HashMap};
+
+/// Least 36π V² / A³ of a piece, which is 1 of a ball, 0.76 of one pressed to half its height, 0.52 of a cube and 0 of a sheet.
+const ROUND: f64 = 0.6;
+/// Two pieces are a pair where their areas differ by at most that share.
+const ALIKE: f64 = 0.05;
+/// More pieces than two eyes of a few layers are something else.
+const MOST_PIECES: usize = 12;
+
+/// A run of triangles that hang together.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    center: DVec3,
+    area: f64,
+    roundness: f64,
+}
+
+/// Numbers the distinct places: vertices at one place have one number.
+pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
+    let mut seen: HashMap<[u32; 3], u32> = HashMap::new();
+    let number = |p: &Vec3| {
+        let next = seen.len() as u32;
+        // Adding zero turns -0 into +0.
+        *seen.entry((*p + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert(next)
+    };
+    positions.iter().map(number).collect()
+}
+
+/// Whether all that `material` covers are small round pieces, each with a partner of its size elsewhere, in the upper half of the model. A piece may be
+/// open, as an eye without its back is, but may not go on in another material.
+///
+/// * `positions`: at rest, y up
+/// * `places`: as [`weld`] numbers them
+pub(super) fn are_round_pairs(mesh: &Mesh, positions: &[Vec3], places: &[u32], material: usize) -> bool {
+    let (own, others) = faces(mesh, places, material);
+    let mut position_of: BTreeMap<u32, DVec3> = BTreeMap::new();
+    for (place, position) in places.iter().zip(positions) {
+        position_of.entry(*place).or_insert(position.as_dvec3());
+    }
+    let (low, high) = positions.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), p| (a.min(p.y), b.max(p.y)));
+    let middle = f64::from(low) / 2.0 + f64::from(high) / 2.0;
+    let borders = borders(&own);
+    let goes_on = others.iter().flat_map(edges).any(|edge| borders.contains_key(&edge));
+    let at = |place: &u32| position_of.get(place).copied().unwrap_or_default();
+    let pieces: Vec<Piece> = pieces(&own).iter().map(|faces| measured(faces, &borders, &at)).collect();
+    let is_eye = |piece: &Piece| piece.roundness >= ROUND && piece.center.y > middle;
+    let some = (2..=MOST_PIECES).contains(&pieces.len());
+    some && !goes_on && pieces.iter().all(is_eye) && all_are_paired(&pieces)
+}
+
+/// The triangles of a material, and those of the others, by places. Such as are no triangles by place are left out.
+fn faces(mesh: &Mesh, places: &[u32], material: usize) -> (Vec<[u32; 3]>, Vec<[u32; 3]>) {
+    let (mut own, mut others) = (Vec::new(), Vec::new());
+    for part in &mesh.parts {
+        let triangles = mesh.triangles.iter().skip(part.first_triangle).take(part.triangle_count);
+        let faces = triangles.map(|t| t.map(|v| places.get(v as usize).copied().unwrap_or_default()));
+        let faces = faces.filter(|[a, b, c]| a != b && b != c && c != a);
+        if part.material == material { own.extend(faces) } else { others.extend(faces) }
+    }
+    (own, others)
+}
+
+/// The three edges of a face, the lower place first.
+fn edges([a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
+    [[*a, *b], [*b, *c], [*c, *a]].map(|[p, q]| [p.min(q), p.max(q)])
+}
+
+/// The edges that one face alone has.
+fn borders(faces: &[[u32; 3]]) -> BTreeMap<[u32; 2], u32> {
+    let mut count = BTreeMap::new();
+    faces.iter().flat_map(edges).for_each(|edge| *count.entry(edge).or_insert(0) += 1);
+    count.retain(|_, faces| *faces == 1);
+    count
+}
+
+/// The faces by pieces that hang together at places, in the order of their first faces.
+fn pieces(faces: &[[u32; 3]]) -> Vec<Vec<[u32; 3]>> {
+    let mut parent: BTreeMap<u32, u32> = BTreeMap::new();
+    let root = |parent: &mut BTreeMap<u32, u32>, mut place: u32| {
+        while let Some(up) = parent.get(&place).copied().filter(|up| *up != place) {
+            // Every second step is cut short, so that ways stay short.
+            let above = parent.get(&up).copied().unwrap_or(up);
+            parent.insert(place, above);
+            place = above;
+        }
+        parent.insert(place, place);
+        place
+    };
+    for [a, b, c] in faces {
+        for other in [b, c] {
+            let ends = [*a, *other].map(|place| root(&mut parent, place));
+            parent.insert(ends[0].max(ends[1]), ends[0].min(ends[1]));
+        }
+    }
+    let (mut number, mut out): (BTreeMap<u32, usize>, Vec<Vec<[u32; 3]>>) = Default::default();
+    for face in faces {
+        let next = out.len();
+        let piece = *number.entry(root(&mut parent, face[0])).or_insert(next);
+        if piece == next {
+            out.push(Vec::new());
+        }
+        if let Some(faces) = out.get_mut(piece) {
+            faces.push(*face);
+        }
+    }
+    out
+}
+
+/// Measures a piece. A hole counts as closed by a fan about its middle, which adds nothing to the area.
+fn measured(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&u32) -> DVec3) -> Piece {
+    let mean = |places: &[u32]| places.iter().map(at).sum::<DVec3>() / places.len().max(1) as f64;
+    let all: Vec<u32> = faces.iter().flatten().copied().collect();
+    let rim: Vec<u32> = faces.iter().flat_map(edges).filter(|edge| borders.contains_key(edge)).flatten().collect();
+    let hub = mean(if rim.is_empty() { &all } else { &rim });
+    let (mut volume, mut area) = (0.0, 0.0);
+    for face in faces {
+        let [a, b, c] = face.map(|place| at(&place) - hub);
+        volume += a.dot(b.cross(c)) / 6.0;
+        area += (b - a).cross(c - a).length() / 2.0;
+    }
+    let roundness = if area > 0.0 { 36.0 * std::f64::consts::PI * volume * volume / (area * area * area) } else { 0.0 };
+    Piece { center: mean(&all), area, roundness }
+}
+
+/// Whether each piece has another of its size that lies beside it, not about it.
+fn all_are_paired(pieces: &[Piece]) -> bool {
+    let mut paired = vec![false; pieces.len()];
+    for (i, piece) in pieces.iter().enumerate() {
+        if paired[i] {
+            continue;
+        }
+        let is_partner = |j: &usize| {
+            let other = &pieces[*j];
+            let apart = piece.center.distance_squared(other.center) > piece.area / std::f64::consts::PI;
+            !paired[*j] && apart && (piece.area - other.area).abs() <= ALIKE * piece.area.max(other.area)
+        };
+        let Some(partner) = (i + 1..pieces.len()).find(is_partner) else { return false };
+        (paired[i], paired[partner]) = (true, true);
+    }
+    true
+}

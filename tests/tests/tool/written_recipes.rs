@@ -1,0 +1,147 @@
+//! `pelage bake --write-recipe` through the real binary: the recipe of a bake, and that it gives the same package.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_bake::recipe::{Coat, Recipe, keys};
+use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::gpu::gpu;
+use pelage_tests::schema;
+
+/// A folder with the torus, a recipe that names a pattern, and the pattern.
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    let asset = |name: &str| std::fs::read(workspace().join("assets").join(name)).unwrap();
+    sandbox.write("torus.glb", asset("models/torus.glb"));
+    sandbox.write("recipes/spots.png", asset("patterns/spots.png"));
+    let recipe = "[hair]\ncoat = \"wool\"\nlean = 0.4 # mine\n[color]\npattern = \"spots.png\"\npattern_texels = 512\n\
+        [pack]\nbase_color_format = \"rgba8\"\n[fins]\nenabled = true\n[slice]\nlayers = 4\ntile_texels = 16\n";
+    sandbox.write("recipes/mine.toml", recipe);
+    sandbox
+}
+
+fn bake(sandbox: &Sandbox, package: &str, more: &[&str]) -> Run {
+    sandbox.run(&[&["bake", "torus.glb", "-o", package], more].concat())
+}
+
+fn read(sandbox: &Sandbox, name: &str) -> Vec<u8> {
+    std::fs::read(sandbox.path().join(name)).unwrap()
+}
+
+/// Bakes and writes the recipe, bakes by it, and returns it.
+fn written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
+    let first = bake(sandbox, "first.pelage", &[&["--write-recipe", path], more].concat());
+    assert_eq!(first.code, Some(0), "{first:?}");
+    assert!(first.stdout.contains(path), "{first:?}");
+    let text = String::from_utf8(read(sandbox, path)).unwrap();
+    let second = bake(sandbox, "second.pelage", &["--recipe", path]);
+    assert_eq!(second.code, Some(0), "{second:?}");
+    let same = read(sandbox, "first.pelage") == read(sandbox, "second.pelage");
+    assert!(same, "another package, by {text}");
+    assert_eq!(sandbox.run(&["validate", "first.pelage"]).code, Some(0));
+    text
+}
+
+const SMALL: [&str; 4] = ["--set", "slice.layers=4", "--set", "slice.tile_texels=16"];
+
+#[test]
+fn the_written_recipe_gives_the_same_package() {
+    let sandbox = sandbox();
+    let text = written(&sandbox, "whole.toml", &SMALL);
+    let recipe = Recipe::parse("whole.toml", &text).unwrap();
+    assert!(recipe.hair.length_m.is_some() && recipe.surface.tile_size_m.is_some(), "{text}");
+    assert_eq!(recipe.slice.layers, 4);
+    // Every key is there, with a value or as a comment, and what was chosen says so.
+    for key in keys() {
+        let there = [format!("\n{} = ", key.key()), format!("\n# {} =\n", key.key())];
+        assert!(there.iter().any(|line| text.contains(line)), "{} is missing: {text}", key.name);
+    }
+    assert!(
+        text.contains("\n# chosen by the bake: length of hair, ") && text.contains("\n# chosen by the bake\nfur = ")
+    );
+    // Written over by the next bake: it is an output like the package.
+    let again = written(&sandbox, "whole.toml", &[&SMALL[..], &["--set", "hair.length_m=0.01"]].concat());
+    assert!(!again.contains("length of hair, "), "{again}");
+}
+
+#[test]
+fn a_recipe_with_a_coat_and_images_is_written_whole() {
+    let sandbox = sandbox();
+    let text = written(&sandbox, "recipes/whole.toml", &["--recipe", "recipes/mine.toml"]);
+    let recipe = Recipe::parse("whole.toml", &text).unwrap();
+    let wool = Recipe::parse("wool.toml", "[hair]\ncoat = \"wool\"\n").unwrap();
+    assert_eq!((recipe.hair.coat, recipe.hair.lean), (Coat::Wool, 0.4));
+    assert_eq!(recipe.hair.curl_radius, wool.hair.curl_radius);
+    assert_eq!(recipe.images(), [("color.pattern".to_owned(), "spots.png")]);
+    // Of the bake's choices, those that have no words of their own.
+    assert!(
+        text.contains("\n# chosen by the bake\npattern_size_m = ") && text.contains("\n# chosen by the bake\ndepth = ")
+    );
+}
+
+#[test]
+fn what_options_chose_is_in_the_written_recipe() {
+    let sandbox = sandbox();
+    let text = written(&sandbox, "whole.toml", &["--for-size", "120x72"]);
+    assert!(text.contains("\n# chosen by the bake: for --for-size 120x72\nlayers = "), "{text}");
+}
+
+#[test]
+fn what_limits_chose_is_in_the_written_recipe() {
+    if gpu("what_limits_chose_is_in_the_written_recipe").is_none() {
+        return;
+    }
+    let sandbox = sandbox();
+    let small = ["judge.width=120", "judge.height=72", "judge.samples=8", "ink.enabled=false", "slice.layers=64"];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    let text = written(&sandbox, "whole.toml", &[&["--max-error", "1"], &sets[..]].concat());
+    assert!(text.contains("\n# chosen by the bake: for --max-error 1\nlayers = "), "{text}");
+    // The package is that of a bake that measured nothing; what was measured is said.
+    let limits = [&["--max-error", "1", "--json", "--write-recipe", "whole.toml"], &sets[..]].concat();
+    let object = schema::done(&bake(&sandbox, "first.pelage", &limits), "bake");
+    assert!(object["choice"].is_object() && object["recipe"] == "whole.toml", "{object}");
+    let inspected = sandbox.run(&["inspect", "first.pelage", "--json"]);
+    let inspected: serde_json::Value = serde_json::from_str(&inspected.stdout).unwrap();
+    assert!(inspected["choice"].is_null(), "{inspected}");
+}
+
+#[test]
+fn a_recipe_that_would_not_find_its_files_is_not_written() {
+    let sandbox = sandbox();
+    let refused = |path: &str, words: &[&str]| {
+        let before = sandbox.files();
+        let run = bake(&sandbox, "p.pelage", &["--recipe", "recipes/mine.toml", "--write-recipe", path]);
+        assert_eq!(run.code, Some(1), "{run:?}");
+        assert!(words.iter().all(|word| run.stderr.contains(word)), "{words:?}: {run:?}");
+        assert_eq!(sandbox.files(), before, "{path} left something behind");
+    };
+    refused("whole.toml", &["color.pattern", "spots.png", "copy them", "--recipe"]);
+    // Another image lies there under that name.
+    sandbox.write("spots.png", std::fs::read(workspace().join("assets/patterns/zebra.png")).unwrap());
+    refused("whole.toml", &["whole.toml", "another file", "spots.png"]);
+    // The same one does.
+    sandbox.write("spots.png", read(&sandbox, "recipes/spots.png"));
+    written(&sandbox, "whole.toml", &["--recipe", "recipes/mine.toml"]);
+}
+
+#[test]
+fn a_recipe_takes_the_place_of_nothing_that_was_read() {
+    let sandbox = sandbox();
+    let before = (sandbox.files(), read(&sandbox, "recipes/mine.toml"));
+    for path in ["recipes/../recipes/mine.toml", "p.pelage", "torus.glb"] {
+        let run = bake(&sandbox, "p.pelage", &["--recipe", "recipes/mine.toml", "--write-recipe", path]);
+        assert_eq!(run.code, Some(1), "{path}: {run:?}");
+        assert!(run.stderr.contains(path), "{path}: {run:?}");
+        assert_eq!((sandbox.files(), read(&sandbox, "recipes/mine.toml")), before, "{path}");
+    }
+}
+
+#[test]
+fn neither_package_nor_recipe_is_there_without_the_other() {
+    let sandbox = sandbox();
+    let before = sandbox.files();
+    for (path, place) in [("none/r.toml", "none: "), ("recipes", "recipes: ")] {
+        let run = bake(&sandbox, "p.pelage", &[&SMALL[..], &["--write-recipe", path]].concat());
+        assert_eq!(run.code, Some(2), "{path}: {run:?}");
+        assert!(run.stderr.contains(place), "{path}: {run:?}");
+        assert_eq!(sandbox.files(), before, "{path}");
+    }
+}
