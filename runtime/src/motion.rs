@@ -2,6 +2,7 @@
 
 use crate::bounds::Hull;
 use crate::gpu::Gpu;
+use crate::hair::DrawnSet;
 use crate::instance::{Instance, Motion};
 use crate::model::{Model, Strands};
 use glam::Mat4;
@@ -55,6 +56,8 @@ struct StrandState {
     guides: Option<wgpu::Buffer>,
     /// The revision that both are of; 0 where they hold nothing yet.
     revision: u64,
+    /// Share of them that is posed.
+    share: f32,
     last_frame: u64,
 }
 
@@ -64,8 +67,10 @@ pub(crate) struct PosedStrands {
     pub(crate) buffer: wgpu::Buffer,
     /// Points of their guides, where they follow some: relative to their roots.
     pub(crate) guides: Option<wgpu::Buffer>,
-    /// They are of another pose.
+    /// They are of another pose, or too few.
     pub(crate) stale: bool,
+    /// Share of them that is posed.
+    pub(crate) share: f32,
 }
 
 impl States {
@@ -122,12 +127,23 @@ impl States {
     }
 
     /// Where a set of an instance's strands is posed, which this frame draws at that revision of its shape.
-    pub(crate) fn pose_strands(&mut self, gpu: &Gpu, instance: &Instance, revision: u64, set: usize) -> PosedStrands {
-        let made = || StrandState::new(gpu, &instance.model.strands()[set]);
-        let state = self.strands.entry((instance.owner, set)).or_insert_with(made);
+    pub(crate) fn pose_strands(
+        &mut self,
+        gpu: &Gpu,
+        instance: &Instance,
+        revision: u64,
+        drawn: &DrawnSet,
+    ) -> PosedStrands {
+        let strands = &instance.model.strands()[drawn.set];
+        let made = || StrandState::new(gpu, strands);
+        let state = self.strands.entry((instance.owner, drawn.set)).or_insert_with(made);
         state.last_frame = self.frame;
-        let stale = std::mem::replace(&mut state.revision, revision) != revision;
-        PosedStrands { buffer: state.points.clone(), guides: state.guides.clone(), stale }
+        let wanted = drawn.share.max(strands.shadow_share());
+        let stale = state.revision != revision || state.share < wanted;
+        if stale {
+            (state.revision, state.share) = (revision, wanted);
+        }
+        PosedStrands { buffer: state.points.clone(), guides: state.guides.clone(), stale, share: state.share }
     }
 
     /// Forgets all poses, so that they are computed anew.
@@ -155,6 +171,7 @@ impl StrandState {
             points: buffer("pelage posed strands", strands.posed_bytes()),
             guides: strands.guided().map(|guided| buffer("pelage posed guides", guided.guides.size())),
             revision: 0,
+            share: 0.0,
             last_frame: 0,
         }
     }

@@ -23,25 +23,31 @@ const THINNEST_BLENDED_PX: [f32; 2] = [0.36, 0.18];
 /// Least share of them.
 const FEWEST_HAIRS: f32 = 0.02;
 
-/// Share of hairs that is drawn, the wider, where they are so many pixels wide and a pixel has so many samples. Of coats that are drawn in samples all are:
-/// where those would be too thin there are layers.
+/// The same, pixels over the root of the samples, of coats that are drawn in samples. From there on they shimmer less than twice as much as the true
+/// picture.
+const THINNEST_OF_COAT_PX: f32 = 0.9;
+
+/// Least share of a coat's hairs that is drawn in samples: what would have to be fewer is drawn in layers.
+const FEWEST_OF_COAT: f32 = 0.25;
+
+/// Share of hairs that is drawn, the wider, where they are so many pixels wide and a pixel has so many samples.
 pub(super) fn share_of_hairs(fur: &FurParams, guided: bool, width_px: f32, samples: u32) -> f32 {
     let [of_guided, of_coats] = THINNEST_BLENDED_PX;
-    let thinnest_px = match (fur.strand_edges, guided) {
-        (StrandEdges::Samples, true) => THINNEST_PX / samples as f32,
-        (StrandEdges::Samples, false) => return 1.0,
-        (StrandEdges::Blended, true) => of_guided,
-        (StrandEdges::Blended, false) => of_coats,
+    let (thinnest_px, fewest) = match (fur.strand_edges, guided) {
+        (StrandEdges::Samples, true) => (THINNEST_PX / samples as f32, FEWEST_HAIRS),
+        (StrandEdges::Samples, false) => (THINNEST_OF_COAT_PX / (samples as f32).sqrt(), FEWEST_OF_COAT),
+        (StrandEdges::Blended, true) => (of_guided, FEWEST_HAIRS),
+        (StrandEdges::Blended, false) => (of_coats, FEWEST_HAIRS),
     };
-    (width_px / thinnest_px).clamp(FEWEST_HAIRS, 1.0)
+    (width_px / thinnest_px).clamp(fewest, 1.0)
 }
 
-/// Mean width of strands on screen, pixels over the root of the samples, from which they begin to take the place of layers. Where all have, they shimmer
-/// less than twice as much as the true picture; thinner ones more, with whatever number of samples.
-const MIXED_FROM_PX: f32 = 0.72;
+/// Mean width of strands on screen, pixels over the root of the samples, from which their least share begins to take the place of layers, and from which
+/// it has. Both are drawn in between, so that it is narrow.
+const MIXED_PX: [f32; 2] = [0.8 * FEWEST_OF_COAT * THINNEST_OF_COAT_PX, FEWEST_OF_COAT * THINNEST_OF_COAT_PX];
 
-/// Width from which all have, over that. Both are drawn in between, so that it is narrow.
-const MIXED_TO: f32 = 1.25;
+/// The same, pixels, of strands with blended edges. They are as bright as layers, and layers between them would fill what is dark: it is one or the other.
+const BLENDED_FROM_PX: f32 = 0.2025;
 
 /// Of the way from layers to strands: where all strands have come in, and where layers begin to fade.
 const STRANDS_IN: f32 = 0.6;
@@ -55,12 +61,16 @@ pub(super) fn shares_on_the_way(way: f32) -> [f32; 2] {
     [(way / STRANDS_IN).min(1.0), left * left]
 }
 
-/// How far on the way to single strands hair is where those are so many pixels wide, in a pass of so many samples. With blended edges it is one or the
-/// other: they are as bright as layers, and layers between them would fill what is dark.
+/// How far on the way to single strands hair is where those are so many pixels wide, in a pass of so many samples.
 pub(super) fn way_to_strands(fur: &FurParams, width_px: f32, samples: u32) -> f32 {
-    let over = width_px * (found_as(fur, samples) as f32).sqrt() / MIXED_FROM_PX;
-    let way = ((over - 1.0) / (MIXED_TO - 1.0)).clamp(0.0, 1.0);
-    if fur.strand_edges == StrandEdges::Blended { way.round() } else { way }
+    match fur.strand_edges {
+        StrandEdges::Samples => {
+            let [from, to] = MIXED_PX;
+            ((width_px * (samples as f32).sqrt() - from) / (to - from)).clamp(0.0, 1.0)
+        }
+        StrandEdges::Blended if width_px < BLENDED_FROM_PX => 0.0,
+        StrandEdges::Blended => 1.0,
+    }
 }
 
 /// How far, in pixels over the root of the samples, the mean strand may bend away from what is left of it when points are left out.
@@ -97,13 +107,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn fewer_hairs_of_a_coat_are_as_wide_as_samples_find_them() {
+        let fur = FurParams::default();
+        let widths = [1.0, 0.9, 0.45, 0.225, 0.1];
+        assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px, 1)), [1.0, 1.0, 0.5, 0.25, 0.25]);
+        assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px / 2.0, 4)), [1.0, 1.0, 0.5, 0.25, 0.25]);
+        // Where layers have gone no hair is thinner than that.
+        let fewest = share_of_hairs(&fur, false, MIXED_PX[1], 1);
+        assert!((MIXED_PX[1] / fewest - THINNEST_OF_COAT_PX).abs() < 1e-6);
+    }
+
+    #[test]
     fn strands_begin_where_samples_find_them() {
         let of = |edges, px, samples| {
             let fur = FurParams::default().with(|fur| fur.strand_edges = edges);
             (1e4 * way_to_strands(&fur, px, samples)).round() / 1e4
         };
-        assert_eq!([0.7, 0.81, 0.91].map(|px| of(StrandEdges::Samples, px, 1)), [0.0, 0.5, 1.0]);
-        assert_eq!([0.35, 0.405, 0.455].map(|px| of(StrandEdges::Samples, px, 4)), [0.0, 0.5, 1.0]);
+        assert_eq!([0.17, 0.2025, 0.23].map(|px| of(StrandEdges::Samples, px, 1)), [0.0, 0.5, 1.0]);
+        assert_eq!([0.08, 0.10125, 0.12].map(|px| of(StrandEdges::Samples, px, 4)), [0.0, 0.5, 1.0]);
         for samples in [1, 4] {
             assert_eq!([0.175, 0.2, 0.21].map(|px| of(StrandEdges::Blended, px, samples)), [0.0, 0.0, 1.0]);
         }

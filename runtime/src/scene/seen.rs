@@ -44,10 +44,11 @@ pub(crate) struct StrandSet<'a> {
 }
 
 impl StrandSet<'_> {
-    /// The parts that it grows on, and which of its strands each has.
-    pub(crate) fn parts<'p>(&self, parts: &'p [Part]) -> impl Iterator<Item = (&'p Part, &'p Range<u32>)> {
-        let set = self.drawn.set;
-        parts.iter().map(move |part| (part, &part.strands[set])).filter(|(_, strands)| !strands.is_empty())
+    /// The parts that it grows on, and which of its strands each has of that share of them.
+    pub(crate) fn parts<'p>(&self, parts: &'p [Part], share: f32) -> impl Iterator<Item = (&'p Part, Range<u32>)> {
+        let (set, strands) = (self.drawn.set, self.strands);
+        let of_part = move |part: &'p Part| (part, strands.in_front(&part.strands[set], share));
+        parts.iter().map(of_part).filter(|(_, strands)| !strands.is_empty())
     }
 }
 

@@ -10,7 +10,8 @@ use pelage_formats::meaning::planting::{Crossed, Footing, Ground, Roots, Surface
 use pelage_formats::{AttributeVertex, GeometryVertex, MeshView, Package, StrandsView};
 use std::ops::Range;
 
-/// Plants them; `None` for a package without, where there would be over `most`, or a buffer of the device cannot hold them.
+/// Plants them; `None` for a package without, and where a buffer of the device cannot hold them. Where there would be over `most`, a share of them
+/// stands for all, each as much wider.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
@@ -25,10 +26,8 @@ pub(super) fn load(
     };
     // As many as the tile's cover: what is too much is not planted to be counted.
     let tiles: f64 = (0..ground.triangles.len()).filter(|t| ground.furred[*t]).map(area).sum();
-    if f64::from(view.strand_count()) * tiles > f64::from(most) {
-        return Ok(None);
-    }
-    let planted = Planted::of(package, mesh, &ground, &view);
+    let share = share_of(f64::from(view.strand_count()) * tiles, most);
+    let planted = Planted::of(package, mesh, &ground, &view, share);
     if planted.strands.is_empty() {
         return Ok(None);
     }
@@ -37,6 +36,7 @@ pub(super) fn load(
     let fur = &package.manifest().fur;
     let points = view.points_per_strand();
     let steps = steps(points).map(|step| bent(&view, step as usize, fur.tile_size_m, fur.height_m)).collect();
+    let widened = share.recip() * fur.tile_size_m;
     let strands = Strands {
         bent_m: steps,
         strands: uploader.buffer("strands", bytemuck::cast_slice(&planted.strands), Usage::STORAGE)?,
@@ -48,12 +48,24 @@ pub(super) fn load(
         count: planted.strands.len() as u32,
         of_parts: planted.of_parts,
         dry_points: points * view.strand_count(),
-        radius: view.radius() * fur.tile_size_m,
-        mean_width_m: 2.0 * mean_radius(&view) * fur.tile_size_m,
+        radius: view.radius() * widened,
+        mean_width_m: 2.0 * mean_radius(&view) * widened,
+        least_chances: least_chances(&planted.strands),
     };
     let fewest = strands.ribbon_bytes(strands.points - 1);
     let fits = strands.posed_bytes().max(fewest) <= largest_buffer(&uploader.gpu.device.limits());
     Ok(fits.then_some(strands))
+}
+
+/// Which share of so many strands is planted where there may be no more than `most`.
+fn share_of(strands: f64, most: u32) -> f32 {
+    (f64::from(most) / strands.max(1.0)).min(1.0) as f32
+}
+
+/// The least chance in each workgroup of strands.
+fn least_chances(strands: &[Strand]) -> Vec<f32> {
+    let least = |group: &[Strand]| group.iter().map(|strand| strand.chance).fold(1.0, f32::min);
+    strands.chunks(WORKGROUP as usize).map(least).collect()
 }
 
 /// How far the mean dry strand of the tile is, at most, from the straight pieces between every `step`th of its points, metres.
@@ -78,20 +90,71 @@ struct Planted {
     of_parts: Vec<Range<u32>>,
 }
 
+/// A strand whose points have not been walked to yet.
+struct Rooted {
+    strand: Strand,
+    root: Footing,
+}
+
 impl Planted {
-    fn of(package: &Package<'_>, mesh: &MeshView<'_>, ground: &Ground, view: &StrandsView<'_>) -> Self {
-        let manifest = package.manifest();
-        let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
-        let attributes: Vec<AttributeVertex> = mesh.attributes().collect();
+    /// Plants those whose chance is below `share`. On neighbouring parts of one material, which are drawn as one, strands stand in the
+    /// order of their chances: whatever looks at a share of them looks at those in front.
+    fn of(package: &Package<'_>, mesh: &MeshView<'_>, ground: &Ground, view: &StrandsView<'_>, share: f32) -> Self {
+        let parts = &package.manifest().parts;
         let walk = SurfaceWalk::new(ground);
-        let roots = Roots::new(view.roots().zip(0..).map(|(root, i)| (Vec2::from(root).as_dvec2(), i)));
+        let rooted = Rooted::on_parts(package, mesh, ground, view, &walk);
         let asides: Vec<DVec2> = view.points().map(|p| Vec2::from(p.aside).as_dvec2()).collect();
         let per_strand = view.points_per_strand() as usize;
         let of_dry = view.strand_count() as usize * per_strand;
         let (dry, wet) = asides.split_at(of_dry);
         let mut out = Self { strands: Vec::new(), stands: Vec::new(), wet_stands: Vec::new(), of_parts: Vec::new() };
-        for part in &manifest.parts {
+        let mut rooted = parts.iter().zip(rooted).peekable();
+        while let Some((part, mut run)) = rooted.next() {
             let first = out.strands.len() as u32;
+            let mut others = 0;
+            while let Some((_, more)) = rooted.next_if(|(next, _)| next.material == part.material) {
+                run.extend(more);
+                others += 1;
+            }
+            run.retain(|rooted| rooted.strand.chance < share);
+            run.sort_by(|a, b| a.strand.chance.total_cmp(&b.strand.chance));
+            for Rooted { strand, root } in run {
+                let number = strand.of_tile as usize;
+                // Of those that are left, all draw again: each share of them is one of the same kind.
+                out.strands.push(Strand { chance: strand.chance / share, ..strand });
+                for (asides, stands) in [(dry, &mut out.stands), (wet, &mut out.wet_stands)] {
+                    let of_strand = asides.get(number * per_strand..(number + 1) * per_strand).unwrap_or_default();
+                    stands.extend(stands_along(ground, &walk, root, of_strand));
+                }
+            }
+            // What fills up the last workgroup never grows.
+            let fill = out.strands.len().next_multiple_of(WORKGROUP as usize);
+            out.strands.resize(fill, Strand { chance: 1.0, ..Strand::default() });
+            out.stands.resize(fill * per_strand, Stand::default());
+            out.wet_stands.resize(if wet.is_empty() { 0 } else { fill * per_strand }, Stand::default());
+            let end = out.strands.len() as u32;
+            out.of_parts.push(first..end);
+            out.of_parts.extend(std::iter::repeat_n(end..end, others));
+        }
+        out
+    }
+}
+
+impl Rooted {
+    /// The strands of every part of the manifest, in the order of its triangles.
+    fn on_parts(
+        package: &Package<'_>,
+        mesh: &MeshView<'_>,
+        ground: &Ground,
+        view: &StrandsView<'_>,
+        walk: &SurfaceWalk<'_>,
+    ) -> Vec<Vec<Self>> {
+        let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
+        let attributes: Vec<AttributeVertex> = mesh.attributes().collect();
+        let roots = Roots::new(view.roots().zip(0..).map(|(root, i)| (Vec2::from(root).as_dvec2(), i)));
+        let mut of_parts = Vec::new();
+        for part in &package.manifest().parts {
+            let mut planted = Vec::new();
             let triangles = part.first_index as usize / 3..(part.first_index + part.index_count) as usize / 3;
             for triangle in triangles.filter(|t| walk.is_furred(*t)) {
                 let corners = ground.triangles[triangle].map(|v| v as usize);
@@ -109,7 +172,7 @@ impl Planted {
                         return;
                     }
                     let number = [triangle as u32, strand as u32, w.x.to_bits(), w.y.to_bits()];
-                    out.strands.push(Strand {
+                    let strand = Strand {
                         base_uv: [rest.x, rest.y],
                         color: bytes(mix(&|v| unorm(attributes[v].color))),
                         groom: bytes(mix(&|v| unorm(attributes[v].groom))),
@@ -117,22 +180,13 @@ impl Planted {
                         chance: chance(number),
                         lean: rest.z,
                         fur_height: rest.w,
-                    });
-                    let root = Footing { triangle, weights, beyond: None };
-                    for (asides, stands) in [(dry, &mut out.stands), (wet, &mut out.wet_stands)] {
-                        let of_strand = asides.get(strand * per_strand..(strand + 1) * per_strand).unwrap_or_default();
-                        stands.extend(stands_along(ground, &walk, root, of_strand));
-                    }
+                    };
+                    planted.push(Self { strand, root: Footing { triangle, weights, beyond: None } });
                 });
             }
-            // What fills up the last workgroup never grows.
-            let fill = out.strands.len().next_multiple_of(WORKGROUP as usize);
-            out.strands.resize(fill, Strand { chance: 1.0, ..Strand::default() });
-            out.stands.resize(fill * per_strand, Stand::default());
-            out.wet_stands.resize(if wet.is_empty() { 0 } else { fill * per_strand }, Stand::default());
-            out.of_parts.push(first..out.strands.len() as u32);
+            of_parts.push(planted);
         }
-        out
+        of_parts
     }
 }
 

@@ -106,6 +106,7 @@ fn grown(uploader: &Uploader<'_>, group: &HairGroup, rest: &Rest) -> Result<Stra
         points,
         count: of_parts.last().map_or(0, |range: &Range<u32>| range.end),
         of_parts,
+        least_chances: Vec::new(),
         dry_points: HAIR_COLORS * points,
         radius: group.root_radius_m * widened,
         mean_width_m: 2.0 * mean_radius_m * widened,

@@ -1,8 +1,12 @@
 //! Strands on the GPU, wherever they grow.
 
+use crate::gpu::WORKGROUP;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::ops::Range;
+
+/// Most strands of a coat that are drawn into the shadow map of strands.
+const MOST_SHADOWING: f32 = 100_000.0;
 
 /// Strands of a model that have as many points each: those of its coat, or a group of hair.
 #[derive(Debug)]
@@ -27,6 +31,8 @@ pub(crate) struct Strands {
     /// How far the mean dry strand of the tile bends away from what is left of it when every so many points is drawn, metres, for each of
     /// [`Self::steps`].
     pub(crate) bent_m: Vec<f32>,
+    /// The least chance in each workgroup of them; none where they stand in no order of chances.
+    pub(super) least_chances: Vec<f32>,
 }
 
 /// How strands grow: what their points are posed from.
@@ -96,6 +102,23 @@ impl Strands {
             share,
             step,
         }
+    }
+
+    /// Share of them that throws shadows on each other, each as much wider: all that guides lead, and of a coat as many as a map can tell apart.
+    pub(crate) fn shadow_share(&self) -> f32 {
+        match self.growth {
+            Growth::Coat { .. } => (MOST_SHADOWING / self.count.max(1) as f32).min(1.0),
+            Growth::Guided(_) => 1.0,
+        }
+    }
+
+    /// Those of a part among which all are whose chance is below `share`: whole workgroups.
+    pub(crate) fn in_front(&self, part: &Range<u32>, share: f32) -> Range<u32> {
+        let groups = (part.start / WORKGROUP) as usize..part.end.div_ceil(WORKGROUP) as usize;
+        let Some(chances) = self.least_chances.get(groups) else { return part.clone() };
+        // Where parts were joined that do not follow each other they are in order piece by piece.
+        let count = chances.iter().rposition(|least| *least < share).map_or(0, |last| last as u32 + 1);
+        part.start..(part.start + count * WORKGROUP).min(part.end)
     }
 
     /// Bytes of their posed points: two vectors of the skin's frame, then the points.

@@ -61,7 +61,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         if !set.posed.stale {
             continue;
         }
-        for (number, (_, of_part)) in set.parts(seen.model.parts()).enumerate() {
+        for (number, (_, of_part)) in set.parts(seen.model.parts(), 1.0).enumerate() {
             let entries = vec![
                 (0, Bound::all(&seen.moved.geometry)),
                 (1, Bound::all(&guided.triangles)),
@@ -69,7 +69,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
                 (3, Bound::all(posed_guides)),
                 (4, Bound::all(&guided.hairs)),
                 (5, Bound::all(&set.posed.buffer)),
-                (6, frame.strand_constants(&set, of_part, &set.drawn.whole())),
+                (6, frame.strand_constants(&set, &of_part, &set.drawn.whole())),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
             let mut dispatch = |entry, threads| {

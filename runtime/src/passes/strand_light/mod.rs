@@ -78,10 +78,10 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let mut count = 0;
     for (seen, set) in strand_sets(&instances) {
         let (strands, Some(ribbons)) = (set.strands, set.ribbons) else { continue };
-        for (number, (part, of_part)) in set.parts(seen.model.parts()).enumerate() {
+        for (number, (part, of_part)) in set.parts(seen.model.parts(), set.drawn.share).enumerate() {
             // Without a map nothing is read of what stands in for it.
             let deep = maps.and_then(|maps| maps.deep.as_ref()).unwrap_or(&strands.tile);
-            let mut entries = frame.posed_strands(&set, of_part, set.drawn).to_vec();
+            let mut entries = frame.posed_strands(&set, &of_part, set.drawn).to_vec();
             let buffers = [&ribbons.seen, &ribbons.counts, &ribbons.corners, deep];
             entries.extend((4..).zip(buffers.map(Bound::all)));
             entries.push((8, Bound::block::<DeepOpacity>(&block.buffer, block.offset)));

@@ -31,7 +31,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_pose",
     place: PassPlace::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: places the points of a coat's strands on the posed skin once for all later passes",
+    does: "compute: places the points of a coat's strands on the posed skin once for all later passes: of as many strands as those look at",
     runs_when: "strands of a coat are drawn, and the pose changed",
     shaders: &[SHADER],
     targets: &[],
@@ -61,13 +61,13 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             continue;
         }
         let strands = set.strands;
-        for (part, of_part) in set.parts(seen.model.parts()) {
+        for (part, of_part) in set.parts(seen.model.parts(), set.posed.share) {
             let entries = vec![
                 (0, Bound::all(&seen.moved.geometry)),
                 (1, Bound::all(stands)),
                 (2, Bound::all(&strands.strands)),
                 (3, Bound::all(&strands.tile)),
-                (4, frame.strand_constants(&set, of_part, &set.drawn.whole())),
+                (4, frame.strand_constants(&set, &of_part, &set.drawn.whole())),
                 (5, Bound::all(&set.posed.buffer)),
             ];
             let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);

@@ -71,8 +71,11 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let strands = set.strands;
         let pieces = strands.points - 1;
         let step = strands.steps().rfind(|step| pieces / step >= FEWEST_PIECES).unwrap_or(1);
-        for (part, of_part) in set.parts(seen.model.parts()) {
-            let mut entries = frame.posed_strands(&set, of_part, &DrawnSet { step, ..set.drawn.whole() }).to_vec();
+        // Always of the same share, so that the map does not depend on what the eye was near to when it was drawn.
+        let share = strands.shadow_share();
+        let thrown = DrawnSet { share, widened: share.recip(), step, ..*set.drawn };
+        for (part, of_part) in set.parts(seen.model.parts(), share) {
+            let mut entries = frame.posed_strands(&set, &of_part, &thrown).to_vec();
             entries.extend([
                 (4, Bound::all(deep)),
                 (5, Bound::View(maps.nearest.view.clone())),

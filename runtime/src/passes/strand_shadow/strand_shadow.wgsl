@@ -1,4 +1,4 @@
-// Draws all strands of a part into the deep opacity map: first how near the first hair of each texel is, then how much of each texel hair
+// Draws a share of the strands of a part, which stand for all of them, into the deep opacity map: first how near the first hair of each texel is, then how much of each texel hair
 // covers in each slab behind that. A strand is walked in steps of at most a texel; each adds the area that it covers.
 
 @group(2) @binding(4) var<storage, read_write> deep: array<atomic<u32>>;
@@ -17,7 +17,7 @@ const MOST_STEPS: f32 = 256.0;
 
 fn walk(number: u32, deposits: bool) {
     let strand = strands[number];
-    if strand.chance >= strand_groom(strand).x {
+    if strand.chance >= strand_groom(strand).x * constants.share {
         return;
     }
     let points = constants.points;
