@@ -5,7 +5,7 @@
 
 use image::GrayImage;
 use pelage_bake::io::read_map_images;
-use pelage_bake::recipe::{FilePath, Recipe};
+use pelage_bake::recipe::{Coat, FilePath, Recipe};
 use pelage_bake::stages::hair::{VolumeParams, simulate_recipe};
 use pelage_bake::stages::ink::{self, Plane};
 use pelage_bake::steps::Steps;
@@ -17,7 +17,7 @@ const CELL: u32 = 512;
 fn main() -> anyhow::Result<()> {
     let mut arguments = std::env::args().skip(1);
     let out = arguments.next().unwrap_or_else(|| "ink.png".into());
-    let (mut recipe, mut volume) = (Recipe::default(), VolumeParams { height: 0.15 });
+    let (mut recipe, mut volume) = (Recipe::of_coat(Coat::Natural)?, VolumeParams { height: 0.15 });
     for argument in arguments {
         match argument.split_once('=') {
             Some(("height", value)) => volume.height = value.parse()?,

@@ -6,7 +6,7 @@
 #![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 
 use glam::{Vec2, Vec3};
-use pelage_bake::recipe::Recipe;
+use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::hair::{VolumeParams, simulate_recipe};
 use pelage_bake::stages::textures::{ShellSet, collect_layers, slice};
 use pelage_formats::meaning::srgb_to_linear;
@@ -23,7 +23,7 @@ const TILES: f32 = 2.0;
 fn main() -> anyhow::Result<()> {
     let mut arguments = std::env::args().skip(1);
     let out = arguments.next().unwrap_or_else(|| "slices.png".into());
-    let (mut recipe, mut volume) = (Recipe::default(), VolumeParams::default());
+    let (mut recipe, mut volume) = (Recipe::of_coat(Coat::Natural)?, VolumeParams::default());
     for argument in arguments {
         match argument.split_once('=') {
             Some(("height", value)) => volume.height = value.parse()?,

@@ -46,7 +46,7 @@ use crate::BakeError;
 use pelage_params::{Knob, ParamError};
 
 pelage_params::tables! {
-    /// What steers a bake: one table per stage. `Recipe::default()` is a natural short fur.
+    /// What steers a bake: one table per stage. `Recipe::default()` is the coat of an animal.
     pub struct Recipe, such as "hair.length_m=0.02" {
         /// How the model is read.
         model: ModelParams,
@@ -93,7 +93,7 @@ pub fn reference_page() -> String {
 
 const INTRODUCTION: [&str; 3] = [
     "A recipe is a TOML file that says how a model becomes fur: `pelage bake fox.glb --recipe fox.toml -o fox.pelage`. It has a table for each \
-     stage of the bake and a key for each parameter. What it leaves out keeps its default, so that an empty recipe is a natural short fur; \
+     stage of the bake and a key for each parameter. What it leaves out keeps its default, so that an empty recipe is the coat of an animal; \
      `hair.coat` begins with another kind ([coats](coats.md)). \
      `--set hair.length_m=0.02` sets one key on the command line, after the recipe. A table or key that does not exist is an error, which names \
      the line and the nearest key that does.",
@@ -140,6 +140,27 @@ impl Recipe {
     pub fn parse(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::default();
         recipe.read(file, text)?;
+        Ok(recipe)
+    }
+
+    /// Reads the recipe that a package records; `file` is its name for messages. Packages of before there were coats leave keys out whose defaults were
+    /// those of [`Coat::Natural`].
+    ///
+    /// # Errors
+    /// As [`Recipe::parse`].
+    pub fn recorded(file: &str, text: &str) -> Result<Self, BakeError> {
+        let mut recipe = Self::of_coat(Coat::Natural)?;
+        recipe.read(file, text)?;
+        Ok(recipe)
+    }
+
+    /// What a recipe is that says no more than its coat.
+    ///
+    /// # Errors
+    /// [`BakeError::Internal`] where the coat's file is broken.
+    pub fn of_coat(coat: Coat) -> Result<Self, BakeError> {
+        let mut recipe = Self::default();
+        recipe.set(&format!("hair.coat={}", coat.word()))?;
         Ok(recipe)
     }
 
@@ -256,6 +277,12 @@ impl Recipe {
     pub fn validate(&self) -> Result<(), BakeError> {
         Ok(pelage_params::validate(self)?)
     }
+}
+
+/// The coat of before there were others, for tests that any hair serves: one kind of strands, few and thick.
+#[cfg(test)]
+pub(crate) fn natural() -> Recipe {
+    Recipe::of_coat(Coat::Natural).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[cfg(test)]

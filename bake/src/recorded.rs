@@ -18,7 +18,7 @@ pub struct Disagreement {
 /// A text that is no recipe disagrees with nothing: [`Recipe::parse`] says what is wrong with it.
 pub fn disagreements(manifest: &Manifest, text: &str) -> Vec<Disagreement> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let (Ok(recipe), Ok(named)) = (Recipe::parse("recipe", text), text.parse::<toml::Table>()) else {
+    let (Ok(recipe), Ok(named)) = (Recipe::recorded("recipe", text), text.parse::<toml::Table>()) else {
         return Vec::new();
     };
     let fur = &manifest.fur;

@@ -49,7 +49,7 @@ fn ink_files<'a>(
     recipe: &Recipe,
     strands: &Strands,
 ) -> Result<InkFiles<'a>, BakeError> {
-    let own = Recipe::parse(file, &package.manifest().recipe)?;
+    let own = Recipe::recorded(file, &package.manifest().recipe)?;
     let format = |recipe: &Recipe| (recipe.pack.shell_format, recipe.pack.bc_quality);
     let scanned = own.ink.stroke_image.is_some() || own.ink.wash_image.is_some();
     if !scanned && format(&own) != format(recipe) {

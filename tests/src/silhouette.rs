@@ -3,7 +3,7 @@
 use crate::binary::workspace;
 use pelage_bake::io::{self, Reach};
 use pelage_bake::pipeline::{self, Told};
-use pelage_bake::recipe::Recipe;
+use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::ImportOptions;
 use pelage_needs::data;
@@ -53,7 +53,7 @@ pub fn cases(test: &str) -> Vec<Case> {
 ///
 /// `recipe`: path from the workspace's root; `set`: assignments to its keys.
 pub fn bake_plain(name: &str, model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
-    let mut parsed = Recipe::default();
+    let mut parsed = Recipe::of_coat(Coat::Natural).expect("the coat is there");
     if let Some(path) = recipe {
         let text = std::fs::read_to_string(workspace().join(path)).expect("the recipe is there");
         parsed = Recipe::parse(path, &text).expect("the recipe reads");

@@ -34,7 +34,7 @@ pub fn try_advice(
     }
     let Ok(gpu) = Gpu::open() else { return Ok(advice) };
     let package = file.open()?;
-    let mut recipe = Recipe::parse(&file.name, &package.manifest().recipe)?;
+    let mut recipe = Recipe::recorded(&file.name, &package.manifest().recipe)?;
     let truth = Truth::new(file, view)?;
     // More than the judge of a bake takes would be no truer.
     let samples = samples.min(u64::from(recipe.judge.samples)) as u32;

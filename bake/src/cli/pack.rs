@@ -72,7 +72,7 @@ fn report_leftovers(args: &PackArgs, bytes: &[u8], output: &Output) {
         ));
     }
     if let Ok(package) = Package::open(bytes, &Limits::default())
-        && let Err(e) = Recipe::parse("recipe.toml", &package.manifest().recipe)
+        && let Err(e) = Recipe::recorded("recipe.toml", &package.manifest().recipe)
     {
         output.note(&format!("note: {e}"));
     }

@@ -145,7 +145,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     let manifest = manifest_from_json(&path(MANIFEST), document["manifest"].take(), recipe)?;
     if edited {
         // The recipe says how the fur was made. Nothing is made here, so an edit could only make it say something else.
-        Recipe::parse(&path(RECIPE), &manifest.recipe)?;
+        Recipe::recorded(&path(RECIPE), &manifest.recipe)?;
     }
     let advice = "`pelage pack` makes no fur: take the edit back, or bake the model with this recipe";
     let known = match document.get(RECIPE_DISAGREES) {

@@ -78,7 +78,7 @@ fn find(file: &NamedPackage<'_>) -> Result<Vec<Fault>, Failure> {
     found.extend(drawing.iter().filter(|e| !found.contains(e)).cloned().collect::<Vec<_>>());
     let mut faults: Vec<_> = found.iter().map(|e| fault(e, Some(&package), drawing.contains(e))).collect();
     let recipe = &package.manifest().recipe;
-    let broken = Recipe::parse("recipe", recipe).err().map(|e| e.to_string());
+    let broken = Recipe::recorded("recipe", recipe).err().map(|e| e.to_string());
     let others = disagreements(package.manifest(), recipe);
     for message in broken.into_iter().chain(others.iter().map(|d| format!("recipe: {}: {}", d.key, d.reason))) {
         let offset = package.sections().first().map(|s| s.offset);

@@ -117,7 +117,7 @@ impl Chosen<'_> {
     ///
     /// [`BakeError::Internal`] where the line of a decision is no line of a recipe.
     fn text(&self, recorded: &str, decisions: &[Decision]) -> Result<String, BakeError> {
-        let mut recipe = Recipe::parse("the package's recipe", recorded)?;
+        let mut recipe = Recipe::recorded("the package's recipe", recorded)?;
         for Decision { what, line, .. } in decisions {
             let fault = |fault| BakeError::Internal(format!("the decision on {what} is no line of a recipe: {fault}"));
             recipe.read("decision", line).map_err(fault)?;

@@ -1,18 +1,18 @@
 //! Coats: kinds of hair by name, each a set of other defaults.
 //!
 //! A coat is a piece of a recipe, a file in `coats/` beside this one. What it says takes the place of a key's default, so that whatever a recipe says
-//! itself still counts. `natural` is the defaults as they are declared, and has no file.
+//! itself still counts. `animal` is the defaults as they are declared, and has no file.
 
 use pelage_params::{Choice, Control, Field, ParamError, Tables, knobs, read, words, wrap};
 
 words! {
     /// Kinds of hair that a recipe can begin with.
     Coat {
-        /// The defaults as this page gives them.
+        /// The defaults as this page gives them: underfur below guard hairs, short on face and legs and long on neck and tail, as of a fox or a dog.
         #[default]
-        Natural = "natural",
-        /// Fine underfur below guard hairs, short on face and legs and long on neck and tail, as of a fox or a dog.
         Animal = "animal",
+        /// One thick coat as long everywhere, as of a toy; what recipes began with before there were coats.
+        Natural = "natural",
         /// Close and smooth, combed along the body, as of a boxer or a horse in summer.
         Short = "short",
         /// Dense, even and upright, as of a mole or a toy.
@@ -31,11 +31,11 @@ words! {
 }
 
 impl Coat {
-    /// What it says, as a piece of a recipe in TOML; nothing for [`Coat::Natural`].
+    /// What it says, as a piece of a recipe in TOML; nothing for [`Coat::Animal`].
     pub fn toml(self) -> &'static str {
         match self {
-            Self::Natural => "",
-            Self::Animal => include_str!("coats/animal.toml"),
+            Self::Animal => "",
+            Self::Natural => include_str!("coats/natural.toml"),
             Self::Short => include_str!("coats/short.toml"),
             Self::Plush => include_str!("coats/plush.toml"),
             Self::Shaggy => include_str!("coats/shaggy.toml"),
@@ -92,7 +92,7 @@ pub fn coats_page(has_picture: impl Fn(&str) -> bool) -> String {
 
 const INTRODUCTION: [&str; 4] = [
     "A coat is a kind of hair by name: `pelage bake fox.glb --set hair.coat=winter -o fox.pelage`, or in a recipe `coat = \"winter\"` in the table \
-     `[hair]`. It gives other defaults, which stand below; all other keys have those of the [recipe reference](recipe.md), which are the coat `natural`.",
+     `[hair]`. It gives other defaults, which stand below; all other keys have those of the [recipe reference](recipe.md), which are the coat `animal`.",
     "What a recipe says itself counts, wherever in the file it stands, and so does `--set`. `--set hair.coat=winter` after a recipe changes the \
      keys that still have the value of the coat before.",
     "Lengths follow from the model's size (`hair.length_per_radius`, `surface.tile_size_per_radius`); `hair.length_m` and `surface.tile_size_m` \

@@ -11,13 +11,13 @@ fn of(coat: Coat) -> Recipe {
 
 #[test]
 fn every_coat_has_a_file_that_gives_other_defaults() {
-    let natural = Recipe::default();
-    assert_eq!(of(Coat::Natural), natural);
+    let animal = Recipe::default();
+    assert_eq!(of(Coat::Animal), animal);
     for coat in &Coat::ALL[1..] {
         let mut said = Recipe::default();
         pelage_params::read(&mut said, coat.toml()).unwrap();
-        assert_ne!(said, natural, "{coat:?} changes nothing");
-        assert_eq!(said.hair.coat, Coat::Natural, "{coat:?} names a coat itself");
+        assert_ne!(said, animal, "{coat:?} changes nothing");
+        assert_eq!(said.hair.coat, Coat::Animal, "{coat:?} names a coat itself");
         assert_eq!((said.hair.length_m, said.surface.tile_size_m), (None, None), "{coat:?} suits one size alone");
         assert_eq!(of(*coat), Recipe { hair: crate::recipe::HairParams { coat: *coat, ..said.hair.clone() }, ..said });
         let others = Coat::ALL.iter().filter(|other| *other != coat);
@@ -35,24 +35,24 @@ fn every_coat_has_a_file_that_gives_other_defaults() {
 /// A key that a recipe leaves out could not be written back: `to_toml` has no word for it.
 #[test]
 fn coats_set_keys_that_always_have_a_value() {
-    let natural = Recipe::default();
+    let animal = Recipe::default();
     for coat in &Coat::ALL[1..] {
-        let changed: Vec<_> = keys().filter(|key| key.value(&of(*coat)) != key.value(&natural)).collect();
-        assert!(changed.iter().all(|key| key.value(&natural).is_some()), "{coat:?}: {changed:?}");
+        let changed: Vec<_> = keys().filter(|key| key.value(&of(*coat)) != key.value(&animal)).collect();
+        assert!(changed.iter().all(|key| key.value(&animal).is_some()), "{coat:?}: {changed:?}");
         assert!(changed.len() > 4, "{coat:?}: {changed:?}");
     }
 }
 
 #[test]
 fn what_a_recipe_says_counts_before_its_coat() {
-    let natural = Recipe::default();
+    let animal = Recipe::default();
     let winter = of(Coat::Winter);
     // Before the coat, after it, and also the very value that the coat takes away.
     let text =
-        format!("[slice]\nlayers = 9\n[hair]\ndensity = {}\ncoat = \"winter\"\nlean = 0.1\n", natural.hair.density);
+        format!("[slice]\nlayers = 9\n[hair]\ndensity = {}\ncoat = \"winter\"\nlean = 0.1\n", animal.hair.density);
     let recipe = Recipe::parse("r.toml", &text).unwrap();
-    assert_eq!((recipe.slice.layers, recipe.hair.lean, recipe.hair.density), (9, 0.1, natural.hair.density));
-    assert_ne!(winter.hair.density, natural.hair.density);
+    assert_eq!((recipe.slice.layers, recipe.hair.lean, recipe.hair.density), (9, 0.1, animal.hair.density));
+    assert_ne!(winter.hair.density, animal.hair.density);
     assert_eq!(recipe.hair.root_radius, winter.hair.root_radius);
     assert_eq!(Recipe::parse("r.toml", &recipe.to_toml()).unwrap(), recipe);
 }
@@ -65,7 +65,7 @@ fn another_coat_changes_what_the_coat_before_gave() {
     assert_eq!(recipe.hair, crate::recipe::HairParams { lean: 0.33, ..wet.hair.clone() });
     assert_eq!(recipe.surface, wet.surface);
     recipe.set("hair.lean=0.5").unwrap();
-    recipe.set("hair.coat=natural").unwrap();
+    recipe.set("hair.coat=animal").unwrap();
     assert_eq!((recipe.hair.lean, recipe.hair.density), (0.5, Recipe::default().hair.density));
     recipe.read("more.toml", "[hair]\ncoat = \"short\"\ndensity = 700\n").unwrap();
     assert_eq!((recipe.hair.density, recipe.hair.tip_radius), (700, of(Coat::Short).hair.tip_radius));
@@ -92,4 +92,17 @@ fn the_page_has_every_coat_and_the_pictures_that_are_there() {
     assert_eq!(page.matches("](pictures/").count(), 1);
     assert!(page.contains("](pictures/coat_wool.png)"));
     assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");
+}
+
+#[test]
+fn packages_of_before_there_were_coats_keep_theirs() {
+    let recorded = Recipe::recorded("old", "[hair]\nlean = 0.7\n").unwrap();
+    let natural = of(Coat::Natural);
+    assert_eq!(recorded, Recipe { hair: crate::recipe::HairParams { lean: 0.7, ..natural.hair.clone() }, ..natural });
+    assert_eq!((recorded.underfur.density, recorded.hair.density, recorded.groom.by_body), (0, 700, 0.0));
+    // What is recorded now names every key.
+    for coat in Coat::ALL {
+        let recipe = of(*coat);
+        assert_eq!(Recipe::recorded("new", &recipe.to_toml()).unwrap(), recipe);
+    }
 }

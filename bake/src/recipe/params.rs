@@ -60,7 +60,7 @@ params! {
         /// repeats visibly, large spreads the texels thin.
         tile_size_m: Option<f32> = None, in 1e-6..=1e3;
         /// The same where surface.tile_size_m is left out, as a share of the radius of the sphere around the model at rest.
-        tile_size_per_radius: f32 = 0.3, in 1e-3..=10.0;
+        tile_size_per_radius: f32 = 0.15, in 1e-3..=10.0;
         /// Where hair is combed to: `direction` (surface.comb_direction), `gravity`, `tangents` (down the model's own texture), `marks`
         /// (surface.comb_marks), or `none`, which lets patches lie as they distort least and suits hair that stands up.
         comb: CombSource = CombSource::Direction;
@@ -70,11 +70,11 @@ params! {
         /// Directions at places, spread over the skin: tables with `name`, `at` (metres) and `direction`.
         comb_marks: Vec<CombMarkParams> = Vec::new(), was "guides";
         /// How far neighbours are asked where the comb is weak or broken, tiles: small keeps every wish, large makes broad strokes.
-        comb_smoothing: f32 = 0.5, in 0.01..=100.0;
+        comb_smoothing: f32 = 1.0, in 0.01..=100.0;
         /// How strictly patches follow the comb: 1 along it, 0 turns every triangle to what distorts least.
         comb_weight: f32 = 0.5, in 0.0..=1.0;
         /// How far a patch may grow from its seed, tiles. Large has few seams and more distortion.
-        patch_size: f32 = 2.0, in 0.05..=1000.0;
+        patch_size: f32 = 4.0, in 0.05..=1000.0;
         /// Largest angle between a patch's hair and the comb, degrees.
         patch_turn_deg: f32 = 25.0, in 1.0..=60.0;
         /// Largest stretch of a triangle in any direction, and the inverse of the least.
@@ -88,28 +88,28 @@ params! {
     HairParams in hair {
         /// The kind of hair, which gives other keys their defaults: what each sets stands on the page of [coats](coats.md). What a recipe says
         /// itself counts, wherever it stands; keys that have the value of the coat before follow a change by `--set`.
-        coat: Coat = Coat::Natural;
+        coat: Coat = Coat::Animal;
         /// The forces that shape a strand: `straight`, `curly`, `messy`, `wet` or `lying`. `wet` gathers strands into locks,
         /// darkens their colour and makes the highlight stronger and narrower than `[shading]` says; `lying` is combed flat.
         style: Style = Style::Straight;
         /// Seed of everything random. Another seed is another coat of the same kind.
         seed: u64 = 1, in 0..=i64::MAX as u64;
         /// Strands in the tile.
-        density: u32 = 700, in 1..=1_000_000;
+        density: u32 = 600, in 1..=1_000_000;
         /// Length of the longest strand along its curve, metres. Left out, it is chosen from the model's size.
         length_m: Option<f32> = None, in 1e-6..=1e3;
         /// The same where hair.length_m is left out, as a share of the radius of the sphere around the model at rest: 0.02 a short-haired animal,
         /// 0.15 a long-haired one.
-        length_per_radius: f32 = 0.045, in 1e-4..=10.0;
+        length_per_radius: f32 = 0.05, in 1e-4..=10.0;
         /// How much shorter than the longest a strand may be: 0 all alike, 1 down to nothing. Longer is rarer, so that the
         /// fur thins towards its surface.
-        length_variation: f32 = 0.6, in 0.0..=1.0;
+        length_variation: f32 = 0.5, in 0.0..=1.0;
         /// Radius at the root, fractions of the tile's width. Below a texel hair fades instead of breaking up.
-        root_radius: f32 = 0.009, in 1e-5..=0.25;
+        root_radius: f32 = 0.0065, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
-        tip_radius: f32 = 0.003, in 0.0..=0.25;
+        tip_radius: f32 = 0.0013, in 0.0..=0.25;
         /// How far strands bend over from root to tip: 0 upright, 1 lying on the skin.
-        lean: f32 = 0.4, in 0.0..=1.0;
+        lean: f32 = 0.65, in 0.0..=1.0;
         /// Where they lean to, degrees in the tile: 0 towards +v, 90 towards +u.
         lean_direction_deg: f32 = 0.0, in -360.0..=360.0;
         /// Radius of the helix of `curly` strands, fractions of the tile's width.
@@ -121,7 +121,7 @@ params! {
         /// How closely the strands of `wet` hair gather: 0 not at all, 1 every lock ends in a point.
         clump: f32 = 0.9, in 0.0..=1.0;
         /// How closely hair that is not wet gathers in locks towards its tips, as thick coats do: 0 not at all, 1 every lock ends in a point.
-        dry_clump: f32 = 0.0, in 0.0..=1.0;
+        dry_clump: f32 = 0.25, in 0.0..=1.0;
         /// Locks in the tile, at most one a strand. Left out, it is chosen from the hair's length.
         clump_count: Option<u32> = None, in 1..=1_000_000;
     }
@@ -143,15 +143,15 @@ params! {
     /// that `[hair]` describes. What it leaves out is as `[hair]` says, and both gather in the same locks.
     UnderfurParams in underfur {
         /// Strands of underfur in the tile, beside those of `hair.density`. 0 is a coat of guard hair alone.
-        density: u32 = 0, in 0..=1_000_000;
+        density: u32 = 700, in 0..=1_000_000;
         /// Length of the longest of them, as a share of the longest guard hair's.
         length: f32 = 0.5, in 0.01..=1.0;
         /// How much shorter than that one may be, as `hair.length_variation`.
         length_variation: f32 = 0.4, in 0.0..=1.0;
         /// Radius at the root, fractions of the tile's width.
-        root_radius: f32 = 0.002, in 1e-5..=0.25;
+        root_radius: f32 = 0.005, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
-        tip_radius: f32 = 0.001, in 0.0..=0.25;
+        tip_radius: f32 = 0.0015, in 0.0..=0.25;
         /// Its style, where it is another than `hair.style`. Hair is wet in both coats or in none.
         style: Option<Style> = None;
         /// How far it bends over, where that is not as `hair.lean` says.
@@ -205,7 +205,7 @@ params! {
         joint: Vec<JointGroom> = Vec::new();
         /// How much the shape of the body and the names of its joints shape the coat where no map says it: 0 not at all, 1 short and flat hair on legs,
         /// ears and muzzle and near small bare parts, long hair on neck, belly and tail. `hair.length_m` stays the length of the longest.
-        by_body: f32 = 0.0, in SHARE;
+        by_body: f32 = 1.0, in SHARE;
     }
 }
 
@@ -356,7 +356,7 @@ params! {
         /// pose move.
         enabled: bool = true;
         /// Directions that each point of a strand looks into. More are less noise, and take longer in proportion.
-        directions: u32 = 24, in 8..=1024;
+        directions: u32 = 12, in 8..=1024;
     }
 }
 

@@ -82,7 +82,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
     }
     let fail =
         |reason: String| BakeError::Input { file: file.to_owned(), place: "the manifest's recipe".into(), reason };
-    let recipe = Recipe::parse("recipe", &manifest.recipe).map_err(|error| {
+    let recipe = Recipe::recorded("recipe", &manifest.recipe).map_err(|error| {
         fail(format!("strands cannot be grown from it: {error}; expected the recipe that `pelage bake` writes"))
     })?;
     let (Some(length_m), Some(tile_size_m)) = (recipe.hair.length_m, recipe.surface.tile_size_m) else {

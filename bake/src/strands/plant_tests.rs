@@ -204,9 +204,12 @@ fn what_is_left_out_lies_near_the_line() {
 #[test]
 fn a_recipe_that_does_not_fit_is_refused() {
     let recipe = "[hair]\ndensity = 50\nlength_m = 0.02\n[surface]\ntile_size_m = 0.1\n";
-    let hair =
-        TileHair::grow(&Recipe::parse("r", recipe).unwrap(), Lengths { length_m: 0.02, tile_size_m: 0.1 }, Water::Dry)
-            .unwrap();
+    let hair = TileHair::grow(
+        &Recipe::recorded("r", recipe).unwrap(),
+        Lengths { length_m: 0.02, tile_size_m: 0.1 },
+        Water::Dry,
+    )
+    .unwrap();
     let fur = pelage_formats::FurInfo {
         layers: 4,
         tile_size_m: 0.1,

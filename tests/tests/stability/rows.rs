@@ -5,7 +5,9 @@
 
 use crate::silhouettes::texels as drawn;
 use glam::Vec3;
-use pelage_bake::judge::stability::{self, Drawing, Finding, Row, grow, hair_simulation, opacity, slice, texels};
+use pelage_bake::judge::stability::{
+    self, Drawing, Finding, Row, grow, hair_simulation, natural_hair, opacity, slice, texels,
+};
 use pelage_bake::recipe::HairParams;
 use pelage_formats::TextureFormat;
 use pelage_tests::gpu::gpu;
@@ -108,7 +110,7 @@ fn a_cancelled_mean_is_stored_as_upright_or_as_nothing() {
 /// Mean colour seen from above over black: premultiplied colours, layer over layer.
 #[test]
 fn mip_levels_keep_the_mean_colour_too() {
-    let set = slice(&grow(&HairParams { density: 250, ..HairParams::default() }, 0.4).unwrap(), 16, 64).unwrap();
+    let set = slice(&grow(&HairParams { density: 250, ..natural_hair().unwrap() }, 0.4).unwrap(), 16, 64).unwrap();
     let seen = |level: usize| {
         let column = |texel: usize| {
             let (mut green, mut t) = (0.0, 1.0);

@@ -9,7 +9,7 @@ use pelage_bake::io;
 use pelage_bake::judge::stability::Drawing;
 use pelage_bake::judge::stability::animation::joints;
 use pelage_bake::judge::stability::silhouette::{Measured, bake, measure, profile_error};
-use pelage_bake::recipe::Recipe;
+use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::import::ImportOptions;
 use pelage_runtime::formats::{Limits, Package, PackageWriter};
 use pelage_runtime::glam::{Mat3, Mat4, Vec3, Vec4};
@@ -196,7 +196,7 @@ fn density_does_not_depend_on_the_number_of_layers() {
 
 /// Measures a model from its front left.
 fn silhouette(gpu: &pelage_stage::Gpu, case: &Case) -> Measured {
-    let mut recipe = Recipe::default();
+    let mut recipe = Recipe::of_coat(Coat::Natural).unwrap();
     if let Some(path) = case.recipe {
         let text = std::fs::read_to_string(workspace().join(path)).unwrap();
         recipe = Recipe::parse(path, &text).unwrap();

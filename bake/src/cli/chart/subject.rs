@@ -74,7 +74,7 @@ impl Subject {
         let package = package_file::read(path)?;
         let (file, opened) = (path.display().to_string(), package.open()?);
         let manifest = opened.manifest();
-        let mut recipe = Recipe::parse(&format!("{file}, recipe"), &manifest.recipe)?;
+        let mut recipe = Recipe::recorded(&format!("{file}, recipe"), &manifest.recipe)?;
         recipe.model.unit_m = 1.0;
         args.recipe.apply_to(&mut recipe)?;
         let mesh = opened.mesh().map_err(|error| package.fault(error))?;

@@ -1,11 +1,11 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use super::*;
-use crate::recipe::Style;
+use crate::recipe::{Style, natural};
 
 /// A small tile; `frizz` tells how much its hairs differ.
 fn recipe(format: &str, frizz: f32) -> Recipe {
-    let mut recipe = Recipe::default();
+    let mut recipe = natural();
     for set in ["hair.density=60", "slice.layers=6", "slice.tile_texels=32"] {
         recipe.set(set).unwrap();
     }

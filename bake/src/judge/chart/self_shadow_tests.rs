@@ -1,6 +1,6 @@
 use super::super::self_shadow_forms::configurations;
 use super::*;
-use crate::recipe::{HairParams, SliceParams};
+use crate::recipe::{HairParams, SliceParams, natural};
 use glam::{Mat4, Vec4};
 use pelage_runtime::shared::soft_shadow::SoftShadow;
 use pelage_runtime::shared::tile_frame::tile_frame;
@@ -8,9 +8,9 @@ use pelage_runtime::{LightView, Sphere};
 
 fn sheet() -> Sheet {
     let recipe = Recipe {
-        hair: HairParams { density: 60, root_radius: 0.03, tip_radius: 0.02, lean: 0.4, ..HairParams::default() },
+        hair: HairParams { density: 60, root_radius: 0.03, tip_radius: 0.02, lean: 0.4, ..natural().hair },
         slice: SliceParams { layers: 6, tile_texels: 16, ..SliceParams::default() },
-        ..Recipe::default()
+        ..natural()
     };
     Sheet::new(&recipe, Lengths { length_m: 0.02, tile_size_m: 0.08 }).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -176,7 +176,7 @@ fn blocks_say_nearly_what_plain_texels_say() {
 
 #[test]
 fn configurations_differ_and_rows_are_full() {
-    let mut recipe = Recipe::default();
+    let mut recipe = natural();
     let all = configurations(&recipe);
     assert_eq!(all[0].form, Form::Baked { blocks: Some(BcQuality::Basic), directions: 24 });
     assert!(all.len() > 20 && all.iter().any(|c| c.form == Form::Baked { blocks: None, directions: 24 }));
@@ -209,7 +209,7 @@ fn what_is_taken_is_spread_and_not_in_columns() {
         assert!(step % 2 == 1);
     }
     let recipe =
-        Recipe { slice: SliceParams { layers: 256, tile_texels: 1024, ..SliceParams::default() }, ..Recipe::default() };
+        Recipe { slice: SliceParams { layers: 256, tile_texels: 1024, ..SliceParams::default() }, ..natural() };
     let large = Sheet::new(&recipe, Lengths { length_m: 0.02, tile_size_m: 0.08 });
     assert!(large.err().is_some_and(|e| e.to_string().contains("slice.tile_texels")));
 }

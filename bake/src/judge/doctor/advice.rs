@@ -143,7 +143,7 @@ const LEAST_TEXEL_PX: f64 = 0.5;
 pub(super) const LEAST_HAIR_TEXELS: f64 = 1.0;
 
 fn tile(manifest: &Manifest, found: &Prognosis, bytes: u64) -> Option<Advice> {
-    let recipe = Recipe::parse("recipe of the package", &manifest.recipe).ok()?;
+    let recipe = Recipe::recorded("recipe of the package", &manifest.recipe).ok()?;
     let (now, texel) = (manifest.fur.tile_texels, found.on_screen.texel_px);
     let small = |texels: u32| texel * f64::from(now) / f64::from(texels) <= LEAST_TEXEL_PX;
     let holds_hair = |texels: u32| 2.0 * f64::from(recipe.hair.root_radius) * f64::from(texels) >= LEAST_HAIR_TEXELS;

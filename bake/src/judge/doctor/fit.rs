@@ -22,10 +22,11 @@ pub fn fitted(recipe: &Recipe, on_screen: &OnScreen, tile_texels: u32) -> Recipe
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recipe::natural;
 
     #[test]
     fn settings_follow_the_pixels() {
-        let recipe = Recipe::default();
+        let recipe = natural();
         let at = |height_px, texel_px| {
             let fitted = fitted(&recipe, &OnScreen { height_px, texel_px, ..OnScreen::default() }, 128);
             (fitted.slice.layers, fitted.slice.tile_texels)

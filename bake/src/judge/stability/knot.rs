@@ -3,7 +3,7 @@
 use super::surface;
 use crate::BakeError;
 use crate::pipeline::{self, Told};
-use crate::recipe::Recipe;
+use crate::recipe::{Coat, Recipe};
 use crate::stages::groom::MapImages;
 use crate::strands::{Curves, Skin, grow_on, tile_hair};
 use glam::{Vec3, vec3};
@@ -31,7 +31,7 @@ pub fn grown(density: u32) -> Result<(Curves, Skin), BakeError> {
         curve(a) + 0.45 * (aside * b.cos() + up * b.sin())
     };
     let model = surface::grid(96, 16, place);
-    let mut recipe = Recipe::default();
+    let mut recipe = Recipe::of_coat(Coat::Natural)?;
     recipe.hair.density = density;
     let images = MapImages::default();
     let told = Told::new("stability", "knot", &recipe, &images);

@@ -1,7 +1,7 @@
 //! Layer-wise shadow maps (Yang 2006, §3): the printed product takes 1 − α of a layer whatever way the light has through it; the way itself,
 //! 1 / |N·L|, has no end at the horizon; and from behind, the layers are crossed from the wrong side.
 
-use super::measures::{grow, mean, opacity, slice};
+use super::measures::{grow, mean, natural_hair, opacity, slice};
 use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::judge::truth::SampledVolume;
@@ -82,7 +82,7 @@ fn towards(angle_deg: f64) -> DVec3 {
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
     let height = 0.2;
-    let strands = grow(&HairParams { density: 300, ..HairParams::default() }, height)?;
+    let strands = grow(&HairParams { density: 300, ..natural_hair()? }, height)?;
     let set = slice(&strands, 16, 64)?;
     let height = f64::from(strands.height);
     let volume = SampledVolume::new(&set, height)?;

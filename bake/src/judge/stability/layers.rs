@@ -1,6 +1,6 @@
 //! The same fur at 8 and at 64 layers must be as dense.
 
-use super::measures::{grow, mean, opacity, slice, texels, transmittances};
+use super::measures::{grow, mean, natural_hair, opacity, slice, texels, transmittances};
 use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::recipe::{HairParams, Style};
@@ -19,7 +19,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         [(Style::Straight, 150, 0.0), (Style::Straight, 700, 0.5), (Style::Curly, 300, 0.2), (Style::Messy, 500, 0.9)];
     let mut out = Vec::new();
     for (style, density, lean) in coats {
-        let strands = grow(&HairParams { style, density, lean, ..HairParams::default() }, 0.4)?;
+        let strands = grow(&HairParams { style, density, lean, ..natural_hair()? }, 0.4)?;
         let eight = slice(&strands, 8, 64)?;
         let few = transmittances(&eight, 0);
         let covered = |t: &[f64]| t.iter().filter(|t| **t < 0.5).count() as f64 / t.len() as f64;

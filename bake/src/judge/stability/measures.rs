@@ -1,10 +1,19 @@
 //! Strands and layers to drive methods with, and what is measured of them.
 
 use crate::BakeError;
-use crate::recipe::{ColorParams, HairParams, SliceParams};
+use crate::recipe::{Coat, ColorParams, HairParams, Recipe, SliceParams};
 use crate::stages::hair::{Strands, VolumeParams, simulate};
 use crate::stages::textures::{ShellSet, collect_layers};
 use pelage_formats::TextureFormat;
+
+/// Few and thick hairs of one kind, in which one hair can be told from another.
+///
+/// # Errors
+///
+/// As [`Recipe::of_coat`].
+pub fn natural_hair() -> Result<HairParams, BakeError> {
+    Ok(Recipe::of_coat(Coat::Natural)?.hair)
+}
 
 /// Strands with default colours in a volume of `height`.
 ///

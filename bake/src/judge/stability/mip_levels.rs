@@ -1,7 +1,7 @@
 //! Layers of one hair stand above each other: averaging each layer's opacity by itself makes distant fur too opaque (and alpha-tested
 //! fur, whose coverage falls, too thin).
 
-use super::measures::{grow, mean, opacity, slice, transmittances};
+use super::measures::{grow, mean, natural_hair, opacity, slice, transmittances};
 use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::recipe::{HairParams, Style};
@@ -32,7 +32,7 @@ fn averaged(set: &ShellSet, level: usize) -> f64 {
 fn drive() -> Result<Vec<Finding>, BakeError> {
     let mut out = Vec::new();
     for (style, lean) in [(Style::Straight, 0.0), (Style::Straight, 0.6), (Style::Curly, 0.2), (Style::Messy, 0.5)] {
-        let strands = grow(&HairParams { style, lean, density: 250, ..HairParams::default() }, 0.4)?;
+        let strands = grow(&HairParams { style, lean, density: 250, ..natural_hair()? }, 0.4)?;
         let set = slice(&strands, 16, 64)?;
         let truth = mean(&transmittances(&set, 0));
         let worst = |of: &dyn Fn(usize) -> f64| (1..=6).map(|l| (of(l) - truth).abs()).fold(0.0, f64::max);

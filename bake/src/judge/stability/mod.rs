@@ -39,7 +39,7 @@ pub mod strand_order;
 pub mod strand_width;
 pub mod surface;
 
-pub use measures::{grow, mean, opacity, slice, texels, transmittances};
+pub use measures::{grow, mean, natural_hair, opacity, slice, texels, transmittances};
 #[cfg(feature = "preview")]
 pub use row::{Drawer, Drawing, DrawnDriver};
 pub use row::{Driver, Finding, Row};

@@ -1,6 +1,6 @@
 //! Shadow maps of slabs: an opacity shadow map divides all the depth of a scene, and a coat lies within one of its slabs.
 
-use super::measures::grow;
+use super::measures::{grow, natural_hair};
 use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::judge::chart::opacity_shadow::{PLANES, column, columns_of, light_in_column};
@@ -40,7 +40,7 @@ fn covered(strands: &Strands) -> Vec<(f32, f32)> {
 }
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
-    let strands = grow(&HairParams { density: 1400, length_variation: 0.0, lean: 0.6, ..HairParams::default() }, 0.2)?;
+    let strands = grow(&HairParams { density: 1400, length_variation: 0.0, lean: 0.6, ..natural_hair()? }, 0.2)?;
     let hair = covered(&strands);
     let surface = hair.iter().map(|(depth, _)| *depth).fold(f32::INFINITY, f32::min);
     // What lies before a place hides it.

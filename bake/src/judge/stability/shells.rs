@@ -3,7 +3,7 @@
 use super::row::{Drawer, DrawnDriver, Finding, Row};
 use super::{silhouette, surface};
 use crate::BakeError;
-use crate::recipe::Recipe;
+use crate::recipe::{Coat, Recipe};
 
 /// The row of the table.
 pub const ROW: Row<DrawnDriver> = Row {
@@ -17,7 +17,7 @@ pub const ROW: Row<DrawnDriver> = Row {
 fn drive(draw: &mut Drawer<'_>) -> Result<Vec<Finding>, BakeError> {
     let mut out = Vec::new();
     for (case, model) in [("a torus", surface::torus()), ("a sphere", surface::sphere(24, 48))] {
-        let package = silhouette::bake(case, &model, &Recipe::default())?;
+        let package = silhouette::bake(case, &model, &Recipe::of_coat(Coat::Natural)?)?;
         let found = silhouette::measure(&package, (160, 160), draw)?;
         out.push(Finding {
             case: format!("{case} in the default coat, against its true strands"),

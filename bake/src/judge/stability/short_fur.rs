@@ -1,6 +1,6 @@
 //! Fur shorter than the tile's: the same strands pressed flat. Directions of full height, read there, are those of hair that stands up.
 
-use super::measures::{grow, opacity, slice, texels};
+use super::measures::{grow, natural_hair, opacity, slice, texels};
 use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::recipe::HairParams;
@@ -47,7 +47,7 @@ fn angle_deg(full: &ShellSet, short: &ShellSet, form: impl Fn(Vec3) -> Vec3) -> 
 }
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
-    let strands = grow(&HairParams { density: 300, ..HairParams::default() }, 0.2)?;
+    let strands = grow(&HairParams { density: 300, ..natural_hair()? }, 0.2)?;
     let full = slice(&strands, 16, 64)?;
     let mut out = Vec::new();
     for (share, bound, fails_above) in [(0.25, 2.0, 20.0), (0.1, 2.0, 35.0)] {

@@ -6,7 +6,7 @@ use super::surface;
 use crate::BakeError;
 use crate::judge::truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScene};
 use crate::pipeline::{self, Told};
-use crate::recipe::Recipe;
+use crate::recipe::{Coat, Recipe};
 use crate::stages::groom::MapImages;
 use crate::strands::{Skin, grow_on, tile_hair};
 use glam::{Vec3, vec3};
@@ -39,7 +39,7 @@ const TRUE_SIZE: u32 = SIZE / 8;
 ///
 /// As [`pipeline::bake`].
 pub fn bake(width_px: f32, density: u32, change: impl Fn(&mut Recipe)) -> Result<Vec<u8>, BakeError> {
-    let mut recipe = Recipe::default();
+    let mut recipe = Recipe::of_coat(Coat::Natural)?;
     let radius = 0.5 * width_px * SEEN_M / SIZE as f32 / TILE_M;
     (recipe.hair.density, recipe.hair.length_m, recipe.hair.lean) = (density, Some(0.06), 0.6);
     (recipe.hair.root_radius, recipe.hair.tip_radius) = (radius, radius);

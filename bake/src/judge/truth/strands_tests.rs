@@ -1,6 +1,7 @@
 use super::*;
 use crate::judge::stability::{grow, slice};
 use crate::judge::truth::SampledVolume;
+use crate::recipe::natural;
 use glam::{Vec3, vec3};
 
 /// Straight strands of even radius between pairs of points.
@@ -124,7 +125,7 @@ fn without_hair_all_light_comes_through() {
 
 #[test]
 fn it_repeats_and_light_from_below_or_from_nowhere_is_none() {
-    let hair = crate::recipe::HairParams { density: 60, lean: 0.7, ..Default::default() };
+    let hair = crate::recipe::HairParams { density: 60, lean: 0.7, ..natural().hair };
     let field = grow(&hair, 0.4).and_then(|s| StrandField::new(&s)).unwrap_or_else(|e| panic!("{e}"));
     let mut shares = Vec::new();
     for i in 0..100 {
@@ -155,7 +156,7 @@ fn layers_of_wide_hairs_agree_with_their_rays() {
         lean: 0.2,
         frizz: 0.0,
         length_variation: 0.2,
-        ..Default::default()
+        ..natural().hair
     };
     let strands = grow(&hair, 0.4).unwrap_or_else(|e| panic!("{e}"));
     let field = StrandField::new(&strands).unwrap_or_else(|e| panic!("{e}"));

@@ -152,7 +152,7 @@ const WET_COLOR: f32 = 0.45;
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range.
 pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams) -> Result<Strands, BakeError> {
-    simulate_coats(params, &UnderfurParams::default(), color, volume)
+    simulate_coats(params, &UnderfurParams { density: 0, ..UnderfurParams::default() }, color, volume)
 }
 
 /// Grows all the strands of one tile: guard hair, then underfur. The arguments, and what holds for the result, are as in [`simulate`].

@@ -1,10 +1,10 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::recipe::{HairColors, Style};
+use crate::recipe::{HairColors, Style, natural};
 
 fn grow(change: impl FnOnce(&mut HairParams)) -> Strands {
-    let mut params = HairParams { density: 120, ..HairParams::default() };
+    let mut params = HairParams { density: 120, ..natural().hair };
     change(&mut params);
     simulate(&params, &ColorParams::default(), &VolumeParams::default()).unwrap()
 }
@@ -78,7 +78,7 @@ fn curls_have_the_radius_and_pitch_asked_for() {
         length_variation: 0.0,
         curl_radius: radius,
         curl_pitch: pitch,
-        ..HairParams::default()
+        ..natural().hair
     };
     let strands = simulate(&params, &ColorParams::default(), &VolumeParams { height: 2.0 }).unwrap();
     let points = &strands.points[strands.points.len() / 2..];
@@ -112,8 +112,7 @@ fn spread_of_locks(params: &HairParams, height: f32) -> f32 {
 fn wet_hair_gathers_into_locks() {
     for (height, clump_count) in [(0.4, None), (0.4, Some(60)), (0.13, Some(80)), (1.5, Some(9))] {
         let spread = |style, clump| {
-            let hair =
-                HairParams { style, clump, clump_count, density: 900, length_variation: 0.0, ..HairParams::default() };
+            let hair = HairParams { style, clump, clump_count, density: 900, length_variation: 0.0, ..natural().hair };
             spread_of_locks(&hair, height)
         };
         let (straight, loose, wet) = (spread(Style::Straight, 1.0), spread(Style::Wet, 0.0), spread(Style::Wet, 1.0));
@@ -138,16 +137,16 @@ fn wet_hair_is_darker_and_lower_and_lying_hair_is_flat() {
 fn out_of_range_is_an_error() {
     let simulate = |p: &HairParams, h: f32| simulate(p, &ColorParams::default(), &VolumeParams { height: h });
     for height in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        assert!(simulate(&HairParams::default(), height).unwrap_err().to_string().contains("hair.length_m"));
+        assert!(simulate(&natural().hair, height).unwrap_err().to_string().contains("hair.length_m"));
     }
-    let error = simulate(&HairParams { density: 0, ..HairParams::default() }, 0.4).unwrap_err().to_string();
+    let error = simulate(&HairParams { density: 0, ..natural().hair }, 0.4).unwrap_err().to_string();
     assert!(error.contains("hair.density"), "{error}");
 }
 
 #[test]
 fn colour_runs_from_root_to_tip() {
     let color = ColorParams { variation: 0.0, ..ColorParams::default() };
-    let strands = simulate(&HairParams::default(), &color, &VolumeParams::default()).unwrap();
+    let strands = simulate(&natural().hair, &color, &VolumeParams::default()).unwrap();
     let range = strands.range(5);
     assert!((strands.colors[range.start] - linear(HairColors::BROWN.root)).length() < 1e-6);
     assert!((strands.colors[range.end - 1] - linear(HairColors::BROWN.tip)).length() < 1e-6);
@@ -156,8 +155,8 @@ fn colour_runs_from_root_to_tip() {
 
 /// Guard hair of 200 strands and underfur of 600.
 fn two_coats(change: impl FnOnce(&mut HairParams, &mut UnderfurParams)) -> Strands {
-    let mut hair = HairParams { density: 200, ..HairParams::default() };
-    let mut underfur = UnderfurParams { density: 600, ..UnderfurParams::default() };
+    let mut hair = HairParams { density: 200, ..natural().hair };
+    let mut underfur = UnderfurParams { density: 600, ..natural().underfur };
     change(&mut hair, &mut underfur);
     simulate_coats(&hair, &underfur, &ColorParams::default(), &VolumeParams::default()).unwrap()
 }
@@ -205,7 +204,7 @@ fn dry_hair_gathers_at_its_tips_and_underfur_in_the_same_locks() {
         assert!(moved(0.8, tip, strands.clone()) > 1.5 * moved(0.3, tip, strands.clone()), "{strands:?}");
         assert!(moved(0.8, tip, strands.clone()) > 8.0 * moved(0.8, near_root, strands.clone()), "{strands:?}");
     }
-    let params = HairParams { density: 900, length_variation: 0.0, ..HairParams::default() };
+    let params = HairParams { density: 900, length_variation: 0.0, ..natural().hair };
     let spread = |dry_clump| spread_of_locks(&HairParams { dry_clump, ..params.clone() }, 0.4);
     assert!(spread(1.0) < 0.7 * spread(0.0), "{} {}", spread(1.0), spread(0.0));
 }

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::recipe::{ColorParams, HairParams};
+use crate::recipe::{ColorParams, HairParams, natural};
 use crate::stages::hair::{VolumeParams, simulate};
 use crate::stages::textures::decode_texture;
 use glam::Vec2;
@@ -13,7 +13,7 @@ fn small() -> InkParams {
 }
 
 fn strands() -> Strands {
-    simulate(&HairParams::default(), &ColorParams::default(), &VolumeParams { height: 0.15 }).unwrap()
+    simulate(&natural().hair, &ColorParams::default(), &VolumeParams { height: 0.15 }).unwrap()
 }
 
 /// Mean differences of neighbours: across the seam, and everywhere else. `columns` compares texels side by side.
@@ -113,7 +113,7 @@ fn densities_of_fur_are_nested_and_grow() {
 
 #[test]
 fn upright_and_hardly_any_hair_still_gives_strokes() {
-    let upright = HairParams { lean: 0.0, frizz: 0.0, density: 1, ..HairParams::default() };
+    let upright = HairParams { lean: 0.0, frizz: 0.0, density: 1, ..natural().hair };
     let strands = simulate(&upright, &ColorParams::default(), &VolumeParams { height: 0.01 }).unwrap();
     let [above, beside] = fur(&strands, 64, 1);
     assert!(above[3].mean() > 2e-4 && beside[3].mean() > 2e-4, "{} {}", above[3].mean(), beside[3].mean());

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::recipe::{ColorParams, HairParams};
+use crate::recipe::{ColorParams, HairParams, natural};
 use crate::stages::hair::{VolumeParams, simulate};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
@@ -11,7 +11,7 @@ fn slice(tile_texels: u32) -> SliceParams {
 }
 
 fn coat() -> Strands {
-    simulate(&HairParams::default(), &ColorParams::default(), &VolumeParams::default()).unwrap()
+    simulate(&natural().hair, &ColorParams::default(), &VolumeParams::default()).unwrap()
 }
 
 /// One hair of a tile's tenth in thickness, from `root` to `tip`.
@@ -172,7 +172,7 @@ fn a_deeper_slab_has_more_hair() {
 fn opacity_thins_to_nothing_at_the_tips() {
     // Hair as high as the volume, all over.
     let strands = simulate(
-        &HairParams { length_variation: 0.0, lean: 0.0, frizz: 0.0, ..HairParams::default() },
+        &HairParams { length_variation: 0.0, lean: 0.0, frizz: 0.0, ..natural().hair },
         &ColorParams::default(),
         &VolumeParams::default(),
     )

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use crate::recipe::{ColorParams, HairParams};
+use crate::recipe::{ColorParams, HairParams, natural};
 use crate::stages::hair::{VolumeParams, simulate};
 use glam::Vec3;
 use pelage_formats::meaning::linear_to_srgb;
@@ -32,7 +32,7 @@ fn params(layers: u32, tile_texels: u32) -> SliceParams {
 
 #[test]
 fn same_bytes_on_any_number_of_threads() {
-    let hair = HairParams { density: 400, lean: 0.8, ..HairParams::default() };
+    let hair = HairParams { density: 400, lean: 0.8, ..natural().hair };
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| layers(&strands(&hair), &params(8, 128)).unwrap())
@@ -44,7 +44,7 @@ fn same_bytes_on_any_number_of_threads() {
 
 #[test]
 fn layers_have_every_level_and_the_skin_is_opaque() {
-    let set = layers(&strands(&HairParams { density: 60, ..HairParams::default() }), &params(5, 32)).unwrap();
+    let set = layers(&strands(&HairParams { density: 60, ..natural().hair }), &params(5, 32)).unwrap();
     assert_eq!(set.layers.len(), 5);
     for (k, layer) in set.layers.iter().enumerate() {
         assert_eq!(layer.index, k as u32);

@@ -1,14 +1,14 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use super::*;
-use crate::recipe::{ColorParams, HairParams, SliceParams};
+use crate::recipe::{ColorParams, HairParams, SliceParams, natural};
 use crate::stages::hair::{VolumeParams, simulate};
 use crate::stages::textures::slice_for_package;
 use pelage_formats::TextureFormat;
 use pelage_formats::meaning::visibility_towards;
 
 fn grown(density: u32) -> Strands {
-    let hair = HairParams { density, ..HairParams::default() };
+    let hair = HairParams { density, ..natural().hair };
     simulate(&hair, &ColorParams::default(), &VolumeParams { height: 0.3 }).unwrap()
 }
 

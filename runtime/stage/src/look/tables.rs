@@ -16,8 +16,8 @@ params! {
         size: Size = Size { width: 834, height: 424 };
         /// How models are drawn.
         style: LookStyle = LookStyle::Fur;
-        /// Samples per pixel: 4 smooths the edges of the skin.
-        samples: Samples = Samples(1);
+        /// Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much.
+        samples: Samples = Samples(4);
         /// What is behind the models, sRGB. `auto` is transparent, and paper in ink.
         background: Option<Background> = None, or "auto";
     }
