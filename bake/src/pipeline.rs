@@ -12,7 +12,7 @@ use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{
     self, Atlas, Body, BodyGroom, Coat, Colors, GroomTextures, Growth, JointValues, Lay, Lengths, MapImages, Maps,
-    ModelAtlas, Pattern,
+    ModelAtlas, Over, Pattern, Vertices,
 };
 use crate::stages::hair::TileHair;
 use crate::stages::hair_groups;
@@ -213,10 +213,10 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings)
         .with_joints(JointValues::new(&recipe.groom.joint, animation, &mut warnings))
         .with_body(by_body);
-    let maps = if recipe.groom.coordinates == GroomCoordinates::Atlas && maps.has_images() {
-        maps.over(ModelAtlas::new(file, model)?)
-    } else {
-        maps
+    let maps = match (recipe.groom.coordinates, recipe.groom.coordinates.projection()) {
+        (_, Some(along)) => maps.over(Over::Space { along, bounds }),
+        (GroomCoordinates::Atlas, None) if maps.has_images() => maps.over(Over::Atlas(ModelAtlas::new(file, model)?)),
+        _ => maps,
     };
     let lengths = Lengths::resolve(recipe, &bounds);
     let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
@@ -448,10 +448,10 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let mut surface = laid.surface.clone();
     let pattern = Pattern::new(&recipe.color, told.images, bounds)?;
     let atlas = pattern.is_some().then(|| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
-    let mut coat = maps.coat(&surface.mesh, &surface.input_vertex)?;
+    let mut coat = maps.coat(&Vertices::from(&surface))?;
     let margin_m = recipe.groom.bare_margin_m.unwrap_or(0.0);
     groom::fade_to_bare(&mut coat.length, &surface.mesh, &surface.rest, furred, margin_m);
-    let mut colors = groom::colors(model, &surface.mesh, maps, furred, recipe.color.base_color)?;
+    let mut colors = groom::colors(model, &Vertices::from(&surface), maps, furred, recipe.color.base_color)?;
     let mut grooms = maps.textures()?;
     if let (Some(pattern), Some(atlas)) = (&pattern, &atlas) {
         pattern.paint(atlas, furred, &mut surface, &mut colors, &mut grooms);

@@ -135,6 +135,27 @@ words! {
         Model = "model",
         /// An atlas of the model alone.
         Atlas = "atlas",
+        /// Space, projected along x: y is up on the image.
+        X = "x",
+        /// Along y: z points down on the image.
+        Y = "y",
+        /// Along z: y is up on the image.
+        Z = "z",
+        /// Along all three axes, blended by the normal.
+        Box = "box",
+    }
+}
+
+impl GroomCoordinates {
+    /// How images are laid through space, where they are.
+    pub fn projection(self) -> Option<PatternProjection> {
+        match self {
+            Self::Model | Self::Atlas => None,
+            Self::X => Some(PatternProjection::X),
+            Self::Y => Some(PatternProjection::Y),
+            Self::Z => Some(PatternProjection::Z),
+            Self::Box => Some(PatternProjection::Box),
+        }
     }
 }
 
@@ -173,8 +194,10 @@ params! {
     /// than the red.
     GroomParams in groom {
         /// What its images lie over: `model`, the model's own texture coordinates, or `atlas`, an atlas that needs none and is the same for the same
-        /// model whatever else the recipe says. `pelage groom` writes maps over either, to paint on. Over the atlas all images are read at the
-        /// vertices, also those of wetness, bareness and colour.
+        /// model whatever else the recipe says. `pelage groom` writes maps over either, to paint on. Or they are laid through the model at rest, which
+        /// each spans once, as a pattern is by `color.pattern_projection`: `x`, `y` and `z` project them along that axis, `box` along all three, blended
+        /// by the normal. Over anything but the model's own coordinates all images are read at the vertices, also those of wetness, bareness and
+        /// colour.
         coordinates: GroomCoordinates = GroomCoordinates::Model;
         /// Share of `hair.length_m`: 0 no hair, 1 full length.
         length: ScalarMap = ScalarMap::Constant(1.0), in SHARE;

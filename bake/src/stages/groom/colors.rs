@@ -1,8 +1,9 @@
 //! Where the colour of hair and skin comes from.
 
 use super::maps::Maps;
+use super::over::Vertices;
 use crate::BakeError;
-use crate::mesh::{Image, Material, Mesh, MeshPart, Model};
+use crate::mesh::{Image, Material, MeshPart, Model};
 use crate::recipe::{ColorMap, ColorParams};
 use pelage_formats::meaning::srgb_value_to_linear;
 
@@ -38,7 +39,7 @@ pub struct MaterialColor {
 
 /// Takes each material's colour from the model or from `groom.color`.
 ///
-/// * `mesh`: the model's mesh as the package will have it
+/// * `at`: the model's vertices as the package will have them
 /// * `furred`: one per material
 /// * `base_color`: whether the model's own colours show on furred materials where `groom.color` says nothing
 ///
@@ -46,11 +47,12 @@ pub struct MaterialColor {
 /// [`BakeError::Internal`] where an image was not read.
 pub fn colors(
     model: &Model,
-    mesh: &Mesh,
+    at: &Vertices<'_>,
     maps: &Maps<'_>,
     furred: &[bool],
     base_color: bool,
 ) -> Result<Colors, BakeError> {
+    let mesh = at.mesh;
     let mut colors = Colors { vertices: vec![[255; 4]; mesh.positions.len()], ..Colors::default() };
     let mut known: Vec<&Image> = Vec::new();
     let mut keeps_vertex_colors = Vec::new();
@@ -64,7 +66,7 @@ pub fn colors(
                 ([r, g, b, alpha], None, false)
             }
             Some(ColorMap::Vertex) => ([1.0, 1.0, 1.0, alpha], None, true),
-            Some(ColorMap::Image(path)) if maps.has_atlas() => {
+            Some(ColorMap::Image(path)) if maps.at_vertices() => {
                 painted.push((i, maps.image(path)?));
                 ([1.0, 1.0, 1.0, alpha], None, false)
             }
@@ -94,7 +96,7 @@ pub fn colors(
     for part in &mesh.parts {
         let Some((_, image)) = painted.iter().find(|(material, _)| *material == part.material) else { continue };
         for v in mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count].iter().flatten() {
-            if let Some(color) = maps.atlas_color(image, mesh, part, *v as usize) {
+            if let Some(color) = maps.color_at(image, at, part, *v as usize) {
                 let [r, g, b] = color.to_array().map(|share| (255.0 * share).round() as u8);
                 colors.vertices[*v as usize] = [r, g, b, 255];
             }
@@ -123,6 +125,7 @@ pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &Colo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Mesh;
     use crate::recipe::Recipe;
     use crate::stages::groom::MapImages;
 

@@ -12,8 +12,10 @@ mod maps;
 mod margin;
 mod model_atlas;
 mod names;
+mod over;
 mod pairs;
 mod pattern;
+mod projection;
 mod words;
 
 pub use atlas::Atlas;
@@ -26,6 +28,7 @@ pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
 pub(crate) use maps::{average, last, report_unmatched, scalar_at};
 pub use margin::fade_to_bare;
 pub use model_atlas::ModelAtlas;
+pub use over::{Over, Vertices};
 pub use pattern::Pattern;
 
 use crate::decision::Decision;
