@@ -5,7 +5,9 @@ use super::over::Vertices;
 use crate::BakeError;
 use crate::mesh::{Image, Material, MeshPart, Model};
 use crate::recipe::{ColorMap, ColorParams};
+use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;
+use std::collections::BTreeSet;
 
 /// Colours of a model as the package stores them: factor, texture and vertex colour multiply each other.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,11 +104,48 @@ pub fn colors(
             }
         }
     }
+    paint_marks(&mut colors, at, maps, furred);
     Ok(colors)
 }
 
+/// Lets marks have their say. What a material without a texture has of its factor goes into its vertices, where a mark can take its place; a texture is
+/// multiplied.
+fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: &[bool]) {
+    let said = |v: usize| maps.marks().color.get(at.input(v)).copied().filter(|(share, _)| *share > 0.0);
+    for material in (0..colors.materials.len()).filter(|m| furred.get(*m) == Some(&true)) {
+        let parts = at.mesh.parts.iter().filter(|part| part.material == material);
+        let triangles = |part: &MeshPart| part.first_triangle..part.first_triangle + part.triangle_count;
+        let corners = parts.flat_map(|part| &at.mesh.triangles[triangles(part)]).flatten();
+        let vertices: BTreeSet<usize> = corners.map(|v| *v as usize).collect();
+        if vertices.iter().all(|v| said(*v).is_none()) {
+            continue;
+        }
+        let MaterialColor { factor, image } = &mut colors.materials[material];
+        let own = Vec3::from_slice(factor);
+        let painted = |v: usize| {
+            let [r, g, b, _] = colors.vertices[v].map(|byte| f32::from(byte) / 255.0);
+            let color = Vec3::new(r, g, b) * own;
+            match (said(v), &image) {
+                (None, _) => color,
+                (Some((share, mark)), None) => color.lerp(mark, share),
+                (Some((share, mark)), Some(_)) => color * Vec3::ONE.lerp(mark, share),
+            }
+        };
+        let painted: Vec<(usize, Vec3)> = vertices.into_iter().map(|v| (v, painted(v))).collect();
+        // The brightest there is, so that bytes are as fine as they can be.
+        let most = painted.iter().fold(Vec3::ZERO, |most, (_, color)| most.max(*color));
+        factor[..3].copy_from_slice(&most.to_array());
+        for (v, color) in painted {
+            let share = color / most.max(Vec3::splat(f32::MIN_POSITIVE));
+            let [r, g, b] = share.to_array().map(|share| (255.0 * share).round() as u8);
+            let [.., alpha] = colors.vertices[v];
+            colors.vertices[v] = [r, g, b, alpha];
+        }
+    }
+}
+
 /// Whether something colours the hair besides the colours of its root and tip: a pattern, `groom.color`, or the model's own factors, textures and vertex
-/// colours. White counts as none.
+/// colours; not marks, which do so here and there. White counts as none.
 pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &ColorParams) -> bool {
     let is_furred = |material: usize| furred.get(material).copied().unwrap_or(false);
     let by_material = |(i, material): (usize, &Material)| {

@@ -4,12 +4,15 @@
 use super::body::BodyGroom;
 use super::flow::image_axes;
 use super::joints::JointValues;
+use super::marks::{MarkValues, mixed};
 use super::over::{Over, Texel, Vertices};
 use crate::BakeError;
 use crate::decision::Decision;
 use crate::guides::Guides;
 use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
-use crate::recipe::{ColorMap, GroomCoordinates, GroomParams, JointGroom, MaterialTable, ScalarMap, VectorMap};
+use crate::recipe::{
+    ColorMap, GroomCoordinates, GroomParams, JointGroom, MaterialTable, ScalarMap, SrgbColor, VectorMap,
+};
 use crate::sample::{Encoding, Wrap, bilinear};
 use glam::{Vec2, Vec3};
 use pelage_formats::InputRecord;
@@ -111,6 +114,9 @@ pub struct Maps<'a> {
     tables_of_joints: &'a [JointGroom],
     joints: JointValues,
     body: Option<BodyGroom>,
+    marks: MarkValues,
+    /// Colour of materials of which nothing else says one.
+    plain: Option<ColorMap>,
     /// What images lie over.
     over: Over,
 }
@@ -177,6 +183,8 @@ impl<'a> Maps<'a> {
             tables_of_joints: &groom.joint,
             joints: JointValues::default(),
             body: None,
+            marks: MarkValues::default(),
+            plain: None,
             over: Over::Model,
         };
         let over_model = groom.coordinates == GroomCoordinates::Model;
@@ -202,6 +210,28 @@ impl<'a> Maps<'a> {
     #[must_use]
     pub fn with_body(self, body: Option<BodyGroom>) -> Self {
         Self { body, ..self }
+    }
+
+    /// Lets marks have their say, over all others.
+    #[must_use]
+    pub fn with_marks(self, marks: MarkValues) -> Self {
+        Self { marks, ..self }
+    }
+
+    /// Gives furred materials a colour where `groom.color` says none, in place of the model's.
+    #[must_use]
+    pub fn with_plain_color(self, color: SrgbColor) -> Self {
+        Self { plain: Some(ColorMap::Constant(color)), ..self }
+    }
+
+    /// What marks say.
+    pub fn marks(&self) -> &MarkValues {
+        &self.marks
+    }
+
+    /// Whether a map says where hair is combed to.
+    pub fn has_comb(&self) -> bool {
+        self.materials.iter().any(|m| m.furred && m.comb.is_some())
     }
 
     /// What the body decided, where it decides the length of hair anywhere. Arguments as [`BodyGroom::decision`].
@@ -237,7 +267,7 @@ impl<'a> Maps<'a> {
         let by_body = self.body.as_ref().and_then(|body| body.density.as_ref());
         let by_body = by_body.filter(|_| furred().any(|m| m.silent.density));
         let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.say(|t| t.density);
-        if says || by_body.is_some() {
+        if says || by_body.is_some() || !self.marks.density.is_empty() {
             // Of a map, equal steps are equal ratios.
             let hairs = |map: &ScalarMap, v: f32| {
                 if matches!(map, ScalarMap::Constant(_)) { v } else { libm::exp2f(4.0 * v - 2.0) }
@@ -245,11 +275,12 @@ impl<'a> Maps<'a> {
             let each = |part: &MeshPart, m: &MaterialMaps<'a>, v: usize| {
                 let on_body = by_body.filter(|_| m.silent.density).and_then(|density| density.get(v)).copied();
                 let mapped = hairs(m.density, self.scalar(at, part, m.density, v)?.unwrap_or(0.5));
-                Ok(self.joints.mix(mesh.skin.get(v), |t| t.density, on_body.unwrap_or(mapped)))
+                let of_joints = self.joints.mix(mesh.skin.get(v), |t| t.density, on_body.unwrap_or(mapped));
+                Ok(mixed(&self.marks.density, at.input(v), of_joints))
             };
             lay.density = Some(self.average(mesh, 1.0, each)?);
         }
-        if furred().any(|m| m.comb.is_some()) {
+        if self.has_comb() {
             let flow = |m: &MaterialMaps<'a>| matches!(m.comb, Some(VectorMap::Image { flow: true, .. }));
             let flows =
                 if !self.over.at_vertices() && furred().any(flow) { image_axes(mesh, rest) } else { Vec::new() };
@@ -277,12 +308,14 @@ impl<'a> Maps<'a> {
             length: self.average(mesh, 0.0, |part, m, v| {
                 let by_body = m.silent.length.then(|| on_body(|body| &body.length, v)).flatten();
                 let mapped = self.scalar(at, part, m.length, v)?.unwrap_or(1.0);
-                Ok(self.joints.mix(skin(v), |t| t.length, by_body.unwrap_or(mapped)))
+                let of_joints = self.joints.mix(skin(v), |t| t.length, by_body.unwrap_or(mapped));
+                Ok(mixed(&self.marks.length, at.input(v), of_joints))
             })?,
             lean: self.average(mesh, 0.0, |part, m, v| {
                 let by_body = m.silent.lean.then(|| on_body(|body| &body.lean, v)).flatten();
                 let mapped = self.scalar(at, part, m.lean, v)?.unwrap_or(0.0);
-                Ok(self.joints.mix(skin(v), |t| t.lean, by_body.unwrap_or(mapped)))
+                let of_joints = self.joints.mix(skin(v), |t| t.lean, by_body.unwrap_or(mapped));
+                Ok(mixed(&self.marks.lean, at.input(v), of_joints))
             })?,
             wetness: self.average(mesh, 0.0, |part, m, v| {
                 let mapped = if at_vertices(m.wetness) { self.scalar(at, part, m.wetness, v)? } else { None };
@@ -301,8 +334,9 @@ impl<'a> Maps<'a> {
     }
 
     /// Source of the hair's colour on a material in place of the model's, if there is one.
-    pub(super) fn color(&self, material: usize) -> Option<&'a ColorMap> {
-        self.materials.get(material).filter(|m| m.furred).and_then(|m| m.color)
+    pub(super) fn color(&self, material: usize) -> Option<&ColorMap> {
+        let furred = self.materials.get(material).filter(|m| m.furred)?;
+        furred.color.or(self.plain.as_ref())
     }
 
     /// The decoded image of that path.
