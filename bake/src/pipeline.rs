@@ -237,7 +237,12 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     }
     let hair_colors = recipe.color.hair(if colored { HairColors::NEUTRAL } else { HairColors::BROWN });
     decisions.extend(maps.decision(recipe.groom.by_body, lengths.length_m));
-    decisions.extend(hair_color_decisions(&recipe.color, hair_colors, colored));
+    let why = match (plain, colored) {
+        (true, _) => "neutral, marks colour the coat",
+        (_, true) => "neutral, the model's own colours show",
+        _ => "brown, the model brings no colour",
+    };
+    decisions.extend(hair_color_decisions(&recipe.color, hair_colors, why));
     size::check(file, recipe, &bounds, &lengths)?;
     let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.lay(&model.mesh, &rest, params.comb.everywhere())?;
@@ -276,9 +281,8 @@ fn in_toml(color: SrgbColor) -> String {
     format!("\"#{r:02x}{g:02x}{b:02x}\"")
 }
 
-/// What `color` leaves open of the colours of hair; `colored` says whether something else colours it.
-fn hair_color_decisions(color: &ColorParams, hair: HairColors, colored: bool) -> impl Iterator<Item = Decision> {
-    let why = if colored { "neutral, the model's own colours show" } else { "brown, the model brings no colour" };
+/// What `color` leaves open of the colours of hair, and why it was chosen so.
+fn hair_color_decisions(color: &ColorParams, hair: HairColors, why: &'static str) -> impl Iterator<Item = Decision> {
     let open = [
         (
             "lightness of hair",
