@@ -15,6 +15,8 @@ pub struct Model {
     pub images: Vec<Image>,
     /// Named nodes of the scene: joints, and what authors mark places with. Of an OBJ none.
     pub nodes: Vec<NamedPlace>,
+    /// Where somebody drew into the model how its hair is combed. Of an OBJ none.
+    pub combs: Vec<DrawnComb>,
     /// Skeleton and clips. Present where anything moves; then every vertex has an entry in [`Mesh::skin`].
     pub animation: Option<Animation>,
     /// The files that were read, in the order of reading.
@@ -30,6 +32,15 @@ pub struct NamedPlace {
     pub name: String,
     /// World space at rest, metres.
     pub position_ws: Vec3,
+}
+
+/// A line along which hair is combed, or one place of it that an empty node marks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DrawnComb {
+    /// Name of its node or mesh.
+    pub name: String,
+    /// Places in the order of the line with the direction there, world space at rest, metres; at least one, directions of unit length.
+    pub places: Vec<(Vec3, Vec3)>,
 }
 
 /// A triangle mesh as separate streams, one entry per vertex.

@@ -6,13 +6,15 @@
 
 use crate::BakeError;
 use crate::decision::Decision;
-use crate::mesh::{Image, Model, RestPose};
-use crate::recipe::{ColorParams, GroomCoordinates, HairColors, PackParams, Recipe, SrgbColor, Style, SurfaceSource};
+use crate::mesh::{DrawnComb, Image, Model, RestPose};
+use crate::recipe::{
+    self, ColorParams, CombSource, GroomCoordinates, HairColors, PackParams, Recipe, SrgbColor, Style, SurfaceSource,
+};
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{
     self, Atlas, Body, BodyGroom, Coat, Colors, GroomTextures, Growth, JointValues, Lay, Lengths, MapImages, Maps,
-    ModelAtlas, Pattern,
+    MarkValues, ModelAtlas, Over, Pattern, Vertices,
 };
 use crate::stages::hair::TileHair;
 use crate::stages::hair_groups;
@@ -25,6 +27,7 @@ use crate::stages::textures::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::{self, Visibility};
 use crate::steps::Steps;
 use pelage_formats::{Bounds, HairGroup, Shading, StrandsData};
+use std::collections::BTreeSet;
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 9] =
@@ -212,25 +215,45 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     }
     let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, images, &mut warnings)
         .with_joints(JointValues::new(&recipe.groom.joint, animation, &mut warnings))
-        .with_body(by_body);
-    let maps = if recipe.groom.coordinates == GroomCoordinates::Atlas && maps.has_images() {
-        maps.over(ModelAtlas::new(file, model)?)
-    } else {
-        maps
+        .with_body(by_body)
+        .with_marks(MarkValues::new(&recipe.surface.comb_marks, &model.combs, &body, &mut warnings));
+    let maps = match (recipe.groom.coordinates, recipe.groom.coordinates.projection()) {
+        (_, Some(along)) => maps.over(Over::Space { along, bounds }),
+        (GroomCoordinates::Atlas, None) if maps.has_images() => maps.over(Over::Atlas(ModelAtlas::new(file, model)?)),
+        _ => maps,
     };
     let lengths = Lengths::resolve(recipe, &bounds);
     let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
-    let hair_colors = recipe.color.hair(if colored { HairColors::NEUTRAL } else { HairColors::BROWN });
+    // Hair that nothing colours is brown by its own colours, which would brown what marks colour; so the brown goes below.
+    let plain = maps.marks().has_color() && !colored && recipe.color.root.is_none() && recipe.color.tip.is_none();
+    let (maps, colored) = if plain { (maps.with_plain_color(HairColors::PLAIN), true) } else { (maps, colored) };
     let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(recipe)).collect();
+    if plain {
+        decisions.push(Decision {
+            what: "colour of the coat beside marks",
+            chosen: "brown, the model brings no colour".into(),
+            line: format!("groom.color = {}", in_toml(HairColors::PLAIN)),
+        });
+    }
+    let hair_colors = recipe.color.hair(if colored { HairColors::NEUTRAL } else { HairColors::BROWN });
     decisions.extend(maps.decision(recipe.groom.by_body, lengths.length_m));
-    decisions.extend(hair_color_decisions(&recipe.color, hair_colors, colored));
+    let why = match (plain, colored) {
+        (true, _) => "neutral, marks colour the coat",
+        (_, true) => "neutral, the model's own colours show",
+        _ => "brown, the model brings no colour",
+    };
+    decisions.extend(hair_color_decisions(&recipe.color, hair_colors, why));
     size::check(file, recipe, &bounds, &lengths)?;
     let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.lay(&model.mesh, &rest, params.comb.everywhere())?;
     if lay != Lay::default() && recipe.surface.source == SurfaceSource::Model {
         warnings.push("groom.density and groom.comb have no effect beside surface.source = \"model\"".into());
     }
-    let comb = lay.comb.clone().map_or(params.comb, Comb::PerVertex);
+    let comb = match lay.comb.clone() {
+        Some(wishes) => Comb::PerVertex(wishes),
+        None => Comb::of_recipe(&recipe.surface, &model.combs, bounds.radius),
+    };
+    decisions.extend(comb_decision(&recipe.surface, &comb, &model.combs));
     let params = SurfaceParams { comb, density: lay.density.clone(), ..params };
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::remarks(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
@@ -238,14 +261,28 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     Ok(Laid { surface, bounds, furred, bare, lengths, hair_colors, maps, lay, decisions, warnings })
 }
 
-/// What `color` leaves open of the colours of hair; `colored` says whether something else colours it.
-fn hair_color_decisions(color: &ColorParams, hair: HairColors, colored: bool) -> impl Iterator<Item = Decision> {
-    let why = if colored { "neutral, the model's own colours show" } else { "brown, the model brings no colour" };
-    // What is left open has one of our own colours, which are whole bytes.
-    let in_toml = |value: SrgbColor| {
-        let [r, g, b] = value.0.map(|c| (255.0 * c).round() as u8);
-        format!("\"#{r:02x}{g:02x}{b:02x}\"")
-    };
+/// That what is drawn in the model combs it, where the recipe leaves open what does.
+fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[DrawnComb]) -> Option<Decision> {
+    if params.comb != CombSource::Auto || drawn.is_empty() || !matches!(comb, Comb::Marks { .. }) {
+        return None;
+    }
+    let names: BTreeSet<&str> = drawn.iter().map(|line| line.name.as_str()).collect();
+    let names: Vec<&str> = names.into_iter().collect();
+    Some(Decision {
+        what: "where hair is combed to",
+        chosen: format!("along what is drawn in the model: {}; \"direction\" leaves that out", names.join(", ")),
+        line: format!("surface.comb = \"{}\"", CombSource::Marks.word()),
+    })
+}
+
+/// A colour of our own, which has whole bytes, in a recipe.
+fn in_toml(color: SrgbColor) -> String {
+    let [r, g, b] = color.0.map(|c| (255.0 * c).round() as u8);
+    format!("\"#{r:02x}{g:02x}{b:02x}\"")
+}
+
+/// What `color` leaves open of the colours of hair, and why it was chosen so.
+fn hair_color_decisions(color: &ColorParams, hair: HairColors, why: &'static str) -> impl Iterator<Item = Decision> {
     let open = [
         (
             "lightness of hair",
@@ -448,10 +485,10 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let mut surface = laid.surface.clone();
     let pattern = Pattern::new(&recipe.color, told.images, bounds)?;
     let atlas = pattern.is_some().then(|| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
-    let mut coat = maps.coat(&surface.mesh, &surface.input_vertex)?;
+    let mut coat = maps.coat(&Vertices::from(&surface))?;
     let margin_m = recipe.groom.bare_margin_m.unwrap_or(0.0);
     groom::fade_to_bare(&mut coat.length, &surface.mesh, &surface.rest, furred, margin_m);
-    let mut colors = groom::colors(model, &surface.mesh, maps, furred, recipe.color.base_color)?;
+    let mut colors = groom::colors(model, &Vertices::from(&surface), maps, furred, recipe.color.base_color)?;
     let mut grooms = maps.textures()?;
     if let (Some(pattern), Some(atlas)) = (&pattern, &atlas) {
         pattern.paint(atlas, furred, &mut surface, &mut colors, &mut grooms);

@@ -86,7 +86,8 @@ pub struct GroomMap {
 
 /// Writes a groom map of a model.
 ///
-/// * `coordinates`: what it lies over; without, what the recipe reads images over, or the atlas where a furred part has no coordinates
+/// * `coordinates`: what it lies over, the model's own or the atlas; without, what the recipe reads images over, or the atlas where a furred part has no
+///   coordinates. An image through space shows both sides of a body at once, so that none is written: it lies over the model's own then.
 /// * `texels`: width and height of the image
 ///
 /// # Errors
@@ -109,7 +110,7 @@ pub fn groom_map(
     let over = coordinates.unwrap_or_else(|| usual_coordinates(told, laid));
     let ground = match over {
         GroomCoordinates::Atlas => Ground::of_atlas(ModelAtlas::new(told.file, model)?, texels),
-        GroomCoordinates::Model => Ground::of_model(told.file, laid, texels)?,
+        _ => Ground::of_model(told.file, laid, texels)?,
     };
     if ground.mesh.triangles.len() != groomed.surface.mesh.triangles.len() {
         return Err(BakeError::Internal("atlas and surface have other triangles, expected the same".into()));
@@ -128,6 +129,14 @@ pub fn groom_map(
     // A half of a byte must not fall to either side by the last bit of a sum.
     let painted: Vec<Vec4> = painted.into_iter().map(|texel| (texel * 65536.0).round() / 65536.0).collect();
     let mut warnings = laid.warnings.clone();
+    let own = told.recipe.groom.coordinates;
+    if own.projection().is_some() {
+        warnings.push(format!(
+            "groom.coordinates = {:?}: this map lies over {:?}, and so must other images of [groom] where it is read back",
+            own.word(),
+            over.word()
+        ));
+    }
     warnings.extend(groomed.warnings.iter().cloned());
     Ok(GroomMap {
         image: linear_image(texels, &painted),
@@ -141,7 +150,12 @@ pub fn groom_map(
 
 fn usual_coordinates(told: &Told<'_>, laid: &Laid<'_>) -> GroomCoordinates {
     let mut furred = laid.surface.mesh.parts.iter().filter(|part| is_furred(laid, part.material));
-    if furred.any(|part| !part.has_uvs) { GroomCoordinates::Atlas } else { told.recipe.groom.coordinates }
+    match told.recipe.groom.coordinates {
+        _ if furred.any(|part| !part.has_uvs) => GroomCoordinates::Atlas,
+        GroomCoordinates::Atlas => GroomCoordinates::Atlas,
+        // An image through space shows both sides of a body at once, and cannot be painted from what they have.
+        _ => GroomCoordinates::Model,
+    }
 }
 
 fn is_furred(laid: &Laid<'_>, material: usize) -> bool {

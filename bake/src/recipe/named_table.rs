@@ -1,8 +1,11 @@
 //! Tables with a name: for single materials, `[[groom.material]]` and `[[ink.material]]`, and for groups of hair.
 
-/// Declares such a table, and how its list and each of its keys are read, checked and written. Every key besides `name` may be left out.
+/// Declares such a table, and how its list and each of its keys are read, checked and written. Every key besides `name` may be left out, unless
+/// the function behind `checked by` says otherwise.
 macro_rules! named_table {
-    ($(#[$struct_meta:meta])* $table:ident of $what:literal { $($(#[doc = $doc:literal])+ $key:ident: $ty:ty, in $range:expr;)+ }) => {
+    ($(#[$struct_meta:meta])* $table:ident of $what:literal $(checked by $check:path)? {
+        $($(#[doc = $doc:literal])+ $key:ident: $ty:ty, in $range:expr;)+
+    }) => {
         $(#[$struct_meta])*
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $table {
@@ -55,11 +58,13 @@ macro_rules! named_table {
                 if read.name.is_empty() {
                     return Err(Some(concat!("found no name, expected the name of ", $what).into()));
                 }
+                $($check(&read).map_err(Some)?;)?
                 Ok(read)
             }
 
             fn in_range(&self) -> bool {
                 !self.name.is_empty() $(&& self.$key.as_ref().is_none_or(|map| pelage_params::Field::in_range(map, &$range)))+
+                    $(&& $check(self).is_ok())?
             }
 
             fn to_toml(&self) -> String {

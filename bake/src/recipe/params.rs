@@ -36,8 +36,10 @@ words! {
 words! {
     /// Where hair is combed to.
     CombSource {
-        /// One direction everywhere.
+        /// Marks where the recipe or the model has some, else one direction.
         #[default]
+        Auto = "auto",
+        /// One direction everywhere.
         Direction = "direction",
         /// Down.
         Gravity = "gravity",
@@ -62,12 +64,15 @@ params! {
         /// The same where surface.tile_size_m is left out, as a share of the radius of the sphere around the model at rest.
         tile_size_per_radius: f32 = 0.15, in 1e-3..=10.0;
         /// Where hair is combed to: `direction` (surface.comb_direction), `gravity`, `tangents` (down the model's own texture), `marks`
-        /// (surface.comb_marks), or `none`, which lets patches lie as they distort least and suits hair that stands up.
-        comb: CombSource = CombSource::Direction;
+        /// (surface.comb_marks, and lines that are drawn in the model), or `none`, which lets patches lie as they distort least and suits hair that
+        /// stands up. `auto` is `marks` where a mark of the recipe has a direction, or where the model has such lines and surface.comb_direction is left
+        /// alone; else it is `direction`.
+        comb: CombSource = CombSource::Auto;
         /// Direction of the comb in world space at rest, any length but 0. The default runs from nose to tail and a little down on an animal
         /// that looks along +z.
         comb_direction: [f32; 3] = [0.0, -0.35, -1.0], in -1e6..=1e6;
-        /// Directions at places, spread over the skin: tables with `name`, `at` (metres) and `direction`.
+        /// What hair is like at places, spread over the skin: tables with `name`, `at` (metres), and any of `direction`, `length`, `density`, `lean`,
+        /// `color`, which go before what `[groom]` says, with `reach_m` and `mirrored`. Directions count with `surface.comb = "marks"`, the others always.
         comb_marks: Vec<CombMarkParams> = Vec::new(), was "guides";
         /// How far neighbours are asked where the comb is weak or broken, tiles: small keeps every wish, large makes broad strokes.
         comb_smoothing: f32 = 1.0, in 0.01..=100.0;
@@ -135,6 +140,27 @@ words! {
         Model = "model",
         /// An atlas of the model alone.
         Atlas = "atlas",
+        /// Space, projected along x: y is up on the image.
+        X = "x",
+        /// Along y: z points down on the image.
+        Y = "y",
+        /// Along z: y is up on the image.
+        Z = "z",
+        /// Along all three axes, blended by the normal.
+        Box = "box",
+    }
+}
+
+impl GroomCoordinates {
+    /// How images are laid through space, where they are.
+    pub fn projection(self) -> Option<PatternProjection> {
+        match self {
+            Self::Model | Self::Atlas => None,
+            Self::X => Some(PatternProjection::X),
+            Self::Y => Some(PatternProjection::Y),
+            Self::Z => Some(PatternProjection::Z),
+            Self::Box => Some(PatternProjection::Box),
+        }
     }
 }
 
@@ -173,8 +199,10 @@ params! {
     /// than the red.
     GroomParams in groom {
         /// What its images lie over: `model`, the model's own texture coordinates, or `atlas`, an atlas that needs none and is the same for the same
-        /// model whatever else the recipe says. `pelage groom` writes maps over either, to paint on. Over the atlas all images are read at the
-        /// vertices, also those of wetness, bareness and colour.
+        /// model whatever else the recipe says. `pelage groom` writes maps over either, to paint on. Or they are laid through the model at rest, which
+        /// each spans once, as a pattern is by `color.pattern_projection`: `x`, `y` and `z` project them along that axis, `box` along all three, blended
+        /// by the normal. Over anything but the model's own coordinates all images are read at the vertices, also those of wetness, bareness and
+        /// colour.
         coordinates: GroomCoordinates = GroomCoordinates::Model;
         /// Share of `hair.length_m`: 0 no hair, 1 full length.
         length: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
@@ -258,6 +286,8 @@ pub struct HairColors {
 impl HairColors {
     /// Those of hair that nothing else colours: a brown coat.
     pub const BROWN: Self = Self { gain: 1.0, root: SrgbColor::hex(0x4a_36_24), tip: SrgbColor::hex(0xe8_d2_ac) };
+    /// What a coat of that brown looks like with [`Self::NEUTRAL`] hair, where marks colour other parts of it.
+    pub const PLAIN: SrgbColor = SrgbColor::hex(0xa8_8c_68);
     /// Those of hair that the model colours: it is the hairs' own shadows that darken it towards the roots. The gain is what five animals need on the
     /// mean of four lights (`formats/docs/formulas.md`, 7.7).
     pub const NEUTRAL: Self = Self { gain: 1.35, root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };

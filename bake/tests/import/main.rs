@@ -4,6 +4,7 @@
 mod compressed;
 mod crosscheck;
 mod data;
+mod drawn;
 mod faults;
 mod geometry;
 mod hair;

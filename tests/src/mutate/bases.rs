@@ -41,7 +41,7 @@ bare = ["eyes", "ho*"]
 [surface]
 tile_size_m = 0.2
 comb = "marks"
-comb_marks = [{ name = "nose", at = [0, 1, 0.5], direction = [0, 0, -1] }, { name = "tail", at = [0, 1, -0.5], direction = [0, -1, 0] }]
+comb_marks = [{ name = "nose", at = [0, 1, 0.5], direction = [0, 0, -1], length = 0.5, density = 2, lean = 0.1, color = "#fff0e0", reach_m = 0.4, mirrored = true }, { name = "tail", at = [0, 1, -0.5], direction = [0, -1, 0] }]
 
 [hair]
 style = "curly"

@@ -257,9 +257,13 @@ mod modes {
 
     #[test]
     fn comb_marks_rule_near_their_places() {
-        let mark = |name: &str, at: Vec3, direction: Vec3| CombMark { name: name.into(), at, direction };
+        let mark = |name: &str, at: Vec3, direction: Vec3| CombMark {
+            name: name.into(),
+            places: vec![(at, direction)],
+            reach_m: None,
+        };
         let marks = vec![mark("front", vec3(0.0, 0.0, 1.0), Vec3::X), mark("back", vec3(0.0, 0.0, -1.0), Vec3::Y)];
-        let p = SurfaceParams { comb: Comb::Marks(marks), ..params(0.3) };
+        let p = SurfaceParams { comb: Comb::Marks { marks, elsewhere: Vec3::NEG_Z }, ..params(0.3) };
         let s = parameterize("test", &sphere(24, 48), &p).unwrap();
         assert_valid(&s, 48 * 2 * 23, "sphere");
         for (v, position) in s.mesh.positions.iter().enumerate() {

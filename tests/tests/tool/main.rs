@@ -7,6 +7,7 @@ mod common;
 mod bad_input;
 mod body;
 mod chart;
+mod comb;
 mod compare;
 mod decisions;
 mod doctor;

@@ -1,10 +1,13 @@
 //! Where the colour of hair and skin comes from.
 
 use super::maps::Maps;
+use super::over::Vertices;
 use crate::BakeError;
-use crate::mesh::{Image, Material, Mesh, MeshPart, Model};
+use crate::mesh::{Image, Material, MeshPart, Model};
 use crate::recipe::{ColorMap, ColorParams};
+use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;
+use std::collections::BTreeSet;
 
 /// Colours of a model as the package stores them: factor, texture and vertex colour multiply each other.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,7 +41,7 @@ pub struct MaterialColor {
 
 /// Takes each material's colour from the model or from `groom.color`.
 ///
-/// * `mesh`: the model's mesh as the package will have it
+/// * `at`: the model's vertices as the package will have them
 /// * `furred`: one per material
 /// * `base_color`: whether the model's own colours show on furred materials where `groom.color` says nothing
 ///
@@ -46,11 +49,12 @@ pub struct MaterialColor {
 /// [`BakeError::Internal`] where an image was not read.
 pub fn colors(
     model: &Model,
-    mesh: &Mesh,
+    at: &Vertices<'_>,
     maps: &Maps<'_>,
     furred: &[bool],
     base_color: bool,
 ) -> Result<Colors, BakeError> {
+    let mesh = at.mesh;
     let mut colors = Colors { vertices: vec![[255; 4]; mesh.positions.len()], ..Colors::default() };
     let mut known: Vec<&Image> = Vec::new();
     let mut keeps_vertex_colors = Vec::new();
@@ -64,7 +68,7 @@ pub fn colors(
                 ([r, g, b, alpha], None, false)
             }
             Some(ColorMap::Vertex) => ([1.0, 1.0, 1.0, alpha], None, true),
-            Some(ColorMap::Image(path)) if maps.has_atlas() => {
+            Some(ColorMap::Image(path)) if maps.at_vertices() => {
                 painted.push((i, maps.image(path)?));
                 ([1.0, 1.0, 1.0, alpha], None, false)
             }
@@ -94,17 +98,54 @@ pub fn colors(
     for part in &mesh.parts {
         let Some((_, image)) = painted.iter().find(|(material, _)| *material == part.material) else { continue };
         for v in mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count].iter().flatten() {
-            if let Some(color) = maps.atlas_color(image, mesh, part, *v as usize) {
+            if let Some(color) = maps.color_at(image, at, part, *v as usize) {
                 let [r, g, b] = color.to_array().map(|share| (255.0 * share).round() as u8);
                 colors.vertices[*v as usize] = [r, g, b, 255];
             }
         }
     }
+    paint_marks(&mut colors, at, maps, furred);
     Ok(colors)
 }
 
+/// Lets marks have their say. What a material without a texture has of its factor goes into its vertices, where a mark can take its place; a texture is
+/// multiplied.
+fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: &[bool]) {
+    let said = |v: usize| maps.marks().color.get(at.input(v)).copied().filter(|(share, _)| *share > 0.0);
+    for material in (0..colors.materials.len()).filter(|m| furred.get(*m) == Some(&true)) {
+        let parts = at.mesh.parts.iter().filter(|part| part.material == material);
+        let triangles = |part: &MeshPart| part.first_triangle..part.first_triangle + part.triangle_count;
+        let corners = parts.flat_map(|part| &at.mesh.triangles[triangles(part)]).flatten();
+        let vertices: BTreeSet<usize> = corners.map(|v| *v as usize).collect();
+        if vertices.iter().all(|v| said(*v).is_none()) {
+            continue;
+        }
+        let MaterialColor { factor, image } = &mut colors.materials[material];
+        let own = Vec3::from_slice(factor);
+        let painted = |v: usize| {
+            let [r, g, b, _] = colors.vertices[v].map(|byte| f32::from(byte) / 255.0);
+            let color = Vec3::new(r, g, b) * own;
+            match (said(v), &image) {
+                (None, _) => color,
+                (Some((share, mark)), None) => color.lerp(mark, share),
+                (Some((share, mark)), Some(_)) => color * Vec3::ONE.lerp(mark, share),
+            }
+        };
+        let painted: Vec<(usize, Vec3)> = vertices.into_iter().map(|v| (v, painted(v))).collect();
+        // The brightest there is, so that bytes are as fine as they can be.
+        let most = painted.iter().fold(Vec3::ZERO, |most, (_, color)| most.max(*color));
+        factor[..3].copy_from_slice(&most.to_array());
+        for (v, color) in painted {
+            let share = color / most.max(Vec3::splat(f32::MIN_POSITIVE));
+            let [r, g, b] = share.to_array().map(|share| (255.0 * share).round() as u8);
+            let [.., alpha] = colors.vertices[v];
+            colors.vertices[v] = [r, g, b, alpha];
+        }
+    }
+}
+
 /// Whether something colours the hair besides the colours of its root and tip: a pattern, `groom.color`, or the model's own factors, textures and vertex
-/// colours. White counts as none.
+/// colours; not marks, which do so here and there. White counts as none.
 pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &ColorParams) -> bool {
     let is_furred = |material: usize| furred.get(material).copied().unwrap_or(false);
     let by_material = |(i, material): (usize, &Material)| {
@@ -123,6 +164,7 @@ pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &Colo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Mesh;
     use crate::recipe::Recipe;
     use crate::stages::groom::MapImages;
 

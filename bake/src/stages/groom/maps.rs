@@ -4,12 +4,15 @@
 use super::body::BodyGroom;
 use super::flow::image_axes;
 use super::joints::JointValues;
-use super::model_atlas::ModelAtlas;
+use super::marks::{MarkValues, mixed};
+use super::over::{Over, Texel, Vertices};
 use crate::BakeError;
 use crate::decision::Decision;
 use crate::guides::Guides;
 use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
-use crate::recipe::{ColorMap, GroomCoordinates, GroomParams, JointGroom, MaterialTable, ScalarMap, VectorMap};
+use crate::recipe::{
+    ColorMap, GroomCoordinates, GroomParams, JointGroom, MaterialTable, ScalarMap, SrgbColor, VectorMap,
+};
 use crate::sample::{Encoding, Wrap, bilinear};
 use glam::{Vec2, Vec3};
 use pelage_formats::InputRecord;
@@ -111,8 +114,11 @@ pub struct Maps<'a> {
     tables_of_joints: &'a [JointGroom],
     joints: JointValues,
     body: Option<BodyGroom>,
-    /// What images are read over in place of the model's texture coordinates.
-    atlas: Option<ModelAtlas>,
+    marks: MarkValues,
+    /// Colour of materials of which nothing else says one.
+    plain: Option<ColorMap>,
+    /// What images lie over.
+    over: Over,
 }
 
 /// The maps of one material.
@@ -177,14 +183,16 @@ impl<'a> Maps<'a> {
             tables_of_joints: &groom.joint,
             joints: JointValues::default(),
             body: None,
-            atlas: None,
+            marks: MarkValues::default(),
+            plain: None,
+            over: Over::Model,
         };
         let over_model = groom.coordinates == GroomCoordinates::Model;
         for part in maps.furred_parts(mesh).filter(|(part, _)| over_model && !part.has_uvs) {
             if let Some(path) = part.1.image() {
                 warnings.push(format!(
                     "{}: no texture coordinates, so that {path:?} and other images of [groom] have no effect on it; groom.coordinates = \"atlas\" \
-                     needs none",
+                     and \"box\" need none",
                     part.0.source
                 ));
             }
@@ -204,6 +212,28 @@ impl<'a> Maps<'a> {
         Self { body, ..self }
     }
 
+    /// Lets marks have their say, over all others.
+    #[must_use]
+    pub fn with_marks(self, marks: MarkValues) -> Self {
+        Self { marks, ..self }
+    }
+
+    /// Gives furred materials a colour where `groom.color` says none, in place of the model's.
+    #[must_use]
+    pub fn with_plain_color(self, color: SrgbColor) -> Self {
+        Self { plain: Some(ColorMap::Constant(color)), ..self }
+    }
+
+    /// What marks say.
+    pub fn marks(&self) -> &MarkValues {
+        &self.marks
+    }
+
+    /// Whether a map says where hair is combed to.
+    pub fn has_comb(&self) -> bool {
+        self.materials.iter().any(|m| m.furred && m.comb.is_some())
+    }
+
     /// What the body decided, where it decides the length of hair anywhere. Arguments as [`BodyGroom::decision`].
     pub fn decision(&self, share: f32, length_m: f32) -> Option<Decision> {
         let body = self.body.as_ref()?;
@@ -215,9 +245,10 @@ impl<'a> Maps<'a> {
         self.materials.iter().any(|m| m.furred && m.image().is_some())
     }
 
-    /// Reads images over an atlas of the model that they vary over, in place of its texture coordinates.
-    pub fn over(self, atlas: ModelAtlas) -> Self {
-        Self { atlas: Some(atlas), ..self }
+    /// Has images lie over something else than the model's texture coordinates.
+    #[must_use]
+    pub fn over(self, over: Over) -> Self {
+        Self { over, ..self }
     }
 
     fn furred_parts<'m>(&'m self, mesh: &'m Mesh) -> impl Iterator<Item = (&'m MeshPart, &'m MaterialMaps<'a>)> {
@@ -230,65 +261,68 @@ impl<'a> Maps<'a> {
     /// # Errors
     /// [`BakeError::Internal`] where an image was not read.
     pub fn lay(&self, mesh: &Mesh, rest: &RestPose, elsewhere: Vec3) -> Result<Lay, BakeError> {
+        let at = &Vertices::of_model(mesh, rest);
         let furred = || self.materials.iter().filter(|m| m.furred);
         let mut lay = Lay::default();
         let by_body = self.body.as_ref().and_then(|body| body.density.as_ref());
         let by_body = by_body.filter(|_| furred().any(|m| m.silent.density));
         let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.say(|t| t.density);
-        if says || by_body.is_some() {
+        if says || by_body.is_some() || !self.marks.density.is_empty() {
             // Of a map, equal steps are equal ratios.
             let hairs = |map: &ScalarMap, v: f32| {
                 if matches!(map, ScalarMap::Constant(_)) { v } else { libm::exp2f(4.0 * v - 2.0) }
             };
             let each = |part: &MeshPart, m: &MaterialMaps<'a>, v: usize| {
                 let on_body = by_body.filter(|_| m.silent.density).and_then(|density| density.get(v)).copied();
-                let mapped = hairs(m.density, self.scalar(mesh, part, m.density, v)?.unwrap_or(0.5));
-                Ok(self.joints.mix(mesh.skin.get(v), |t| t.density, on_body.unwrap_or(mapped)))
+                let mapped = hairs(m.density, self.scalar(at, part, m.density, v)?.unwrap_or(0.5));
+                let of_joints = self.joints.mix(mesh.skin.get(v), |t| t.density, on_body.unwrap_or(mapped));
+                Ok(mixed(&self.marks.density, at.input(v), of_joints))
             };
             lay.density = Some(self.average(mesh, 1.0, each)?);
         }
-        if furred().any(|m| m.comb.is_some()) {
+        if self.has_comb() {
             let flow = |m: &MaterialMaps<'a>| matches!(m.comb, Some(VectorMap::Image { flow: true, .. }));
-            let flows = if self.atlas.is_none() && furred().any(flow) { image_axes(mesh, rest) } else { Vec::new() };
+            let flows =
+                if !self.over.at_vertices() && furred().any(flow) { image_axes(mesh, rest) } else { Vec::new() };
             let each = |part: &MeshPart, m: &MaterialMaps<'a>, v: usize| {
-                m.comb.map_or(Ok(elsewhere), |map| self.vector(mesh, part, map, v, &flows))
+                m.comb.map_or(Ok(elsewhere), |map| self.vector(at, part, map, v, &flows))
             };
             lay.comb = Some(self.average(mesh, Vec3::ZERO, each)?);
         }
         Ok(lay)
     }
 
-    /// Evaluates length, lean, wetness and bareness at the vertices of `mesh`.
-    ///
-    /// * `input_vertex`: for each of them the vertex of the model that it came from
+    /// Evaluates length, lean, wetness and bareness at vertices.
     ///
     /// # Errors
     /// [`BakeError::Internal`] where an image was not read.
-    pub fn coat(&self, mesh: &Mesh, input_vertex: &[u32]) -> Result<Coat, BakeError> {
-        // Over an atlas no texel is followed: the runtime does not know its coordinates.
-        let at_vertices = |map: &ScalarMap| self.atlas.is_some() || map.image().is_none();
+    pub fn coat(&self, at: &Vertices<'_>) -> Result<Coat, BakeError> {
+        let mesh = at.mesh;
+        let at_vertices = |map: &ScalarMap| self.over.at_vertices() || map.image().is_none();
         let on_body = |values: fn(&BodyGroom) -> &Vec<f32>, v: usize| {
             let values = values(self.body.as_ref()?);
-            input_vertex.get(v).and_then(|input| values.get(*input as usize)).copied()
+            values.get(at.input(v)).copied()
         };
         let skin = |v: usize| mesh.skin.get(v);
         Ok(Coat {
             length: self.average(mesh, 0.0, |part, m, v| {
                 let by_body = m.silent.length.then(|| on_body(|body| &body.length, v)).flatten();
-                let mapped = self.scalar(mesh, part, m.length, v)?.unwrap_or(1.0);
-                Ok(self.joints.mix(skin(v), |t| t.length, by_body.unwrap_or(mapped)))
+                let mapped = self.scalar(at, part, m.length, v)?.unwrap_or(1.0);
+                let of_joints = self.joints.mix(skin(v), |t| t.length, by_body.unwrap_or(mapped));
+                Ok(mixed(&self.marks.length, at.input(v), of_joints))
             })?,
             lean: self.average(mesh, 0.0, |part, m, v| {
                 let by_body = m.silent.lean.then(|| on_body(|body| &body.lean, v)).flatten();
-                let mapped = self.scalar(mesh, part, m.lean, v)?.unwrap_or(0.0);
-                Ok(self.joints.mix(skin(v), |t| t.lean, by_body.unwrap_or(mapped)))
+                let mapped = self.scalar(at, part, m.lean, v)?.unwrap_or(0.0);
+                let of_joints = self.joints.mix(skin(v), |t| t.lean, by_body.unwrap_or(mapped));
+                Ok(mixed(&self.marks.lean, at.input(v), of_joints))
             })?,
             wetness: self.average(mesh, 0.0, |part, m, v| {
-                let mapped = if at_vertices(m.wetness) { self.scalar(mesh, part, m.wetness, v)? } else { None };
+                let mapped = if at_vertices(m.wetness) { self.scalar(at, part, m.wetness, v)? } else { None };
                 Ok(self.joints.mix(skin(v), |t| t.wetness, mapped.unwrap_or(0.0)))
             })?,
             bareness: self.average(mesh, 0.0, |part, m, v| {
-                let mapped = if at_vertices(m.bare) { self.scalar(mesh, part, m.bare, v)? } else { None };
+                let mapped = if at_vertices(m.bare) { self.scalar(at, part, m.bare, v)? } else { None };
                 Ok(self.joints.mix(skin(v), |t| t.bare, mapped.unwrap_or(0.0)))
             })?,
         })
@@ -300,8 +334,9 @@ impl<'a> Maps<'a> {
     }
 
     /// Source of the hair's colour on a material in place of the model's, if there is one.
-    pub(super) fn color(&self, material: usize) -> Option<&'a ColorMap> {
-        self.materials.get(material).filter(|m| m.furred).and_then(|m| m.color)
+    pub(super) fn color(&self, material: usize) -> Option<&ColorMap> {
+        let furred = self.materials.get(material).filter(|m| m.furred)?;
+        furred.color.or(self.plain.as_ref())
     }
 
     /// The decoded image of that path.
@@ -317,7 +352,7 @@ impl<'a> Maps<'a> {
         let mut textures = GroomTextures::default();
         let mut known: Vec<(Option<&ScalarMap>, Option<&ScalarMap>)> = Vec::new();
         for m in &self.materials {
-            let textured = m.furred && self.atlas.is_none();
+            let textured = m.furred && !self.over.at_vertices();
             let image = |map: &'a ScalarMap| Some(map).filter(|map| textured && map.image().is_some());
             let pair = (image(m.bare), image(m.wetness));
             if pair == (None, None) {
@@ -367,75 +402,49 @@ impl<'a> Maps<'a> {
         average(mesh, parts, outside, |part, maps, v| each(part, maps, v))
     }
 
-    /// As [`scalar_at`], over the atlas where there is one.
-    fn scalar(&self, mesh: &Mesh, part: &MeshPart, map: &ScalarMap, v: usize) -> Result<Option<f32>, BakeError> {
-        match (map, &self.atlas) {
-            (ScalarMap::Image { path, channel }, Some(atlas)) => {
-                let image = self.images.get(path)?;
-                let texel = |uv, _| bilinear(image, uv, Wrap::Repeat, Encoding::Linear)[channel.index()];
-                Ok(over_atlas(atlas, mesh, part, v, texel))
-            }
-            _ => scalar_at(self.images, mesh, part, map, v),
-        }
+    /// Value of a map at vertex `v`; `None` for an image that does not reach it.
+    fn scalar(&self, at: &Vertices<'_>, part: &MeshPart, map: &ScalarMap, v: usize) -> Result<Option<f32>, BakeError> {
+        let ScalarMap::Image { path, channel } = map else { return scalar_at(self.images, at.mesh, part, map, v) };
+        let read = |(texel, _): Texel| texel[channel.index()];
+        Ok(self.over.read(self.images.get(path)?, Encoding::Linear, (at, part, v), &[], read))
     }
 
+    /// Direction of a map at vertex `v`, zero for an image that does not reach it; `axes` as in [`Over::read`].
     fn vector(
         &self,
-        mesh: &Mesh,
+        at: &Vertices<'_>,
         part: &MeshPart,
         map: &VectorMap,
         v: usize,
         axes: &[[Vec3; 2]],
     ) -> Result<Vec3, BakeError> {
         let signed = |rgb: Vec3| rgb * 2.0 - 1.0;
-        let read = |image: &Image, flow: bool, uv: Vec2, axes: Option<[Vec3; 2]>| {
-            let direction = signed(bilinear(image, uv, Wrap::Repeat, Encoding::Linear).truncate());
-            axes.filter(|_| flow).map_or(direction, |[right, up]| right * direction.x + up * direction.y)
-        };
         Ok(match map {
             VectorMap::Constant(direction) => Vec3::from(*direction),
             VectorMap::Vertex => {
-                let [r, g, b, _] = mesh.colors[v].map(|byte| f32::from(byte) / 255.0);
+                let [r, g, b, _] = at.mesh.colors[v].map(|byte| f32::from(byte) / 255.0);
                 signed(Vec3::new(r, g, b))
             }
             VectorMap::Image { path, flow } => {
+                let read = |(texel, [right, up]): Texel| {
+                    let direction = signed(texel.truncate());
+                    if *flow { right * direction.x + up * direction.y } else { direction }
+                };
                 let image = self.images.get(path)?;
-                match &self.atlas {
-                    Some(atlas) => {
-                        let texel = |uv, vertex| read(image, *flow, uv, Some(atlas.axes(vertex)));
-                        over_atlas(atlas, mesh, part, v, texel).unwrap_or_default()
-                    }
-                    None if part.has_uvs => read(image, *flow, mesh.uvs[v], axes.get(v).copied()),
-                    None => Vec3::ZERO,
-                }
+                self.over.read(image, Encoding::Linear, (at, part, v), axes, read).unwrap_or_default()
             }
         })
     }
 
-    /// Colour of an image over the atlas at vertex `v` of `mesh`, linear RGB; `None` without an atlas, and where it does not reach.
-    pub(super) fn atlas_color(&self, image: &Image, mesh: &Mesh, part: &MeshPart, v: usize) -> Option<Vec3> {
-        let texel = |uv, _| bilinear(image, uv, Wrap::Repeat, Encoding::Srgb).truncate();
-        over_atlas(self.atlas.as_ref()?, mesh, part, v, texel)
+    /// Colour of an image at vertex `v`, linear RGB, where images are read at the vertices; `None` where it does not reach.
+    pub(super) fn color_at(&self, image: &Image, at: &Vertices<'_>, part: &MeshPart, v: usize) -> Option<Vec3> {
+        self.over.read(image, Encoding::Srgb, (at, part, v), &[], |(texel, _)| texel.truncate())
     }
 
-    /// Whether images are read over an atlas.
-    pub(super) fn has_atlas(&self) -> bool {
-        self.atlas.is_some()
+    /// Whether images are read at the vertices alone.
+    pub(super) fn at_vertices(&self) -> bool {
+        self.over.at_vertices()
     }
-}
-
-/// The mean of what `read` finds at a vertex's coordinates in the atlas; it is given each with the atlas's vertex there. `None` where there are none.
-fn over_atlas<T: Averaged>(
-    atlas: &ModelAtlas,
-    mesh: &Mesh,
-    part: &MeshPart,
-    v: usize,
-    read: impl Fn(Vec2, u32) -> T,
-) -> Option<T> {
-    let vertices = atlas.standing_for(mesh, part.material, v);
-    let mut sum = T::default();
-    vertices.iter().for_each(|vertex| sum += read(atlas.uv(*vertex), *vertex));
-    (!vertices.is_empty()).then(|| sum * (vertices.len() as f32).recip())
 }
 
 impl MaterialMaps<'_> {

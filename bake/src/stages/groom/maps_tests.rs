@@ -56,7 +56,7 @@ fn evaluate(recipe: &str, furred: [bool; 2]) -> Evaluated {
     let maps = Maps::new(&mesh, &materials, &furred, &groom, &images, &mut warnings);
     Evaluated {
         lay: maps.lay(&mesh, &rest, Vec3::X).unwrap(),
-        coat: maps.coat(&mesh, &[0, 1, 2, 3]).unwrap(),
+        coat: maps.coat(&Vertices::of_model(&mesh, &rest)).unwrap(),
         textures: maps.textures().unwrap(),
         water: maps.water(),
         warnings,
@@ -118,7 +118,11 @@ fn the_body_speaks_where_maps_are_silent() {
         let maps = Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut Vec::new());
         let maps = maps.with_body(Some(body.clone()));
         // The surface's vertices come from others of the model.
-        (maps.coat(&mesh, &[3, 2, 1, 0]).unwrap(), maps.lay(&mesh, &rest, Vec3::X).unwrap(), maps.decision(1.0, 0.01))
+        (
+            maps.coat(&Vertices { input_vertex: Some(&[3, 2, 1, 0]), ..Vertices::of_model(&mesh, &rest) }).unwrap(),
+            maps.lay(&mesh, &rest, Vec3::X).unwrap(),
+            maps.decision(1.0, 0.01),
+        )
     };
     let (coat, lay, said) = with("", &body);
     assert_eq!(
@@ -162,7 +166,7 @@ fn tables_for_joints_win_over_maps_and_body() {
         .with_joints(JointValues::new(&groom.joint, Some(&animation), &mut warnings))
         .with_body(Some(body));
     assert_eq!(warnings, Vec::<String>::new());
-    let coat = maps.coat(&mesh, &[0, 1, 2, 3]).unwrap();
+    let coat = maps.coat(&Vertices::of_model(&mesh, &rest)).unwrap();
     assert_eq!(coat.length, [0.25, 0.375, 0.5, 0.0], "the last vertex is on no furred material");
     assert_eq!(coat.lean, [0.5, 0.25, 0.0, 0.0]);
     assert_eq!(coat.wetness, [0.0, 0.5, 1.0, 0.0], "to which the texture's is added");
@@ -206,7 +210,7 @@ fn without_texture_coordinates_images_do_nothing_and_say_so() {
     mesh.uvs.fill(Vec2::ZERO);
     let (images, mut warnings) = (images(), Vec::new());
     let maps = Maps::new(&mesh, &materials, &[true; 2], &groom, &images, &mut warnings);
-    assert_eq!(maps.coat(&mesh, &[0, 1, 2, 3]).unwrap().length, [1.0; 4]);
+    assert_eq!(maps.coat(&Vertices::of_model(&mesh, &rest)).unwrap().length, [1.0; 4]);
     assert_eq!(maps.lay(&mesh, &rest, Vec3::X).unwrap().comb.unwrap(), [Vec3::ZERO; 4]);
     assert!(warnings.len() == 2 && warnings[0].contains("part 0") && warnings[0].contains("a.png"), "{warnings:?}");
 }
@@ -217,10 +221,10 @@ fn an_image_that_was_not_read_is_an_error() {
         length: ScalarMap::Image { path: "b.png".into(), channel: Channel::Red },
         ..GroomParams::default()
     };
-    let (mesh, materials, _) = square();
+    let (mesh, materials, rest) = square();
     let images = images();
     let maps = Maps::new(&mesh, &materials, &[true; 2], &groom, &images, &mut Vec::new());
-    assert!(maps.coat(&mesh, &[0, 1, 2, 3]).unwrap_err().to_string().contains("b.png"));
+    assert!(maps.coat(&Vertices::of_model(&mesh, &rest)).unwrap_err().to_string().contains("b.png"));
 }
 
 #[test]
@@ -238,4 +242,31 @@ fn water_is_dry_wet_or_mixed() {
     assert_eq!(water(&all, [true; 2]), Water::Wet);
     let groom = Recipe::parse("r.toml", &joint(1.0)).unwrap().groom;
     assert_eq!(Water::of(&groom, &["skin"]), Water::Mixed);
+}
+
+#[test]
+fn images_through_space_need_no_coordinates() {
+    let (mut mesh, materials, rest) = square();
+    mesh.parts.iter_mut().for_each(|part| part.has_uvs = false);
+    let bounds = crate::stages::groom::bounds(&rest);
+    let text = "[groom]\ncoordinates = \"z\"\nlength = \"a.png\"\nlean = \"a.png#g\"\nbare = \"a.png\"\ncomb = \"flow.png#uv\"\n\
+                color = \"a.png\"\ndensity = \"a.png\"";
+    let groom = Recipe::parse("r.toml", text).unwrap().groom;
+    let (images, mut warnings) = (images(), Vec::new());
+    let along = groom.coordinates.projection().unwrap();
+    let maps =
+        Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut warnings).over(Over::Space { along, bounds });
+    assert_eq!(warnings, [""; 0]);
+    let at = Vertices::of_model(&mesh, &rest);
+    let coat = maps.coat(&at).unwrap();
+    // Black on the left, white on the right, as one who looks at it from +z sees it.
+    assert_eq!((&coat.length[..], &coat.bareness[..]), (&[0.0, 1.0, 1.0, 0.0][..], &[0.0, 1.0, 1.0, 0.0][..]));
+    assert!(coat.lean.iter().all(|lean| (lean - 0.6).abs() < 1e-6), "{:?}", coat.lean);
+    assert!(maps.textures().unwrap().images.is_empty(), "what vertices say no texture says again");
+    let lay = maps.lay(&mesh, &rest, Vec3::X).unwrap();
+    assert_eq!(lay.density.unwrap(), [0.25, 4.0, 4.0, 0.25]);
+    // Red points right on the image and green down, which is +x and −y as seen along z.
+    assert!(lay.comb.unwrap().iter().all(|d| d.distance(Vec3::new(1.0, -1.0, 0.0)) < 1e-6));
+    let color = maps.color_at(&images.images["a.png"], &at, &mesh.parts[0], 1).unwrap();
+    assert!(color.x == 1.0 && color.z == 0.0, "{color}");
 }

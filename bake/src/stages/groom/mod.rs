@@ -10,10 +10,14 @@ mod flow;
 mod joints;
 mod maps;
 mod margin;
+mod marks;
 mod model_atlas;
 mod names;
+mod over;
 mod pairs;
 mod pattern;
+mod projection;
+mod ways;
 mod words;
 
 pub use atlas::Atlas;
@@ -25,7 +29,9 @@ pub use joints::JointValues;
 pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
 pub(crate) use maps::{average, last, report_unmatched, scalar_at};
 pub use margin::fade_to_bare;
+pub use marks::MarkValues;
 pub use model_atlas::ModelAtlas;
+pub use over::{Over, Vertices};
 pub use pattern::Pattern;
 
 use crate::decision::Decision;

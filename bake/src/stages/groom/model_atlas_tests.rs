@@ -4,6 +4,7 @@ use super::*;
 use crate::mesh::{Image, Material, MeshPart};
 use crate::recipe::Recipe;
 use crate::stages::groom::{MapImages, Maps, colors};
+use crate::stages::groom::{Over, Vertices};
 
 const RINGS: u32 = 24;
 const SIDES_OF_RING: u32 = 12;
@@ -105,10 +106,11 @@ fn what_is_painted_comes_back_where_it_was_painted() {
                 color = \"l.png\"";
     let groom = Recipe::parse("r.toml", text).unwrap().groom;
     let mut warnings = Vec::new();
-    let maps = Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut warnings).over(atlas);
+    let maps =
+        Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut warnings).over(Over::Atlas(atlas));
     assert_eq!(warnings, [""; 0]);
     let rest = RestPose::of(&model.mesh, None);
-    let coat = maps.coat(&model.mesh, &Vec::from_iter(0..model.mesh.positions.len() as u32)).unwrap();
+    let coat = maps.coat(&Vertices::of_model(&model.mesh, &rest)).unwrap();
     let comb = maps.lay(&model.mesh, &rest, Vec3::X).unwrap().comb.unwrap();
     for (v, place) in model.mesh.positions.iter().enumerate() {
         let expected = share(*place);
@@ -118,7 +120,7 @@ fn what_is_painted_comes_back_where_it_was_painted() {
         assert_eq!((coat.wetness[v], comb[v].y), (0.0, -1.0));
     }
     assert_eq!(maps.textures().unwrap().images.len(), 0, "what vertices say no texture says again");
-    let colors = colors(&model, &model.mesh, &maps, &[true; 2], true).unwrap();
+    let colors = colors(&model, &Vertices::of_model(&model.mesh, &rest), &maps, &[true; 2], true).unwrap();
     let bright = (0..model.mesh.positions.len()).max_by(|a, b| coat.length[*a].total_cmp(&coat.length[*b])).unwrap();
     let [r, g, b, a] = colors.vertices[bright];
     assert!(colors.images.is_empty() && r > 150 && (g, b, a) == (0, 0, 255), "{:?}", colors.vertices[bright]);
@@ -132,7 +134,8 @@ fn a_flow_image_points_along_the_atlas() {
     let right = Image { width: 1, height: 1, rgba: vec![255, 128, 0, 255] };
     let file = MapImages { images: [("f.png".to_owned(), right)].into(), ..MapImages::default() };
     let groom = Recipe::parse("r.toml", "[groom]\ncoordinates = \"atlas\"\ncomb = \"f.png#uv\"").unwrap().groom;
-    let maps = Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut Vec::new()).over(atlas.clone());
+    let maps = Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut Vec::new())
+        .over(Over::Atlas(atlas.clone()));
     let comb = maps.lay(&model.mesh, &RestPose::of(&model.mesh, None), Vec3::X).unwrap().comb.unwrap();
     let mut checked = 0;
     for triangle in &atlas.mesh.triangles {

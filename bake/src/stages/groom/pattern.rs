@@ -7,81 +7,20 @@ use super::atlas::{Atlas, linear_image, srgb_image};
 use super::canvas::Spot;
 use super::colors::Colors;
 use super::maps::{GroomTextures, MapImages};
+use super::projection::Projection;
 use crate::BakeError;
 use crate::mesh::Image;
-use crate::recipe::{ColorParams, PatternProjection, PatternWrap};
+use crate::recipe::{ColorParams, PatternWrap};
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::surface::Surface;
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use pelage_formats::Bounds;
-
-/// By how much one of the three images of `box` counts, of a component of the normal: its eighth power. A higher one is a sharper border, a lower
-/// one a wider blend.
-fn box_weight(component: f32) -> f32 {
-    let square = component * component;
-    let fourth = square * square;
-    fourth * fourth
-}
 
 /// An image laid through space.
 #[derive(Clone, Copy, Debug)]
 pub struct Pattern<'a> {
     image: &'a Image,
-    projection: PatternProjection,
-    wrap: Wrap,
-    /// Where the image's centre lies, metres.
-    center: Vec3,
-    /// Width and height of the image, metres.
-    size_m: Vec2,
-}
-
-/// Width of a pattern that spans a model once as the projection shows it, metres.
-fn pattern_size_m(image: &Image, projection: PatternProjection, bounds: &Bounds) -> f32 {
-    let extent = Vec3::from(bounds.max) - Vec3::from(bounds.min);
-    let aspect = image.width as f32 / image.height.max(1) as f32;
-    let spans = |axis: Axis| {
-        let on_image = axis.on_image(extent).abs();
-        on_image.x.max(on_image.y * aspect)
-    };
-    let width = axes(projection).iter().map(|axis| spans(*axis)).fold(0.0, f32::max);
-    if width > 0.0 && width.is_finite() { width } else { 1.0 }
-}
-
-/// An axis that an image is projected along.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Axis {
-    X,
-    Y,
-    Z,
-}
-
-impl Axis {
-    /// The two components that lie on the image, right and down: as a viewer on the positive side of the axis sees them, with y up, from
-    /// above with z down.
-    fn on_image(self, v: Vec3) -> Vec2 {
-        match self {
-            Self::X => Vec2::new(-v.z, -v.y),
-            Self::Y => Vec2::new(v.x, v.z),
-            Self::Z => Vec2::new(v.x, -v.y),
-        }
-    }
-
-    fn of(self, v: Vec3) -> f32 {
-        match self {
-            Self::X => v.x,
-            Self::Y => v.y,
-            Self::Z => v.z,
-        }
-    }
-}
-
-fn axes(projection: PatternProjection) -> &'static [Axis] {
-    match projection {
-        PatternProjection::X => &[Axis::X],
-        PatternProjection::Y => &[Axis::Y],
-        PatternProjection::Z => &[Axis::Z],
-        PatternProjection::Box => &[Axis::X, Axis::Y, Axis::Z],
-    }
+    projection: Projection,
 }
 
 impl<'a> Pattern<'a> {
@@ -92,41 +31,25 @@ impl<'a> Pattern<'a> {
     pub fn new(color: &ColorParams, images: &'a MapImages, bounds: &Bounds) -> Result<Option<Self>, BakeError> {
         let Some(path) = &color.pattern else { return Ok(None) };
         let image = images.get(&path.0)?;
-        let projection = color.pattern_projection;
-        let width = color.pattern_size_m.unwrap_or_else(|| pattern_size_m(image, projection, bounds));
-        let height = width * image.height as f32 / image.width.max(1) as f32;
-        Ok(Some(Self {
-            image,
-            projection,
-            wrap: match color.pattern_wrap {
-                PatternWrap::Repeat => Wrap::Repeat,
-                PatternWrap::Clamp => Wrap::Clamp,
-            },
-            center: (Vec3::from(bounds.min) + Vec3::from(bounds.max)) / 2.0,
-            size_m: Vec2::new(width, height),
-        }))
+        let wrap = match color.pattern_wrap {
+            PatternWrap::Repeat => Wrap::Repeat,
+            PatternWrap::Clamp => Wrap::Clamp,
+        };
+        let projection = Projection::new(color.pattern_projection, wrap, image, bounds, color.pattern_size_m);
+        Ok(Some(Self { image, projection }))
     }
 
     /// Width of the image on the model, metres.
     pub fn width_m(&self) -> f32 {
-        self.size_m.x
+        self.projection.width_m()
     }
 
     /// Linear RGB at a place, metres at rest, on skin with that unit normal. Transparent texels are white: they change nothing.
     pub fn color(&self, position: Vec3, normal: Vec3) -> Vec3 {
-        let along = |axis: Axis| {
-            let uv = axis.on_image(position - self.center) / self.size_m + 0.5;
-            let texel = bilinear(self.image, uv, self.wrap, Encoding::Srgb);
+        self.projection.read(position, normal, |at| {
+            let texel = bilinear(self.image, at.uv, self.projection.wrap, Encoding::Srgb);
             Vec3::ONE.lerp(texel.truncate(), texel.w)
-        };
-        match axes(self.projection) {
-            [axis] => along(*axis),
-            several => {
-                let weighed = several.iter().map(|axis| (box_weight(axis.of(normal)), along(*axis)));
-                let (sum, weight) = weighed.fold((Vec3::ZERO, 0.0), |(sum, n), (w, c)| (sum + c * w, n + w));
-                if weight > 0.0 { sum / weight } else { along(Axis::Y) }
-            }
-        }
+        })
     }
 }
 

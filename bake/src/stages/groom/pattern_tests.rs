@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::mesh::{Material, Mesh, MeshPart, Model};
-use crate::recipe::{FilePath, GroomParams};
-use crate::stages::groom::{Maps, colors};
+use crate::recipe::{FilePath, GroomParams, PatternProjection};
+use crate::stages::groom::{Maps, Vertices, colors};
 use crate::stages::surface::{Source, SurfaceParams, parameterize};
+use glam::Vec2;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 
 const SIDE: u32 = 512;
@@ -74,7 +75,7 @@ fn paint(model: &Model, pattern: &Pattern<'_>) -> Painted {
     let atlas = Atlas::new(&mut surface, SIDE).unwrap();
     let (groom, none) = (GroomParams::default(), MapImages::default());
     let maps = Maps::new(&surface.mesh, &model.materials, &furred, &groom, &none, &mut Vec::new());
-    let mut colors = colors(model, &surface.mesh, &maps, &furred, true).unwrap();
+    let mut colors = colors(model, &Vertices::from(&surface), &maps, &furred, true).unwrap();
     pattern.paint(&atlas, &furred, &mut surface, &mut colors, &mut GroomTextures::default());
     Painted { surface, colors, atlas }
 }
@@ -177,7 +178,7 @@ fn the_models_own_colours_and_groom_textures_move_into_the_texture() {
     let atlas = Atlas::new(&mut surface, SIDE).unwrap();
     let (groom, none) = (GroomParams::default(), MapImages::default());
     let maps = Maps::new(&surface.mesh, &model.materials, &furred, &groom, &none, &mut Vec::new());
-    let mut colors = colors(&model, &surface.mesh, &maps, &furred, true).unwrap();
+    let mut colors = colors(&model, &Vertices::from(&surface), &maps, &furred, true).unwrap();
     let mut grooms =
         GroomTextures { images: vec![row([0, 0, 0, 255], [255, 0, 0, 255])], of_material: vec![Some(0), None] };
     let own = surface.mesh.uvs.clone();
@@ -227,12 +228,4 @@ fn patterns_lie_as_they_are_seen() {
     assert_eq!(shade(Z, PatternWrap::Repeat, [0.75, 0.25, 0.0], Vec3::X), 0, "the image starts over");
     assert_eq!(shade(Box, PatternWrap::Clamp, [-0.25, 0.25, 0.3], Vec3::Z), 0, "seen along z");
     assert_eq!(shade(Box, PatternWrap::Clamp, [-0.25, 0.25, 0.3], Vec3::Y), 60, "seen along y");
-}
-
-#[test]
-fn a_pattern_left_alone_spans_the_model_once() {
-    let (wide, bounds) = (Image { width: 4, height: 2, rgba: vec![0; 32] }, BOUNDS);
-    assert_eq!(pattern_size_m(&wide, PatternProjection::Z, &bounds), 0.84);
-    assert_eq!(pattern_size_m(&wide, PatternProjection::Y, &bounds), 1.68, "0.84 high, twice as wide");
-    assert_eq!(pattern_size_m(&wide, PatternProjection::Box, &Bounds::default()), 1.0);
 }

@@ -1,6 +1,7 @@
 //! From nodes with meshes to one mesh: baked to world space where nothing moves, else bound to joints.
 
 use super::clips;
+use super::drawn;
 use super::json::At;
 use super::options::ImportOptions;
 use super::orient;
@@ -58,6 +59,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     let moving = skinned || !clips.is_empty();
 
     let world = tree.world(root);
+    let combs = drawn::drawn(source, &tree, &world, root, &mut joints)?;
     let mut builder = Builder { mesh: Mesh::default(), places: Vec::new(), authored: Vec::new() };
     let mut followed = followed.into_iter();
     for instance in &instances {
@@ -86,6 +88,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         materials: gathered.materials.materials,
         images: gathered.materials.images,
         nodes: named(&tree, &world),
+        combs,
         animation,
         inputs: Vec::new(),
         warnings: Vec::new(),
@@ -109,7 +112,7 @@ fn instances<'a>(
     gathered: &mut Gathered,
     joints: &mut Joints,
 ) -> Result<Vec<Instance<'a>>, BakeError> {
-    let mut known: BTreeMap<(usize, bool), Rc<Vec<Primitive<'a>>>> = BTreeMap::new();
+    let mut known: BTreeMap<(usize, bool, bool), Rc<Vec<Primitive<'a>>>> = BTreeMap::new();
     let mut instances = Vec::new();
     if tree.nodes.is_empty() {
         return library(source, gathered);
@@ -121,9 +124,10 @@ fn instances<'a>(
         let (index, mesh_at) = source.root.referred("meshes", &reference)?;
         let skin = at.get("skin").map(|s| joints.skin(source, &s)).transpose()?;
         let weights = at.get("weights");
-        let (key, own) = ((index, skin.is_some()), weights.is_some());
+        let combs = [at.name(), mesh_at.name()].into_iter().any(drawn::combs);
+        let (key, own) = ((index, skin.is_some(), combs), weights.is_some());
         let names = names([at.name(), mesh_at.name()]);
-        let mesh = MeshUse { index, at: mesh_at, weights, skinned: skin.is_some() };
+        let mesh = MeshUse { index, at: mesh_at, weights, skinned: skin.is_some(), combs };
         let primitives = match known.get(&key).filter(|_| !own) {
             Some(primitives) => primitives.clone(),
             None => {
@@ -155,7 +159,7 @@ fn library<'a>(source: &mut Source<'a, '_>, gathered: &mut Gathered) -> Result<V
     let mut instances = Vec::new();
     for (index, at) in meshes.entries()?.enumerate() {
         let names = names([at.name()]);
-        let mesh = MeshUse { index, at, weights: None, skinned: false };
+        let mesh = MeshUse { index, combs: drawn::combs(at.name()), at, weights: None, skinned: false };
         let primitives = Rc::new(read_mesh(source, gathered, &mesh)?);
         instances.push(Instance { node: None, skin: None, names, primitives });
     }

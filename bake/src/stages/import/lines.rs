@@ -3,7 +3,7 @@
 use super::counts::{check_count, same_count};
 use super::elements::REAL;
 use super::json::At;
-use super::primitive::{color_reals, indices_of, vectors, within_limits};
+use super::primitive::{are_lines, color_reals, indices_of, vectors, within_limits};
 use super::scene::Tree;
 use super::source::Source;
 use crate::BakeError;
@@ -16,12 +16,33 @@ const LINES: u64 = 1;
 const LINE_LOOP: u64 = 2;
 const LINE_STRIP: u64 = 3;
 
+/// What reading lines adds up to.
+#[derive(Default)]
+pub(super) struct Counted {
+    vertices: u64,
+    indices: u64,
+}
+
+impl Counted {
+    /// Counts a primitive before anything of it is read: many primitives may share accessors, and many nodes a mesh.
+    pub(super) fn charge<'a>(
+        &mut self,
+        source: &Source<'a, '_>,
+        at: &At<'a>,
+        position: &At<'a>,
+    ) -> Result<(), BakeError> {
+        self.vertices = self.vertices.saturating_add(source.accessor_count(position)?);
+        let listed = at.get("indices").map_or(Ok(0), |indices| source.accessor_count(&indices))?;
+        self.indices = self.indices.saturating_add(listed);
+        within_limits(at, self.vertices, self.indices)
+    }
+}
+
 /// What a scene adds up to.
 #[derive(Default)]
 struct Found {
     guides: Guides,
-    vertices: u64,
-    indices: u64,
+    counted: Counted,
     /// Primitives of anything but lines.
     others: usize,
     /// Whether a primitive has no radii, or no colours.
@@ -70,7 +91,7 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
 fn read_mesh<'a>(source: &mut Source<'a, '_>, found: &mut Found, mesh: &At<'a>, world: Mat4) -> Result<(), BakeError> {
     for at in mesh.require("primitives")?.entries()? {
         let mode = at.unsigned_or("mode", 4)?;
-        if (LINES..=LINE_STRIP).contains(&mode) {
+        if are_lines(mode) {
             read_primitive(source, found, &at, mode, world)?;
         } else {
             found.others += 1;
@@ -88,11 +109,7 @@ fn read_primitive<'a>(
 ) -> Result<(), BakeError> {
     let attributes = at.require("attributes")?;
     let position = attributes.require("POSITION")?;
-    // Before anything is read: many primitives may share accessors, and many nodes a mesh.
-    found.vertices = found.vertices.saturating_add(source.accessor_count(&position)?);
-    let listed = at.get("indices").map_or(Ok(0), |indices| source.accessor_count(&indices))?;
-    found.indices = found.indices.saturating_add(listed);
-    within_limits(at, found.vertices, found.indices)?;
+    found.counted.charge(source, at, &position)?;
     let own = vectors(&source.accessor(&position, &[3], REAL)?.reals(false));
     let mut points = Vec::with_capacity(own.len());
     for (i, p) in own.iter().enumerate() {
@@ -137,7 +154,7 @@ fn read_primitive<'a>(
 }
 
 /// Vertices of each strand.
-fn strands_of(at: &At<'_>, mode: u64, indices: &[u32], points: &[Vec3]) -> Result<Vec<Vec<u32>>, BakeError> {
+pub(super) fn strands_of(at: &At<'_>, mode: u64, indices: &[u32], points: &[Vec3]) -> Result<Vec<Vec<u32>>, BakeError> {
     if mode != LINES {
         let ring = indices.first().filter(|_| mode == LINE_LOOP);
         return Ok(vec![indices.iter().chain(ring).copied().collect()]);

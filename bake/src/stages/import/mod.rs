@@ -9,6 +9,8 @@
 //! * Missing normals are computed smooth, without creases (glTF asks for flat ones, which tear a coat of fur open).
 //! * Vertices of a skin without any weight follow the first joint that they name; of more than four, the largest four count.
 //! * Parts that the scene or the rest pose mirrors, or that face against their normals, are turned around.
+//! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, say how hair is combed ([`crate::mesh::DrawnComb`]);
+//!   other lines are left out.
 //! * Morph targets are applied at their default weights; their animation is left out.
 //!
 //! All that is repaired, left out or guessed is told in [`Model::warnings`]. What cannot be is an error that names the place as
@@ -21,6 +23,7 @@ mod clips;
 mod compressed;
 mod container;
 mod counts;
+mod drawn;
 mod elements;
 mod extensions;
 mod json;

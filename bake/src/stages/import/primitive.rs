@@ -39,6 +39,8 @@ pub(super) struct MeshUse<'a> {
     /// Morph weights of the node, which go before the mesh's own.
     pub weights: Option<At<'a>>,
     pub skinned: bool,
+    /// Whether its lines, if it has some, say how hair is combed.
+    pub combs: bool,
 }
 
 /// What reading meshes adds up to.
@@ -61,6 +63,11 @@ impl Gathered {
         self.indices = self.indices.saturating_add(count(at.get("indices"))?);
         within_limits(at, self.vertices, self.indices)
     }
+}
+
+/// Whether primitives of that mode hold lines (glTF 2.0, section 3.7.2.1, "Topology").
+pub(super) fn are_lines(mode: u64) -> bool {
+    (1..=3).contains(&mode)
 }
 
 /// Fails where a model grows past the limits of a package.
@@ -92,6 +99,9 @@ pub(super) fn read_mesh<'a>(
     let mut primitives = Vec::new();
     for (i, at) in mesh.at.require("primitives")?.entries()?.enumerate() {
         let label = format!("mesh {}{name}, primitive {i}", mesh.index);
+        if mesh.combs && are_lines(at.unsigned_or("mode", 4)?) {
+            continue;
+        }
         match read_primitive(source, &mut gathered.materials, &at, label, &morph_weights, mesh.skinned)? {
             Some(primitive) => primitives.push(primitive),
             None => gathered.skipped += 1,

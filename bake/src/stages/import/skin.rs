@@ -76,11 +76,16 @@ impl Joints {
         Ok(index)
     }
 
+    /// Joints of a skin that was read: node of the document and inverse bind matrix.
+    pub fn binds(&self, skin: usize) -> Vec<(usize, [f32; 16])> {
+        let skin = self.skins.get(&skin);
+        skin.into_iter().flat_map(|s| s.joints.iter().copied().zip(s.inverse_binds.iter().copied())).collect()
+    }
+
     /// Number of the first joint of a skin, and how many it has.
     pub fn of_skin(&mut self, at: &At<'_>, skin: usize) -> Result<(usize, usize), BakeError> {
-        let (joints, binds) = self.skins.get(&skin).map_or((&[][..], &[][..]), |s| (&s.joints, &s.inverse_binds));
-        let count = joints.len();
-        let entries: Vec<_> = joints.iter().copied().zip(binds.iter().copied()).collect();
+        let entries = self.binds(skin);
+        let count = entries.len();
         Ok((self.add(at, Owner::Skin(skin), entries)?, count))
     }
 

@@ -1,11 +1,16 @@
 //! Where the hair is combed to: wishes per face, before they are smoothed into a field.
 
+use super::marks::{self, CombMark};
 use super::skin::Skin;
-use super::topology::{Key, Topology};
-use crate::mesh::Mesh;
+use crate::mesh::{DrawnComb, Mesh};
+use crate::recipe::{CombMarkParams, CombSource, SurfaceParams};
+use crate::stages::reach;
 use glam::{DVec3, Vec3};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+
+/// How far apart places along a drawn line are, shares of its reach.
+const STEP: f32 = 0.125;
+/// Most places of a drawn line.
+const MOST_PLACES: usize = 256;
 
 /// Where hair is combed to. Directions are in world space at rest; what counts is their share along the skin.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,31 +24,81 @@ pub enum Comb {
     /// One vector per vertex of the input mesh; its length, up to 1, is how much it counts.
     PerVertex(Vec<Vec3>),
     /// Directions at a few places, spread over the surface by the way between (formulas 6.1, after Praun et al. 2000).
-    Marks(Vec<CombMark>),
+    Marks {
+        /// At least one.
+        marks: Vec<CombMark>,
+        /// Where all of them have a reach, the direction beyond it, any length but 0.
+        elsewhere: Vec3,
+    },
     /// No direction: patches lie as they distort least, which suits hair that stands up (the isotropic mode of Lengyel et al. 2001).
     None,
 }
 
 impl Comb {
+    /// What a recipe says, with what is drawn in a model of that radius. Where `surface.comb` is `auto`, a mark with a direction makes it `marks`, and so
+    /// does what is drawn where `surface.comb_direction` is left alone.
+    pub fn of_recipe(recipe: &SurfaceParams, drawn: &[DrawnComb], radius_m: f32) -> Self {
+        let of_recipe = recipe.comb_marks.iter().flat_map(CombMarkParams::with_likeness).filter_map(|mark| {
+            Some(CombMark {
+                places: vec![(mark.at?.into(), mark.direction?.into())],
+                name: mark.name,
+                reach_m: mark.reach_m,
+            })
+        });
+        let mut marks: Vec<CombMark> = of_recipe.collect();
+        let untouched = recipe.comb_direction == SurfaceParams::default().comb_direction;
+        let has_marks = !marks.is_empty() || !drawn.is_empty() && untouched;
+        let elsewhere = Vec3::from(recipe.comb_direction);
+        match recipe.comb {
+            CombSource::Auto if !has_marks => Self::Direction(elsewhere),
+            CombSource::Direction => Self::Direction(elsewhere),
+            CombSource::Gravity => Self::Gravity,
+            CombSource::Tangents => Self::Tangents,
+            CombSource::Auto | CombSource::Marks => {
+                let reach_m = reach::chosen_m(radius_m);
+                marks.extend(drawn.iter().map(|line| CombMark {
+                    name: line.name.clone(),
+                    places: evenly(&line.places, reach_m * STEP),
+                    reach_m: Some(reach_m),
+                }));
+                Self::Marks { marks, elsewhere }
+            }
+            CombSource::None => Self::None,
+        }
+    }
+
     /// The unit direction that holds everywhere; zero where there is no such.
     pub fn everywhere(&self) -> Vec3 {
         match self {
             Self::Direction(direction) => direction.normalize_or_zero(),
             Self::Gravity => Vec3::NEG_Y,
-            Self::Tangents | Self::PerVertex(_) | Self::Marks(_) | Self::None => Vec3::ZERO,
+            Self::Tangents | Self::PerVertex(_) | Self::Marks { .. } | Self::None => Vec3::ZERO,
         }
     }
 }
 
-/// A direction at a place.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CombMark {
-    /// Name, for messages.
-    pub name: String,
-    /// Place near the skin, world space at rest, metres.
-    pub at: Vec3,
-    /// Direction there, any length but 0.
-    pub direction: Vec3,
+/// Places along a drawn line, about `step_m` apart and at most [`MOST_PLACES`], its ends among them.
+fn evenly(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
+    let lengths: Vec<f32> = places.windows(2).map(|ends| ends[0].0.distance(ends[1].0)).collect();
+    let total: f32 = lengths.iter().sum();
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return Vec::new() };
+    let count = (total / step_m).ceil().clamp(1.0, MOST_PLACES as f32 - 1.0) as usize;
+    if places.len() < 2 || !total.is_finite() {
+        return vec![*first];
+    }
+    let (mut found, mut segment, mut before) = (vec![*first], 0, 0.0);
+    for k in 1..count {
+        let along = total * k as f32 / count as f32;
+        while segment + 1 < lengths.len() && before + lengths[segment] < along {
+            before += lengths[segment];
+            segment += 1;
+        }
+        let t = ((along - before) / lengths[segment].max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let (a, b) = (places[segment], places[segment + 1]);
+        found.push((a.0.lerp(b.0, t), a.1.lerp(b.1, t).normalize_or(a.1)));
+    }
+    found.push(*last);
+    found
 }
 
 /// One wish per face of the skin; lengths up to 1.
@@ -58,7 +113,7 @@ pub(super) fn wishes(
         Comb::Direction(_) | Comb::Gravity | Comb::None => {
             vec![comb.everywhere().as_dvec3().normalize_or_zero(); skin.triangles.len()]
         }
-        Comb::Marks(marks) => spread(&skin.topology, marks, warnings),
+        Comb::Marks { marks, elsewhere } => marks::spread(&skin.topology, marks, *elsewhere, warnings),
         Comb::PerVertex(vectors) => {
             let at = |v: u32| vectors.get(input_vertex[v as usize] as usize).copied().unwrap_or(Vec3::ZERO).as_dvec3();
             let mean = |t: &u32| mesh.triangles[*t as usize].map(at).into_iter().sum::<DVec3>() / 3.0;
@@ -81,50 +136,42 @@ pub(super) fn wishes(
     }
 }
 
-/// Shepard's inverse-distance weights with distances along the skin; other components measure straight through space.
-fn spread(topology: &Topology, marks: &[CombMark], warnings: &mut Vec<String>) -> Vec<DVec3> {
-    let n = topology.faces.len();
-    let mut sums = vec![DVec3::ZERO; n];
-    let mut weights = vec![0.0; n];
-    let centers: Vec<DVec3> = (0..n).map(|f| topology.centroid(f)).collect();
-    for mark in marks {
-        let (at, direction) = (mark.at.as_dvec3(), mark.direction.as_dvec3().normalize_or_zero());
-        let nearest =
-            (0..n).min_by(|a, b| centers[*a].distance_squared(at).total_cmp(&centers[*b].distance_squared(at)));
-        let Some(start) = nearest else { return sums };
-        if direction.reject_from(topology.normals[start]).length() < 0.1 {
-            warnings.push(format!(
-                "surface.comb_marks: {:?} points along the skin's normal where it stands; its direction has hardly an effect",
-                mark.name
-            ));
-        }
-        let ways = ways_from(topology, &centers, start);
-        for f in 0..n {
-            let way = if ways[f].is_finite() { ways[f] } else { centers[f].distance(at) };
-            let weight = 1.0 / (way * way).max(1e-12);
-            sums[f] += direction * weight;
-            weights[f] += weight;
-        }
-    }
-    sums.iter().zip(weights).map(|(sum, weight)| if weight > 0.0 { *sum / weight } else { DVec3::ZERO }).collect()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Length of the shortest way over faces' centres from a face to each other; infinite where there is none.
-fn ways_from(topology: &Topology, centers: &[DVec3], start: usize) -> Vec<f64> {
-    let mut ways = vec![f64::INFINITY; centers.len()];
-    ways[start] = 0.0;
-    let mut heap = BinaryHeap::from([Reverse((Key(0.0), start))]);
-    while let Some(Reverse((Key(way), f))) = heap.pop() {
-        if way > ways[f] {
-            continue;
-        }
-        for (_, g) in topology.neighbors(f) {
-            let next = way + centers[f].distance(centers[g]);
-            if next < ways[g] {
-                ways[g] = next;
-                heap.push(Reverse((Key(next), g)));
-            }
-        }
+    #[test]
+    fn what_a_recipe_leaves_open_follows_from_what_there_is() {
+        let line = DrawnComb { name: "comb_a".into(), places: vec![(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::X)] };
+        let mark = |direction| CombMarkParams { at: Some([0.0; 3]), direction, ..CombMarkParams::default() };
+        let (open, drawn) = (SurfaceParams::default(), [line]);
+        let marks = |recipe: &SurfaceParams, drawn: &[DrawnComb]| match Comb::of_recipe(recipe, drawn, 2.0) {
+            Comb::Marks { marks, .. } => marks.iter().map(|mark| (mark.places.len(), mark.reach_m)).collect(),
+            Comb::Direction(_) => Vec::new(),
+            other => vec![(99, Some(if other == Comb::Gravity { 1.0 } else { 2.0 }))],
+        };
+        assert_eq!(marks(&open, &[]), []);
+        // A line of a metre, which reaches 0.6 m, in steps of less than 75 mm.
+        assert_eq!(marks(&open, &drawn), [(15, Some(0.6))]);
+        let turned = SurfaceParams { comb_direction: [1.0, 0.0, 0.0], ..open.clone() };
+        assert_eq!(marks(&turned, &drawn), []);
+        let said = |comb| SurfaceParams { comb, ..open.clone() };
+        assert_eq!(marks(&said(CombSource::Direction), &drawn), []);
+        assert_eq!(marks(&said(CombSource::Gravity), &drawn), [(99, Some(1.0))]);
+        let with = |direction| SurfaceParams { comb_marks: vec![mark(direction)], ..open.clone() };
+        assert_eq!(marks(&with(None), &[]), [], "a mark without direction says nothing of the comb");
+        assert_eq!(marks(&with(Some([0.0, 1.0, 0.0])), &drawn), [(1, None), (15, Some(0.6))]);
+        assert_eq!(marks(&SurfaceParams { comb: CombSource::Marks, ..turned }, &drawn), [(15, Some(0.6))]);
     }
-    ways
+
+    #[test]
+    fn places_lie_evenly_on_their_line() {
+        let corner = [(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::X), (Vec3::X + Vec3::Y, Vec3::Y)];
+        let found = evenly(&corner, 0.5);
+        let places: Vec<Vec3> = found.iter().map(|(at, _)| *at).collect();
+        assert_eq!(places, [Vec3::ZERO, Vec3::X * 0.5, Vec3::X, Vec3::new(1.0, 0.5, 0.0), Vec3::new(1.0, 1.0, 0.0)]);
+        assert!(found[3].1.x > 0.5 && found[3].1.is_normalized(), "{:?}", found[3]);
+        assert_eq!(evenly(&corner, 1e-9).len(), MOST_PLACES);
+        assert_eq!((evenly(&corner[..1], 0.5).len(), evenly(&[], 0.5).len()), (1, 0));
+    }
 }

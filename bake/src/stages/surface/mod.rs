@@ -11,6 +11,7 @@ mod field;
 mod frames;
 mod grow;
 mod lapped;
+mod marks;
 mod measure;
 mod params;
 mod repair;
@@ -19,7 +20,8 @@ mod solve;
 mod topology;
 mod weld;
 
-pub use comb::{Comb, CombMark};
+pub use comb::Comb;
+pub use marks::CombMark;
 pub use measure::Measures;
 pub use params::{PatchParams, Source, SurfaceParams};
 

@@ -1,6 +1,6 @@
 //! Where hair grows, how large its tile is and how it lies: what the stage is told.
 
-use super::comb::{Comb, CombMark};
+use super::comb::Comb;
 use super::grow::Reach;
 use super::lapped::{Bounds, LappedParams};
 use crate::BakeError;
@@ -87,13 +87,9 @@ impl Default for PatchParams {
 }
 
 impl SurfaceParams {
-    /// What a recipe says, with the tile's width resolved for the model and `furred` for its materials.
+    /// What a recipe says, with the tile's width resolved for the model and `furred` for its materials. What is drawn in a model comes in by
+    /// [`Comb::of_recipe`].
     pub fn from_recipe(recipe: &recipe::SurfaceParams, tile_size_m: f32, furred: Vec<bool>) -> Self {
-        let mark = |g: &recipe::CombMarkParams| CombMark {
-            name: g.name.clone(),
-            at: g.at.into(),
-            direction: g.direction.into(),
-        };
         Self {
             tile_size_m,
             furred,
@@ -101,13 +97,7 @@ impl SurfaceParams {
                 recipe::SurfaceSource::Model => Source::Model,
                 recipe::SurfaceSource::Patches => Source::Patches(recipe.into()),
             },
-            comb: match recipe.comb {
-                recipe::CombSource::Direction => Comb::Direction(recipe.comb_direction.into()),
-                recipe::CombSource::Gravity => Comb::Gravity,
-                recipe::CombSource::Tangents => Comb::Tangents,
-                recipe::CombSource::Marks => Comb::Marks(recipe.comb_marks.iter().map(mark).collect()),
-                recipe::CombSource::None => Comb::None,
-            },
+            comb: Comb::of_recipe(recipe, &[], 1.0),
             comb_smoothing: recipe.comb_smoothing,
             density: None,
         }
@@ -132,11 +122,24 @@ impl SurfaceParams {
             Comb::Direction(d) if !d.is_finite() || *d == Vec3::ZERO => {
                 return fail("surface.comb_direction", format!("{d}, expected three finite numbers, not all 0"));
             }
-            Comb::Marks(marks) if marks.is_empty() => {
+            Comb::Marks { marks, .. } if marks.is_empty() => {
                 return fail(
                     "surface.comb_marks",
-                    "there are none, expected at least one for surface.comb = \"marks\"".into(),
+                    "there are none with a direction, expected at least one for surface.comb = \"marks\", or lines named comb_… in the \
+                     model"
+                    .into(),
                 );
+            }
+            Comb::Marks { marks, elsewhere } => {
+                let is_direction = |d: &Vec3| d.is_finite() && *d != Vec3::ZERO;
+                let places = || marks.iter().flat_map(|mark| &mark.places);
+                if let Some((_, bad)) = places().find(|(at, d)| !at.is_finite() || !is_direction(d)) {
+                    return fail("surface.comb_marks", format!("{bad}, expected three finite numbers, not all 0"));
+                }
+                if !is_direction(elsewhere) {
+                    let reason = format!("{elsewhere}, expected three finite numbers, not all 0");
+                    return fail("surface.comb_direction", reason);
+                }
             }
             _ => {}
         }

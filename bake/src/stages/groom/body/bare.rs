@@ -1,8 +1,9 @@
 //! How near places are to eyes, nose and mouth: to parts of the skin where no hair grows, and which are small.
 
-use super::skin::{Skin, smooth_step};
+use super::skin::Skin;
 use super::subject::Body;
 use crate::stages::cells::{Cells, closest};
+use crate::stages::reach::smooth_step;
 
 /// How far from bare parts hair is shortened, radii of the body.
 const REACH: f32 = 0.15;
@@ -12,7 +13,7 @@ const GAP: f32 = 0.03;
 const LARGEST: f32 = 0.04;
 
 /// One per triangle of the body: whether hair grows on it.
-fn furred_faces(body: &Body<'_>) -> Vec<bool> {
+pub(in crate::stages::groom) fn furred_faces(body: &Body<'_>) -> Vec<bool> {
     let mut faces = vec![false; body.mesh.triangles.len()];
     for part in body.mesh.parts.iter().filter(|part| body.furred.get(part.material) == Some(&true)) {
         faces[part.first_triangle..part.first_triangle + part.triangle_count].fill(true);

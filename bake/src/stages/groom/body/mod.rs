@@ -18,10 +18,12 @@ mod thickness;
 mod words;
 
 use crate::decision::{Decision, metres_in_words};
+use crate::stages::reach::smooth_step;
+pub(super) use bare::furred_faces;
 use glam::Vec3;
 use parts::{Growth, Region};
 use pelage_formats::Pose;
-use skin::{Skin, smooth_step};
+pub(super) use skin::Skin;
 pub use subject::Body;
 
 /// How far values spread over the skin, radii of the body.

@@ -13,7 +13,7 @@ const SOLVER: (usize, f64) = (100, 1e-4);
 
 /// Places of a skin at rest and how they hang together. Lengths are radii of the skin about its middle, so that one number suits all models.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Skin {
+pub(in crate::stages::groom) struct Skin {
     /// For each vertex of the mesh its place.
     pub place_of: Vec<u32>,
     /// One per place.
@@ -44,7 +44,7 @@ impl Skin {
     /// Welds a mesh in its rest pose, metres.
     ///
     /// * `center`, `radius_m`: what lengths are measured by; the radius is above 0
-    pub(super) fn new(mesh: &Mesh, rest: &RestPose, center: Vec3, radius_m: f32) -> Self {
+    pub(in crate::stages::groom) fn new(mesh: &Mesh, rest: &RestPose, center: Vec3, radius_m: f32) -> Self {
         let bits =
             |v: usize| rest.positions.get(v).map(|p| (*p + 0.0).to_array().map(f32::to_bits)).unwrap_or_default();
         let mut order: Vec<u32> = (0..rest.positions.len() as u32).collect();
@@ -125,7 +125,7 @@ impl Skin {
     }
 
     /// Number of places.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::stages::groom) fn len(&self) -> usize {
         self.positions.len()
     }
 
@@ -135,7 +135,7 @@ impl Skin {
 
     /// How far each place is from the nearest of `seeds` along the edges (Dijkstra 1959), each seed with the distance that it begins with;
     /// infinite beyond `reach`.
-    pub(super) fn distances(&self, seeds: impl Iterator<Item = (u32, f32)>, reach: f32) -> Vec<f32> {
+    pub(in crate::stages::groom) fn distances(&self, seeds: impl Iterator<Item = (u32, f32)>, reach: f32) -> Vec<f32> {
         let mut distances = vec![f32::INFINITY; self.len()];
         // Of numbers that are not negative the bits are in the same order.
         let mut front: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
@@ -164,7 +164,7 @@ impl Skin {
 
     /// Values of places spread as heat spreads over the skin in the time in which it goes about `width` far: the implicit step
     /// (A + t·L)·x = A·values with t = width² / 2 (Desbrun et al. 1999), solved by conjugate gradients. No value lies beyond those there were.
-    pub(super) fn spread(&self, values: &[f32], width: f32) -> Vec<f32> {
+    pub(in crate::stages::groom) fn spread(&self, values: &[f32], width: f32) -> Vec<f32> {
         let time = 0.5 * f64::from(width) * f64::from(width);
         // A place without area keeps no value of its own, but must have one.
         let areas: Vec<f64> = self.areas.iter().map(|a| f64::from(*a).max(1e-12)).collect();
@@ -209,7 +209,7 @@ impl Skin {
     }
 
     /// The value that a share of the skin's area lies below: 0.5 is the median. `None` where nothing has an area or a value.
-    pub(super) fn quantile(&self, values: &[Option<f32>], share: f64) -> Option<f32> {
+    pub(in crate::stages::groom) fn quantile(&self, values: &[Option<f32>], share: f64) -> Option<f32> {
         let mut found: Vec<(f32, f32)> =
             values.iter().zip(&self.areas).filter_map(|(v, area)| Some(((*v)?, *area))).collect();
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -224,10 +224,4 @@ impl Skin {
             .map(|(value, _)| *value)
             .filter(|_| total > 0.0)
     }
-}
-
-/// 0 at `low` and below, 1 at `high` and above, smooth between.
-pub(super) fn smooth_step(low: f32, high: f32, at: f32) -> f32 {
-    let t = ((at - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

@@ -1,0 +1,132 @@
+//! Lines and empty nodes of a model that say how its hair is combed.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use crate::support::{Bytes as _, Doc, U8, U16, assert_near, assert_warns};
+use glam::Vec3;
+use serde_json::{Value, json};
+
+/// A document that shows a triangle.
+fn with_triangle() -> Doc {
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    doc.show(json!({"attributes": {"POSITION": position}}));
+    doc
+}
+
+/// Shows a line from the origin along x, then along y, with more keys of its node.
+fn line(doc: &mut Doc, mode: u64, mesh_name: &str, mut node: Value) {
+    let position = doc.floats(&[0., 0., 0., 1., 0., 0., 1., 2., 0.], "VEC3");
+    let indices: &[u16] = if mode == 1 { &[0, 1, 1, 2] } else { &[0, 1, 2] };
+    let indices = doc.accessor(&indices.bytes(), U16, "SCALAR", indices.len());
+    let primitive = json!({"attributes": {"POSITION": position}, "mode": mode, "indices": indices});
+    node["mesh"] = doc.push("meshes", json!({"name": mesh_name, "primitives": [primitive]})).into();
+    doc.push("nodes", node);
+}
+
+#[test]
+fn lines_named_comb_are_read_in_the_world_and_others_left_out() {
+    let mut doc = with_triangle();
+    let moved = json!({"name": "Comb_neck", "translation": [0, 0, 5], "scale": [2, 2, 2],
+        "rotation": [0, 0, std::f32::consts::FRAC_1_SQRT_2, std::f32::consts::FRAC_1_SQRT_2]});
+    line(&mut doc, 1, "Curve.001", moved);
+    line(&mut doc, 3, "COMB_back", json!({"name": "Curve"}));
+    line(&mut doc, 2, "", json!({"name": "comb"}));
+    line(&mut doc, 3, "whisker", json!({"name": "honeycomb"}));
+    let model = doc.model();
+    let found: Vec<(&str, usize)> = model.combs.iter().map(|c| (c.name.as_str(), c.places.len())).collect();
+    assert_eq!(found, [("Comb_neck", 3), ("COMB_back", 3), ("comb", 4)]);
+    // A quarter turn about z takes x to y; twice as large, and moved.
+    let turned = &model.combs[0].places;
+    assert_near(turned[1].0, [0.0, 2.0, 5.0]);
+    assert_near(turned[2].0, [-4.0, 2.0, 5.0]);
+    assert_near(turned[0].1, [0.0, 1.0, 0.0]);
+    assert_near(turned[2].1, [-1.0, 0.0, 0.0]);
+    assert_warns(&model, "holds a line strip");
+    assert_eq!(model.warnings.len(), 1, "those that comb are not left out: {:?}", model.warnings);
+    assert_eq!(model.mesh.parts.len(), 1);
+}
+
+#[test]
+fn empty_nodes_point_along_their_y() {
+    let mut doc = with_triangle();
+    let parent = doc
+        .push("nodes", json!({"name": "parent", "translation": [0, 3, 0], "scale": [2, 2, 2], "children": [2, 3, 4]}));
+    assert_eq!(parent, 1);
+    let quarter = [std::f32::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f32::consts::FRAC_1_SQRT_2];
+    doc.push("nodes", json!({"name": "comb_tail", "translation": [1, 0, 0], "rotation": quarter}));
+    doc.push("nodes", json!({"name": "comb_flat", "scale": [1, 0, 1]}));
+    doc.push("nodes", json!({"name": "combed"}));
+    let model = doc.model();
+    assert_eq!(model.combs.len(), 1, "{:?}", model.combs);
+    assert_eq!(model.combs[0].name, "comb_tail");
+    assert_near(model.combs[0].places[0].0, [2.0, 3.0, 0.0]);
+    assert_near(model.combs[0].places[0].1, [0.0, 0.0, 1.0]);
+    assert_warns(&model, "\"comb_flat\" points nowhere");
+}
+
+/// A triangle and a line bound to one joint, which stands a metre above its bind pose; a child of it by the name of a comb.
+fn bound(joint_of_line: u8) -> Doc {
+    let mut doc = Doc::new();
+    let (position, points) = (doc.triangle(), doc.floats(&[0., 0., 0., 1., 0., 0.], "VEC3"));
+    let joints = |doc: &mut Doc, n: usize, joint: u8| {
+        doc.accessor(&vec![[joint, 0, 0, 0]; n].concat()[..].bytes(), U8, "VEC4", n)
+    };
+    let (of_triangle, of_line) = (joints(&mut doc, 3, 0), joints(&mut doc, 2, joint_of_line));
+    let weights = doc.floats(&[1., 0., 0., 0.].repeat(3), "VEC4");
+    let two = doc.floats(&[1., 0., 0., 0.].repeat(2), "VEC4");
+    let attributes = |position: usize, joints: usize, weights: usize| json!({"POSITION": position, "JOINTS_0": joints, "WEIGHTS_0": weights});
+    let body = json!({"attributes": attributes(position, of_triangle, weights)});
+    let comb = json!({"attributes": attributes(points, of_line, two), "mode": 1});
+    doc.push("meshes", json!({"primitives": [body]}));
+    doc.push("meshes", json!({"name": "comb_arm", "primitives": [comb]}));
+    doc.push("skins", json!({"joints": [2]}));
+    doc.push("nodes", json!({"mesh": 0, "skin": 0}));
+    // Where a skin is, the node's own place does not count.
+    doc.push("nodes", json!({"mesh": 1, "skin": 0, "translation": [9, 9, 9]}));
+    doc.push("nodes", json!({"name": "comb_joint", "translation": [0, 1, 0], "children": [3]}));
+    doc.push("nodes", json!({"name": "comb_tip", "translation": [0, 1, 0]}));
+    doc
+}
+
+#[test]
+fn lines_follow_their_skin_to_the_rest_pose() {
+    let model = bound(0).model();
+    let names: Vec<&str> = model.combs.iter().map(|comb| comb.name.as_str()).collect();
+    assert_eq!(names, ["comb_arm", "comb_tip"], "a joint is no mark, what hangs on it is");
+    assert_near(model.combs[0].places[1].0, [1.0, 1.0, 0.0]);
+    assert_near(model.combs[1].places[0].0, [0.0, 2.0, 0.0]);
+    assert_near(model.combs[0].places[0].1, [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn what_is_wrong_with_a_line_is_said() {
+    let (place, reason) = bound(7).fault();
+    assert!(place == "/meshes/1/primitives/0" && reason.contains("joint 7"), "{place}: {reason}");
+    let mut odd = with_triangle();
+    line(&mut odd, 1, "comb", json!({}));
+    let accessor = odd.json["meshes"][1]["primitives"][0]["indices"].as_u64().unwrap() as usize;
+    odd.json["accessors"][accessor]["count"] = 3.into();
+    let (place, reason) = odd.fault();
+    assert!(place == "/meshes/1/primitives/0" && reason.contains("even"), "{place}: {reason}");
+    let mut far = with_triangle();
+    line(&mut far, 3, "comb", json!({"scale": [3e38, 1, 1]}));
+    far.json["nodes"][1]["translation"] = json!([3e38, 0, 0]);
+    let (_, reason) = far.fault();
+    assert!(reason.contains("finite"), "{reason}");
+    let mut point = with_triangle();
+    line(&mut point, 3, "comb", json!({"scale": [0, 0, 0]}));
+    let model = point.model();
+    assert!(model.combs.is_empty());
+    assert_warns(&model, "has no length");
+}
+
+#[test]
+fn a_file_without_nodes_has_its_lines_as_they_are() {
+    let mut doc = Doc::new();
+    let (position, points) = (doc.triangle(), doc.floats(&[0., 0., 0., 1., 0., 0.], "VEC3"));
+    doc.push("meshes", json!({"name": "body", "primitives": [{"attributes": {"POSITION": position}}]}));
+    doc.push("meshes", json!({"name": "comb_a", "primitives": [{"attributes": {"POSITION": points}, "mode": 3}]}));
+    let model = doc.model();
+    assert_eq!(model.combs.len(), 1);
+    assert_eq!(model.combs[0].places, [(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::X)]);
+}
