@@ -1,5 +1,6 @@
 //! Where hair grows, how long, and what varies over the model: the `groom` stage. Lengths are metres in the posed rest state.
 
+mod at_root;
 mod atlas;
 mod bare;
 mod body;
@@ -16,6 +17,7 @@ mod pairs;
 mod pattern;
 mod words;
 
+pub use at_root::{RootAtlas, Rooting};
 pub use atlas::Atlas;
 pub(crate) use atlas::linear_image;
 pub use bare::{Growth, growth};
