@@ -42,27 +42,31 @@ impl Package<'_> {
     /// Fails where the section is damaged, or does not fit the manifest.
     pub fn roots(&self) -> Result<Option<RootsInfo>, FormatError> {
         let Some((index, section)) = self.find(Tag::ROOTS, 0) else { return Ok(None) };
-        let info: RootsInfo = decode_section(Tag::ROOTS, section.offset, self.section_bytes(index)?)?;
-        let fail = |reason: String| FormatError::Content { tag: Tag::ROOTS, offset: section.offset, reason };
-        let manifest = self.manifest();
-        if manifest.fur.layers == 0 {
-            return Err(fail("roots of a package without fur, expected none".into()));
-        }
-        if info.uv_per_tile.len() != manifest.materials.len() {
-            let (found, expected) = (info.uv_per_tile.len(), manifest.materials.len());
-            return Err(fail(format!(
-                "uv_per_tile has {found} entries, expected one for each of {expected} materials"
-            )));
-        }
-        for (i, aside) in info.asides.iter().enumerate() {
-            let Aside { mean: [u, v], along } = *aside;
-            if let Some(found) = [u, v, along].iter().find(|x| !x.is_finite()) {
-                return Err(fail(format!("asides[{i}] has {found}, expected finite numbers")));
+        let info = self.keep(index, || {
+            let info: RootsInfo = decode_section(Tag::ROOTS, section.offset, self.section_bytes(index)?)?;
+            let fail = |reason: String| FormatError::Content { tag: Tag::ROOTS, offset: section.offset, reason };
+            let manifest = self.manifest();
+            if manifest.fur.layers == 0 {
+                return Err(fail("roots of a package without fur, expected none".into()));
             }
-        }
-        if let Some((i, found)) = info.uv_per_tile.iter().enumerate().find(|(_, x)| !(x.is_finite() && **x >= 0.0)) {
-            return Err(fail(format!("uv_per_tile[{i}] is {found}, expected a finite number of at least 0")));
-        }
+            if info.uv_per_tile.len() != manifest.materials.len() {
+                let (found, expected) = (info.uv_per_tile.len(), manifest.materials.len());
+                return Err(fail(format!(
+                    "uv_per_tile has {found} entries, expected one for each of {expected} materials"
+                )));
+            }
+            for (i, aside) in info.asides.iter().enumerate() {
+                let Aside { mean: [u, v], along } = *aside;
+                if let Some(found) = [u, v, along].iter().find(|x| !x.is_finite()) {
+                    return Err(fail(format!("asides[{i}] has {found}, expected finite numbers")));
+                }
+            }
+            if let Some((i, found)) = info.uv_per_tile.iter().enumerate().find(|(_, x)| !(x.is_finite() && **x >= 0.0))
+            {
+                return Err(fail(format!("uv_per_tile[{i}] is {found}, expected a finite number of at least 0")));
+            }
+            Ok(info)
+        })?;
         Ok(Some(info))
     }
 }

@@ -19,7 +19,7 @@ use pelage_formats::{Aside, ROOT_HEIGHTS, RootsInfo};
 use std::collections::HashMap;
 
 /// Texels in the width of a tile that draw a border between colours finer than hair blurs it.
-const ENOUGH_TEXELS: f32 = 48.0;
+const ENOUGH_TEXELS: f32 = 16.0;
 /// With fewer, the border would be as coarse as hair is long.
 const LEAST_TEXELS: f32 = 6.0;
 /// Colours that differ by no more than this, in steps of an sRGB byte, count as one.

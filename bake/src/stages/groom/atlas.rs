@@ -12,6 +12,7 @@ use crate::mesh::Image;
 use crate::stages::surface::Surface;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
+use std::collections::BTreeMap;
 
 /// Texels each way of the smallest texture for roots.
 const LEAST_SIDE: u32 = 64;
@@ -82,7 +83,7 @@ impl Atlas {
     pub(super) fn pack(surface: &mut Surface, side: u32) -> Result<Self, TooMany> {
         let patches = surface.patch_of_triangle.clone();
         let margin = spacing(surface, side);
-        let charted = Charted::new(surface, &patches, &margin);
+        let charted = Charted::new(surface, &patches, |v| v, &margin);
         let places = charted.places(side, Around::Room).ok_or(TooMany { charts: charted.boxes.len() })?;
         Ok(charted.atlas(surface, side, places))
     }
@@ -103,7 +104,9 @@ impl Atlas {
         most_side: u32,
     ) -> Option<Self> {
         let margin = Spacing { margin: reach, ..spacing(surface, most_side) };
-        let charted = Charted::new(surface, patches, &margin);
+        // Of flat faces each has vertices of its own, and they hang together all the same.
+        let same = same_in_tile(surface);
+        let charted = Charted::new(surface, patches, |v| same[v as usize], &margin);
         let around = Around::Reach { tiles: reach, most_texels: texels };
         let sides = std::iter::successors(Some(LEAST_SIDE.min(most_side)), |side| Some(2 * side));
         let mut best = None;
@@ -154,9 +157,9 @@ struct Charted {
 }
 
 impl Charted {
-    fn new(surface: &mut Surface, patches: &[u32], spacing: &Spacing) -> Self {
+    fn new(surface: &mut Surface, patches: &[u32], same: impl Fn(u32) -> u32, spacing: &Spacing) -> Self {
         let places = &surface.rest.positions;
-        let chart_of = charts(&surface.mesh, patches, places, &surface.tile_uvs, spacing);
+        let chart_of = charts(&surface.mesh, patches, same, places, &surface.tile_uvs, spacing);
         let count = chart_of.iter().filter(|c| **c != u32::MAX).max().map_or(0, |c| *c as usize + 1);
         let chart_of_vertex = part_vertices(surface, &chart_of);
         let mut boxes = vec![(Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)); count];
@@ -190,6 +193,17 @@ impl Charted {
         let pieces = charted.map(|t| Piece { triangle: t as u32, corners: corners(t) }).collect();
         Atlas { side, gutter, scale, canvas: Canvas::new(side, pieces, gutter), uvs }
     }
+}
+
+/// For each vertex the first at the same place of the skin and of the tile.
+fn same_in_tile(surface: &Surface) -> Vec<u32> {
+    let mut first_at = BTreeMap::new();
+    let places = surface.mesh.positions.iter().zip(&surface.tile_uvs).zip(0..);
+    // Adding zero turns -0 into +0.
+    let bits = |x: f32| (x + 0.0).to_bits();
+    let same =
+        places.map(|((p, uv), v)| *first_at.entry((p.to_array().map(bits), uv.to_array().map(bits))).or_insert(v));
+    same.collect()
 }
 
 /// Charts leave themselves the gutter that they leave each other. Their scale is only known once they are packed; what the areas give is
@@ -227,7 +241,7 @@ pub(crate) fn linear_image(side: u32, texels: &[Vec4]) -> Image {
 fn part_vertices(surface: &mut Surface, chart_of: &[u32]) -> Vec<u32> {
     const UNUSED: u32 = u32::MAX - 1;
     let mut chart_of_vertex = vec![UNUSED; surface.mesh.positions.len()];
-    let mut copies = std::collections::BTreeMap::new();
+    let mut copies = BTreeMap::new();
     for (t, chart) in chart_of.iter().enumerate() {
         for k in 0..3 {
             let v = surface.mesh.triangles[t][k];
