@@ -14,9 +14,9 @@ use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{
     self, Atlas, Body, BodyGroom, Coat, Colors, GroomTextures, Growth, JointValues, Lay, Lengths, MapImages, Maps,
-    MarkValues, ModelAtlas, Over, Pattern, Vertices,
+    MarkValues, ModelAtlas, Over, Pattern, RootAtlas, Rooting, Vertices,
 };
-use crate::stages::hair::TileHair;
+use crate::stages::hair::{Asides, TileHair};
 use crate::stages::hair_groups;
 use crate::stages::ink::{self, Canvas, InkFiles, SkinInk};
 use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
@@ -26,7 +26,7 @@ use crate::stages::surface::{self, Comb, Measures, Surface, SurfaceParams};
 use crate::stages::textures::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::{self, Visibility};
 use crate::steps::Steps;
-use pelage_formats::{Bounds, HairGroup, Shading, StrandsData};
+use pelage_formats::{Bounds, HairGroup, RootsInfo, Shading, StrandsData};
 use std::collections::BTreeSet;
 
 /// The stages after `import`, in order; what a progress display counts.
@@ -155,6 +155,8 @@ pub struct Groomed {
     pub grooms: GroomTextures,
     /// Width of the pattern, metres, where there is one.
     pub pattern_size_m: Option<f32>,
+    /// How hair finds the colour of its root, where that is another than the colour below it.
+    pub roots: Option<RootsInfo>,
     /// What there was to say.
     pub warnings: Vec<String>,
 }
@@ -309,7 +311,7 @@ pub const STEPS: &[Step] = &[
     Step { stage: "visibility", makes: Visible, reads: &[Hair], run: visible },
     Step { stage: "slice", makes: Shells, reads: &[Hair, Visible], run: slice },
     Step { stage: "slice", makes: Single, reads: &[Hair, Visible], run: single },
-    Step { stage: "groom", makes: Groomed, reads: &[Model, Laid], run: groom },
+    Step { stage: "groom", makes: Groomed, reads: &[Model, Laid, Hair], run: groom },
     Step { stage: "groom", makes: Guided, reads: &[Model, Laid, Groomed], run: guided },
     Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], run: fins },
     Step { stage: "fins", makes: FinTextures, reads: &[Hair, Fins], run: fin_textures },
@@ -484,19 +486,36 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let self::Laid { bounds, furred, maps, .. } = laid;
     let mut surface = laid.surface.clone();
     let pattern = Pattern::new(&recipe.color, told.images, bounds)?;
-    let atlas = pattern.is_some().then(|| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
+    let asides = Asides::of(&made(&outputs.hair, Hair)?.strands);
+    let rooting = Rooting {
+        furred,
+        pattern: pattern.as_ref(),
+        asides: &asides.mean,
+        reach: asides.reach(),
+        most_side: recipe.color.pattern_texels,
+    };
+    let colored =
+        |surface: &Surface| groom::colors(model, &Vertices::from(surface), maps, furred, recipe.color.base_color);
+    let uncut = colored(&surface)?;
+    let roots = recipe.color.at_root.then(|| RootAtlas::new(&mut surface, &uncut, &rooting)).flatten();
+    let plain = pattern.as_ref().filter(|_| roots.is_none());
+    let atlas = plain.map(|_| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
     let mut coat = maps.coat(&Vertices::from(&surface))?;
     let margin_m = recipe.groom.bare_margin_m.unwrap_or(0.0);
     groom::fade_to_bare(&mut coat.length, &surface.mesh, &surface.rest, furred, margin_m);
-    let mut colors = groom::colors(model, &Vertices::from(&surface), maps, furred, recipe.color.base_color)?;
+    let mut colors = colored(&surface)?;
     let mut grooms = maps.textures()?;
-    if let (Some(pattern), Some(atlas)) = (&pattern, &atlas) {
+    if let Some(roots) = &roots {
+        roots.paint(&rooting, &mut surface, &mut colors, &mut grooms);
+    }
+    if let (Some(pattern), Some(atlas)) = (plain, &atlas) {
         pattern.paint(atlas, furred, &mut surface, &mut colors, &mut grooms);
     }
     colors.lighten(furred, laid.hair_colors.gain);
     let warnings = atlas.as_ref().and_then(Atlas::warning).into_iter().collect();
     let pattern_size_m = pattern.as_ref().map(Pattern::width_m);
-    outputs.groomed = Some(self::Groomed { surface, coat, colors, grooms, pattern_size_m, warnings });
+    let roots = roots.map(|roots| roots.info(asides.at));
+    outputs.groomed = Some(self::Groomed { surface, coat, colors, grooms, pattern_size_m, roots, warnings });
     Ok(())
 }
 
@@ -584,6 +603,7 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         height_m: height_m(hair, laid.lengths),
         strands: recipe.strands_in_tile(),
         pattern_size_m: groomed.pattern_size_m,
+        roots: groomed.roots.as_ref(),
         shading: if hair.style == Style::Wet { shading.wet() } else { shading },
         base_colors: &encode(&groomed.colors.images, textures::encode_base_color)?,
         groom_textures: &encode(&groomed.grooms.images, textures::encode_groom)?,

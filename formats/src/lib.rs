@@ -48,7 +48,7 @@ mod writer;
 pub use container::{FORMAT_VERSION, MAGIC, Section};
 pub use error::FormatError;
 pub use limits::Limits;
-pub use meaning::{decode_direction, encode_direction};
+pub use meaning::{Aside, decode_direction, encode_direction};
 pub use package::Package;
 pub use sampling::Pose;
 pub use sections::animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
@@ -62,6 +62,7 @@ pub use sections::manifest::data::{
 };
 pub use sections::manifest::detail::{CoatInfo, DetailLevel};
 pub use sections::mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
+pub use sections::roots::{ROOT_HEIGHTS, RootsInfo};
 pub use sections::simplified::{SimplifiedLevel, SimplifiedView};
 pub use sections::strands::{
     StoredStrandPoint, StoredStrands, StrandPoint, StrandScale, StrandsData, StrandsView, strand_root,

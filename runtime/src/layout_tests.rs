@@ -286,9 +286,10 @@ fn uniform_structs_agree() {
     let (fields, rust_size) = fields!(receiver::ShadowReceiver, map_from_world, soft_shadow, centred, reserved);
     assert_eq!((&wgsl[..3], wgsl[3].1, size), (&fields[..3], fields[3].1, rust_size));
     let (members, size) = members(skin::SHADER.wgsl, "Material");
-    let (fields, rust_size) = fields!(MaterialUniform, base_color, alpha_cutoff, share_per_m, reserved);
-    assert_eq!((&members[..2], size), (&fields[..2], rust_size));
-    assert_eq!(members[2].1, fields[2].1);
+    let (fields, rust_size) =
+        fields!(MaterialUniform, base_color, alpha_cutoff, share_per_m, horizon, reserved, asides);
+    assert_eq!((&members[..4], size), (&fields[..4], rust_size));
+    assert_eq!((members[4].1, &members[5]), (fields[4].1, &fields[5]));
 }
 
 #[test]

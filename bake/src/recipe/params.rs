@@ -258,6 +258,10 @@ params! {
         variation: f32 = 0.35, in 0.0..=1.0;
         /// Whether the model's base colour (factor, texture and vertex colours) multiplies the hair's.
         base_color: bool = true;
+        /// Whether hair that hangs over skin of another colour keeps the colour that the model, `groom.color` or the pattern has where it roots, so
+        /// that colours grade into each other hair by hair. Where it does, the colours of furred materials are painted into a texture for it. If not, colours in
+        /// layers end where they end on the skin.
+        at_root: bool = true;
         /// Pattern of the coat: an image laid through the model at rest, which multiplies the hair's colour. It needs no texture
         /// coordinates. The path is from the recipe's folder.
         pattern: Option<FilePath> = None;

@@ -437,6 +437,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
                 band_width: 0.25,
                 variation: color.2,
                 base_color: color.3,
+                at_root: coat.0.0.is_some(),
                 pattern: coat.0.0,
                 pattern_projection: coat.1.0,
                 pattern_size_m: model.2,

@@ -2,8 +2,8 @@
 
 use super::textures::ShellTextures;
 use pelage_formats::{
-    Animation, FinData, FormatError, HairGroup, InkData, Manifest, MeshData, Package, PackageWriter, SimplifiedLevel,
-    StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
+    Animation, FinData, FormatError, HairGroup, InkData, Manifest, MeshData, Package, PackageWriter, RootsInfo,
+    SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -29,6 +29,8 @@ pub enum Content<'a> {
     Hair(Vec<HairGroup>),
     /// Which textures say how much light reaches the hair.
     Visibility(VisibilityInfo),
+    /// How far hair lies aside of its root.
+    Roots(RootsInfo),
     /// A complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
     Texture(Cow<'a, [u8]>),
     /// A section of that tag as it lies in another package, or in a file.
@@ -66,6 +68,7 @@ pub fn assemble<'a>(
         Content::StoredStrands(strands) => writer.stored_strands(&strands),
         Content::Hair(groups) => writer.hair_groups(&groups),
         Content::Visibility(info) => writer.visibility(&info),
+        Content::Roots(info) => writer.roots(&info),
         Content::Texture(file) => writer.texture(file),
         Content::Bytes(tag, bytes) => writer.section(tag, bytes),
     };

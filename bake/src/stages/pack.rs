@@ -14,8 +14,8 @@ use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTextu
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
     Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairGroup,
-    InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, Shading,
-    StrandsData, VisibilityInfo,
+    InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
+    Shading, StrandsData, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -79,6 +79,8 @@ pub struct SkinPieces<'a> {
     pub strands: u32,
     /// Width of the pattern, metres, where there is one.
     pub pattern_size_m: Option<f32>,
+    /// How far hair lies aside of its root, where it has the colour that it has there.
+    pub roots: Option<&'a RootsInfo>,
     /// Constants of the lighting equation.
     pub shading: Shading,
     /// One .ktx2 file per image of `colors`.
@@ -127,9 +129,10 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
     let mesh = mesh_data(pieces);
     let simplified = pieces.simplified.then(|| simplified(&mesh, &manifest, model.animation.as_ref())).flatten();
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
+    let roots = pieces.roots.map(|info| Content::Roots(info.clone()));
     Skin {
         manifest,
-        sections: [Content::Mesh(Arc::new(mesh))].into_iter().chain(simplified).chain(animation).collect(),
+        sections: [Content::Mesh(Arc::new(mesh))].into_iter().chain(simplified).chain(animation).chain(roots).collect(),
         images: textures,
         lengths: Some(pieces.lengths),
         hair_colors: Some(pieces.hair_colors),

@@ -12,6 +12,7 @@ pub mod hair_groups;
 mod hair_point;
 mod layers;
 pub mod planting;
+mod root;
 mod skinning;
 mod srgb;
 mod tile_frame;
@@ -27,6 +28,7 @@ pub use layers::{
     MOST_DEVIATION_PX, TOTAL_MAP_LAYERS, detail_count, detail_fade, detail_layer, detail_pairs, detail_place,
     layer_height, layers_stood_for, simplest_list,
 };
+pub use root::{Aside, root_aside};
 pub use skinning::{
     blend, handedness_of, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,
 };

@@ -12,6 +12,7 @@ pub(crate) mod manifest;
 pub(crate) mod mesh;
 #[cfg(test)]
 mod probe;
+pub(crate) mod roots;
 pub(crate) mod simplified;
 pub(crate) mod strands;
 pub(crate) mod textures;
@@ -28,6 +29,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &fins::KIND,
     &ink::KIND,
     &visibility::KIND,
+    &roots::KIND,
     &simplified::KIND,
     &strands::KIND,
     &hair::KIND,

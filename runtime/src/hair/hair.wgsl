@@ -22,6 +22,9 @@ override GROOM_TEXTURE: bool = false;
 // The package has wet hair to mix in.
 override WET: bool = false;
 
+// Hair has the base colour and the groom of the skin where it roots.
+override AT_ROOT: bool = false;
+
 // Alpha test of the layered method: below half a step of an 8-bit texel there is nothing to see, and no depth to write.
 const LEAST_ALPHA: f32 = 0.5 / 255.0;
 
@@ -59,13 +62,43 @@ fn stands_for(layer: u32) -> f32 {
 
 // What the groom says of a point: share of the hair that grows, and wetness, both 0..=1. `at_vertex` is bareness and wetness.
 fn groom_at(at_vertex: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
-    var groom = vec2(1.0, 0.0);
-    if GROOM_VERTICES {
-        groom = vec2(1.0 - at_vertex.x, at_vertex.y);
-    }
+    var groom = groom_of_vertex(at_vertex);
     if GROOM_TEXTURE {
-        let texel = textureSample(groom_texture, base_color_sampler, uv);
-        groom = vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
+        groom = groom_with(groom, textureSample(groom_texture, base_color_sampler, uv));
+    }
+    return groom;
+}
+
+fn groom_of_vertex(at_vertex: vec2<f32>) -> vec2<f32> {
+    if GROOM_VERTICES {
+        return vec2(1.0 - at_vertex.x, at_vertex.y);
+    }
+    return vec2(1.0, 0.0);
+}
+
+fn groom_with(groom: vec2<f32>, texel: vec4<f32>) -> vec2<f32> {
+    return vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
+}
+
+// How far hair at a share of the fur's height lies aside of its root, as root_aside takes it.
+fn aside_at(height: f32) -> vec3<f32> {
+    let at = clamp(height, 0.0, 1.0) * 7.0;
+    let below = min(u32(at), 6u);
+    return mix(material.asides[below].xyz, material.asides[below + 1u].xyz, at - f32(below));
+}
+
+// Base colour and groom of hair that is seen over `uv` and roots at `root`. How coarse they are follows from `uv` alone: roots jump from hair to hair.
+fn base_color_at_root(tint: vec4<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec4<f32> {
+    if AT_ROOT && BASE_COLOR_TEXTURE {
+        return tint * textureSampleGrad(base_color_texture, base_color_sampler, root, dpdx(uv), dpdy(uv));
+    }
+    return base_color(tint, uv);
+}
+
+fn groom_at_root(at_vertex: vec2<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec2<f32> {
+    var groom = groom_of_vertex(at_vertex);
+    if GROOM_TEXTURE {
+        groom = groom_with(groom, textureSampleGrad(groom_texture, base_color_sampler, root, dpdx(uv), dpdy(uv)));
     }
     return groom;
 }

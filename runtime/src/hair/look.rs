@@ -156,6 +156,6 @@ pub(crate) fn grown(model: &Model, part: &Part) -> Constants {
 /// What all that reads the hair of a part is told, but for how it leans.
 pub(crate) fn groom(model: &Model, part: &Part) -> Constants {
     let mut constants = grown(model, part);
-    constants.push(on("SHORT", model.varies().length));
+    constants.extend([on("SHORT", model.varies().length), on("AT_ROOT", part.at_root)]);
     constants
 }

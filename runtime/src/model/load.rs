@@ -9,7 +9,10 @@ use crate::error::RuntimeError;
 use crate::gpu::{Gpu, Sampling};
 use crate::params::RendererOptions;
 use crate::surface::{HairViews, MaterialUniform, Surfaces};
-use pelage_formats::{FinsView, Manifest, MeshView, Package, Part as PackagePart, SimplifiedView, TextureView};
+use pelage_formats::{
+    Aside, FinsView, Manifest, MeshView, Package, Part as PackagePart, ROOT_HEIGHTS, RootsInfo, SimplifiedView,
+    TextureView,
+};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -80,6 +83,7 @@ pub(crate) fn load(
     // Materials may share a texture.
     let mut uploaded = vec![None; manifest.textures.len()];
     let mut materials = Vec::new();
+    let roots = package.roots()?;
     for (i, material) in manifest.materials.iter().enumerate() {
         let mut view = |index: Option<u32>, texture: Option<TextureView<'_>>| {
             let (Some(index), Some(texture)) = (index, texture) else { return Ok(surfaces.white.clone()) };
@@ -99,6 +103,7 @@ pub(crate) fn load(
             share_per_m: if manifest.fur.height_m > 0.0 { manifest.fur.height_m.recip() } else { 0.0 },
             horizon: package.visibility()?.map_or(1.0, |info| info.horizon),
             reserved: 0.0,
+            asides: asides(roots.as_ref(), i),
         };
         gpu_bytes += size_of::<MaterialUniform>() as u64;
         materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom));
@@ -129,6 +134,7 @@ pub(crate) fn load(
                     strands: hairs,
                     material: materials[part.material as usize].clone(),
                     has_texture: material.base_color_texture.is_some(),
+                    at_root: uv_per_tile(roots.as_ref(), part.material as usize) > 0.0,
                     has_groom_texture: material.groom_texture.is_some(),
                     cutout: material.alpha_cutoff.is_some(),
                     furred: material.furred && fur.is_some(),
@@ -164,6 +170,18 @@ pub(crate) fn load(
         gpu_bytes,
     };
     Ok(Model(Arc::new(resources)))
+}
+
+/// As [`RootsInfo::uv_per_tile`] has it of a material; 0 in packages that say nothing.
+fn uv_per_tile(roots: Option<&RootsInfo>, material: usize) -> f32 {
+    roots.and_then(|roots| roots.uv_per_tile.get(material).copied()).unwrap_or(0.0)
+}
+
+/// How far hair of a material lies aside of its root, in its texture coordinates.
+fn asides(roots: Option<&RootsInfo>, material: usize) -> [[f32; 4]; ROOT_HEIGHTS] {
+    let scale = uv_per_tile(roots, material);
+    let scaled = |aside: Aside| [aside.mean[0] * scale, aside.mean[1] * scale, aside.along * scale, 0.0];
+    roots.map_or([[0.0; 4]; ROOT_HEIGHTS], |roots| roots.asides.map(scaled))
 }
 
 /// Of each part, where its indices lie in the buffer: of the mesh, and behind those of each simplified list.

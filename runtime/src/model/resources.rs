@@ -79,6 +79,8 @@ pub(crate) struct Part {
     pub(crate) strands: Vec<Range<u32>>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
+    /// Its hair has the base colour of the skin where it roots.
+    pub(crate) at_root: bool,
     pub(crate) has_groom_texture: bool,
     pub(crate) cutout: bool,
     pub(crate) furred: bool,

@@ -45,6 +45,12 @@ fn decode_direction(texel: vec4<f32>, planar: bool) -> vec3<f32> {
     return c;
 }
 
+// The way from the root of hair to where it is seen. aside: of hair that points along the normal, and how much farther for each unit that its
+// direction, of unit length, points aside.
+fn root_aside(aside: vec3<f32>, direction: vec3<f32>) -> vec2<f32> {
+    return aside.xy + aside.z * direction.xy;
+}
+
 // Lean of a vertex beyond what the tile's strands do, 0..=1: how far a point of the hair volume at a share of its height lies
 // aside, in the comb direction, heights of the volume. Roots stay where they are.
 fn lean_offset(lean: f32, height: f32) -> f32 {

@@ -4,7 +4,7 @@ use crate::gpu::{Bound, Gpu, Sampling, Stream, attribute, sampler, storage, text
 use crate::params::MAX_FILL_LIGHTS;
 use crate::shared::frame;
 use bytemuck::{Pod, Zeroable};
-use pelage_formats::{AttributeVertex, Fin, GeometryVertex};
+use pelage_formats::{AttributeVertex, Fin, GeometryVertex, ROOT_HEIGHTS};
 use std::mem::offset_of;
 use wgpu::util::DeviceExt;
 
@@ -19,6 +19,8 @@ pub(crate) struct MaterialUniform {
     /// `VisibilityInfo::horizon`; 1 where the package does not know.
     pub(crate) horizon: f32,
     pub(crate) reserved: f32,
+    /// At each of the heights: mean and along of `RootsInfo::asides`, in coordinates of the base colour, and 0.
+    pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
 }
 
 /// The streams that all passes over surfaces read, except fins, which find their vertices in storage buffers.

@@ -22,6 +22,9 @@ struct Material {
     // How low a light begins to fade in the hair.
     horizon: f32,
     reserved2: f32,
+    // At heights spread evenly from the skin to the outermost layer: how far hair lies aside of its root, in coordinates of the base colour, as
+    // root_aside takes it.
+    asides: array<vec4<f32>, 8>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

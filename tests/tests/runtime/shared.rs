@@ -330,6 +330,26 @@ fn directions_decode_as_in_formats() {
 }
 
 #[test]
+fn hair_lies_aside_of_its_root() {
+    let mut random = Random(9);
+    let mut vector = || unit(&mut random).extend(0.0).to_array();
+    let cases: Vec<Case<2>> = (0..200).map(|_| [vector(), vector()]).collect();
+    three_ways(
+        "root_aside",
+        tile_frame::WGSL,
+        "vec4(root_aside(in_0.xyz, in_1.xyz), 0.0, 0.0)",
+        &cases,
+        |[aside, along]| {
+            let (aside, along) = (d(aside), d(along));
+            [aside.x + aside.z * along.x, aside.y + aside.z * along.y, 0.0, 0.0]
+        },
+        |[aside, along]| tile_frame::root_aside(v(aside), v(along)).extend(0.0).extend(0.0).to_array(),
+        // A product and a sum of numbers up to 1.
+        |_, _| 3e-7,
+    );
+}
+
+#[test]
 fn leaned_hair() {
     let mut random = Random(8);
     let mut cases: Vec<Case<2>> = Vec::new();

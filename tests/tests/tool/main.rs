@@ -20,6 +20,7 @@ mod models;
 mod mutate;
 mod packages;
 mod reference;
+mod roots;
 mod sequences;
 mod strands;
 mod strangers;

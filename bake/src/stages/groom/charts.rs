@@ -52,15 +52,17 @@ pub(super) struct Spacing {
 /// The chart of each triangle, from 0 without gaps; `u32::MAX` where `patch_of_triangle` says so. Deterministic: charts grow from the
 /// lowest triangle that is left.
 ///
-/// `positions` and `uvs` have one entry per vertex: places on the skin, metres, and tile coordinates.
+/// `positions` and `uvs` have one entry per vertex: places on the skin, metres, and tile coordinates. Triangles with two vertices in common are
+/// neighbours; `same` says of each vertex which it counts as.
 pub(super) fn charts(
     mesh: &Mesh,
     patch_of_triangle: &[u32],
+    same: impl Fn(u32) -> u32,
     positions: &[Vec3],
     uvs: &[Vec2],
     spacing: &Spacing,
 ) -> Vec<u32> {
-    let neighbors = neighbors(mesh, patch_of_triangle);
+    let neighbors = neighbors(mesh, patch_of_triangle, same);
     let piece = |t: usize| {
         let corners = mesh.triangles[t].map(|v| v as usize);
         Piece { uv: corners.map(|v| uvs[v]), places: corners.map(|v| positions[v] / spacing.tile_m) }
@@ -90,11 +92,11 @@ pub(super) fn charts(
 }
 
 /// Per triangle the neighbours of its own patch over its three edges. Of more than two triangles at an edge, pairs are neighbours.
-fn neighbors(mesh: &Mesh, patch_of_triangle: &[u32]) -> Vec<[Option<u32>; 3]> {
+fn neighbors(mesh: &Mesh, patch_of_triangle: &[u32], same: impl Fn(u32) -> u32) -> Vec<[Option<u32>; 3]> {
     let mut edges = Vec::new();
     for (t, triangle) in mesh.triangles.iter().enumerate().filter(|(t, _)| patch_of_triangle[*t] != u32::MAX) {
         for k in 0..3 {
-            let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
+            let (a, b) = (same(triangle[k]), same(triangle[(k + 1) % 3]));
             edges.push((patch_of_triangle[t], a.min(b), a.max(b), t as u32, k));
         }
     }
@@ -212,7 +214,7 @@ mod tests {
     /// Charts of a skin that lies as its tile coordinates do.
     fn in_plane(mesh: &Mesh, patches: &[u32], uvs: &[Vec2]) -> Vec<u32> {
         let positions: Vec<Vec3> = uvs.iter().map(|uv| uv.extend(0.0)).collect();
-        charts(mesh, patches, &positions, uvs, &Spacing { margin: 0.05, tile_m: 1.0 })
+        charts(mesh, patches, |v| v, &positions, uvs, &Spacing { margin: 0.05, tile_m: 1.0 })
     }
 
     #[test]
@@ -222,7 +224,7 @@ mod tests {
         assert_eq!(in_plane(&mesh, &vec![0; mesh.triangles.len()], &uvs).iter().max(), Some(&0));
         let stair: Vec<Vec3> = uvs.iter().enumerate().map(|(i, uv)| uv.extend(i as f32 / 40.0)).collect();
         let parted =
-            charts(&mesh, &vec![0; mesh.triangles.len()], &stair, &uvs, &Spacing { margin: 0.05, tile_m: 1.0 });
+            charts(&mesh, &vec![0; mesh.triangles.len()], |v| v, &stair, &uvs, &Spacing { margin: 0.05, tile_m: 1.0 });
         assert_eq!(parted.iter().max(), Some(&1));
         assert!(parted.iter().filter(|c| **c == 1).count() < 20, "{parted:?}");
     }

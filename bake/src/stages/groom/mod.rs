@@ -1,5 +1,6 @@
 //! Where hair grows, how long, and what varies over the model: the `groom` stage. Lengths are metres in the posed rest state.
 
+mod at_root;
 mod atlas;
 mod bare;
 mod body;
@@ -20,6 +21,7 @@ mod projection;
 mod ways;
 mod words;
 
+pub use at_root::{RootAtlas, Rooting};
 pub use atlas::Atlas;
 pub(crate) use atlas::linear_image;
 pub use bare::{Growth, growth};

@@ -90,34 +90,48 @@ impl Pattern<'_> {
             linear_image(atlas.side, &texels)
         });
 
-        let furred: Vec<usize> = (0..colors.materials.len()).filter(|m| furred.get(*m) == Some(&true)).collect();
-        let mut images: Vec<_> = colors.materials.iter().map(|m| m.image).collect();
-        replace(&mut colors.images, &mut images, &furred, color);
-        colors.materials.iter_mut().zip(images).for_each(|(m, image)| m.image = image);
-        if let Some(groom) = groom {
-            replace(&mut grooms.images, &mut grooms.of_material, &furred, groom);
-        }
-        for (uv, own) in surface.mesh.uvs.iter_mut().zip(&atlas.uvs) {
-            *uv = own.unwrap_or(*uv);
-        }
+        hand_over(atlas, furred, (color, groom), surface, colors, grooms);
+    }
+}
+
+/// Gives some of the materials the textures that were painted, colour and groom, and moves their texture coordinates into them.
+///
+/// * `of_material`: one per material, whether it is one of them
+pub(super) fn hand_over(
+    atlas: &Atlas,
+    of_material: &[bool],
+    (color, groom): (Image, Option<Image>),
+    surface: &mut Surface,
+    colors: &mut Colors,
+    grooms: &mut GroomTextures,
+) {
+    let chosen: Vec<usize> = (0..colors.materials.len()).filter(|m| of_material.get(*m) == Some(&true)).collect();
+    let mut images: Vec<_> = colors.materials.iter().map(|m| m.image).collect();
+    replace(&mut colors.images, &mut images, &chosen, color);
+    colors.materials.iter_mut().zip(images).for_each(|(m, image)| m.image = image);
+    if let Some(groom) = groom {
+        replace(&mut grooms.images, &mut grooms.of_material, &chosen, groom);
+    }
+    for (uv, own) in surface.mesh.uvs.iter_mut().zip(&atlas.uvs) {
+        *uv = own.unwrap_or(*uv);
     }
 }
 
 impl Spot {
     /// A value between those of the triangle's vertices.
-    fn mean(self, surface: &Surface, values: &[Vec3]) -> Vec3 {
+    pub(super) fn mean(self, surface: &Surface, values: &[Vec3]) -> Vec3 {
         let [a, b, c] = surface.mesh.triangles[self.triangle].map(|v| values[v as usize]);
         a * self.weights.x + b * self.weights.y + c * self.weights.z
     }
 }
 
 /// An image in the model's own texture coordinates.
-fn read(surface: &Surface, spot: Spot, image: &Image, encoding: Encoding) -> Vec4 {
+pub(super) fn read(surface: &Surface, spot: Spot, image: &Image, encoding: Encoding) -> Vec4 {
     let [a, b, c] = surface.mesh.triangles[spot.triangle].map(|v| surface.mesh.uvs[v as usize]);
     bilinear(image, a * spot.weights.x + b * spot.weights.y + c * spot.weights.z, Wrap::Repeat, encoding)
 }
 
-fn material_of_triangles(surface: &Surface) -> Vec<usize> {
+pub(super) fn material_of_triangles(surface: &Surface) -> Vec<usize> {
     let mut materials = vec![usize::MAX; surface.mesh.triangles.len()];
     for part in &surface.mesh.parts {
         materials[part.first_triangle..part.first_triangle + part.triangle_count].fill(part.material);

@@ -12,11 +12,13 @@
 //! Everything random is a hash of seed, strand and purpose, and all functions beyond IEEE arithmetic and square roots come from
 //! the `libm` crate, whose results do not depend on the platform as those of `std` may.
 
+mod asides;
 mod forces;
 mod locks;
 mod shades;
 mod tile;
 
+pub use asides::Asides;
 pub use shades::linear;
 pub use tile::{TileHair, simulate_recipe};
 

@@ -57,9 +57,13 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
 // Premultiplied colour and opacity.
 @fragment
 fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
-    let groom = groom_at(in.groom, in.base_uv);
     let hair = dry_hair_at(in.slab_uv, in.slab);
-    let base = base_color(in.tint, in.base_uv);
+    var root = in.base_uv;
+    if AT_ROOT {
+        root -= root_aside(aside_at(in.slab_uv.y), hair.direction);
+    }
+    let groom = groom_at_root(in.groom, in.base_uv, root);
+    let base = base_color_at_root(in.tint, in.base_uv, root);
     // Hair that grows, and that does not lie in the wet locks of which there are no fins.
     let texel = hair.color * (in.opacity * groom.x * select(1.0, 1.0 - groom.y, WET));
     if texel.a < LEAST_ALPHA || is_cut(base.a) {

@@ -16,9 +16,14 @@ fn shell_of(v: Vertex, index: u32) -> Shell {
     let slope = lean_slope(v.lean, height);
     let baked = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
     at.half_ts = half_or_factors(baked, length_share(v), slope, at.light_ts, at.half_ts, v.groom.y);
+    var aside = vec3(0.0);
+    if AT_ROOT {
+        aside = aside_at(height);
+        at.base_uv -= aside.xy;
+    }
     return Shell(
         v.tile_uv, at.tint.rgb * instance.ambient * ambient_attenuation(hair_height, instance.ambient_floor),
-        at.tint.rgb * instance.diffuse, length_share(v), hair_height * frame.last_map_layer, slope, baked, at,
+        at.tint.rgb * instance.diffuse, length_share(v), hair_height * frame.last_map_layer, slope, baked, aside, at,
     );
 }
 
@@ -39,10 +44,16 @@ fn vs_shells_filled(v: Vertex, @builtin(instance_index) index: u32) -> FilledVar
 
 // Premultiplied colour and opacity.
 fn shell_color(in: ShellFragment) -> vec4<f32> {
-    let groom = groom_at(in.groom, in.base_uv);
+    var groom = groom_at(in.groom, in.base_uv);
     let hair = hair_at(in.tile_uv, in.layer, groom.y);
     var texel = hair.color;
-    let base = base_color(vec4(1.0, 1.0, 1.0, in.base_alpha), in.base_uv);
+    var root = in.base_uv;
+    if AT_ROOT {
+        // The vertex has taken away what all hair of this layer lies aside.
+        root -= root_aside(vec3(0.0, 0.0, in.along), hair.direction);
+        groom = groom_at_root(in.groom, in.base_uv, root);
+    }
+    let base = base_color_at_root(vec4(1.0, 1.0, 1.0, in.base_alpha), in.base_uv, root);
     if texel.a * groom.x < LEAST_ALPHA || is_cut(base.a) {
         discard;
     }

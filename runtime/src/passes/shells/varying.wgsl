@@ -16,6 +16,8 @@ struct Shell {
     slope: f32,
     // Among the baked layers.
     layer: u32,
+    // How far hair lies aside of its root.
+    aside: vec3<f32>,
     at: HairVertex,
 }
 
@@ -43,8 +45,8 @@ struct MappedVarying {
     @location(4) place: vec4<f32>,
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
     @location(6) base_uv_groom: vec4<f32>,
-    // Slope, opacity of the base colour, layer of the maps.
-    @location(7) slope_alpha_map: vec3<f32>,
+    // Slope, opacity of the base colour, layer of the maps, `along`.
+    @location(7) slope_alpha_map: vec4<f32>,
 }
 
 // With what lights need that are not known per vertex.
@@ -57,7 +59,7 @@ struct FilledVarying {
     @location(4) place: vec4<f32>,
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
     @location(6) base_uv_groom: vec4<f32>,
-    @location(7) slope_alpha_map: vec3<f32>,
+    @location(7) slope_alpha_map: vec4<f32>,
     @location(8) position_ws_red: vec4<f32>,
     @location(9) normal_ws_green: vec4<f32>,
     @location(10) tangent: vec4<f32>,
@@ -76,7 +78,7 @@ fn mapped_varying(s: Shell) -> MappedVarying {
     let p = plain_varying(s);
     return MappedVarying(
         p.position, p.uv_cosine_length, p.light_red, p.half_green, p.ambient_blue, p.place, p.specular_layer,
-        vec4(s.at.base_uv, s.at.groom), vec3(s.slope, s.at.tint.a, s.map_layer),
+        vec4(s.at.base_uv, s.at.groom), vec4(s.slope, s.at.tint.a, s.map_layer, s.aside.z),
     );
 }
 
@@ -101,6 +103,8 @@ struct ShellFragment {
     base_alpha: f32,
     place: vec4<f32>,
     map_layer: f32,
+    // How much farther aside of its root hair lies for each unit that it points aside.
+    along: f32,
     // For the fill lights.
     tint: vec3<f32>,
     spot: Spot,
@@ -117,7 +121,7 @@ fn plain_fragment(in: PlainVarying) -> ShellFragment {
     // Drawn, baked and map layers are the same, or of them.
     let layer = in.specular_layer.w;
     return ShellFragment(
-        in.uv_cosine_length.xy, layer, in.uv_cosine_length.z, in.uv_cosine_length.w, vec2(0.0), vec2(0.0), 0.0, 1.0, in.place, f32(layer),
+        in.uv_cosine_length.xy, layer, in.uv_cosine_length.z, in.uv_cosine_length.w, vec2(0.0), vec2(0.0), 0.0, 1.0, in.place, f32(layer), 0.0,
         vec3(0.0), Spot(), arriving,
     );
 }
@@ -131,6 +135,7 @@ fn mapped_fragment(in: MappedVarying) -> ShellFragment {
     out.slope = in.slope_alpha_map.x;
     out.base_alpha = in.slope_alpha_map.y;
     out.map_layer = in.slope_alpha_map.z;
+    out.along = in.slope_alpha_map.w;
     return out;
 }
 

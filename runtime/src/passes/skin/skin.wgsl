@@ -140,8 +140,13 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
             in.tile_uv, instance.baked_layers, groom.y, kept, in.grows_length_slope.y, in.grows_length_slope.z,
         );
         let share = instance.detail_next * in.grows_length_slope.x * groom.x;
+        var of_coat = base.rgb;
+        if AT_ROOT {
+            let root = in.base_uv - root_aside(aside_at(instance.coat_ambient_height), far.direction);
+            of_coat = base_color_at_root(in.tint, in.base_uv, root).rgb;
+        }
         let coated = with_coat(
-            baked_coat, far, skin, base.rgb, spot, light, in.half_ts, in.grows_length_slope.y, in.grows_length_slope.z, share, groom.y, past,
+            baked_coat, far, skin, of_coat, spot, light, in.half_ts, in.grows_length_slope.y, in.grows_length_slope.z, share, groom.y, past,
         );
         return vec4(coated, 1.0);
     }

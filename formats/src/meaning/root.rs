@@ -1,0 +1,39 @@
+//! Where hair roots that is seen at a point of the tile: `FORMAT.md`, "ROOT".
+
+use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// How far hair at one height lies aside of its root, widths of the tile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Aside {
+    /// Of hair that points straight away from the skin there, along u and v.
+    pub mean: [f32; 2],
+    /// How much farther for each unit that its direction, of unit length, points aside.
+    pub along: f32,
+}
+
+impl Aside {
+    /// The way along u and v from the root of hair to where it is seen, widths of the tile.
+    ///
+    /// * `direction` - of the hair there, in the frame of the tile, unit length
+    pub fn of(&self, direction: Vec3) -> Vec2 {
+        root_aside(Vec2::from(self.mean).extend(self.along), direction)
+    }
+}
+
+/// The way from the root of hair to where it is seen; `aside` is mean and along of an [`Aside`], in any unit.
+pub fn root_aside(aside: Vec3, direction: Vec3) -> Vec2 {
+    aside.truncate() + direction.truncate() * aside.z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hair_lies_aside_by_its_height_and_its_direction() {
+        let aside = Aside { mean: [0.01, 0.2], along: 0.5 };
+        assert_eq!(aside.of(Vec3::Z), Vec2::new(0.01, 0.2));
+        assert!(aside.of(Vec3::new(0.6, -0.4, 0.69)).distance(Vec2::new(0.31, 0.0)) < 1e-6);
+    }
+}

@@ -1,0 +1,79 @@
+//! The `ROOT` section: how far hair lies aside of its root, so that it can have the colour of the skin there. Layout in `FORMAT.md`, "ROOT".
+
+use super::kind::{Count, Kind, Row, USES_NOTHING};
+use crate::encoding::{decode_section, encode_section};
+use crate::error::FormatError;
+use crate::meaning::Aside;
+use crate::package::Package;
+use crate::tag::Tag;
+use crate::writer::PackageWriter;
+use serde::{Deserialize, Serialize};
+
+impl Tag {
+    /// Where hair roots, since version 3. At most one.
+    pub const ROOTS: Self = Self(*b"ROOT");
+}
+
+pub(crate) const KIND: Kind = Kind {
+    tag: Tag::ROOTS,
+    since: 3,
+    count: Count::AtMostOne,
+    check: |package, _| package.roots().map(drop),
+    check_use: USES_NOTHING,
+    row: Row { what: "[where hair roots](#root-where-hair-roots)", how_many: "at most one", place: "any" },
+};
+
+/// Heights at which [`RootsInfo`] says how far hair lies aside: evenly from the skin to the outermost layer.
+pub const ROOT_HEIGHTS: usize = 8;
+
+/// How far hair lies aside of its root, and by how much that moves the coordinates of the base colour.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RootsInfo {
+    /// At each of the heights, of dry hair.
+    pub asides: [Aside; ROOT_HEIGHTS],
+    /// One per material: by how much its texture coordinates change along the width of a tile, both alike: u with the tile's u, v with its v. 0 where
+    /// hair has the base colour of the skin below it.
+    pub uv_per_tile: Vec<f32>,
+}
+
+impl Package<'_> {
+    /// How far hair lies aside of its root; `None` for a package whose hair has the colour of the skin below it.
+    ///
+    /// Fails where the section is damaged, or does not fit the manifest.
+    pub fn roots(&self) -> Result<Option<RootsInfo>, FormatError> {
+        let Some((index, section)) = self.find(Tag::ROOTS, 0) else { return Ok(None) };
+        let info = self.keep(index, || {
+            let info: RootsInfo = decode_section(Tag::ROOTS, section.offset, self.section_bytes(index)?)?;
+            let fail = |reason: String| FormatError::Content { tag: Tag::ROOTS, offset: section.offset, reason };
+            let manifest = self.manifest();
+            if manifest.fur.layers == 0 {
+                return Err(fail("roots of a package without fur, expected none".into()));
+            }
+            if info.uv_per_tile.len() != manifest.materials.len() {
+                let (found, expected) = (info.uv_per_tile.len(), manifest.materials.len());
+                return Err(fail(format!(
+                    "uv_per_tile has {found} entries, expected one for each of {expected} materials"
+                )));
+            }
+            for (i, aside) in info.asides.iter().enumerate() {
+                let Aside { mean: [u, v], along } = *aside;
+                if let Some(found) = [u, v, along].iter().find(|x| !x.is_finite()) {
+                    return Err(fail(format!("asides[{i}] has {found}, expected finite numbers")));
+                }
+            }
+            if let Some((i, found)) = info.uv_per_tile.iter().enumerate().find(|(_, x)| !(x.is_finite() && **x >= 0.0))
+            {
+                return Err(fail(format!("uv_per_tile[{i}] is {found}, expected a finite number of at least 0")));
+            }
+            Ok(info)
+        })?;
+        Ok(Some(info))
+    }
+}
+
+impl PackageWriter<'_> {
+    /// Adds how far hair lies aside of its root.
+    pub fn roots(self, info: &RootsInfo) -> Self {
+        self.encoded(Tag::ROOTS, encode_section(Tag::ROOTS, info))
+    }
+}
