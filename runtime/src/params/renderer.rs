@@ -16,9 +16,9 @@ pub struct RendererOptions {
     pub reversed_depth: bool,
     /// Anisotropy of the base-colour texture's sampler, 1..=16 (default 1). Hair textures are always read with 1.
     pub anisotropy: u16,
-    /// How many single strands of a coat a model may have (default 300 000): of one that would have more a share stands for all, each as much wider. Each is
-    /// planted when the model is loaded, in about a microsecond, and takes 176 bytes on the GPU where it has nine points, while it is drawn 320 to
-    /// 660 more. 0 plants none. It does not concern hair on guides.
+    /// How many single strands of a coat a model may have (default 300 000). Of one that would have more, but not twice as many, a share stands for all,
+    /// each as much wider; others keep their layers near by. Each is planted when the model is loaded, in about a microsecond, and takes 176 bytes
+    /// on the GPU where it has nine points, while it is drawn 320 to 660 more. 0 plants none. It does not concern hair on guides.
     pub most_strands: u32,
 }
 

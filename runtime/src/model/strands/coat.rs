@@ -11,7 +11,7 @@ use pelage_formats::{AttributeVertex, GeometryVertex, MeshView, Package, Strands
 use std::ops::Range;
 
 /// Plants them; `None` for a package without, and where a buffer of the device cannot hold them. Where there would be over `most`, a share of them
-/// stands for all, each as much wider.
+/// stands for all, each as much wider; where that would be too few, there are none.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
@@ -26,7 +26,7 @@ pub(super) fn load(
     };
     // As many as the tile's cover: what is too much is not planted to be counted.
     let tiles: f64 = (0..ground.triangles.len()).filter(|t| ground.furred[*t]).map(area).sum();
-    let share = share_of(f64::from(view.strand_count()) * tiles, most);
+    let Some(share) = share_of(f64::from(view.strand_count()) * tiles, most) else { return Ok(None) };
     let planted = Planted::of(package, mesh, &ground, &view, share);
     if planted.strands.is_empty() {
         return Ok(None);
@@ -57,9 +57,13 @@ pub(super) fn load(
     Ok(fits.then_some(strands))
 }
 
+/// Least share of strands that is planted. Fewer, each as much wider, leave holes in dense short fur, which layers do not.
+const FEWEST_PLANTED: f32 = 0.5;
+
 /// Which share of so many strands is planted where there may be no more than `most`.
-fn share_of(strands: f64, most: u32) -> f32 {
-    (f64::from(most) / strands.max(1.0)).min(1.0) as f32
+fn share_of(strands: f64, most: u32) -> Option<f32> {
+    let share = (f64::from(most) / strands.max(1.0)).min(1.0) as f32;
+    (share >= FEWEST_PLANTED).then_some(share)
 }
 
 /// The least chance in each workgroup of strands.
@@ -204,4 +208,25 @@ fn stands_along(ground: &Ground, walk: &SurfaceWalk<'_>, root: Footing, asides: 
 
 fn quarter(weight: f64) -> i16 {
     (weight * 8191.75).round().clamp(-32767.0, 32767.0) as i16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_many_strands_thin_out_to_half() {
+        let most = 300;
+        assert_eq!([0.0, 300.0, 400.0, 600.0].map(|n| share_of(n, most)), [1.0, 1.0, 0.75, 0.5].map(Some));
+        assert_eq!([share_of(601.0, most), share_of(5.0, 0)], [None; 2]);
+    }
+
+    #[test]
+    fn workgroups_know_their_least_chance() {
+        let strand = |chance| Strand { chance, ..Strand::default() };
+        let mut strands: Vec<Strand> = (0..100u16).map(|i| strand(f32::from(i) / 100.0)).collect();
+        strands.resize(128, strand(1.0));
+        assert_eq!(least_chances(&strands), [0.0, 0.64]);
+        assert_eq!(least_chances(&[strand(1.0); 64]), [1.0], "nothing grows there");
+    }
 }
