@@ -67,7 +67,7 @@ fn combed(sandbox: &Sandbox, place: Vec3, within: f32) -> Vec3 {
         Vec3::from(v.normal).cross(Vec3::new(x, y, z)) * hand
     };
     let directions: Vec<Vec3> = near.map(along_v).collect();
-    assert!(directions.len() > 3, "{} vertices at {place}", directions.len());
+    assert!(directions.len() >= 3, "{} vertices at {place}", directions.len());
     directions.iter().sum::<Vec3>() / directions.len() as f32
 }
 
