@@ -221,7 +221,9 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
         .with_marks(MarkValues::new(&recipe.surface.comb_marks, &model.combs, &body, &mut warnings));
     let maps = match (recipe.groom.coordinates, recipe.groom.coordinates.projection()) {
         (_, Some(along)) => maps.over(Over::Space { along, bounds }),
-        (GroomCoordinates::Atlas, None) if maps.has_images() => maps.over(Over::Atlas(ModelAtlas::new(file, model)?)),
+        (GroomCoordinates::Atlas, None) if maps.has_images() => {
+            maps.over(Over::Atlas(Box::new(ModelAtlas::new(file, model)?)))
+        }
         _ => maps,
     };
     let lengths = Lengths::resolve(recipe, &bounds);

@@ -106,8 +106,8 @@ fn what_is_painted_comes_back_where_it_was_painted() {
                 color = \"l.png\"";
     let groom = Recipe::parse("r.toml", text).unwrap().groom;
     let mut warnings = Vec::new();
-    let maps =
-        Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut warnings).over(Over::Atlas(atlas));
+    let maps = Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut warnings)
+        .over(Over::Atlas(Box::new(atlas)));
     assert_eq!(warnings, [""; 0]);
     let rest = RestPose::of(&model.mesh, None);
     let coat = maps.coat(&Vertices::of_model(&model.mesh, &rest)).unwrap();
@@ -135,7 +135,7 @@ fn a_flow_image_points_along_the_atlas() {
     let file = MapImages { images: [("f.png".to_owned(), right)].into(), ..MapImages::default() };
     let groom = Recipe::parse("r.toml", "[groom]\ncoordinates = \"atlas\"\ncomb = \"f.png#uv\"").unwrap().groom;
     let maps = Maps::new(&model.mesh, &model.materials, &[true; 2], &groom, &file, &mut Vec::new())
-        .over(Over::Atlas(atlas.clone()));
+        .over(Over::Atlas(Box::new(atlas.clone())));
     let comb = maps.lay(&model.mesh, &RestPose::of(&model.mesh, None), Vec3::X).unwrap().comb.unwrap();
     let mut checked = 0;
     for triangle in &atlas.mesh.triangles {

@@ -45,7 +45,7 @@ pub enum Over {
     #[default]
     Model,
     /// An atlas of the model.
-    Atlas(ModelAtlas),
+    Atlas(Box<ModelAtlas>),
     /// Space: each image is laid through the model at rest, which it spans once.
     Space {
         /// Which way.
