@@ -30,8 +30,8 @@ impl Asides {
         let texels = texels(strands);
         let mut out = Self::default();
         // On the skin hair is at its root.
-        for k in 1..ROOT_HEIGHTS {
-            (out.at[k], out.mean[k]) = fit(&texels[k]).unwrap_or((out.at[k - 1], out.mean[k - 1]));
+        for (k, texels) in texels.iter().enumerate().skip(1) {
+            (out.at[k], out.mean[k]) = fit(texels).unwrap_or((out.at[k - 1], out.mean[k - 1]));
         }
         out
     }
