@@ -377,8 +377,22 @@ pub fn run<'a>(
     outputs: &mut Outputs<'a>,
     on_stage: &mut dyn FnMut(&'static str),
 ) -> Result<(), BakeError> {
+    make(told, outputs, Package, on_stage)
+}
+
+/// As [`run`], for something else than the package.
+///
+/// # Errors
+///
+/// As [`run`].
+pub fn make<'a>(
+    told: &Told<'a>,
+    outputs: &mut Outputs<'a>,
+    wanted: Output,
+    on_stage: &mut dyn FnMut(&'static str),
+) -> Result<(), BakeError> {
     told.recipe.validate()?;
-    let mut needed = vec![Package];
+    let mut needed = vec![wanted];
     let mut steps = Vec::new();
     for step in STEPS.iter().rev() {
         if needed.contains(&step.makes) && !outputs.has(step.makes) {

@@ -8,7 +8,7 @@ mod fit;
 
 use crate::BakeError;
 use crate::mesh::{Image, Mesh, Model, RestPose};
-use crate::pipeline::{Groomed, Laid, Output, Outputs, STEPS, Told};
+use crate::pipeline::{self, Groomed, Laid, Output, Outputs, Told};
 use crate::recipe::{CombSource, GroomCoordinates};
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::groom::canvas::{Canvas, Piece, Spot};
@@ -100,11 +100,8 @@ pub fn groom_map(
     coordinates: Option<GroomCoordinates>,
     texels: u32,
 ) -> Result<GroomMap, BakeError> {
-    told.recipe.validate()?;
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
-    for step in STEPS.iter().filter(|step| matches!(step.makes, Output::Laid | Output::Groomed)) {
-        step.run(told, &mut outputs)?;
-    }
+    pipeline::make(told, &mut outputs, Output::Groomed, &mut |_| ())?;
     let missing = || BakeError::Internal("the model was not laid and groomed, expected both".into());
     let (laid, groomed) = (outputs.laid.as_ref().ok_or_else(missing)?, outputs.groomed.as_ref().ok_or_else(missing)?);
     let over = coordinates.unwrap_or_else(|| usual_coordinates(told, laid));

@@ -65,9 +65,7 @@ fn groomed(model: &Model, text: &str, images: &MapImages) -> [Vec<f32>; 3] {
     let recipe = recipe(text);
     let told = Told::new("torus", "torus", &recipe, images);
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
-    for step in STEPS.iter().filter(|step| matches!(step.makes, Output::Laid | Output::Groomed)) {
-        step.run(&told, &mut outputs).unwrap();
-    }
+    pipeline::make(&told, &mut outputs, Output::Groomed, &mut |_| ()).unwrap();
     let (laid, groomed) = (outputs.laid.unwrap(), outputs.groomed.unwrap());
     let of_inputs = |values: &[f32]| {
         let mut of_input = vec![f32::NAN; model.mesh.positions.len()];

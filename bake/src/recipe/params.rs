@@ -294,7 +294,7 @@ impl HairColors {
     pub const PLAIN: SrgbColor = SrgbColor::hex(0xa8_8c_68);
     /// Those of hair that the model colours: it is the hairs' own shadows that darken it towards the roots. The gain is what five animals need on the
     /// mean of four lights (`formats/docs/formulas.md`, 7.7).
-    pub const NEUTRAL: Self = Self { gain: 1.35, root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };
+    pub const NEUTRAL: Self = Self { gain: 1.3, root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };
 }
 
 impl ColorParams {
