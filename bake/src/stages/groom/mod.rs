@@ -6,6 +6,7 @@ mod body;
 pub(crate) mod canvas;
 mod charts;
 mod colors;
+mod features;
 mod flow;
 mod joints;
 mod maps;
@@ -13,6 +14,7 @@ mod margin;
 mod model_atlas;
 mod names;
 mod pairs;
+mod patches;
 mod pattern;
 mod words;
 
@@ -21,10 +23,11 @@ pub(crate) use atlas::linear_image;
 pub use bare::{Growth, growth};
 pub use body::{Body, BodyGroom};
 pub use colors::{Colors, MaterialColor, colors, is_colored};
+pub(crate) use features::tell_apart;
 pub use joints::JointValues;
 pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
 pub(crate) use maps::{average, last, report_unmatched, scalar_at};
-pub use margin::fade_to_bare;
+pub use margin::{BesideBare, chosen_margin_m, margin_decision};
 pub use model_atlas::ModelAtlas;
 pub use pattern::Pattern;
 

@@ -9,6 +9,7 @@
 //! * Missing normals are computed smooth, without creases (glTF asks for flat ones, which tear a coat of fur open).
 //! * Vertices of a skin without any weight follow the first joint that they name; of more than four, the largest four count.
 //! * Parts that the scene or the rest pose mirrors, or that face against their normals, are turned around.
+//! * Bare parts that share a material with furred ones get one of their own ([`Feature`](crate::mesh::Feature)).
 //! * Morph targets are applied at their default weights; their animation is left out.
 //!
 //! All that is repaired, left out or guessed is told in [`Model::warnings`]. What cannot be is an error that names the place as
@@ -42,6 +43,7 @@ mod weights;
 use crate::BakeError;
 use crate::guides::Guides;
 use crate::mesh::Model;
+use crate::stages::groom;
 use container::Kind;
 use json::At;
 use notes::Notes;
@@ -72,16 +74,18 @@ pub fn import<'r>(
     let mut notes = Notes::default();
     let kind = container::split(file, bytes, &mut notes)?;
     notes.record("model", file, bytes);
-    match kind {
+    let mut model = match kind {
         Kind::Gltf(container) => {
             let document = json::parse(file, container.json, container.json_offset)?;
             let mut source = readable(file, &document, container.bin, resolve, notes)?;
             let mut model = assemble::model(&mut source, options)?;
             (model.warnings, model.inputs) = source.notes.finish();
-            Ok(model)
+            model
         }
-        Kind::Obj => obj::read(file, bytes, resolve, options, notes),
-    }
+        Kind::Obj => obj::read(file, bytes, resolve, options, notes)?,
+    };
+    groom::tell_apart(&mut model);
+    Ok(model)
 }
 
 /// Reads the lines of a glTF 2.0 scene as strands, with the records of all files that were read. Lines that share vertices are one strand, which begins where its
