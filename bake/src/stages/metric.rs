@@ -85,8 +85,7 @@ pub fn in_tile(recipe: &Recipe, bounds: &Bounds) -> Result<InTile, BakeError> {
     for (key, what, per_mm2, density, own_key) in densities {
         let Some(per_mm2) = per_mm2 else { continue };
         *density = strands(key, per_mm2, tile_size_m)?;
-        let chosen =
-            format!("{density}, {per_mm2} per mm² on {} of skin", square_in_words(f64::from(tile_size_m).powi(2)));
+        let chosen = format!("{density}, {per_mm2} per mm² on {} of skin", square_in_words(area_m2(tile_size_m)));
         done.decisions.push(Decision { what, chosen, line: format!("{own_key} = {density}") });
     }
     done.warnings.extend(too_thin(recipe, &done.recipe, tile_size_m));
@@ -173,7 +172,7 @@ fn share_of_tile(key: &'static str, radius_m: f32, tile_size_m: f32, least: f32)
 fn strands(key: &'static str, per_mm2: f32, tile_size_m: f32) -> Result<u32, BakeError> {
     /// As `hair.density`.
     const MOST: f64 = 1e6;
-    let area_mm2 = f64::from(tile_size_m).powi(2) * MM2;
+    let area_mm2 = area_m2(tile_size_m) * MM2;
     let strands = (f64::from(per_mm2) * area_mm2).round();
     if (1.0..=MOST).contains(&strands) || per_mm2 == 0.0 {
         return Ok(strands as u32);
@@ -209,6 +208,11 @@ fn too_thin(said: &Recipe, recipe: &Recipe, tile_size_m: f32) -> Option<String> 
         metres_in_words(texel_m as f32),
         width_m * f64::from(texels) / LEAST_HAIR_TEXELS
     ))
+}
+
+/// Of a square of that side.
+fn area_m2(side_m: f32) -> f64 {
+    f64::from(side_m) * f64::from(side_m)
 }
 
 /// An area for people.
