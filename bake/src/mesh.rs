@@ -108,6 +108,40 @@ pub struct Material {
     pub roughness: Option<f32>,
     /// How metallic it is, 0..=1 (glTF `metallicFactor`), likewise.
     pub metallic: Option<f32>,
+    /// What of the file's material this is; `None` is all of it, or the rest.
+    pub feature: Option<Feature>,
+}
+
+/// A part of a body where no hair grows, which shares its material with other parts or whose material's name does not tell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// The tip of the nose.
+    Nose,
+    /// What is painted around the eyes, between lids and eyeballs.
+    EyeRims,
+    /// Claws.
+    Claws,
+    /// What a node or a mesh of that name shows.
+    Named(String),
+}
+
+impl Feature {
+    /// Its name behind that of the material.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Nose => "nose",
+            Self::EyeRims => "eye rims",
+            Self::Claws => "claws",
+            Self::Named(name) => name,
+        }
+    }
+}
+
+impl Material {
+    /// Its name, and behind a slash that of its feature: `Black/nose`.
+    pub fn full_name(&self) -> String {
+        self.feature.as_ref().map_or_else(|| self.name.clone(), |feature| format!("{}/{}", self.name, feature.name()))
+    }
 }
 
 impl Default for Material {
@@ -121,6 +155,7 @@ impl Default for Material {
             double_sided: false,
             roughness: None,
             metallic: None,
+            feature: None,
         }
     }
 }

@@ -13,12 +13,13 @@ use crate::recipe::{
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{
-    self, Atlas, Body, BodyGroom, Coat, Colors, GroomTextures, Growth, JointValues, Lay, Lengths, MapImages, Maps,
-    MarkValues, ModelAtlas, Over, Pattern, RootAtlas, Rooting, Vertices,
+    self, Atlas, BesideBare, Body, BodyGroom, Coat, Colors, GroomTextures, Growth, JointValues, Lay, Lengths,
+    MapImages, Maps, MarkValues, ModelAtlas, Over, Pattern, RootAtlas, Rooting, Vertices,
 };
 use crate::stages::hair::{Asides, TileHair};
 use crate::stages::hair_groups;
 use crate::stages::ink::{self, Canvas, InkFiles, SkinInk};
+use crate::stages::metric::{self, InTile};
 use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
 use crate::stages::size;
 use crate::stages::strands;
@@ -157,6 +158,10 @@ pub struct Groomed {
     pub pattern_size_m: Option<f32>,
     /// How hair finds the colour of its root, where that is another than the colour below it.
     pub roots: Option<RootsInfo>,
+    /// How far from bare materials hair has its full length, metres; `None` where no hair is near one.
+    pub bare_margin_m: Option<f32>,
+    /// What the recipe left open and was chosen.
+    pub decisions: Vec<Decision>,
     /// What there was to say.
     pub warnings: Vec<String>,
 }
@@ -186,6 +191,8 @@ pub struct Laid<'a> {
     pub bare: Vec<String>,
     /// Lengths that the recipe may leave open.
     pub lengths: Lengths,
+    /// The recipe with hair and patches in the terms of the tile.
+    pub filled: Recipe,
     /// Colours of the hair, which the recipe may leave open too.
     pub hair_colors: HairColors,
     /// The recipe's groom maps.
@@ -226,12 +233,14 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
         }
         _ => maps,
     };
-    let lengths = Lengths::resolve(recipe, &bounds);
+    let InTile { recipe: filled, decisions: of_tile, warnings: of_hair } = metric::in_tile(recipe, &bounds)?;
+    warnings.extend(of_hair);
+    let lengths = Lengths::resolve(&filled, &bounds);
     let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
     // Hair that nothing colours is brown by its own colours, which would brown what marks colour; so the brown goes below.
     let plain = maps.marks().has_color() && !colored && recipe.color.root.is_none() && recipe.color.tip.is_none();
     let (maps, colored) = if plain { (maps.with_plain_color(HairColors::PLAIN), true) } else { (maps, colored) };
-    let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(recipe)).collect();
+    let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(&filled)).chain(of_tile).collect();
     if plain {
         decisions.push(Decision {
             what: "colour of the coat beside marks",
@@ -248,7 +257,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     };
     decisions.extend(hair_color_decisions(&recipe.color, hair_colors, why));
     size::check(file, recipe, &bounds, &lengths)?;
-    let params = SurfaceParams::from_recipe(&recipe.surface, lengths.tile_size_m, furred.clone());
+    let params = SurfaceParams::from_recipe(&filled.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.lay(&model.mesh, &rest, params.comb.everywhere())?;
     if lay != Lay::default() && recipe.surface.source == SurfaceSource::Model {
         warnings.push("groom.density and groom.comb have no effect beside surface.source = \"model\"".into());
@@ -262,7 +271,7 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::remarks(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Laid { surface, bounds, furred, bare, lengths, hair_colors, maps, lay, decisions, warnings })
+    Ok(Laid { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
 }
 
 /// That what is drawn in the model combs it, where the recipe leaves open what does.
@@ -361,8 +370,9 @@ pub struct Baked {
 pub fn bake(told: &Told<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     run(told, &mut outputs, on_stage)?;
-    let measures = made(&outputs.groomed, Output::Groomed)?.surface.measures;
-    let decisions = made(&outputs.laid, Output::Laid)?.decisions.clone();
+    let groomed = made(&outputs.groomed, Output::Groomed)?;
+    let decisions = [&made(&outputs.laid, Output::Laid)?.decisions[..], &groomed.decisions].concat();
+    let measures = groomed.surface.measures;
     let Packed { bytes, warnings } = outputs.package.ok_or_else(|| missing(Package))?;
     Ok(Baked { package: bytes, measures, decisions, warnings })
 }
@@ -454,7 +464,7 @@ fn simulate(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError>
     let laid = made(&outputs.laid, Laid)?;
     let HairColors { root, tip, .. } = laid.hair_colors;
     let color = ColorParams { root: Some(root), tip: Some(tip), ..told.recipe.color.clone() };
-    let recipe = Recipe { color, ..told.recipe.clone() };
+    let recipe = Recipe { color, ..laid.filled.clone() };
     outputs.hair = Some(TileHair::grow(&recipe, laid.lengths, laid.maps.water())?);
     Ok(())
 }
@@ -517,8 +527,14 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let plain = pattern.as_ref().filter(|_| roots.is_none());
     let atlas = plain.map(|_| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
     let mut coat = maps.coat(&Vertices::from(&surface))?;
-    let margin_m = recipe.groom.bare_margin_m.unwrap_or(0.0);
-    groom::fade_to_bare(&mut coat.length, &surface.mesh, &surface.rest, furred, margin_m);
+    let (skin, longest_m) = ((&surface.mesh, &surface.rest), laid.lengths.length_m);
+    let chosen_m = || groom::chosen_margin_m(skin, furred, &coat.length, longest_m, bounds.radius);
+    let bare_margin_m = recipe.groom.bare_margin_m.or_else(chosen_m);
+    if let Some(margin_m) = bare_margin_m.filter(|margin_m| *margin_m > 0.0) {
+        BesideBare::new(skin.0, skin.1, furred, margin_m).shorten(&mut coat.length);
+    }
+    let open = recipe.groom.bare_margin_m.is_none();
+    let decisions = bare_margin_m.filter(|_| open).map(groom::margin_decision).into_iter().collect();
     let mut colors = colored(&surface)?;
     let mut grooms = maps.textures()?;
     if let Some(roots) = &roots {
@@ -531,7 +547,17 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let warnings = atlas.as_ref().and_then(Atlas::warning).into_iter().collect();
     let pattern_size_m = pattern.as_ref().map(Pattern::width_m);
     let roots = roots.map(|roots| roots.info(asides.at));
-    outputs.groomed = Some(self::Groomed { surface, coat, colors, grooms, pattern_size_m, roots, warnings });
+    outputs.groomed = Some(self::Groomed {
+        surface,
+        coat,
+        colors,
+        grooms,
+        pattern_size_m,
+        roots,
+        bare_margin_m,
+        decisions,
+        warnings,
+    });
     Ok(())
 }
 
@@ -614,10 +640,12 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         colors: &groomed.colors,
         bounds: laid.bounds,
         bare: &laid.bare,
+        bare_margin_m: groomed.bare_margin_m,
         lengths: laid.lengths,
+        filled: &laid.filled,
         hair_colors: laid.hair_colors,
         height_m: height_m(hair, laid.lengths),
-        strands: recipe.strands_in_tile(),
+        strands: laid.filled.strands_in_tile(),
         pattern_size_m: groomed.pattern_size_m,
         roots: groomed.roots.as_ref(),
         shading: if hair.style == Style::Wet { shading.wet() } else { shading },

@@ -5,28 +5,32 @@ use super::exit::{Exit, Failure};
 #[cfg(feature = "preview")]
 use super::limits::choose;
 use super::output::{Output, human_bytes, require_parent};
+use super::picture_args::PictureArgs;
 #[cfg(feature = "preview")]
 use super::shell_judge::Source;
 use super::threads;
-use super::view::View;
 use super::write_recipe::{self, Chosen};
 use pelage_bake::BakeError;
 use pelage_bake::io::{self, Reach};
 use pelage_bake::judge::decide::Limits;
-use pelage_bake::judge::doctor;
-use pelage_bake::mesh::Model;
+#[cfg(feature = "preview")]
+use pelage_bake::mesh::RestPose;
 use pelage_bake::pipeline::{self, Baked, Told};
 use pelage_bake::recipe::{Recipe, SliceParams};
 #[cfg(feature = "preview")]
 use pelage_bake::reslice::Slicer;
 use pelage_bake::stages::detail::has_coat;
+#[cfg(feature = "preview")]
+use pelage_bake::stages::groom;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, input_record};
+#[cfg(feature = "preview")]
+use pelage_bake::stages::metric;
+use pelage_bake::stages::metric::InTile;
 use pelage_bake::stages::pack;
 use pelage_bake::stages::textures::shell_bytes;
 use pelage_bake::steps::Steps;
 use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
-use pelage_stage::{NamedPackage, Size, Viewpoint};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -46,9 +50,8 @@ pub struct BakeArgs {
     /// Threads to use, by default one per core; the package is the same with any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Choose layers and tile for pictures of that size which the model fills: as many layers and texels as the fur has pixels where it is nearest
-    #[arg(long, value_name = "WxH", conflicts_with_all = ["max_error", "max_frame_ms", "max_bytes"])]
-    for_size: Option<Size>,
+    #[command(flatten)]
+    pictures: PictureArgs,
     #[command(flatten)]
     limits: LimitArgs,
     /// Write the whole recipe of this bake, with comments and what was chosen, to start from: the same model with it gives the same package, byte for
@@ -75,7 +78,7 @@ struct LimitArgs {
     exhaustive: bool,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".into())
 }
 
@@ -245,20 +248,26 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     let mut model = io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
     let inputs = model.inputs.clone();
     model.inputs.extend(recipe_input);
-    let asked = recipe.clone();
     let file = args.model.display().to_string();
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let asked = recipe.clone();
+    let placed = |error| args.recipe.placed(&file, error);
+    // What was chosen of the tile before the bake.
+    let mut tile = InTile::default();
     #[cfg_attr(not(feature = "preview"), expect(unused_mut, reason = "only what draws can choose"))]
     let mut choice: Option<(Choice, Vec<Value>, String)> = None;
     if !limits.is_empty() {
         #[cfg(feature = "preview")]
         {
             watch.begin("choose");
+            // Settings that are tried differ in their texels, and not in their tile.
+            tile = metric::in_tile(&recipe, &groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref())))
+                .map_err(placed)?;
+            let recipe_of_tile = tile.recipe.clone();
             let chosen = {
-                let slicer = Slicer::new(Told::new(&file, &name, &recipe, &images), &model)
-                    .map_err(|error| args.recipe.placed(&file, error))?;
+                let slicer = Slicer::new(Told::new(&file, &name, &recipe_of_tile, &images), &model).map_err(placed)?;
                 let source = Source::Baked { name: &name, slicer: &slicer };
-                choose(&file, source, &recipe, limits, args.limits.exhaustive, watch.output())?
+                choose(&file, source, &recipe_of_tile, limits, args.limits.exhaustive, watch.output())?
             };
             recipe = chosen.recipe;
             choice = Some((chosen.choice, chosen.judged, chosen.text));
@@ -268,24 +277,25 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
             "limits are kept by drawing, and this build is without the runtime (feature `preview`)".into(),
         ));
     }
-    if let Some(size) = args.for_size {
+    if !args.pictures.is_empty() {
         watch.begin("choose");
-        recipe = fit(size, Told::new(&file, &name, &recipe, &images), &model).map_err(|failure| match failure {
-            Failure::Bake(error) => Failure::Bake(args.recipe.placed(&file, error)),
-            other => other,
-        })?;
-        let SliceParams { layers, tile_texels: n, .. } = recipe.slice;
-        let shown = format!("for {}x{}: slice.layers={layers}, slice.tile_texels={n}", size.width, size.height);
-        watch.output.note(&shown);
+        tile =
+            args.pictures.fit(Told::new(&file, &name, &recipe, &images), &model).map_err(|failure| match failure {
+                Failure::Bake(error) => Failure::Bake(placed(error)),
+                other => other,
+            })?;
+        recipe = tile.recipe.clone();
+        watch.output.note(&args.pictures.said(&recipe.slice));
     }
     let steps = watch.steps();
     let told = Told { steps: &steps, ..Told::new(&file, &name, &recipe, &images) };
     let large = large_layers(&recipe);
     large.iter().for_each(|note| watch.output.note(note));
-    let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage))
-        .map_err(|error| args.recipe.placed(&file, error))?;
+    let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage)).map_err(placed)?;
+    baked.decisions.extend(tile.decisions);
+    baked.warnings.extend(tile.warnings);
     let written = args.write_recipe.as_ref().map(|path| {
-        let options = write_recipe::options(limits, args.for_size);
+        let options = write_recipe::options(limits, &args.pictures);
         let chosen = Chosen { model: &name, asked: &asked, recipe: &recipe, options: &options };
         chosen.put_into(&mut baked, path, inputs, &images)
     });
@@ -299,25 +309,6 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
         return Err(BakeError::Internal(text).into());
     }
     Ok(Done { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
-}
-
-/// The recipe with layers and tile for pictures of that size, which the model fills. What decides them is found by a bake of the coarsest tile.
-fn fit(size: Size, told: Told<'_>, model: &Model) -> Result<Recipe, Failure> {
-    let mut coarse = told.recipe.clone();
-    (coarse.slice.layers, coarse.slice.tile_texels) = (4, 16);
-    (coarse.ink.enabled, coarse.fins.enabled, coarse.visibility.enabled, coarse.detail.enabled) =
-        (false, false, false, false);
-    let baked = pipeline::bake(&Told { recipe: &coarse, ..told }, model, &mut |_| ())?;
-    let file = NamedPackage::new(told.file, baked.package);
-    let package = file.open()?;
-    let shown = View::sized((size.width, size.height));
-    let fur = &package.manifest().fur;
-    let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&shown.outline(&file, &package)?, fur.height_m);
-    let size = (size.width, size.height);
-    let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances: 1, shadow_map: 0 };
-    let fault = |source| BakeError::Package { file: file.name.clone(), source };
-    let found = doctor::diagnose(&package, &view, &fault)?;
-    Ok(doctor::fitted(told.recipe, &found.on_screen, coarse.slice.tile_texels))
 }
 
 /// Packages of more bytes than this are told: an application loads them for a while, and a page for longer.

@@ -27,6 +27,7 @@ mod output;
 mod pack;
 mod package_file;
 mod paint_mesh;
+mod picture_args;
 mod reference;
 #[cfg(feature = "preview")]
 mod render;

@@ -2,6 +2,7 @@
 
 use super::exit::Failure;
 use super::output::require_parent;
+use super::picture_args::PictureArgs;
 use pelage_bake::BakeError;
 use pelage_bake::decision::Decision;
 use pelage_bake::io;
@@ -12,7 +13,6 @@ use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::input_record;
 use pelage_bake::stages::pack;
 use pelage_formats::{InputRecord, Limits as FormatLimits, Package};
-use pelage_stage::Size;
 use std::path::{Path, PathBuf};
 
 /// Where the file would lie: links followed as far as it is there.
@@ -63,10 +63,10 @@ pub fn require_files(path: &Path, recipe: &Recipe, images: &MapImages) -> Result
 const BY_BAKE: &str = "chosen by the bake";
 
 /// The options that let a bake choose, as they may be typed; empty where there are none.
-pub fn options(limits: &Limits, size: Option<Size>) -> String {
+pub fn options(limits: &Limits, pictures: &PictureArgs) -> String {
     let limits = Figure::ALL.iter().filter_map(|figure| Some(format!("{} {}", figure.option(), limits.of(*figure)?)));
-    let size = size.map(|Size { width, height, .. }| format!("--for-size {width}x{height}"));
-    limits.chain(size).collect::<Vec<_>>().join(" ")
+    let pictures = Some(pictures.words()).filter(|words| !words.is_empty());
+    limits.chain(pictures).collect::<Vec<_>>().join(" ")
 }
 
 /// What a recipe was, and what the options of the command made of it.

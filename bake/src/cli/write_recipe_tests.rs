@@ -49,6 +49,9 @@ fn it_takes_the_place_of_no_file_of_the_bake() {
 #[test]
 fn the_options_that_choose_are_said_as_they_are_typed() {
     let limits = Limits { max_error: Some(0.05), max_bytes: Some(90_000), ..Limits::default() };
-    assert_eq!(options(&limits, None), "--max-error 0.05 --max-bytes 90000");
-    assert_eq!(options(&Limits::default(), "834x424".parse().ok()), "--for-size 834x424");
+    assert_eq!(options(&limits, &PictureArgs::default()), "--max-error 0.05 --max-bytes 90000");
+    assert_eq!(
+        options(&Limits::default(), &PictureArgs { for_size: "834x424".parse().ok(), for_distance: Some(2.5) }),
+        "--for-size 834x424 --for-distance 2.5"
+    );
 }

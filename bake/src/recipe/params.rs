@@ -17,7 +17,8 @@ params! {
         unit_m: f32 = 1.0, in 1e-6..=1e6;
         /// Names of materials where no hair grows, such as eyes and hooves. `*` stands for any characters, `?` for one; `[]` has hair grow everywhere. Left
         /// out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and clothes are found by the names of materials, nodes and meshes in eight languages,
-        /// and small parts by gloss or by the shape of eyes. What is in doubt grows hair; the bake says what it found.
+        /// and small parts by gloss or by the shape of eyes. What is in doubt grows hair; the bake says what it found. Of a material that also covers
+        /// furred parts, a nose, rims of eyes, claws and what a node or a mesh names are told apart: `Black/nose`, `Main/Eye_L`; `Black` names them all.
         bare: Option<Vec<String>> = None;
     }
 }
@@ -58,8 +59,8 @@ params! {
         /// Where tile coordinates come from: `patches` grows patches over any surface and needs no texture coordinates, `model` takes
         /// the model's own.
         source: SurfaceSource = SurfaceSource::Patches;
-        /// Width of the tile on the skin, metres: the reciprocal of tiles per metre. Left out, it is chosen from the model's size. Small
-        /// repeats visibly, large spreads the texels thin.
+        /// Width of the tile on the skin, metres: the reciprocal of tiles per metre. Left out, it is chosen from the model's size, and no wider than
+        /// `hair.density_mm2` and `hair.root_radius_m` allow. Small repeats visibly, large spreads the texels thin.
         tile_size_m: Option<f32> = None, in 1e-6..=1e3;
         /// The same where surface.tile_size_m is left out, as a share of the radius of the sphere around the model at rest.
         tile_size_per_radius: f32 = 0.15, in 1e-3..=10.0;
@@ -101,6 +102,9 @@ params! {
         seed: u64 = 1, in 0..=i64::MAX as u64;
         /// Strands in the tile.
         density: u32 = 600, in 1..=1_000_000;
+        /// Hairs per square millimetre of skin, in place of `hair.density`: a dog's back has some 3 guard hairs and 40 of underfur. Where
+        /// `surface.tile_size_m` is left out, the tile is then as wide as some thousands of strands allow. It holds where `groom.density` is 1.
+        density_mm2: Option<f32> = None, in 1e-6..=1e4;
         /// Length of the longest strand along its curve, metres. Left out, it is chosen from the model's size.
         length_m: Option<f32> = None, in 1e-6..=1e3;
         /// The same where hair.length_m is left out, as a share of the radius of the sphere around the model at rest: 0.02 a short-haired animal,
@@ -113,6 +117,11 @@ params! {
         root_radius: f32 = 0.0065, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
         tip_radius: f32 = 0.0013, in 0.0..=0.25;
+        /// Radius at the root, metres, in place of `hair.root_radius`: 0.00003 of a dog's guard hair, 0.001 of a hedgehog's spine. Where
+        /// `surface.tile_size_m` is left out, the tile is then so narrow that a hair is as wide as one of its texels (`slice.tile_texels`).
+        root_radius_m: Option<f32> = None, in 1e-7..=0.1;
+        /// Radius at the tip, metres, in place of `hair.tip_radius`.
+        tip_radius_m: Option<f32> = None, in 0.0..=0.1;
         /// How far strands bend over from root to tip: 0 upright, 1 lying on the skin.
         lean: f32 = 0.65, in 0.0..=1.0;
         /// Where they lean to, degrees in the tile: 0 towards +v, 90 towards +u.
@@ -170,6 +179,8 @@ params! {
     UnderfurParams in underfur {
         /// Strands of underfur in the tile, beside those of `hair.density`. 0 is a coat of guard hair alone.
         density: u32 = 700, in 0..=1_000_000;
+        /// Hairs of underfur per square millimetre of skin, in place of `underfur.density`, as `hair.density_mm2`.
+        density_mm2: Option<f32> = None, in 0.0..=1e4;
         /// Length of the longest of them, as a share of the longest guard hair's.
         length: f32 = 0.5, in 0.01..=1.0;
         /// How much shorter than that one may be, as `hair.length_variation`.
@@ -178,6 +189,10 @@ params! {
         root_radius: f32 = 0.005, in 1e-5..=0.25;
         /// Radius at the tip, fractions of the tile's width.
         tip_radius: f32 = 0.0015, in 0.0..=0.25;
+        /// Radius at the root, metres, in place of `underfur.root_radius`, as `hair.root_radius_m`: 0.00001 of a dog's.
+        root_radius_m: Option<f32> = None, in 1e-7..=0.1;
+        /// Radius at the tip, metres, in place of `underfur.tip_radius`.
+        tip_radius_m: Option<f32> = None, in 0.0..=0.1;
         /// Its style, where it is another than `hair.style`. Hair is wet in both coats or in none.
         style: Option<Style> = None;
         /// How far it bends over, where that is not as `hair.lean` says.
@@ -219,7 +234,8 @@ params! {
         /// 1 where no hair grows: the skin shows its base colour. Images over the model's texture coordinates are followed texel by texel.
         bare: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
         /// How far from a bare material hair has its full length, metres on the skin; from there it grows shorter, to nothing at the border, so that
-        /// long hair beside an eye does not hang over it. It is known at the model's vertices. Left out, hair is as long beside bare materials as elsewhere.
+        /// long hair beside an eye does not hang over it. It is known at the model's vertices. Left out, it is as wide as the hair there needs for not to hide any of them; 0 leaves hair
+        /// as long beside bare materials as elsewhere.
         bare_margin_m: Option<f32> = None, in 0.0..=1e3;
         /// Colour of the hair on furred materials in place of the model's base colour; multiplies root and tip colour.
         color: Option<ColorMap> = None;

@@ -355,8 +355,9 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         (prop::sample::select(Style::ALL), 0..=i64::MAX as u64, 1u32..=1_000_000, prop::option::of(1e-6f32..=1e3)),
         (unit(), 1e-5f32..=0.25, 0f32..=0.25, unit(), -360f32..=360.0, unit(), 1e-3f32..=100.0, unit()),
         (unit(), unit(), prop::option::of(1u32..=1_000_000), prop::sample::select(Coat::ALL), 1e-4f32..=10.0),
+        (prop::option::of(1e-6f32..=1e4), prop::option::of(1e-7f32..=0.1), prop::option::of(0f32..=0.1)),
     )
-        .prop_map(|(a, b, c)| HairParams {
+        .prop_map(|(a, b, c, metric)| HairParams {
             style: a.0,
             seed: a.1,
             density: a.2,
@@ -374,6 +375,9 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             clump_count: c.2,
             coat: c.3,
             length_per_radius: c.4,
+            density_mm2: metric.0,
+            root_radius_m: metric.1,
+            tip_radius_m: metric.2,
         });
     let pack = (
         prop::sample::select(ShellFormat::ALL),

@@ -12,6 +12,7 @@ pub mod hair;
 pub mod hair_groups;
 pub mod import;
 pub mod ink;
+pub mod metric;
 pub mod pack;
 mod reach;
 pub mod simplify;

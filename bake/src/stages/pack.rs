@@ -37,6 +37,10 @@ pub struct Skin<'a> {
     pub pattern_size_m: Option<f32>,
     /// Names of the bare materials, likewise.
     pub bare: Option<Vec<String>>,
+    /// How far from bare materials hair has its full length, metres, likewise.
+    pub bare_margin_m: Option<f32>,
+    /// The recipe with hair and patches in the terms of the tile, where it says them otherwise.
+    pub filled: Option<Box<Recipe>>,
 }
 
 /// Fins as they stand on the skin, without their textures.
@@ -63,6 +67,8 @@ pub struct SkinPieces<'a> {
     pub furred: &'a [bool],
     /// What `model.bare` says, or would have to say for the same.
     pub bare: &'a [String],
+    /// How far from bare materials hair has its full length, metres.
+    pub bare_margin_m: Option<f32>,
     /// What varies over the vertices of the surface's mesh.
     pub coat: &'a Coat,
     /// Colours of its materials and vertices.
@@ -71,6 +77,8 @@ pub struct SkinPieces<'a> {
     pub bounds: Bounds,
     /// Lengths of hair and tile.
     pub lengths: Lengths,
+    /// The recipe with its hair in the terms of the tile.
+    pub filled: &'a Recipe,
     /// Colours of the hair.
     pub hair_colors: HairColors,
     /// Height of the fur, metres.
@@ -135,9 +143,11 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
         sections: [Content::Mesh(Arc::new(mesh))].into_iter().chain(simplified).chain(animation).chain(roots).collect(),
         images: textures,
         lengths: Some(pieces.lengths),
+        filled: Some(Box::new(pieces.filled.clone())),
         hair_colors: Some(pieces.hair_colors),
         pattern_size_m: pieces.pattern_size_m,
         bare: Some(pieces.bare.to_vec()),
+        bare_margin_m: pieces.bare_margin_m,
     }
 }
 
@@ -260,7 +270,12 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
 /// The recipe with everything that was left open filled in.
 fn resolved(pieces: &Pieces<'_>) -> Recipe {
     let mut recipe = pieces.recipe.clone();
+    if let Some(filled) = &pieces.skin.filled {
+        (recipe.hair, recipe.underfur) = (filled.hair.clone(), filled.underfur.clone());
+        recipe.surface = filled.surface.clone();
+    }
     recipe.model.bare = recipe.model.bare.or_else(|| pieces.skin.bare.clone());
+    recipe.groom.bare_margin_m = recipe.groom.bare_margin_m.or(pieces.skin.bare_margin_m);
     if let Some(lengths) = pieces.skin.lengths {
         recipe.hair.length_m = Some(lengths.length_m);
         recipe.surface.tile_size_m = Some(lengths.tile_size_m);
@@ -313,7 +328,7 @@ pub fn with_recipe(package: &[u8], file: &str, text: &str, inputs: Vec<InputReco
 
 fn materials(pieces: &SkinPieces<'_>, base_colors: &[u32], grooms: &[u32]) -> Vec<Material> {
     let convert = |((i, m), color): ((usize, &crate::mesh::Material), &crate::stages::groom::MaterialColor)| Material {
-        name: m.name.clone(),
+        name: m.full_name(),
         base_color: color.factor,
         base_color_texture: color.image.map(|image| base_colors[image]),
         groom_texture: pieces.groom_of_material.get(i).copied().flatten().map(|texture| grooms[texture]),

@@ -1,16 +1,22 @@
 //! What a bake chooses where the recipe is silent, through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+use pelage_needs::data;
 use pelage_tests::binary::{Sandbox, workspace};
 use serde_json::Value;
+use std::path::Path;
 
 const BAKE: [&str; 8] =
     ["bake", "m.glb", "-o", "m.pelage", "--json", "--set", "slice.layers=4", "--set=slice.tile_texels=16"];
 
 /// The decisions of a bake of a built-in model.
 fn decisions(model: &str, more: &[&str]) -> Vec<Value> {
+    decisions_on(&workspace().join("assets/models").join(model), more)
+}
+
+fn decisions_on(model: &Path, more: &[&str]) -> Vec<Value> {
     let sandbox = Sandbox::new();
-    sandbox.write("m.glb", std::fs::read(workspace().join("assets/models").join(model)).unwrap());
+    sandbox.write("m.glb", std::fs::read(model).unwrap());
     let run = sandbox.run(&[&BAKE[..], more].concat());
     assert_eq!(run.code, Some(0), "{run:?}");
     let value: Value = serde_json::from_str(&run.stdout).unwrap();
@@ -56,4 +62,78 @@ fn bare_parts_are_found_and_a_list_in_the_recipe_goes_first() {
     assert!(bare["chosen"].as_str().unwrap().starts_with("2 of 5 materials furred, 3 bare: horn (by name)"), "{bare}");
     let said = decisions("ox.glb", &["--set", "model.bare=[]"]);
     assert!(lines(&said).iter().all(|line| !line.starts_with("model.bare")), "{said:?}");
+}
+
+#[test]
+fn bare_parts_of_known_animals() {
+    let Some(data) = data("bare_parts_of_known_animals") else { return };
+    // Each with what is bare, and no more: the nose of the dog and the claws of the reptile are parts of "Black".
+    for (animal, bare) in [
+        ("quaternius_Wolf", "[\"Eyes_Black\", \"Nose\"]"),
+        ("quaternius_ShibaInu", "[\"Black/eye rims\", \"Eyes_White\", \"Eyes_Pupil\", \"Eyes_Black\", \"Black/nose\"]"),
+        ("quaternius_Alpaca", "[\"Hooves\", \"Eyes_Black\", \"Eyes_White\"]"),
+        ("quaternius_Cow", "[\"Hooves\", \"Eye_Black\", \"Eye_White\", \"Horns\"]"),
+        ("quaternius_Horse", "[\"Hooves\", \"Eye_Black\", \"Eye_White\"]"),
+        ("quaternius_Velociraptor", "[\"Black/claws\"]"),
+        ("Fox", "[]"),
+    ] {
+        let more = ["--set", "visibility.enabled=false", "--set", "hair.density=20"];
+        let found = decisions_on(&data.join(format!("meshes/skinned/{animal}.glb")), &more);
+        assert!(lines(&found).contains(&&*format!("model.bare = {bare}")), "{animal}: {:?}", lines(&found));
+    }
+}
+
+#[test]
+fn a_margin_of_bare_parts_is_chosen_where_there_are_any() {
+    let margin = |decisions: &[Value]| {
+        let found = lines(decisions).into_iter().find_map(|line| line.strip_prefix("groom.bare_margin_m = "));
+        found.map(|metres| metres.parse::<f32>().unwrap())
+    };
+    assert_eq!(margin(&decisions("torus.glb", &[])), None);
+    let [short, long] = ["0.002", "0.01"]
+        .map(|length| margin(&decisions("hare.glb", &["--set", &format!("hair.length_m={length}")])).unwrap());
+    assert!(0.0 < short && short < long && long < 0.05, "{short} {long}");
+    assert_eq!(margin(&decisions("hare.glb", &["--set", "groom.bare_margin_m=0"])), None);
+}
+
+#[test]
+fn hair_in_true_measure_becomes_a_tile() {
+    let said = ["--set", "hair.density_mm2=3", "--set", "hair.root_radius_m=0.0002"];
+    let found = decisions("hare.glb", &said);
+    let number = |key: &str| -> f64 {
+        let line = lines(&found).into_iter().find_map(|line| line.strip_prefix(key)).unwrap();
+        line.strip_prefix(" = ").unwrap().parse().unwrap()
+    };
+    let (tile_m, strands) = (number("surface.tile_size_m"), number("hair.density"));
+    assert!((tile_m / (16.0 * 0.0004) - 1.0).abs() < 1e-3, "16 texels as wide as a hair: {tile_m}");
+    assert_eq!(strands, (3e6 * tile_m * tile_m).round());
+
+    let sandbox = Sandbox::new();
+    sandbox.write("m.glb", std::fs::read(workspace().join("assets/models/hare.glb")).unwrap());
+    let run = sandbox.run(&[&BAKE[..], &["--set=hair.density_mm2=900", "--set=surface.tile_size_m=0.1"]].concat());
+    assert_eq!(run.code, Some(3), "{run:?}");
+    assert!(run.stderr.contains("hair.density_mm2") && run.stderr.contains("expected"), "{run:?}");
+}
+
+#[test]
+fn a_bake_for_a_distance_has_what_is_seen_from_there() {
+    let sandbox = Sandbox::new();
+    sandbox.write("m.glb", std::fs::read(workspace().join("assets/models/hare.glb")).unwrap());
+    let slices = |more: &[&str]| {
+        let run =
+            sandbox.run(&[&["bake", "m.glb", "-o", "m.pelage", "--set=visibility.enabled=false"][..], more].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let run = sandbox.run(&["inspect", "m.pelage", "--json"]);
+        let fur: Value = serde_json::from_str(&run.stdout).unwrap();
+        ["layers", "tile_texels"].map(|key| fur["fur"][key].as_u64().or(fur[key].as_u64()).unwrap())
+    };
+    let [near, far] = ["0.5", "30"].map(|metres| slices(&["--for-distance", metres]));
+    assert!(near[0] > far[0] && near[1] > far[1], "{near:?} {far:?}");
+    assert_eq!(far[0], 4, "no more layers than the least");
+    // A picture of twice the height from twice as far shows the same.
+    assert_eq!(slices(&["--for-distance", "1", "--for-size", "834x848"]), near);
+    let bad = sandbox.run(&["bake", "m.glb", "-o", "m.pelage", "--for-distance", "-1"]);
+    assert!(bad.code == Some(1) && bad.stderr.contains("expected a number above 0"), "{bad:?}");
+    let both = sandbox.run(&["bake", "m.glb", "-o", "m.pelage", "--for-distance", "1", "--max-error", "1"]);
+    assert_eq!(both.code, Some(1), "{both:?}");
 }

@@ -5,10 +5,11 @@ use crate::cli::built_in::HARE;
 use crate::cli::exit::Failure;
 use crate::cli::mesh_glb;
 use crate::cli::package_file;
-use pelage_bake::mesh::Model;
+use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::stages::groom::MapImages;
+use pelage_bake::stages::groom::{self, MapImages};
 use pelage_bake::stages::import::{ImportOptions, import};
+use pelage_bake::stages::metric;
 use pelage_bake::{BakeError, io};
 use pelage_stage::NamedPackage;
 use std::path::Path;
@@ -46,6 +47,7 @@ impl Subject {
             }
             let (recipe, _) = args.recipe.read()?;
             let model = io::read_model(path, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.reach())?;
+            let recipe = in_tile(&recipe, &model)?;
             let mut files = format!(" {}", shell_word(&path.display().to_string()));
             if let Some(recipe) = &args.recipe.recipe {
                 files += &format!(" --recipe {}", shell_word(&recipe.display().to_string()));
@@ -63,6 +65,7 @@ impl Subject {
         let command = format!("pelage bake assets/models/{0}.glb --recipe assets/recipes/{0}.toml", HARE.name);
         let (file, name, images) = (HARE.file(), HARE.name.into(), args.recipe.images(&recipe)?);
         let model = HARE.import(&recipe)?;
+        let recipe = in_tile(&recipe, &model)?;
         Ok(Self { file, name, model, package: None, recipe, images, command, sets, arguments: set_words })
     }
 
@@ -92,6 +95,12 @@ impl Subject {
         let images = MapImages::default();
         Ok(Self { file, name, model, recipe, images, command, sets, arguments, package: Some(package) })
     }
+}
+
+/// The recipe with its hair in the terms of a tile, which is then the same for all rows.
+fn in_tile(recipe: &Recipe, model: &Model) -> Result<Recipe, BakeError> {
+    let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
+    Ok(metric::in_tile(recipe, &bounds)?.recipe)
 }
 
 /// Changes to a recipe as options: ` --set a=1 --set b=2`.

@@ -3,6 +3,7 @@
 use super::prognosis::{Advice, Prognosis, Saved, View};
 use crate::BakeError;
 use crate::recipe::Recipe;
+use crate::stages::metric::LEAST_HAIR_TEXELS;
 use pelage_formats::{FormatError, Manifest, Package, TextureFormat};
 
 /// Looks for everything there is advice on: first what mends the look, then what saves, most of it first.
@@ -139,8 +140,6 @@ fn layers(
 
 /// Texels of the tile that are smaller than this on the screen, pixels, are more than it shows: mips are read instead.
 const LEAST_TEXEL_PX: f64 = 0.5;
-/// A hair whose root is thinner than this, texels, fades instead of showing, in every mip level: a coarser tile is a ghost of the coat.
-pub(super) const LEAST_HAIR_TEXELS: f64 = 1.0;
 
 fn tile(manifest: &Manifest, found: &Prognosis, bytes: u64) -> Option<Advice> {
     let recipe = Recipe::recorded("recipe of the package", &manifest.recipe).ok()?;

@@ -1,8 +1,9 @@
 //! Layers and texels for pictures of a known size.
 
-use super::advice::{LEAST_HAIR_TEXELS, MOST_LAYERS};
+use super::advice::MOST_LAYERS;
 use super::prognosis::OnScreen;
 use crate::recipe::Recipe;
+use crate::stages::metric::LEAST_HAIR_TEXELS;
 
 /// The recipe with as many layers and texels as such a picture shows: layers [`crate::recipe::DetailParams::gap_px`] apart, at most as many as are
 /// ever advised, and texels of at most a pixel, never so large that a hair's root is lost in one.

@@ -79,6 +79,21 @@ pub struct OnScreen {
     pub triangles: u64,
 }
 
+impl OnScreen {
+    /// The same sizes where the fur is nearest at that distance from the eye, metres, above 0. Nothing in sight stays nothing.
+    pub fn seen_from(self, distance_m: f64) -> Self {
+        let larger = self.near_m / distance_m;
+        Self {
+            texel_px: self.texel_px * larger,
+            layer_gap_px: self.layer_gap_px * larger,
+            height_px: self.height_px * larger,
+            near_m: if self.near_m > 0.0 { distance_m } else { 0.0 },
+            triangle_px: self.triangle_px * larger * larger,
+            ..self
+        }
+    }
+}
+
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prognosis {

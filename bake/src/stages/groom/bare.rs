@@ -1,12 +1,13 @@
 //! Where hair grows: on all materials but those that `model.bare` names, or, where a recipe leaves it out, but those that are found to be bare by their
-//! names, by the names of the nodes and meshes that show them, or by being small and either glossy or shaped as eyes are.
+//! names, by the names of the nodes and meshes that show them, or by being small and either glossy or shaped as eyes are. What of a material is a nose, a claw
+//! or a rim of the eyes was told apart on import ([`super::features`]), and is bare too.
 //!
 //! A bald body is worse than a furred claw, so that what is in doubt stays furred.
 
 use super::names::{Said, said_by, words};
 use super::pairs::{are_round_pairs, weld};
 use crate::decision::Decision;
-use crate::mesh::{Material, Model, RestPose};
+use crate::mesh::{Feature, Material, Mesh, MeshPart, Model, RestPose};
 use pelage_params::{Field, glob};
 
 /// Largest share of the skin's area that gloss or shape may speak for: eyes, claws and a nose together cover less of most animals.
@@ -36,15 +37,26 @@ enum Why {
     PartName,
     Gloss,
     Shape,
+    Feature(&'static str),
 }
 
 impl Why {
+    fn of(feature: &Feature) -> Self {
+        match feature {
+            Feature::Nose => Self::Feature("small, dark and foremost"),
+            Feature::EyeRims => Self::Feature("small, dark and joined to eyes"),
+            Feature::Claws => Self::Feature("small dark tips in pairs"),
+            Feature::Named(_) => Self::PartName,
+        }
+    }
+
     fn words(self) -> &'static str {
         match self {
             Self::Name => "by name",
             Self::PartName => "by its mesh's name",
             Self::Gloss => "small and glossy",
             Self::Shape => "small round pairs",
+            Self::Feature(why) => why,
         }
     }
 }
@@ -75,8 +87,9 @@ pub fn growth(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings:
     let alike = keep_apart(materials, &mut why);
     let mut names: Vec<String> = Vec::new();
     for (material, _) in materials.iter().zip(&why).filter(|(_, why)| why.is_some()) {
-        if !names.contains(&material.name) {
-            names.push(material.name.clone());
+        let name = material.full_name();
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
     let decision = (!materials.is_empty()).then(|| Decision {
@@ -89,11 +102,16 @@ pub fn growth(model: &Model, rest: &RestPose, bare: Option<&[String]>, warnings:
 
 /// One per material: whether hair grows on it by a recipe's list, as in [`growth`].
 fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
-    for pattern in bare.iter().filter(|p| !materials.iter().any(|m| glob(p, &m.name))) {
-        let names: Vec<_> = materials.iter().map(|m| m.name.as_str()).collect();
+    for pattern in bare.iter().filter(|p| !materials.iter().any(|m| is_named(p, m))) {
+        let names: Vec<_> = materials.iter().map(Material::full_name).collect();
         warnings.push(format!("model.bare: {pattern:?} matches no material; the model has {names:?}"));
     }
-    materials.iter().map(|m| !bare.iter().any(|p| glob(p, &m.name))).collect()
+    materials.iter().map(|m| !bare.iter().any(|p| is_named(p, m))).collect()
+}
+
+/// Whether a pattern means a material: by its name with or without what it is of it.
+fn is_named(pattern: &str, material: &Material) -> bool {
+    glob(pattern, &material.name) || (material.feature.is_some() && glob(pattern, &material.full_name()))
 }
 
 /// For each material why it is bare, or `None`.
@@ -110,6 +128,10 @@ fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
     let mut never = vec![false; materials.len()];
     let mut why = vec![None; materials.len()];
     for m in 0..materials.len() {
+        if let Some(feature) = &materials[m].feature {
+            why[m] = Some(Why::of(feature));
+            continue;
+        }
         let fits = |most: f32| share(m) <= f64::from(most);
         match (said_of(&names[m]), said_of_parts(model, &of_parts, m)) {
             (Said::Furred, _) => never[m] = true,
@@ -135,25 +157,31 @@ fn find(model: &Model, rest: &RestPose) -> Vec<Option<Why>> {
 
 /// The share of the skin's area that each material covers at rest.
 fn shares(model: &Model, rest: &RestPose) -> Vec<f64> {
-    let mut areas = vec![0.0; model.materials.len()];
-    for part in &model.mesh.parts {
-        let triangles = model.mesh.triangles.iter().skip(part.first_triangle).take(part.triangle_count);
+    let mut shares = vec![0.0; model.materials.len()];
+    for (part, share) in model.mesh.parts.iter().zip(shares_of_parts(&model.mesh, rest)) {
+        shares[part.material] += share;
+    }
+    shares
+}
+
+/// The share of the skin's area that each part covers at rest.
+pub(super) fn shares_of_parts(mesh: &Mesh, rest: &RestPose) -> Vec<f64> {
+    let of_part = |part: &MeshPart| {
+        let triangles = mesh.triangles.iter().skip(part.first_triangle).take(part.triangle_count);
         let area = |triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|v| rest.positions[v as usize].as_dvec3());
             (b - a).cross(c - a).length() / 2.0
         };
-        areas[part.material] += triangles.map(area).sum::<f64>();
-    }
+        triangles.map(area).sum::<f64>()
+    };
+    let areas: Vec<f64> = mesh.parts.iter().map(of_part).collect();
     let whole: f64 = areas.iter().sum();
-    if whole > 0.0 {
-        areas.iter_mut().for_each(|area| *area /= whole);
-    }
-    areas
+    areas.into_iter().map(|area| if whole > 0.0 { area / whole } else { 0.0 }).collect()
 }
 
 /// The words of things, a list for each of their names, without those that all things have: such a word names the animal, as in `Bighorn_Body`,
 /// `Bighorn_Eye`.
-fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
+pub(super) fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
     let has = |thing: &Vec<Vec<String>>, word: &String| thing.iter().any(|name| name.contains(word));
     let first = things.first().into_iter().flatten().flatten();
     let common: Vec<String> = first.filter(|word| things.iter().all(|thing| has(thing, word))).cloned().collect();
@@ -162,7 +190,7 @@ fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
 }
 
 /// What the names of one thing say: fur if one of them does, else the strictest that is bare.
-fn said_of(names: &[Vec<String>]) -> Said {
+pub(super) fn said_of(names: &[Vec<String>]) -> Said {
     names.iter().map(|name| said_by(name)).fold(Said::Nothing, |all, said| match (all, said) {
         (Said::Furred, _) | (_, Said::Furred) => Said::Furred,
         (Said::Bare { most: a }, Said::Bare { most: b }) => Said::Bare { most: a.min(b) },
@@ -209,12 +237,13 @@ fn keep_apart(materials: &[Material], why: &mut [Option<Why>]) -> Vec<String> {
     loop {
         let names_furred = |m: &usize| {
             why[*m].is_some()
-                && (0..materials.len()).any(|o| why[o].is_none() && glob(&materials[*m].name, &materials[o].name))
+                && (0..materials.len()).any(|o| why[o].is_none() && is_named(&materials[*m].full_name(), &materials[o]))
         };
         let Some(m) = (0..materials.len()).find(names_furred) else { return alike };
         why[m] = None;
-        if !alike.contains(&materials[m].name) {
-            alike.push(materials[m].name.clone());
+        let name = materials[m].full_name();
+        if !alike.contains(&name) {
+            alike.push(name);
         }
     }
 }
@@ -225,7 +254,7 @@ fn chosen(materials: &[Material], why: &[Option<Why>], alike: &[String]) -> Stri
     let bare: Vec<String> = materials
         .iter()
         .zip(why)
-        .filter_map(|(material, why)| Some(format!("{} ({})", in_words(&material.name), (*why)?.words())))
+        .filter_map(|(material, why)| Some(format!("{} ({})", in_words(&material.full_name()), (*why)?.words())))
         .collect();
     let mut text = match (count, bare.len()) {
         (1, _) => "the only material furred".to_owned(),

@@ -30,7 +30,7 @@ fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
 fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
     let (mesh, rest) = strip(bare);
     let mut length = vec![1.0; mesh.positions.len()];
-    fade_to_bare(&mut length, &mesh, &rest, &[true, false], margin_m);
+    BesideBare::new(&mesh, &rest, &[true, false], margin_m).shorten(&mut length);
     assert!(length[600..].iter().all(|length| *length == 1.0), "bare vertices are left as they are");
     mesh.positions.iter().map(|p| p.x).zip(length).take(600).collect()
 }
@@ -46,7 +46,7 @@ fn length_grows_from_nothing_to_all_over_the_margin() {
         assert!((length - expected).abs() < 0.01, "{length} at {x} m, expected {expected}");
         assert!(x < 0.21 || length == 1.0, "{length} at {x} m");
     }
-    for (_, length) in faded(&[JOINED], 0.0).into_iter().chain(faded(&[], 0.2)) {
+    for (_, length) in faded(&[], 0.2) {
         assert_eq!(length, 1.0);
     }
 }
@@ -75,10 +75,34 @@ fn the_way_goes_along_the_skin_where_it_is_not_seen_straight() {
     let (mesh, mut rest) = strip(&[JOINED]);
     rest.normals.fill(Vec3::X);
     let mut length = vec![1.0; mesh.positions.len()];
-    fade_to_bare(&mut length, &mesh, &rest, &[true, false], 0.2);
+    BesideBare::new(&mesh, &rest, &[true, false], 0.2).shorten(&mut length);
     for (p, length) in mesh.positions.iter().zip(&length).take(600) {
         let t = (p.x / 0.2).min(1.0);
         // Edges go a little round.
         assert!((length - t * t * (3.0 - 2.0 * t)).abs() < 0.1, "{length} at {p}");
     }
+}
+
+#[test]
+fn a_chosen_margin_keeps_hair_flatter_than_its_way_to_the_bare_part() {
+    let (mesh, rest) = strip(&[JOINED]);
+    let full = vec![1.0; mesh.positions.len()];
+    let chosen_m = |length: &[f32], length_m: f32, radius_m: f32| {
+        chosen_margin_m((&mesh, &rest), &[true, false], length, length_m, radius_m)
+    };
+    for length_m in [0.01, 0.05, 0.1] {
+        let margin_m = chosen_m(&full, length_m, 100.0).unwrap_or_default();
+        let mut length = full.clone();
+        BesideBare::new(&mesh, &rest, &[true, false], margin_m).shorten(&mut length);
+        for (p, share) in mesh.positions.iter().zip(&length).take(600).filter(|(p, _)| p.z == 0.0) {
+            assert!(share * length_m <= STEEPEST * p.x * 1.001 + 1e-6, "{share} of {length_m} m at {p}");
+        }
+    }
+    // Half as long where it counts needs half of it, however long hair is elsewhere.
+    let short: Vec<f32> = mesh.positions.iter().map(|p| if p.x < 0.5 { 0.5 } else { 1.0 }).collect();
+    assert_eq!(chosen_m(&short, 0.1, 100.0), chosen_m(&full, 0.05, 100.0));
+    assert_eq!(chosen_m(&full, 0.1, 1.0), Some(WIDEST));
+    assert_eq!(chosen_m(&vec![0.0; full.len()], 0.1, 1.0), None, "no hair, no margin");
+    let nowhere = strip(&[]);
+    assert_eq!(chosen_margin_m((&nowhere.0, &nowhere.1), &[true, false], &full, 0.1, 1.0), None);
 }

@@ -1,6 +1,6 @@
 //! What the name of a material, node or mesh says of hair.
 
-use super::words::{BARE, FURRED, FURRED_WITHIN, INSIDE, MOUTH, PLACE_CHARACTERS, PLACES};
+use super::words::{BARE, EYES, FURRED, FURRED_WITHIN, INSIDE, Kind, MOUTH, PLACE_CHARACTERS, PLACES, SNOUT};
 
 /// What a name says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,14 +109,25 @@ pub(super) fn said_by<W: AsRef<str>>(words: &[W]) -> Said {
     let is_inside = words.iter().any(|word| INSIDE.contains(word));
     let limits = words.iter().filter_map(|word| {
         let of_mouth = (is_inside && is_one_of(word, MOUTH.words)).then_some(MOUTH.most);
-        limit(word).or(of_mouth)
+        kind(word).map(|kind| kind.most).or(of_mouth)
     });
     limits.reduce(f32::min).map_or(Said::Nothing, |most| Said::Bare { most })
 }
 
-/// How much of the skin what that word names may cover; `None` for a word that names nothing bare.
-fn limit(word: &str) -> Option<f32> {
-    let of = |word: &str| BARE.iter().find(|kind| is_one_of(word, kind.words)).map(|kind| kind.most);
+/// Whether words, as [`words`] gives them, name eyes or a part of them.
+pub(super) fn name_eyes(words: &[String]) -> bool {
+    let is_eye = |word: &String| kind(word).is_some_and(|kind| kind.words == EYES);
+    matches!(said_by(words), Said::Bare { .. }) && words.iter().any(is_eye)
+}
+
+/// Whether one of the words names the end of a face, which is as well furred as not.
+pub(super) fn name_snout(words: &[String]) -> bool {
+    words.iter().any(|word| is_one_of(word, SNOUT))
+}
+
+/// What kind of bare thing that word names.
+fn kind(word: &str) -> Option<&'static Kind> {
+    let of = |word: &str| BARE.iter().find(|kind| is_one_of(word, kind.words));
     let without_place = || {
         let cut = PLACES.iter().find_map(|place| word.strip_prefix(place).or_else(|| word.strip_suffix(place)))?;
         of(cut.trim_matches(PLACE_CHARACTERS))

@@ -46,7 +46,8 @@ pub(super) fn are_round_pairs(mesh: &Mesh, positions: &[Vec3], places: &[u32], m
     let borders = borders(&own);
     let goes_on = others.iter().flat_map(edges).any(|edge| borders.contains_key(&edge));
     let at = |place: &u32| position_of.get(place).copied().unwrap_or_default();
-    let pieces: Vec<Piece> = pieces(&own).iter().map(|faces| measured(faces, &borders, &at)).collect();
+    let faces_of = |piece: &Vec<usize>| piece.iter().filter_map(|face| own.get(*face).copied()).collect::<Vec<_>>();
+    let pieces: Vec<Piece> = pieces(&own).iter().map(|piece| measured(&faces_of(piece), &borders, &at)).collect();
     let is_eye = |piece: &Piece| piece.roundness >= ROUND && piece.center.y > middle;
     let some = (2..=MOST_PIECES).contains(&pieces.len());
     some && !goes_on && pieces.iter().all(is_eye) && all_are_paired(&pieces)
@@ -65,7 +66,7 @@ fn faces(mesh: &Mesh, places: &[u32], material: usize) -> (Vec<[u32; 3]>, Vec<[u
 }
 
 /// The three edges of a face, the lower place first.
-fn edges([a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
+pub(super) fn edges([a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
     [[*a, *b], [*b, *c], [*c, *a]].map(|[p, q]| [p.min(q), p.max(q)])
 }
 
@@ -77,8 +78,8 @@ fn borders(faces: &[[u32; 3]]) -> BTreeMap<[u32; 2], u32> {
     count
 }
 
-/// The faces by pieces that hang together at places, in the order of their first faces.
-fn pieces(faces: &[[u32; 3]]) -> Vec<Vec<[u32; 3]>> {
+/// The numbers of the faces by pieces that hang together at places, in the order of their first faces.
+pub(super) fn pieces(faces: &[[u32; 3]]) -> Vec<Vec<usize>> {
     let mut parent: BTreeMap<u32, u32> = BTreeMap::new();
     let root = |parent: &mut BTreeMap<u32, u32>, mut place: u32| {
         while let Some(up) = parent.get(&place).copied().filter(|up| *up != place) {
@@ -96,15 +97,15 @@ fn pieces(faces: &[[u32; 3]]) -> Vec<Vec<[u32; 3]>> {
             parent.insert(ends[0].max(ends[1]), ends[0].min(ends[1]));
         }
     }
-    let (mut number, mut out): (BTreeMap<u32, usize>, Vec<Vec<[u32; 3]>>) = Default::default();
-    for face in faces {
+    let (mut number, mut out): (BTreeMap<u32, usize>, Vec<Vec<usize>>) = Default::default();
+    for (index, face) in faces.iter().enumerate() {
         let next = out.len();
         let piece = *number.entry(root(&mut parent, face[0])).or_insert(next);
         if piece == next {
             out.push(Vec::new());
         }
         if let Some(faces) = out.get_mut(piece) {
-            faces.push(*face);
+            faces.push(index);
         }
     }
     out

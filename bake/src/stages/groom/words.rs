@@ -19,18 +19,21 @@ const NOSE: f32 = 0.1;
 /// Clothes may cover most of a body, but hardly all.
 const WORN: f32 = 0.7;
 
+/// Eyes and what they are made of.
+#[rustfmt::skip]
+pub(super) const EYES: &[&str] = &[
+    "eye", "eyeball", "eyel", "eyer", "iris", "irises", "pupil", "cornea", "sclera", "retina", "tearline",
+    "auge", "augen", "augapfel", "pupille", "pupillen", "hornhaut",
+    "oeil", "yeux", "cornee", "sclere",
+    "ojo", "pupila", "esclera", "occhio", "occhi", "iride", "pupilla", "olho",
+    "hitomi", "medama", "shirome", "kurome", "yanqiu", "yanzhu", "tongkong",
+    "目", "眼", "瞳", "目玉", "眼球", "瞳孔", "虹彩", "角膜", "強膜", "白目", "黒目", "眼睛", "眼珠", "眼白", "虹膜", "巩膜", "鞏膜", "ひとみ", "アイ",
+];
+
 /// What is bare.
 #[rustfmt::skip]
 pub(super) const BARE: &[Kind] = &[
-    // Eyes.
-    Kind { most: PART, words: &[
-        "eye", "eyeball", "eyel", "eyer", "iris", "irises", "pupil", "cornea", "sclera", "retina", "tearline",
-        "auge", "augen", "augapfel", "pupille", "pupillen", "hornhaut",
-        "oeil", "yeux", "cornee", "sclere",
-        "ojo", "pupila", "esclera", "occhio", "occhi", "iride", "pupilla", "olho",
-        "hitomi", "medama", "shirome", "kurome", "yanqiu", "yanzhu", "tongkong",
-        "目", "眼", "瞳", "目玉", "眼球", "瞳孔", "虹彩", "角膜", "強膜", "白目", "黒目", "眼睛", "眼珠", "眼白", "虹膜", "巩膜", "鞏膜", "ひとみ", "アイ",
-    ] },
+    Kind { most: PART, words: EYES },
     // Teeth, tongue, inside of the mouth.
     Kind { most: PART, words: &[
         "tooth", "teeth", "fang", "tusk", "molar", "incisor", "tongue", "gums", "palate", "innermouth", "mouthbag", "mouthcavity",
@@ -87,6 +90,10 @@ pub(super) const MOUTH: Kind =
 pub(super) const INSIDE: &[&str] = &[
     "inside", "inner", "interior", "in", "cavity", "bag", "innen", "innere", "interieur", "dentro", "interno", "interna", "uchi",
 ];
+
+/// Ends of faces: who names one so means the furred snout as often as the bare nose on it, so that no shape makes it bare.
+pub(super) const SNOUT: &[&str] =
+    &["muzzle", "snout", "schnauze", "museau", "mufle", "hocico", "morro", "muso", "focinho", "hanazura", "kuchimoto"];
 
 /// What keeps a part furred whatever other words its name has: hair and skin themselves, and what lies around a bare part.
 #[rustfmt::skip]

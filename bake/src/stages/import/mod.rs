@@ -11,6 +11,7 @@
 //! * Parts that the scene or the rest pose mirrors, or that face against their normals, are turned around.
 //! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, say how hair is combed ([`crate::mesh::DrawnComb`]);
 //!   other lines are left out.
+//! * Bare parts that share a material with furred ones get one of their own ([`Feature`](crate::mesh::Feature)).
 //! * Morph targets are applied at their default weights; their animation is left out.
 //!
 //! All that is repaired, left out or guessed is told in [`Model::warnings`]. What cannot be is an error that names the place as
@@ -45,6 +46,7 @@ mod weights;
 use crate::BakeError;
 use crate::guides::Guides;
 use crate::mesh::Model;
+use crate::stages::groom;
 use container::Kind;
 use json::At;
 use notes::Notes;
@@ -75,16 +77,18 @@ pub fn import<'r>(
     let mut notes = Notes::default();
     let kind = container::split(file, bytes, &mut notes)?;
     notes.record("model", file, bytes);
-    match kind {
+    let mut model = match kind {
         Kind::Gltf(container) => {
             let document = json::parse(file, container.json, container.json_offset)?;
             let mut source = readable(file, &document, container.bin, resolve, notes)?;
             let mut model = assemble::model(&mut source, options)?;
             (model.warnings, model.inputs) = source.notes.finish();
-            Ok(model)
+            model
         }
-        Kind::Obj => obj::read(file, bytes, resolve, options, notes),
-    }
+        Kind::Obj => obj::read(file, bytes, resolve, options, notes)?,
+    };
+    groom::tell_apart(&mut model);
+    Ok(model)
 }
 
 /// Reads the lines of a glTF 2.0 scene as strands, with the records of all files that were read. Lines that share vertices are one strand, which begins where its

@@ -1,0 +1,224 @@
+//! Bare parts that no name of a material tells: noses, rims of eyes and claws, by place, size and colour, and what nodes and meshes name while they share
+//! their material with furred parts.
+//!
+//! A model's materials are told apart by them when it is imported, so that all that goes by material knows them. Each rule asks for more than one sign, and
+//! what is in doubt stays with its material: a bald body is worse than a furred claw.
+
+use super::bare::{said_of, shares_of_parts, without_common};
+use super::names::{Said, name_eyes, name_snout, said_by, words};
+use super::pairs::{are_round_pairs, weld};
+use super::patches::{Patch, Skin};
+use crate::mesh::{Feature, Material, MeshPart, Model, RestPose};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Largest share of the skin of a dark material, of a nose, of a piece of a rim and of a claw.
+const SMALL: f64 = 0.03;
+const NOSE: f64 = 0.01;
+const RIM: f64 = 0.005;
+const CLAW: f64 = 0.003;
+/// Largest linear luminance of what is dark, and the largest share of that of its neighbours.
+const DARK: f64 = 0.06;
+const DARK_BESIDE: f64 = 0.45;
+/// Fewer pieces than these may be dark paws.
+const LEAST_CLAWS: usize = 6;
+/// Two claws are alike where their areas differ by at most that share.
+const ALIKE: f64 = 0.05;
+/// Share of the body's height that the ground reaches up to.
+const GROUND: f64 = 0.1;
+
+/// Gives each bare part that is found a material of its own, with the look of the one that it was of.
+pub fn tell_apart(model: &mut Model) {
+    let rest = RestPose::of(&model.mesh, model.animation.as_ref());
+    // The last that speaks of a triangle counts.
+    let mut found: BTreeMap<usize, Feature> = named(model, &rest);
+    found.extend(shaped(model, &rest));
+    if !found.is_empty() {
+        part(model, &found);
+    }
+}
+
+/// Triangles that nodes or meshes name, of materials that others show as well.
+fn named(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
+    let parts = &model.mesh.parts;
+    let names = without_common(parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
+    let says_nothing = |m: &Material| said_by(&words(&m.name)) == Said::Nothing;
+    let shares = shares_of_parts(&model.mesh, rest);
+    let is_bare = |i: usize| matches!(said_of(&names[i]), Said::Bare { most } if shares[i] <= f64::from(most));
+    let mut found = BTreeMap::new();
+    for (i, part) in parts.iter().enumerate() {
+        let of_material = || (0..parts.len()).filter(|j| parts[*j].material == part.material);
+        let silent = model.materials.get(part.material).is_some_and(says_nothing);
+        if silent && is_bare(i) && !of_material().all(is_bare) {
+            let tells = |name: &&String| matches!(said_by(&words(name)), Said::Bare { .. });
+            let name = part.names.iter().find(tells).or(part.names.first()).cloned().unwrap_or_default();
+            found.extend(range(part).map(|triangle| (triangle, Feature::Named(name.clone()))));
+        }
+    }
+    found
+}
+
+/// Triangles that are bare by their shape, their place and their colour.
+fn shaped(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
+    let mut found = BTreeMap::new();
+    let names: Vec<Vec<String>> = model.materials.iter().map(|m| words(&m.name)).collect();
+    let mut shares = vec![0.0; model.materials.len()];
+    for (part, share) in model.mesh.parts.iter().zip(shares_of_parts(&model.mesh, rest)) {
+        shares[part.material] += share;
+    }
+    let is_open = |m: &usize| {
+        let (material, name) = (&model.materials[*m], &names[*m]);
+        let silent = said_by(name) == Said::Nothing && !name_snout(name);
+        silent && material.base_color_image.is_none() && shares[*m] > 0.0 && shares[*m] <= SMALL
+    };
+    let open: Vec<usize> = (0..model.materials.len()).filter(is_open).collect();
+    if open.is_empty() {
+        return found;
+    }
+    let places = weld(&rest.positions);
+    let is_eye = |m: usize| {
+        shares[m] <= SMALL && (name_eyes(&names[m]) || are_round_pairs(&model.mesh, &rest.positions, &places, m))
+    };
+    let eyes: Vec<bool> = (0..model.materials.len()).map(is_eye).collect();
+    let skin = Skin::new(model, rest, &places, &eyes);
+    let face = Face::of(&skin, &eyes);
+    for material in open.into_iter().filter(|m| !eyes[*m]) {
+        let patches = skin.patches(material);
+        let claws = are_claws(&skin, &patches);
+        for patch in patches.iter().filter(|patch| is_dark(patch)) {
+            let feature = if patch.touches_eyes && patch.share <= RIM {
+                Feature::EyeRims
+            } else if face.as_ref().is_some_and(|face| face.is_nose(&skin, patch)) {
+                Feature::Nose
+            } else if claws {
+                Feature::Claws
+            } else {
+                continue;
+            };
+            found.extend(patch.triangles.iter().map(|triangle| (*triangle, feature.clone())));
+        }
+    }
+    found
+}
+
+/// Whether a patch is dark, and much darker than what it borders on.
+fn is_dark(patch: &Patch) -> bool {
+    patch.luminance <= DARK && patch.beside.is_some_and(|beside| patch.luminance <= DARK_BESIDE * beside)
+}
+
+/// Whether all patches of a material are claws: many, dark, smaller than a paw, each with others of its size, and tips, of which some stand on the ground.
+/// Models stand at rest with one foot ahead, so that no place tells left from right.
+fn are_claws(skin: &Skin, patches: &[Patch]) -> bool {
+    let is_claw = |patch: &Patch| is_dark(patch) && patch.share <= CLAW && patch.is_tip();
+    let (low, high) = skin.heights();
+    let on_ground = patches.iter().filter(|patch| patch.lowest <= low + GROUND * (high - low)).count();
+    let is_paired = |patch: &Patch| {
+        let of_size = patches.iter().filter(|other| (other.share - patch.share).abs() <= ALIKE * patch.share);
+        of_size.count() >= 2
+    };
+    patches.len() >= LEAST_CLAWS && 4 * on_ground >= patches.len() && patches.iter().all(|p| is_claw(p) && is_paired(p))
+}
+
+/// Where a face is and looks to, as its eyes tell.
+struct Face {
+    /// Between the eyes.
+    eyes: DVec3,
+    /// Horizontal, unit length.
+    forward: DVec3,
+    /// Half of how far the eyes are apart.
+    half: f64,
+}
+
+impl Face {
+    /// `None` without eyes, or with eyes that do not tell where the front is.
+    fn of(skin: &Skin, eyes: &[bool]) -> Option<Self> {
+        let (mut sum, mut area) = (DVec3::ZERO, 0.0);
+        let faces = || skin.faces.iter().filter(|face| eyes[face.material]);
+        for face in faces() {
+            sum += face.center * face.area;
+            area += face.area;
+        }
+        let eyes = (area > 0.0).then(|| sum / area)?;
+        let away = (eyes - skin.middle()) * DVec3::new(1.0, 0.0, 1.0);
+        let forward = (away.length() >= 0.05 * skin.radius()).then(|| away.normalize())?;
+        let aside = forward.cross(DVec3::Y);
+        let half = faces().map(|face| face.area * (face.center - eyes).dot(aside).abs()).sum::<f64>() / area;
+        (half > 0.0).then_some(Self { eyes, forward, half })
+    }
+
+    /// Whether a patch lies in the middle before the eyes and below their tops, narrower than they are apart, and foremost of all the skin about the face.
+    fn is_nose(&self, skin: &Skin, patch: &Patch) -> bool {
+        let away = patch.center - self.eyes;
+        let aside = self.forward.cross(DVec3::Y);
+        let (ahead, off) = (away.dot(self.forward), away.dot(aside).abs());
+        let half_width = patch.reach(aside, self.eyes).max(patch.reach(-aside, self.eyes));
+        let in_place = ahead > 0.0 && off <= 0.25 * self.half && half_width <= self.half && away.y <= self.half;
+        let foremost = || {
+            let about = skin.faces.iter().filter(|face| face.center.distance(self.eyes) <= 3.0 * away.length());
+            let reach = about.map(|face| (face.center - self.eyes).dot(self.forward)).fold(0.0, f64::max);
+            patch.reach(self.forward, self.eyes) >= reach - 0.05 * away.length()
+        };
+        patch.share <= NOSE && in_place && foremost()
+    }
+}
+
+/// Gives what was found materials of its own: parts are cut into runs of one each, what stays first.
+fn part(model: &mut Model, found: &BTreeMap<usize, Feature>) {
+    let old = std::mem::take(&mut model.mesh.parts);
+    let numbers = materials_of(&mut model.materials, &old, found);
+    let mut triangles = Vec::with_capacity(model.mesh.triangles.len());
+    for part in &old {
+        let material = |triangle: &usize| {
+            let feature = found.get(triangle);
+            let known = numbers.iter().find(|(of, known, _)| *of == part.material && Some(known) == feature);
+            known.map_or(part.material, |(.., number)| *number)
+        };
+        let mut run: Vec<usize> = range(part).collect();
+        run.sort_by_key(|triangle| (found.contains_key(triangle), material(triangle)));
+        for run in run.chunk_by(|a, b| material(a) == material(b)) {
+            let (first_triangle, triangle_count) = (triangles.len(), run.len());
+            let material = run.first().map_or(part.material, material);
+            model.mesh.parts.push(MeshPart { material, first_triangle, triangle_count, ..part.clone() });
+            triangles.extend(run.iter().filter_map(|triangle| model.mesh.triangles.get(*triangle)));
+        }
+    }
+    model.mesh.triangles = triangles;
+}
+
+/// The numbers of the new materials: of which each is, what of it, and its own. Where all of one is found, the
+/// first takes its number.
+fn materials_of(
+    materials: &mut Vec<Material>,
+    parts: &[MeshPart],
+    found: &BTreeMap<usize, Feature>,
+) -> Vec<(usize, Feature, usize)> {
+    let mut numbers: Vec<(usize, Feature, usize)> = Vec::new();
+    for part in parts {
+        for feature in range(part).filter_map(|triangle| found.get(&triangle)) {
+            if numbers.iter().any(|(of, known, _)| *of == part.material && known == feature) {
+                continue;
+            }
+            let Some(material) = materials.get(part.material).cloned() else { continue };
+            let mut of_it = parts.iter().filter(|p| p.material == part.material).flat_map(range);
+            let is_first = numbers.iter().all(|(of, ..)| *of != part.material);
+            let number = if is_first && of_it.all(|triangle| found.contains_key(&triangle)) {
+                part.material
+            } else {
+                materials.push(material.clone());
+                materials.len() - 1
+            };
+            materials[number] = Material { feature: Some(feature.clone()), ..material };
+            numbers.push((part.material, feature.clone(), number));
+        }
+    }
+    numbers
+}
+
+/// Its triangles.
+fn range(part: &MeshPart) -> std::ops::Range<usize> {
+    part.first_triangle..part.first_triangle + part.triangle_count
+}
+
+#[cfg(test)]
+#[path = "features_tests.rs"]
+mod tests;

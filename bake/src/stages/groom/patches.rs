@@ -1,0 +1,183 @@
+//! Patches: what of a material hangs together, with its size, its colour and what it borders on.
+
+use super::pairs::{edges, pieces};
+use crate::mesh::{Model, RestPose};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// A triangle of the skin at rest.
+#[derive(Clone, Debug)]
+pub(super) struct Face {
+    /// Corners, by places.
+    places: [u32; 3],
+    /// Index of its material.
+    pub material: usize,
+    /// Its middle, metres.
+    pub center: DVec3,
+    /// Its area, square metres.
+    pub area: f64,
+    /// Linear luminance of its colour, 0..=1; `None` where an image says it.
+    luminance: Option<f64>,
+}
+
+/// The skin of a model at rest, triangle by triangle.
+pub(super) struct Skin {
+    /// One per triangle of the mesh.
+    pub faces: Vec<Face>,
+    /// Place of each number, metres.
+    positions: BTreeMap<u32, DVec3>,
+    /// The triangles at each edge.
+    at_edge: BTreeMap<[u32; 2], Vec<usize>>,
+    /// One per material: whether it is of eyes.
+    eyes: Vec<bool>,
+    low: DVec3,
+    high: DVec3,
+    area: f64,
+}
+
+/// Triangles of one material that hang together.
+#[derive(Clone, Debug)]
+pub(super) struct Patch {
+    /// Their numbers in the mesh.
+    pub triangles: Vec<usize>,
+    /// Share of the skin's area, 0..=1.
+    pub share: f64,
+    /// Middle of its area, metres.
+    pub center: DVec3,
+    /// Lowest height of it, metres.
+    pub lowest: f64,
+    /// Mean linear luminance.
+    pub luminance: f64,
+    /// That of other materials along its border, but of eyes, or of all others where it has none; `None` where images say it.
+    pub beside: Option<f64>,
+    /// Whether it borders on eyes.
+    pub touches_eyes: bool,
+    corners: Vec<DVec3>,
+    /// Corners on its border.
+    rim: Vec<DVec3>,
+}
+
+impl Skin {
+    /// Looks a model over.
+    ///
+    /// * `places`: as [`super::pairs::weld`] numbers its vertices
+    /// * `eyes`: one per material: whether it is of eyes
+    pub(super) fn new(model: &Model, rest: &RestPose, places: &[u32], eyes: &[bool]) -> Self {
+        let mut skin = Self {
+            faces: Vec::with_capacity(model.mesh.triangles.len()),
+            positions: BTreeMap::new(),
+            at_edge: BTreeMap::new(),
+            eyes: eyes.to_vec(),
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+            area: 0.0,
+        };
+        for (place, position) in places.iter().zip(&rest.positions) {
+            let position = position.as_dvec3();
+            skin.positions.entry(*place).or_insert(position);
+            (skin.low, skin.high) = (skin.low.min(position), skin.high.max(position));
+        }
+        let mut material_of = vec![0; model.mesh.triangles.len()];
+        for part in &model.mesh.parts {
+            material_of[part.first_triangle..part.first_triangle + part.triangle_count].fill(part.material);
+        }
+        for (triangle, material) in model.mesh.triangles.iter().zip(material_of) {
+            let [a, b, c] = triangle.map(|v| rest.positions[v as usize].as_dvec3());
+            let area = (b - a).cross(c - a).length() / 2.0;
+            let look = &model.materials[material];
+            let luminance = look.base_color_image.is_none().then(|| {
+                let color = |v: u32| model.mesh.colors.get(v as usize).copied().unwrap_or([255; 4]);
+                let vertex = |v: u32| luminance(color(v).map(|c| f64::from(c) / 255.0));
+                luminance(look.base_color.map(f64::from)) * triangle.map(vertex).into_iter().sum::<f64>() / 3.0
+            });
+            let places = triangle.map(|v| places[v as usize]);
+            for edge in edges(&places) {
+                skin.at_edge.entry(edge).or_default().push(skin.faces.len());
+            }
+            skin.faces.push(Face { places, material, center: (a + b + c) / 3.0, area, luminance });
+            skin.area += area;
+        }
+        skin
+    }
+
+    /// Middle of the box about it, metres.
+    pub(super) fn middle(&self) -> DVec3 {
+        (self.low + self.high) / 2.0
+    }
+
+    /// Half the diagonal of that box, metres.
+    pub(super) fn radius(&self) -> f64 {
+        self.low.distance(self.high) / 2.0
+    }
+
+    /// Its lowest and its highest height, metres.
+    pub(super) fn heights(&self) -> (f64, f64) {
+        (self.low.y, self.high.y)
+    }
+
+    /// The patches of a material that is in one colour, in the order of their first triangles.
+    pub(super) fn patches(&self, material: usize) -> Vec<Patch> {
+        let own: Vec<usize> = (0..self.faces.len()).filter(|i| self.faces[*i].material == material).collect();
+        let places: Vec<[u32; 3]> = own.iter().map(|i| self.faces[*i].places).collect();
+        let patch = |piece: &Vec<usize>| self.patch(material, piece.iter().map(|i| own[*i]).collect());
+        pieces(&places).iter().map(patch).collect()
+    }
+
+    fn patch(&self, material: usize, triangles: Vec<usize>) -> Patch {
+        let place = |place: &u32| self.positions.get(place).copied().unwrap_or_default();
+        let mean = |weighed: &mut dyn Iterator<Item = (f64, f64)>| {
+            let (sum, all) = weighed.fold((0.0, 0.0), |(sum, all), (weight, v)| (sum + weight * v, all + weight));
+            (all > 0.0).then(|| sum / all)
+        };
+        let faces = || triangles.iter().map(|i| &self.faces[*i]);
+        let (mut rim, mut beside, mut touches_eyes) = (Vec::new(), Vec::new(), false);
+        for edge in faces().flat_map(|face| edges(&face.places)) {
+            let at_edge = self.at_edge.get(&edge).map_or(&[][..], Vec::as_slice);
+            let others = || at_edge.iter().map(|i| &self.faces[*i]).filter(|face| face.material != material);
+            if at_edge.len() == 1 || others().next().is_some() {
+                rim.extend(edge.iter().map(place));
+            }
+            touches_eyes |= others().any(|face| self.eyes[face.material]);
+            let length = place(&edge[0]).distance(place(&edge[1]));
+            let told = others().filter(|face| !self.eyes[face.material]).filter_map(|face| face.luminance);
+            beside.extend(told.map(|luminance| (length, luminance)));
+        }
+        let elsewhere = || {
+            let others = self.faces.iter().filter(|face| face.material != material && !self.eyes[face.material]);
+            mean(&mut others.filter_map(|face| Some((face.area, face.luminance?))))
+        };
+        let area: f64 = faces().map(|face| face.area).sum();
+        let corners: Vec<DVec3> = faces().flat_map(|face| face.places).map(|p| place(&p)).collect();
+        Patch {
+            share: if self.area > 0.0 { area / self.area } else { 0.0 },
+            center: faces().map(|face| face.center * face.area).sum::<DVec3>() / area.max(f64::MIN_POSITIVE),
+            lowest: corners.iter().map(|p| p.y).fold(f64::INFINITY, f64::min),
+            luminance: mean(&mut faces().map(|face| (face.area, face.luminance.unwrap_or(1.0)))).unwrap_or(1.0),
+            beside: mean(&mut beside.into_iter()).or_else(elsewhere),
+            touches_eyes,
+            corners,
+            rim,
+            triangles,
+        }
+    }
+}
+
+impl Patch {
+    /// How far it goes along a direction of unit length, from a point.
+    pub(super) fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
+        self.corners.iter().map(|p| (*p - from).dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Whether it goes on beyond its border as far as that is wide: a cap or a thorn, and no spot.
+    pub(super) fn is_tip(&self) -> bool {
+        let middle = self.rim.iter().sum::<DVec3>() / self.rim.len().max(1) as f64;
+        let width = self.rim.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
+        let length = self.corners.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
+        width > 0.0 && length >= 1.3 * width
+    }
+}
+
+/// Of a linear colour (Rec. 709).
+fn luminance([r, g, b, _]: [f64; 4]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
