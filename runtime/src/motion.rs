@@ -2,7 +2,6 @@
 
 use crate::bounds::Hull;
 use crate::gpu::Gpu;
-use crate::hair::DrawnSet;
 use crate::instance::{Instance, Motion};
 use crate::model::{Model, Strands};
 use glam::Mat4;
@@ -126,19 +125,20 @@ impl States {
         Moved { geometry, joints, revision, hull }
     }
 
-    /// Where a set of an instance's strands is posed, which this frame draws at that revision of its shape.
+    /// Where a set of an instance's strands is posed, of which this frame draws a share at that revision of its shape.
     pub(crate) fn pose_strands(
         &mut self,
         gpu: &Gpu,
         instance: &Instance,
         revision: u64,
-        drawn: &DrawnSet,
+        set: usize,
+        share: f32,
     ) -> PosedStrands {
-        let strands = &instance.model.strands()[drawn.set];
+        let strands = &instance.model.strands()[set];
         let made = || StrandState::new(gpu, strands);
-        let state = self.strands.entry((instance.owner, drawn.set)).or_insert_with(made);
+        let state = self.strands.entry((instance.owner, set)).or_insert_with(made);
         state.last_frame = self.frame;
-        let wanted = drawn.share.max(strands.shadow_share());
+        let wanted = share.max(strands.shadow_share());
         let stale = state.revision != revision || state.share < wanted;
         if stale {
             (state.revision, state.share) = (revision, wanted);

@@ -5,7 +5,7 @@ use super::exit::{Exit, Failure};
 #[cfg(feature = "preview")]
 use super::limits::choose;
 use super::output::{Output, human_bytes, require_parent};
-use super::picture_args::PictureArgs;
+use super::picture_args::{PictureArgs, positive};
 #[cfg(feature = "preview")]
 use super::shell_judge::Source;
 use super::threads;
@@ -76,10 +76,6 @@ struct LimitArgs {
     /// Measure every setting instead of those that seem worth it: slow, to check the choice
     #[arg(long)]
     exhaustive: bool,
-}
-
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".into())
 }
 
 impl LimitArgs {

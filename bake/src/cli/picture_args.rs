@@ -19,9 +19,14 @@ pub struct PictureArgs {
     pub for_size: Option<Size>,
     /// Choose them for pictures which the model comes as near to as that, metres, and no nearer: as high as --for-size says, or else 424 pixels, through the
     /// lens of the default camera
-    #[arg(long, value_name = "M", value_parser = super::bake::positive, allow_hyphen_values = true,
+    #[arg(long, value_name = "M", value_parser = positive, allow_hyphen_values = true,
         conflicts_with_all = ["max_error", "max_frame_ms", "max_bytes"])]
     pub for_distance: Option<f64>,
+}
+
+/// A number above 0, as an option has it.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".into())
 }
 
 impl PictureArgs {

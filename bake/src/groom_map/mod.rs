@@ -100,6 +100,10 @@ pub fn groom_map(
     coordinates: Option<GroomCoordinates>,
     texels: u32,
 ) -> Result<GroomMap, BakeError> {
+    // A map is of the skin as the model has it, not of where the hair over it roots.
+    let mut recipe = told.recipe.clone();
+    recipe.color.at_root = false;
+    let told = &Told { recipe: &recipe, ..*told };
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     pipeline::make(told, &mut outputs, Output::Groomed, &mut |_| ())?;
     let missing = || BakeError::Internal("the model was not laid and groomed, expected both".into());

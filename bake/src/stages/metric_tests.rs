@@ -8,7 +8,7 @@ fn bounds(radius: f32) -> Bounds {
 }
 
 fn recipe(sets: &[&str]) -> Recipe {
-    let mut recipe = Recipe::default();
+    let mut recipe = crate::recipe::natural();
     sets.iter().for_each(|set| recipe.set(set).unwrap());
     recipe
 }

@@ -134,7 +134,7 @@ pub(crate) fn begin<'f>(
             let take = || Ribbons::take(&mut kept.ribbons, gpu, strands, drawn.step, !blended);
             SeenSet {
                 drawn: *drawn,
-                posed: kept.states.pose_strands(gpu, instance, moved.revision, drawn),
+                posed: kept.states.pose_strands(gpu, instance, moved.revision, drawn.set, drawn.share),
                 ribbons: drawing.detail.in_picture.then(take),
             }
         };

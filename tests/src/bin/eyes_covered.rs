@@ -100,7 +100,7 @@ fn covered(bare: &RgbImage, fur: &RgbImage) -> (usize, f64, f64) {
     let eyes: Vec<(f64, f64)> = bare
         .pixels()
         .zip(fur.pixels())
-        .filter(|(bare, _)| bare.0[1] > 2 * bare.0[0].max(8))
+        .filter(|(bare, _)| u16::from(bare.0[1]) > 2 * u16::from(bare.0[0].max(8)))
         .map(|(bare, fur)| (green(bare), green(fur)))
         .collect();
     let lost = eyes.iter().filter(|(bare, fur)| *fur < LEFT * bare).count();
