@@ -1,7 +1,7 @@
 //! Strands thinner than pixels: when they take the place of layers, how many of them are drawn and in how many pieces.
 
 use crate::model::Strands;
-use crate::params::{FurParams, StrandEdges};
+use crate::params::{Detail, FurParams, StrandEdges};
 
 /// Samples a pixel that blended edges are as good as.
 const BLENDED_AS: u32 = 16;
@@ -30,21 +30,25 @@ const THINNEST_OF_COAT_PX: f32 = 0.9;
 /// Least share of a coat's hairs that is drawn in samples: what would have to be fewer is drawn in layers.
 const FEWEST_OF_COAT: f32 = 0.25;
 
+/// The same as an application wants it: who asks for all detail gets all hairs.
+fn fewest_of_coat(fur: &FurParams) -> f32 {
+    if fur.detail == Detail::Full { 1.0 } else { FEWEST_OF_COAT }
+}
+
 /// Share of hairs that is drawn, the wider, where they are so many pixels wide and a pixel has so many samples.
 pub(super) fn share_of_hairs(fur: &FurParams, guided: bool, width_px: f32, samples: u32) -> f32 {
     let [of_guided, of_coats] = THINNEST_BLENDED_PX;
     let (thinnest_px, fewest) = match (fur.strand_edges, guided) {
         (StrandEdges::Samples, true) => (THINNEST_PX / samples as f32, FEWEST_HAIRS),
-        (StrandEdges::Samples, false) => (THINNEST_OF_COAT_PX / (samples as f32).sqrt(), FEWEST_OF_COAT),
+        (StrandEdges::Samples, false) => (THINNEST_OF_COAT_PX / (samples as f32).sqrt(), fewest_of_coat(fur)),
         (StrandEdges::Blended, true) => (of_guided, FEWEST_HAIRS),
         (StrandEdges::Blended, false) => (of_coats, FEWEST_HAIRS),
     };
     (width_px / thinnest_px).clamp(fewest, 1.0)
 }
 
-/// Mean width of strands on screen, pixels over the root of the samples, from which their least share begins to take the place of layers, and from which
-/// it has. Both are drawn in between, so that it is narrow.
-const MIXED_PX: [f32; 2] = [0.8 * FEWEST_OF_COAT * THINNEST_OF_COAT_PX, FEWEST_OF_COAT * THINNEST_OF_COAT_PX];
+/// Width from which strands begin to take the place of layers, over that from which they have. Both are drawn in between, so that it is narrow.
+const MIXED_FROM: f32 = 0.8;
 
 /// The same, pixels, of strands with blended edges. They are as bright as layers, and layers between them would fill what is dark: it is one or the other.
 const BLENDED_FROM_PX: f32 = 0.2025;
@@ -65,8 +69,8 @@ pub(super) fn shares_on_the_way(way: f32) -> [f32; 2] {
 pub(super) fn way_to_strands(fur: &FurParams, width_px: f32, samples: u32) -> f32 {
     match fur.strand_edges {
         StrandEdges::Samples => {
-            let [from, to] = MIXED_PX;
-            ((width_px * (samples as f32).sqrt() - from) / (to - from)).clamp(0.0, 1.0)
+            let taken_px = fewest_of_coat(fur) * THINNEST_OF_COAT_PX / (samples as f32).sqrt();
+            ((width_px / taken_px - MIXED_FROM) / (1.0 - MIXED_FROM)).clamp(0.0, 1.0)
         }
         StrandEdges::Blended if width_px < BLENDED_FROM_PX => 0.0,
         StrandEdges::Blended => 1.0,
@@ -113,8 +117,10 @@ mod tests {
         assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px, 1)), [1.0, 1.0, 0.5, 0.25, 0.25]);
         assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px / 2.0, 4)), [1.0, 1.0, 0.5, 0.25, 0.25]);
         // Where layers have gone no hair is thinner than that.
-        let fewest = share_of_hairs(&fur, false, MIXED_PX[1], 1);
-        assert!((MIXED_PX[1] / fewest - THINNEST_OF_COAT_PX).abs() < 1e-6);
+        assert_eq!([0.22, 0.225].map(|px| way_to_strands(&fur, px, 1) == 1.0), [false, true]);
+        let full = FurParams::default().with(|fur| fur.detail = Detail::Full);
+        assert_eq!([0.9, 0.45, 0.1].map(|px| share_of_hairs(&full, false, px, 1)), [1.0; 3]);
+        assert_eq!([0.72, 0.9].map(|px| way_to_strands(&full, px, 1)), [0.0, 1.0]);
     }
 
     #[test]

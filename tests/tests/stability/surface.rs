@@ -10,10 +10,11 @@ use pelage_bake::judge::stability::surface::{
     broken_gradients, flips_of_one_chart, grid, lay, lost_half_edges, model, sphere, torus,
 };
 use pelage_bake::mesh::Model;
+use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::surface::{Comb, CombMark, PatchParams, Source, Surface, SurfaceParams, parameterize};
 
 fn params(tile_size_m: f32) -> SurfaceParams {
-    SurfaceParams { tile_size_m, furred: vec![true], ..SurfaceParams::default() }
+    SurfaceParams::from_recipe(&Recipe::of_coat(Coat::Natural).unwrap().surface, tile_size_m, vec![true])
 }
 
 fn surface(model: &Model, tile_size_m: f32) -> Surface {

@@ -22,7 +22,8 @@ const BAKE: [&str; 10] = [
 fn bake(model: &str, recipe: &str) -> (Value, Vec<f32>) {
     let sandbox = Sandbox::new();
     sandbox.write("m.glb", std::fs::read(workspace().join("assets/models").join(model)).unwrap());
-    sandbox.write("r.toml", recipe);
+    // Hair that follows the body only where a recipe says so.
+    sandbox.write("r.toml", format!("[hair]\ncoat = \"natural\"\n{recipe}"));
     let run = sandbox.run(&BAKE);
     assert_eq!(run.code, Some(0), "{run:?}");
     let bytes = std::fs::read(sandbox.path().join("m.pelage")).unwrap();

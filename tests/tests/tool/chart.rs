@@ -342,7 +342,8 @@ fn the_self_shadow_chart() {
         return;
     }
     let sandbox = Sandbox::new();
-    let small = ["slice.tile_texels=32", "slice.layers=8", "hair.density=100", "hair.root_radius=0.02"];
+    let small =
+        ["hair.coat=natural", "slice.tile_texels=32", "slice.layers=8", "hair.density=100", "hair.root_radius=0.02"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // The default, plain texels, maps of a quarter of the size, those that the runtime draws, and the same as printed.
     let rows = charted(&sandbox, "self-shadow", "1,2,11,13,18", &sets);

@@ -128,7 +128,7 @@ fn coat(sandbox: &Sandbox, place: Vec3) -> (f32, [u8; 4]) {
 #[test]
 fn values_of_marks_hold_at_their_place_and_fade() {
     let sandbox = sandbox(|_, _| {});
-    let recipe = "[groom]\nlength = 0.8\n[surface]\ncomb_marks = [\n\
+    let recipe = "[color]\nat_root = false\n[groom]\nlength = 0.8\n[surface]\ncomb_marks = [\n\
         { name = \"top\", at = [0, 0.16, 0.2], length = 0.2, reach_m = 0.2 },\n\
         { name = \"white\", at = [0, 0.16, 0.2], color = \"#ffffff\", reach_m = 0.2 },\n\
         { name = \"lost\", at = [0, 0.16, 1.2], lean = 1 }]\n";

@@ -27,7 +27,9 @@ fn images_beside_the_recipe_go_into_the_package() {
     let sandbox = sandbox();
     let map = png([[255, 0, 0, 255], [0, 255, 0, 255]]);
     sandbox.write("recipes/maps/coat.png", &map);
-    let recipe = "[groom]\nbare = \"maps/coat.png\"\nwetness = \"maps/coat.png#g\"\ncolor = \"maps/coat.png\"\nlean = 0.5\n\
+    // Textures over the model's own coordinates.
+    let recipe = "[color]\nat_root = false\n\
+        [groom]\nbare = \"maps/coat.png\"\nwetness = \"maps/coat.png#g\"\ncolor = \"maps/coat.png\"\nlean = 0.5\n\
         [[groom.material]]\nname = \"Coat\"\nlength = 0.5\n[pack]\ndirection_format = \"rg8\"\n";
     sandbox.write("recipes/r.toml", recipe);
     let run = sandbox.run(&BAKE);

@@ -44,7 +44,7 @@ fn a_ghost_of_an_outline_loses_to_hair() {
         let sets = long.iter().chain(sets).flat_map(|set| ["--set", set]);
         let bake = ["bake", &model, "--recipe", &recipe, "-q", "-o", &package];
         assert_eq!(sandbox.run(&bake.into_iter().chain(sets).collect::<Vec<_>>()).code, Some(0));
-        let render = ["render", &package, "-q", "-o", &format!("{name}.png")];
+        let render = ["render", &package, "-q", "--hair", "shells", "-o", &format!("{name}.png")];
         assert_eq!(sandbox.run(&[&render, &view[..]].concat()).code, Some(0));
     }
     let reference = ["reference", "hair.pelage", "-q", "-o", "true.png", "--spp", "16"];

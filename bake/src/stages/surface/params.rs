@@ -19,7 +19,7 @@ pub struct SurfaceParams {
     pub source: Source,
     /// Where hair is combed to.
     pub comb: Comb,
-    /// How far neighbours are asked where the comb is weak or broken, tiles, greater than 0 (default 0.5).
+    /// How far neighbours are asked where the comb is weak or broken, tiles, greater than 0 (default 1).
     pub comb_smoothing: f32,
     /// Hairs per area against the recipe's, one per vertex of the input mesh, greater than 0; `None` for 1 everywhere. With the
     /// model's own coordinates it has no effect.
@@ -45,7 +45,7 @@ pub enum Source {
 /// How far lapped patches go. Larger patches have fewer seams and more distortion. [`recipe::SurfaceParams`] has the ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchParams {
-    /// How far a patch may grow from its seed, tiles (default 2).
+    /// How far a patch may grow from its seed, tiles (default 4).
     pub size: f32,
     /// Largest angle between a patch's v direction and the comb, degrees (default 25).
     pub turn_deg: f32,

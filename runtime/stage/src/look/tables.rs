@@ -17,7 +17,7 @@ params! {
         /// How models are drawn.
         style: LookStyle = LookStyle::Fur;
         /// Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much.
-        samples: Samples = Samples(4);
+        samples: Samples = Samples(1);
         /// What is behind the models, sRGB. `auto` is transparent, and paper in ink.
         background: Option<Background> = None, or "auto";
     }
