@@ -30,9 +30,12 @@ const THINNEST_OF_COAT_PX: f32 = 0.9;
 /// Least share of a coat's hairs that is drawn in samples: what would have to be fewer is drawn in layers.
 const FEWEST_OF_COAT: f32 = 0.25;
 
-/// The same as an application wants it: who asks for all detail gets all hairs.
-fn fewest_of_coat(fur: &FurParams) -> f32 {
-    if fur.detail == Detail::Full { 1.0 } else { FEWEST_OF_COAT }
+/// Samples a pixel from which that is so. With fewer, hairs a pixel wide have jagged edges, and all that are thinner are drawn in layers.
+const FEW_FROM_SAMPLES: u32 = 4;
+
+/// The least share as an application wants it: who asks for all detail gets all hairs.
+fn fewest_of_coat(fur: &FurParams, samples: u32) -> f32 {
+    if fur.detail == Detail::Full || samples < FEW_FROM_SAMPLES { 1.0 } else { FEWEST_OF_COAT }
 }
 
 /// Share of hairs that is drawn, the wider, where they are so many pixels wide and a pixel has so many samples.
@@ -40,7 +43,7 @@ pub(super) fn share_of_hairs(fur: &FurParams, guided: bool, width_px: f32, sampl
     let [of_guided, of_coats] = THINNEST_BLENDED_PX;
     let (thinnest_px, fewest) = match (fur.strand_edges, guided) {
         (StrandEdges::Samples, true) => (THINNEST_PX / samples as f32, FEWEST_HAIRS),
-        (StrandEdges::Samples, false) => (THINNEST_OF_COAT_PX / (samples as f32).sqrt(), fewest_of_coat(fur)),
+        (StrandEdges::Samples, false) => (THINNEST_OF_COAT_PX / (samples as f32).sqrt(), fewest_of_coat(fur, samples)),
         (StrandEdges::Blended, true) => (of_guided, FEWEST_HAIRS),
         (StrandEdges::Blended, false) => (of_coats, FEWEST_HAIRS),
     };
@@ -69,7 +72,7 @@ pub(super) fn shares_on_the_way(way: f32) -> [f32; 2] {
 pub(super) fn way_to_strands(fur: &FurParams, width_px: f32, samples: u32) -> f32 {
     match fur.strand_edges {
         StrandEdges::Samples => {
-            let taken_px = fewest_of_coat(fur) * THINNEST_OF_COAT_PX / (samples as f32).sqrt();
+            let taken_px = fewest_of_coat(fur, samples) * THINNEST_OF_COAT_PX / (samples as f32).sqrt();
             ((width_px / taken_px - MIXED_FROM) / (1.0 - MIXED_FROM)).clamp(0.0, 1.0)
         }
         StrandEdges::Blended if width_px < BLENDED_FROM_PX => 0.0,
@@ -114,13 +117,13 @@ mod tests {
     fn fewer_hairs_of_a_coat_are_as_wide_as_samples_find_them() {
         let fur = FurParams::default();
         let widths = [1.0, 0.9, 0.45, 0.225, 0.1];
-        assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px, 1)), [1.0, 1.0, 0.5, 0.25, 0.25]);
+        assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px, 1)), [1.0; 5]);
         assert_eq!(widths.map(|px| share_of_hairs(&fur, false, px / 2.0, 4)), [1.0, 1.0, 0.5, 0.25, 0.25]);
         // Where layers have gone no hair is thinner than that.
-        assert_eq!([0.22, 0.225].map(|px| way_to_strands(&fur, px, 1) == 1.0), [false, true]);
+        assert_eq!([0.11, 0.1125].map(|px| way_to_strands(&fur, px, 4) == 1.0), [false, true]);
         let full = FurParams::default().with(|fur| fur.detail = Detail::Full);
-        assert_eq!([0.9, 0.45, 0.1].map(|px| share_of_hairs(&full, false, px, 1)), [1.0; 3]);
-        assert_eq!([0.72, 0.9].map(|px| way_to_strands(&full, px, 1)), [0.0, 1.0]);
+        assert_eq!([0.9, 0.45, 0.1].map(|px| share_of_hairs(&full, false, px, 4)), [1.0; 3]);
+        assert_eq!([0.36, 0.45].map(|px| way_to_strands(&full, px, 4)), [0.0, 1.0]);
     }
 
     #[test]
@@ -129,7 +132,7 @@ mod tests {
             let fur = FurParams::default().with(|fur| fur.strand_edges = edges);
             (1e4 * way_to_strands(&fur, px, samples)).round() / 1e4
         };
-        assert_eq!([0.17, 0.2025, 0.23].map(|px| of(StrandEdges::Samples, px, 1)), [0.0, 0.5, 1.0]);
+        assert_eq!([0.7, 0.81, 0.91].map(|px| of(StrandEdges::Samples, px, 1)), [0.0, 0.5, 1.0]);
         assert_eq!([0.08, 0.10125, 0.12].map(|px| of(StrandEdges::Samples, px, 4)), [0.0, 0.5, 1.0]);
         for samples in [1, 4] {
             assert_eq!([0.175, 0.2, 0.21].map(|px| of(StrandEdges::Blended, px, samples)), [0.0, 0.0, 1.0]);

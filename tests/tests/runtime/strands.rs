@@ -249,12 +249,13 @@ fn strands_take_the_place_of_layers_where_they_are_wide_enough() {
     };
     let auto = |_: &mut pelage_runtime::FurParams| ();
     let full = |fur: &mut pelage_runtime::FurParams| fur.detail = Detail::Full;
-    // Width in pixels, samples, share of strands. All of them take over at .9 pixels over the root of the samples; a quarter of them, each four times as
-    // wide, at a quarter of that.
+    // Width in pixels, samples, share of strands. All of them take over at .9 pixels over the root of the samples; with four samples a quarter of them,
+    // each four times as wide, at a quarter of that.
     for (quarter, width_px, samples, share) in
         [(0.7, 1, 0.0), (0.95, 1, 1.0), (0.35, 4, 0.0), (0.387, 4, 0.5), (0.43, 4, 1.0), (0.48, 4, 1.0)]
             .into_iter()
             .flat_map(|(px, samples, share)| [(1.0, px, samples, share), (0.25, 0.25 * px, samples, share)])
+            .filter(|(quarter, _, samples, _)| *quarter == 1.0 || *samples == 4)
     {
         let report = at(samples, width_px, if quarter < 1.0 { &auto } else { &full });
         let width_px = width_px / quarter;
