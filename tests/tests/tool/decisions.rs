@@ -120,8 +120,13 @@ fn a_bake_for_a_distance_has_what_is_seen_from_there() {
     let sandbox = Sandbox::new();
     sandbox.write("m.glb", std::fs::read(workspace().join("assets/models/hare.glb")).unwrap());
     let slices = |more: &[&str]| {
-        let run =
-            sandbox.run(&[&["bake", "m.glb", "-o", "m.pelage", "--set=visibility.enabled=false"][..], more].concat());
+        let run = sandbox.run(
+            &[
+                &["bake", "m.glb", "-o", "m.pelage", "--set=hair.coat=natural", "--set=visibility.enabled=false"][..],
+                more,
+            ]
+            .concat(),
+        );
         assert_eq!(run.code, Some(0), "{run:?}");
         let run = sandbox.run(&["inspect", "m.pelage", "--json"]);
         let fur: Value = serde_json::from_str(&run.stdout).unwrap();
