@@ -122,7 +122,7 @@ fn advice_that_harms_is_left_out() {
     }
     let sandbox = Sandbox::new();
     for layers in ["16", "64"] {
-        bake(&sandbox, "hare", &[&format!("slice.layers={layers}"), "ink.enabled=false"]);
+        bake(&sandbox, "hare", &[&format!("slice.layers={layers}"), "ink.enabled=false", "color.at_root=false"]);
         let found = doctor(&sandbox, &["--size", "64x64"]);
         assert!(found["on_screen"]["layer_gap_px"].as_f64().unwrap() < 0.5, "sizes alone would advise it: {found}");
         let advice = found["advice"].as_array().unwrap();

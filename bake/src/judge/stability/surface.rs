@@ -4,6 +4,7 @@
 use super::row::{Finding, Row};
 use crate::BakeError;
 use crate::mesh::{Material, Mesh, MeshPart, Model};
+use crate::recipe::{Coat, Recipe};
 use crate::stages::surface::{Surface, SurfaceParams, parameterize};
 use glam::{Quat, Vec2, Vec3, vec3};
 use std::collections::HashMap;
@@ -51,7 +52,9 @@ pub fn model(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Model {
 ///
 /// As [`parameterize`].
 pub fn lay(model: &Model, tile_size_m: f32) -> Result<Surface, BakeError> {
-    let params = SurfaceParams { tile_size_m, furred: vec![true], ..SurfaceParams::default() };
+    // Patches of two tiles, so that there are many borders between them.
+    let natural = Recipe::of_coat(Coat::Natural)?;
+    let params = SurfaceParams::from_recipe(&natural.surface, tile_size_m, vec![true]);
     parameterize("stability", model, &params)
 }
 
