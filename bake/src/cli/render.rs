@@ -12,7 +12,7 @@ use super::view::View;
 use super::view_args::ViewArgs;
 use pelage_bake::io::read_text;
 use pelage_formats::MAGIC;
-use pelage_stage::{Cast, Gpu, LoadedScene, Look, NamedPackage, SAMPLES, Samples, SceneFile, StageError};
+use pelage_stage::{Cast, Gpu, LoadedScene, Look, NamedPackage, SAMPLES, SceneFile, StageError};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -43,7 +43,7 @@ pub struct RenderArgs {
         long,
         value_name = SAMPLES.value_name,
         allow_hyphen_values = true,
-        help = "Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much [default: 4; of a scene 1]",
+        help = "Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much [default: 4]",
         value_parser = look_args::parser(&SAMPLES)
     )]
     samples: Option<String>,
@@ -144,13 +144,6 @@ impl Subject {
     }
 }
 
-/// How a package looks of which nothing is said: in four samples, because a picture is looked at for longer than a frame.
-fn first_look() -> Look {
-    let mut look = Look::default();
-    look.picture.samples = Samples(4);
-    look
-}
-
 /// Runs the subcommand.
 pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.output == Path::new("-") && output.is_json() {
@@ -164,7 +157,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if let Some(scene) = scene {
         refuse_beside(&scene.file.name, &args.view)?;
     }
-    let look = scene.map_or_else(first_look, |scene| scene.look.clone());
+    let look = scene.map_or_else(Look::of_picture, |scene| scene.look.clone());
     let mut view = View::new(&args.view, look)?;
     if let Some(word) = &args.samples {
         SAMPLES.apply(&mut view.look, word).map_err(|error| Failure::Usage(format!("--samples: {}", error.reason)))?;

@@ -123,7 +123,7 @@ mod tests {
         assert_eq!([0.11, 0.1125].map(|px| way_to_strands(&fur, px, 4) == 1.0), [false, true]);
         let full = FurParams::default().with(|fur| fur.detail = Detail::Full);
         assert_eq!([0.9, 0.45, 0.1].map(|px| share_of_hairs(&full, false, px, 4)), [1.0; 3]);
-        assert_eq!([0.36, 0.45].map(|px| way_to_strands(&full, px, 4)), [0.0, 1.0]);
+        assert_eq!([0.35, 0.46].map(|px| way_to_strands(&full, px, 4)), [0.0, 1.0]);
     }
 
     #[test]

@@ -56,7 +56,10 @@ fn hair_at_a_border_has_its_roots_colour() {
     write_plane(&sandbox);
     let share = |package: &str, hair: &str| {
         let name = format!("{package}_{hair}.png");
-        done(&sandbox, &[&["render", package, "-o", &name, "--hair", hair, "--fins", "on"][..], &VIEW].concat());
+        done(
+            &sandbox,
+            &[&["render", package, "-o", &name, "--hair", hair, "--samples", "1", "--fins", "on"][..], &VIEW].concat(),
+        );
         red(&sandbox, &name)
     };
     bake(&sandbox, "root", &["color.at_root=true", "fins.enabled=true"]);

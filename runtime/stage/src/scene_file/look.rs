@@ -26,7 +26,7 @@ impl SceneFile {
     ///
     /// [`StageError::Input`] with line and key of what is wrong.
     pub fn look(&self, file: impl FnOnce(&str) -> Result<(String, String), String>) -> Result<Look, StageError> {
-        let mut look = Look::default();
+        let mut look = Look::of_picture();
         for (name, value) in &self.scene.view {
             self.view(&mut look, name, value).map_err(|reason| self.fault(&format!("view.{name}"), reason))?;
         }

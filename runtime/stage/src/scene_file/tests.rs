@@ -137,14 +137,14 @@ fn look(text: &str) -> Result<Look, StageError> {
 }
 
 fn after(words: &[&str]) -> Look {
-    let mut look = Look::default();
+    let mut look = Look::of_picture();
     words.iter().for_each(|word| look.set(word).unwrap());
     look
 }
 
 #[test]
 fn a_scene_has_a_look() {
-    assert_eq!(look("").unwrap(), Look::default());
+    assert_eq!(look("").unwrap(), Look::of_picture());
     let view = "[view]\nsize = \"64x32\"\nself_shadow = false\npenumbra = \"0.5\"\nsamples = 4\nfill_light = [\"0,1,0\", \"1,0,0/0.5\"]\n";
     let words = [
         "picture.size=64x32",
