@@ -24,7 +24,7 @@ fn strands_are_nearer_to_the_true_picture_than_layers() {
     let size = ["--size", "417x212"];
     done(&[&["reference", "hare.pelage", "-o", "true.png", "--spp", "64"], &size[..]].concat());
     let draw = |hair: &str, name: &str| {
-        let how = ["--look", "picture.samples=4", "--hair", hair, "-o", name];
+        let how = ["--look", "picture.samples=4", "--detail", "full", "--hair", hair, "-o", name];
         done(&[&["render", "hare.pelage"], &size[..], &how].concat());
         let run = sandbox.run(&["compare", name, "true.png", "--json"]);
         let found = schema::done(&run, "compare");

@@ -143,7 +143,7 @@ fn images_of_set_are_found_from_here_and_by_absolute_path() {
 fn an_edited_recipe_is_no_new_fur() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
-    assert_eq!(bake(&sandbox, "a.obj", &[]).code, Some(0));
+    assert_eq!(bake(&sandbox, "a.obj", &["--set", "hair.coat=natural"]).code, Some(0));
     assert_eq!(sandbox.run(&["unpack", "out.pelage", "folder"]).code, Some(0));
     let whole = std::fs::read(sandbox.path().join("out.pelage")).unwrap();
     let recipe = std::fs::read_to_string(sandbox.path().join("folder/recipe.toml")).unwrap();
@@ -169,7 +169,7 @@ fn an_edited_recipe_is_no_new_fur() {
 fn an_edited_manifest_says_no_other_fur_than_the_recipe() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
-    assert_eq!(bake(&sandbox, "a.obj", &[]).code, Some(0));
+    assert_eq!(bake(&sandbox, "a.obj", &["--set", "hair.coat=natural"]).code, Some(0));
     assert_eq!(sandbox.run(&["unpack", "out.pelage", "folder"]).code, Some(0));
     let whole = std::fs::read(sandbox.path().join("out.pelage")).unwrap();
     std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
