@@ -366,7 +366,7 @@ fn the_self_shadow_chart() {
         assert!(number(0, "hair_rmse") < 0.9 * number(i, "hair_rmse"), "{} {}", rows[0], rows[i]);
     }
     assert!((number(0, "hair_rmse") - number(1, "hair_rmse")).abs() < 0.01, "{} {}", rows[0], rows[1]);
-    assert!((1e-3..0.06).contains(&number(0, "bc7_over_rgba8_rmse")) && rows[1]["bc7_over_rgba8_rmse"].is_null());
+    assert!((1e-3..0.05).contains(&number(0, "bc7_over_rgba8_rmse")) && rows[1]["bc7_over_rgba8_rmse"].is_null());
     assert_eq!(number(3, "bytes"), 2.0 * 512.0 * 512.0 * 8.0);
     // The maps hold what was asked of them; coarse ones and the printed form do not, the latter the less the more the light slants.
     for (angle, bound) in [(0, 0.04), (30, 0.06), (45, 0.08), (60, 0.10), (75, 0.22)] {

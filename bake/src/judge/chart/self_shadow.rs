@@ -466,6 +466,8 @@ pub fn cells(form: &Form, layers: u32, measured: &Measured, cost: &Cost) -> Vec<
 fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
     let mut sheet = Recipe {
         hair: recipe.hair.clone(),
+        underfur: recipe.underfur.clone(),
+        visibility: recipe.visibility.clone(),
         color: recipe.color.clone(),
         shading: recipe.shading.clone(),
         slice: recipe.slice.clone(),
