@@ -19,6 +19,7 @@ mod comb_marks;
 mod hair_group;
 mod ink;
 mod joint_groom;
+mod key_pictures;
 mod maps;
 mod material_groom;
 mod named_table;
@@ -30,6 +31,7 @@ pub use comb_marks::CombMarkParams;
 pub use hair_group::{HairGroupParams, TuftParams};
 pub use ink::{InkFill, InkParams, MaterialInk};
 pub use joint_groom::JointGroom;
+pub use key_pictures::{KEY_PICTURES, KeyPicture};
 pub use maps::{Channel, ColorMap, FilePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
 pub use named_table::MaterialTable;
@@ -86,12 +88,14 @@ pub fn keys() -> impl Iterator<Item = &'static Knob> {
     pelage_params::knobs::<Recipe>()
 }
 
-/// Every key of a recipe as a page of Markdown: meaning, default, type and range.
+/// Every key of a recipe as a page of Markdown: meaning, default, type and range, and a picture of those in [`KEY_PICTURES`].
 pub fn reference_page() -> String {
-    pelage_params::reference_page::<Recipe>("Recipe reference", &INTRODUCTION)
+    pelage_params::reference_page::<Recipe>("Recipe reference", &INTRODUCTION, |key| {
+        KEY_PICTURES.iter().find(|picture| picture.key == key).map(KeyPicture::markdown)
+    })
 }
 
-const INTRODUCTION: [&str; 3] = [
+const INTRODUCTION: [&str; 4] = [
     "A recipe is a TOML file that says how a model becomes fur: `pelage bake fox.glb --recipe fox.toml -o fox.pelage`. It has a table for each \
      stage of the bake and a key for each parameter. What it leaves out keeps its default, so that an empty recipe is the coat of an animal; \
      `hair.coat` begins with another kind ([coats](coats.md)). \
@@ -99,6 +103,7 @@ const INTRODUCTION: [&str; 3] = [
      the line and the nearest key that does.",
     "Lengths end in `_m` and are metres, angles end in `_deg`, widths on screen in `_px`. Where a default is \"left out\", the bake chooses the \
      value from the model. `pelage unpack` writes down the recipe that a package was baked with.",
+    "The pictures show the hare of `assets/models`, which has no recipe, with three values of one key.",
     "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin write_docs`.",
 ];
 

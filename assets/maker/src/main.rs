@@ -1,6 +1,6 @@
 //! Writes the project's own models: `cargo run -p pelage-assets -- [--out DIR] [--preview DIR] [--only NAME]`.
 //!
-//! `--out` (default `assets` of this checkout) receives hare.glb and the other models in `models`, zebra.png and spots.png in
+//! `--out` (default `assets` of this checkout) receives hare.glb and the other models in `models`, zebra.png and the other patterns in
 //! `patterns`; `--preview` also receives a picture of each model and of each of its clips; `--only` makes one model and no pattern.
 //! Figures about the models go to stdout.
 
@@ -58,7 +58,7 @@ fn main() -> anyhow::Result<()> {
     if only.is_some() {
         return Ok(());
     }
-    for (name, picture) in [("zebra", patterns::zebra()), ("spots", patterns::spots())] {
+    for (name, picture) in patterns::all() {
         let path = out.join("patterns").join(format!("{name}.png"));
         picture.save(&path).with_context(|| format!("cannot write {}", path.display()))?;
     }

@@ -20,6 +20,25 @@ pub fn zebra() -> RgbImage {
     })
 }
 
+/// A tabby cat's coat: narrow brown stripes across tan, wavy, of uneven width and broken off here and there.
+pub fn tabby() -> RgbImage {
+    paint(|p| {
+        let wave = 0.10 * libm::sin(TAU * p.y)
+            + 0.07 * libm::sin(TAU * (2.0 * p.y + p.x))
+            + 0.05 * libm::sin(TAU * (4.0 * p.y - 2.0 * p.x));
+        let width = 0.35 * libm::sin(TAU * (2.0 * p.y + 3.0 * p.x)) * libm::cos(TAU * (p.y - p.x))
+            + 0.20 * libm::cos(TAU * (3.0 * p.y - 2.0 * p.x))
+            - 0.25;
+        let stripe = libm::sin(TAU * (6.0 * p.x + 1.6 * wave)) + width;
+        mix([226, 190, 146], [92, 66, 48], ramp(-0.3, 0.5, stripe))
+    })
+}
+
+/// All of them, with the names of their files in `patterns`.
+pub fn all() -> [(&'static str, RgbImage); 3] {
+    [("zebra", zebra()), ("spots", spots()), ("tabby", tabby())]
+}
+
 /// Dark spots of uneven size on white.
 pub fn spots() -> RgbImage {
     // One spot in each cell of a grid, in any place of it: even enough to look grown, and never a square.

@@ -51,7 +51,7 @@ fn the_bytes_depend_on_nothing_but_the_inputs() {
     for name in ["hare", "torus"] {
         let recipe = recipe(name);
         let one = on_threads(1, || bake(name, &recipe).unwrap().package);
-        for threads in [1, 2, 5] {
+        for threads in [2, 5] {
             let again = on_threads(threads, || bake(name, &recipe).unwrap().package);
             assert!(one == again, "{name} differs on {threads} threads");
         }
@@ -313,8 +313,9 @@ fn the_groom_says_how_dense_and_which_way_hair_lies() {
 
 #[test]
 fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
-    for name in ["hare", "torus"] {
-        let first = bake(name, &recipe(name)).unwrap().package;
+    // Ink keeps its place in the package of one of them: it takes most of a bake.
+    for (name, recipe) in [("hare", fur("hare")), ("torus", recipe("torus"))] {
+        let first = bake(name, &recipe).unwrap().package;
         let package = Package::open(&first, &Limits::default()).unwrap();
         let mut other = Recipe::parse("resolved", &package.manifest().recipe).unwrap();
         assert!(reslice(name, &package, &other).unwrap() == first, "{name}: nothing was changed");
@@ -432,7 +433,18 @@ fn run<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&
 /// what it made before.
 #[test]
 fn a_step_reads_what_it_says() {
-    let recipe = recipe("ox");
+    let mut recipe = recipe("ox");
+    // Small textures are as good: what is asked is which step makes them of what.
+    for set in [
+        "slice.layers=4",
+        "slice.tile_texels=32",
+        "ink.stroke_texels=64",
+        "ink.wash_texels=64",
+        "ink.paper_texels=64",
+        "ink.fur_texels=64",
+    ] {
+        recipe.set(set).unwrap();
+    }
     let bytes = asset("models/ox.glb");
     let model = import("ox", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
@@ -500,7 +512,7 @@ fn from_here_on_is_a_whole_bake() {
 /// A model that is baked once and sliced gives the bytes of whole bakes: with other layers, tiles, filters and fins, and whatever else changes.
 #[test]
 fn sliced_again_is_baked_again() {
-    let first = recipe("torus");
+    let first = fur("torus");
     let bytes = asset("models/torus.glb");
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
@@ -511,7 +523,7 @@ fn sliced_again_is_baked_again() {
         &["slice.layers=24", "fins.enabled=false"],
         &["slice.filter_width=1.5", "fins.depth=0.5"],
         &["hair.density=300"],
-        &["slice.layers=5", "pack.shell_format=rgba8", "ink.enabled=false"],
+        &["slice.layers=5", "pack.shell_format=rgba8", "ink.enabled=true"],
     ] {
         let mut other = first.clone();
         sets.iter().for_each(|set| other.set(set).unwrap());

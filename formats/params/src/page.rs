@@ -8,7 +8,12 @@ const COLUMNS: usize = 120;
 
 /// All keys of a set as Markdown: a heading for each table, with what it is about, and an entry for each key with default, type and range, meaning,
 /// and what its words mean. `title` and the paragraphs of `introduction` come first; lines have at most 120 columns where words allow it.
-pub fn reference_page<S: Tables>(title: &str, introduction: &[&str]) -> String {
+/// `picture` gives the line of Markdown that shows what a key does, of those that have one.
+pub fn reference_page<S: Tables>(
+    title: &str,
+    introduction: &[&str],
+    picture: impl Fn(&str) -> Option<String>,
+) -> String {
     let defaults = S::default();
     let mut page = format!("# {title}\n");
     for paragraph in introduction {
@@ -21,6 +26,9 @@ pub fn reference_page<S: Tables>(title: &str, introduction: &[&str]) -> String {
         page += &format!("\n## `[{}]`\n\n{}\n", info.name, wrap("", &capital(doc)));
         for knob in info.knobs {
             page += &entry(knob, values.write(knob.key()));
+            if let Some(line) = picture(knob.name) {
+                page += &format!("\n  {line}\n");
+            }
         }
     }
     page

@@ -211,19 +211,23 @@ fn controls_follow_from_type_and_range() {
 
 #[test]
 fn the_page_says_all_and_no_line_is_too_long() {
-    let page = reference_page::<Look>("Looks", &["What a look says."]);
+    let page = reference_page::<Look>("Looks", &["What a look says."], |key| {
+        (key == "light.position_m").then(|| "![drawn](drawn.png)".to_owned())
+    });
     assert!(page.starts_with("# Looks\n\nWhat a look says.\n\n## `[picture]`\n\nThe picture.\n"), "{page}");
     for part in [
         "- **`layers`**: \"all\" or an integer 2..=256; default `\"all\"`.\n  Layers to draw: many are smooth.\n",
         "  - `sparse`: With little.\n",
         "- **`position_m`**: three numbers -1000000..=1000000 in brackets; default left out.\n",
         "## `[light]`\n\nThe light. There is one.\n",
+        "\n\n  ![drawn](drawn.png)\n\n- **`",
     ] {
         assert!(page.contains(part), "{part}\n{page}");
     }
     for knob in knobs::<Look>() {
         assert!(page.contains(&format!("- **`{}`**: ", knob.key())), "{}", knob.name);
     }
+    assert_eq!(page.matches("![drawn]").count(), 1, "{page}");
     assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");
 }
 

@@ -464,12 +464,6 @@ fn the_stability_table() {
     let table = csv(&std::fs::read_to_string(sandbox.path().join("out/stability.csv")).unwrap());
     assert_eq!(table.len(), rows.len() + 1);
     assert_eq!(sandbox.files(), ["out/", "out/stability.csv"]);
-    let run = sandbox.run(&["chart", "stability"]);
-    assert_eq!(run.code, Some(0), "{run:?}");
-    for row in rows {
-        assert!(run.stdout.contains(row["case"].as_str().unwrap()), "{row} is not in {}", run.stdout);
-    }
-    assert!(!run.stdout.contains("BROKEN"));
 }
 
 #[test]

@@ -151,3 +151,31 @@ mod drawn {
         Ok(texels.chunks_exact(8).map(texel).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
+    use super::{Finding, Row, Table};
+
+    #[test]
+    fn every_finding_is_a_line_that_says_whether_it_holds() {
+        let row = Row { method: "method", cliff: "a cliff", naive: "falls", safe: "stops", drive: () };
+        let finding = |case: &str, safe| Finding {
+            case: case.into(),
+            measure: "steps",
+            naive: 9.0,
+            safe,
+            bound: 1.0,
+            fails_above: 1.0,
+        };
+        let mut table = Table::default();
+        table.add(&row, "here", &[finding("by day", 0.5)]);
+        let expected =
+            ["method: a cliff", "  naive: falls; ours: stops", "  by day: steps: naive 9, ours 0.5, bound 1: holds"];
+        assert_eq!((table.lines.as_slice(), table.broken), (expected.map(String::from).as_slice(), false));
+        table.add(&row, "here", &[finding("by night", 2.0)]);
+        assert_eq!(table.lines.last().unwrap(), "  by night: steps: naive 9, ours 2, bound 1: BROKEN");
+        assert!(table.broken && table.rows.len() == 2);
+    }
+}

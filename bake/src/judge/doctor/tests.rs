@@ -8,6 +8,8 @@ use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use glam::Vec2;
 use pelage_formats::Limits;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// A torus with a base-colour texture of so many texels each way; 0 for none.
 fn model(texels: u32) -> Model {
@@ -28,14 +30,27 @@ fn model(texels: u32) -> Model {
     model
 }
 
-/// The torus from a distance in metres, in a square picture of so many pixels.
-fn prognosis(model: &Model, sets: &[&str], pixels: u32, distance_m: f32, instances: u32) -> Prognosis {
-    let mut recipe = Recipe::default();
-    // Of ink there is nothing to foretell, and its textures take most of a bake.
-    ["ink.enabled=false"].iter().chain(sets).for_each(|set| recipe.set(set).unwrap());
-    let baked =
-        pipeline::bake(&Told::new("torus", "torus", &recipe, &MapImages::default()), model, &mut |_| ()).unwrap();
-    let package = Package::open(&baked.package, &Limits::default()).unwrap();
+/// Each package is baked once, by the texels of its model and what its recipe sets; the tests look at many of them from several places.
+fn package(texels: u32, sets: &[&str]) -> Arc<[u8]> {
+    type Baked = Arc<OnceLock<Arc<[u8]>>>;
+    static KNOWN: Mutex<BTreeMap<(u32, Vec<String>), Baked>> = Mutex::new(BTreeMap::new());
+    let key = (texels, sets.iter().map(|&set| set.to_owned()).collect());
+    let baked = KNOWN.lock().unwrap().entry(key).or_default().clone();
+    let bake = || {
+        let mut recipe = Recipe::default();
+        // Of ink there is nothing to foretell, and its textures take most of a bake.
+        ["ink.enabled=false"].iter().chain(sets).for_each(|set| recipe.set(set).unwrap());
+        let images = MapImages::default();
+        let told = Told::new("torus", "torus", &recipe, &images);
+        pipeline::bake(&told, &model(texels), &mut |_| ()).unwrap().package.into()
+    };
+    baked.get_or_init(bake).clone()
+}
+
+/// The torus, with a texture of so many texels, from a distance in metres, in a square picture of so many pixels.
+fn prognosis(texels: u32, sets: &[&str], pixels: u32, distance_m: f32, instances: u32) -> Prognosis {
+    let baked = package(texels, sets);
+    let package = Package::open(&baked, &Limits::default()).unwrap();
     let eye = Vec3::new(0.3, 0.8, 1.0).normalize() * distance_m;
     let view = View { eye, target: Vec3::ZERO, fov_y_rad: 0.6, size: (pixels, pixels), instances, shadow_map: 512 };
     diagnose(&package, &view, &|source| BakeError::Package { file: "torus".into(), source }).unwrap()
@@ -48,10 +63,10 @@ fn changes(found: &Prognosis) -> Vec<&str> {
 #[test]
 fn each_advice_is_earned() {
     let (near, pixels) = (6.0, 600);
-    let plain = prognosis(&model(0), &[], pixels, near, 1);
+    let plain = prognosis(0, &[], pixels, near, 1);
     assert_eq!(plain.advice, [], "all is well, {:?}", plain.on_screen);
     let advised = |sets: &[&str], pixels, distance_m, texels| {
-        let found = prognosis(&model(texels), sets, pixels, distance_m, 1);
+        let found = prognosis(texels, sets, pixels, distance_m, 1);
         for advice in &found.advice {
             assert!(![&advice.found, &advice.saves, &advice.costs].iter().any(|text| text.is_empty()), "{advice:?}");
         }
@@ -74,21 +89,20 @@ fn each_advice_is_earned() {
         assert_eq!(advised(&sets, pixels, near, 0), Vec::<String>::new(), "{sets:?}");
     }
     // However small its texels are on the screen: in half of them no hair would be a texel wide.
-    let small = prognosis(&model(0), &["slice.tile_texels=64"], 120, 12.0, 1);
+    let small = prognosis(0, &["slice.tile_texels=64"], 120, 12.0, 1);
     assert!(small.on_screen.texel_px < 0.25, "{:?}", small.on_screen);
     assert!(!changes(&small).contains(&"slice.tile_texels"), "{:?}", small.advice);
     assert!(advised(&["hair.root_radius=0.016"], 120, 12.0, 0).contains(&"slice.tile_texels".to_owned()));
     // The change that is named is enough.
-    let few = prognosis(&model(0), &["slice.layers=64"], pixels, 12.0, 1);
+    let few = prognosis(0, &["slice.layers=64"], pixels, 12.0, 1);
     let change = few.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap().change.clone();
-    assert!(!changes(&prognosis(&model(0), &[&change], pixels, 12.0, 1)).contains(&"slice.layers"), "{change}");
+    assert!(!changes(&prognosis(0, &[&change], pixels, 12.0, 1)).contains(&"slice.layers"), "{change}");
 }
 
 /// All advice saves something, the most of it first, and what mends the look comes before it.
 #[test]
 fn advice_is_in_the_order_of_what_it_saves() {
-    let found =
-        prognosis(&model(512), &["slice.layers=64", "slice.tile_texels=256", "pack.shell_format=rgba8"], 300, 20.0, 3);
+    let found = prognosis(512, &["slice.layers=64", "slice.tile_texels=256", "pack.shell_format=rgba8"], 300, 20.0, 3);
     let saved: Vec<Saved> = found.advice.iter().filter_map(|a| a.saved).collect();
     assert!(saved.len() == found.advice.len() && saved.len() >= 4, "{:?}", found.advice);
     assert!(saved.iter().all(|saved| *saved > Saved::default()), "{saved:?}");
@@ -97,7 +111,7 @@ fn advice_is_in_the_order_of_what_it_saves() {
     let fragments = |p: &Prognosis| p.passes.iter().filter_map(|pass| pass.fragments).sum::<u64>() as f64;
     let layers = found.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap();
     let sets = [&layers.change, "slice.tile_texels=256", "pack.shell_format=rgba8"];
-    let fewer = prognosis(&model(512), &sets, 300, 20.0, 3);
+    let fewer = prognosis(512, &sets, 300, 20.0, 3);
     let ratio = layers.saved.unwrap().fragments as f64 / (fragments(&found) - fragments(&fewer));
     assert!((0.95..1.05).contains(&ratio), "{ratio}");
 }
@@ -106,10 +120,10 @@ fn advice_is_in_the_order_of_what_it_saves() {
 #[test]
 fn close_ups_need_more_layers_or_more_distance() {
     let (distance_m, layers) = (6.0, 16.0);
-    let height = prognosis(&model(0), &[], 600, distance_m, 1).on_screen.height_px;
+    let height = prognosis(0, &[], 600, distance_m, 1).on_screen.height_px;
     let at_gap = |gap: f64, sets: &[&str], distance_m| {
         let pixels = (600.0 * gap * (layers - 1.0) / height).round() as u32;
-        prognosis(&model(0), sets, pixels, distance_m, 1)
+        prognosis(0, sets, pixels, distance_m, 1)
     };
     let look = |p: &Prognosis| p.advice.iter().find(|a| a.saved.is_none()).cloned();
     assert_eq!(look(&at_gap(2.5, &[], distance_m)), None);
@@ -162,11 +176,11 @@ fn work_grows_as_it_must() {
     };
     // All layers, whatever their pixels.
     let full = ["detail.enabled=false"];
-    let (one, ten) = (prognosis(&model(0), &full, 300, 6.0, 1), prognosis(&model(0), &full, 300, 6.0, 10));
+    let (one, ten) = (prognosis(0, &full, 300, 6.0, 1), prognosis(0, &full, 300, 6.0, 10));
     assert_eq!((of(&ten, "shells").1, of(&ten, "skin").0), (10 * of(&one, "shells").1, 10.0 * of(&one, "skin").0));
     assert_eq!(ten.memory, one.memory, "what stands still is shared");
     // Twice the picture, four times the pixels; above some size they are counted on a smaller one.
-    let (large, huge) = (prognosis(&model(0), &full, 600, 6.0, 1), prognosis(&model(0), &full, 4800, 6.0, 1));
+    let (large, huge) = (prognosis(0, &full, 600, 6.0, 1), prognosis(0, &full, 4800, 6.0, 1));
     for (picture, factor) in [(&large, 4.0), (&huge, 256.0)] {
         let ratio = of(picture, "shells").0 / of(&one, "shells").0 / factor;
         assert!((0.97..1.03).contains(&ratio), "{ratio}");
@@ -174,24 +188,19 @@ fn work_grows_as_it_must() {
     assert!(one.overdraw.0 > 8.0 && one.overdraw.1 >= 15, "{:?}", one.overdraw);
     assert!(one.covered_pixels[1] > one.covered_pixels[0]);
     // With levels of detail layers are as many as the fur has pixels.
-    let (fewer, far) = (prognosis(&model(0), &[], 300, 6.0, 1), prognosis(&model(0), &[], 300, 600.0, 1));
+    let (fewer, far) = (prognosis(0, &[], 300, 6.0, 1), prognosis(0, &[], 300, 600.0, 1));
     let drawn = [&one, &fewer, &far].map(|p| p.on_screen.layers_drawn);
     assert!(drawn[0] == 15 && (1..15).contains(&drawn[1]) && drawn[2] == 0, "{drawn:?}");
     assert!(of(&fewer, "shells").0 < of(&one, "shells").0 && of(&far, "shells").1 == 0);
     // Without fur there is less to do, and the report says why.
-    let bare = prognosis(&model(0), &["model.bare=[\"*\"]"], 300, 6.0, 1);
+    let bare = prognosis(0, &["model.bare=[\"*\"]"], 300, 6.0, 1);
     let shells = bare.passes.iter().find(|pass| pass.name == "shells").unwrap();
     assert!(!shells.runs && shells.vertices == 0 && shells.reason.contains("no fur"), "{shells:?}");
 }
 
 #[test]
 fn what_is_behind_the_eye_is_not_drawn() {
-    let baked = {
-        let recipe = Recipe::default();
-        pipeline::bake(&Told::new("torus", "torus", &recipe, &MapImages::default()), &model(0), &mut |_| ())
-            .unwrap()
-            .package
-    };
+    let baked = package(0, &[]);
     let package = Package::open(&baked, &Limits::default()).unwrap();
     let fault = |source| BakeError::Package { file: "torus".into(), source };
     let view = View {

@@ -15,7 +15,7 @@ const INTRODUCTION: [&str; 3] = [
 impl Look {
     /// Every key of a look as a page of Markdown.
     pub fn reference_page() -> String {
-        let mut page = pelage_params::reference_page::<Self>("Look reference", &INTRODUCTION);
+        let mut page = pelage_params::reference_page::<Self>("Look reference", &INTRODUCTION, |_| None);
         page += "\n## Flags\n\n";
         for short in SHORT_FORMS.iter().chain([&SAMPLES]) {
             page += &format!("- `--{} <{}>` sets `{}`.\n", short.flag, short.value_name, short.key);

@@ -1,0 +1,57 @@
+//! Pictures of the keys that matter most: one animal with three values of each.
+//!
+//! The table below is what both the reference page shows and the program that draws the pictures reads (`cargo run --bin key_pictures`), so that no
+//! caption says another value than was drawn.
+
+/// One key, drawn with three values of it and everything else as the hare comes.
+#[derive(Clone, Copy, Debug)]
+pub struct KeyPicture {
+    /// The key, such as `hair.density`.
+    pub key: &'static str,
+    /// Its values from left to right, in TOML.
+    pub values: [&'static str; 3],
+    /// Whether the animal is seen whole, or its shoulder alone, where single hairs are.
+    pub whole: bool,
+}
+
+const fn whole(key: &'static str, values: [&'static str; 3]) -> KeyPicture {
+    KeyPicture { key, values, whole: true }
+}
+
+const fn close(key: &'static str, values: [&'static str; 3]) -> KeyPicture {
+    KeyPicture { key, values, whole: false }
+}
+
+impl KeyPicture {
+    /// Path of the picture from the folder of the reference page.
+    pub fn path(&self) -> String {
+        format!("pictures/key_{}.png", self.key.replace('.', "_"))
+    }
+
+    /// What the reference page shows it with, as Markdown.
+    pub(super) fn markdown(&self) -> String {
+        format!("![{}: {}]({})", self.key, self.values.join(", ").replace('"', ""), self.path())
+    }
+}
+
+/// The keys that change most of what a coat looks like, in the order of the reference page.
+pub const KEY_PICTURES: [KeyPicture; 14] = [
+    close("surface.tile_size_per_radius", ["0.1", "0.15", "0.4"]),
+    whole("surface.comb_direction", ["[0, -0.35, -1]", "[0, -1, 0]", "[0, 1, 0]"]),
+    close("hair.style", ["\"curly\"", "\"messy\"", "\"wet\""]),
+    close("hair.density", ["100", "600", "1600"]),
+    whole("hair.length_per_radius", ["0.02", "0.05", "0.2"]),
+    close("hair.length_variation", ["0", "0.5", "0.9"]),
+    close("hair.root_radius", ["0.002", "0.0065", "0.025"]),
+    close("hair.lean", ["0.1", "0.65", "1"]),
+    close("hair.frizz", ["0", "0.4", "1"]),
+    close("hair.dry_clump", ["0", "0.25", "0.9"]),
+    close("underfur.density", ["0", "700", "1600"]),
+    whole("groom.by_body", ["0", "0.5", "1"]),
+    close("color.band", ["\"#ffffff\"", "\"#c08040\"", "\"#201810\""]),
+    close("color.variation", ["0", "0.35", "0.8"]),
+];
+
+#[cfg(test)]
+#[path = "key_pictures_tests.rs"]
+mod tests;

@@ -1,0 +1,22 @@
+//! The table of pictures names what there is.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use super::KEY_PICTURES;
+use crate::recipe::{Recipe, keys};
+
+#[test]
+fn every_picture_is_of_a_key_and_of_values_that_it_takes() {
+    let order: Vec<String> = keys().map(|knob| knob.name.to_owned()).collect();
+    let places: Vec<usize> =
+        KEY_PICTURES.iter().map(|picture| order.iter().position(|name| name == picture.key).unwrap()).collect();
+    assert!(places.is_sorted(), "not in the order of the page: {places:?}");
+    for picture in KEY_PICTURES {
+        let drawn = picture.values.map(|value| {
+            let mut recipe = Recipe::default();
+            recipe.set(&format!("{}={value}", picture.key)).unwrap();
+            recipe.validate().unwrap();
+            recipe.to_toml()
+        });
+        assert!(drawn[0] != drawn[1] && drawn[1] != drawn[2] && drawn[0] != drawn[2], "{}", picture.key);
+    }
+}
