@@ -24,10 +24,12 @@ fn recipe(name: &str) -> Recipe {
     recipe
 }
 
-/// A recipe without ink, whose textures take most of a bake, for tests that look at fur only.
+/// A recipe without ink and of plain texels, for tests that look at fur only: ink and the encoders of textures take most of a bake.
 fn fur(name: &str) -> Recipe {
     let mut recipe = recipe(name);
-    recipe.set("ink.enabled=false").unwrap();
+    for set in ["ink.enabled=false", "pack.shell_format=rgba8", "pack.direction_format=rg8"] {
+        recipe.set(set).unwrap();
+    }
     recipe
 }
 
