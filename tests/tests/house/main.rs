@@ -4,5 +4,6 @@ mod dependencies;
 mod documentation;
 mod floors;
 mod gate;
+mod published;
 mod register;
 mod sources;

@@ -1,0 +1,61 @@
+//! Crates that a registry takes: what their manifests say, and that the gate checks each of their features alone.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::workspace;
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+/// The crates that may be published, as `cargo metadata` describes them.
+fn published() -> Vec<Value> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .args(["metadata", "--no-deps", "--offline", "--locked", "--format-version", "1"])
+        .current_dir(workspace())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    // `publish = false` is an empty list of registries.
+    let may = |package: &&Value| package["publish"].is_null();
+    let packages: Vec<Value> = metadata["packages"].as_array().unwrap().iter().filter(may).cloned().collect();
+    assert!(packages.len() >= 6, "{packages:?}");
+    packages
+}
+
+#[test]
+fn manifests_say_what_a_registry_shows() {
+    for package in published() {
+        let name = package["name"].as_str().unwrap();
+        let count = |key: &str| package[key].as_array().unwrap().len();
+        assert!((1..=5).contains(&count("keywords")) && (1..=5).contains(&count("categories")), "{name}");
+        for key in ["description", "license", "documentation", "rust_version"] {
+            assert!(package[key].as_str().is_some_and(|text| !text.is_empty()), "{name} has no {key}");
+        }
+        let folder = Path::new(package["manifest_path"].as_str().unwrap()).parent().unwrap();
+        let readme = std::fs::read_to_string(folder.join(package["readme"].as_str().unwrap())).unwrap();
+        assert!(readme.starts_with(&format!("# {name}\n")), "{name}: {}", readme.lines().next().unwrap());
+        assert_eq!(package["metadata"]["docs"]["rs"]["all-features"], true, "{name}");
+    }
+}
+
+#[test]
+fn the_gate_checks_every_feature_alone() {
+    let run = std::fs::read_to_string(workspace().join("run")).unwrap();
+    for package in published() {
+        let name = package["name"].as_str().unwrap();
+        let features = package["features"].as_object().unwrap();
+        // With a default that is not nothing, nothing has to be asked for.
+        let bare = if features.contains_key("default") { " --no-default-features" } else { "" };
+        let mut selections = vec![format!("\"{name}{bare}\"")];
+        selections.extend(
+            features
+                .keys()
+                .filter(|f| f.as_str() != "default")
+                .map(|feature| format!("\"{name} --features {feature}\"")),
+        );
+        for selection in selections {
+            assert!(run.contains(&selection), "./run does not check {selection}");
+        }
+    }
+}
