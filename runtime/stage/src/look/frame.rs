@@ -2,7 +2,7 @@
 
 use super::kinds::{
     Background, LookAnchoring, LookDetail, LookHair, LookLighting, LookPenumbra, LookRule, LookSelfShadow, LookShow,
-    LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, Samples,
+    LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
 use crate::{Picture, Viewpoint, camera};
@@ -17,13 +17,6 @@ use pelage_runtime::{
 const ANY_VIEW: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
 
 impl Look {
-    /// The look of a picture of which nothing is said: as the default, but in four samples a pixel, because it is looked at for longer than a frame.
-    pub fn of_picture() -> Self {
-        let mut look = Self::default();
-        look.picture.samples = Samples(4);
-        look
-    }
-
     /// What is drawn on.
     pub fn picture(&self) -> Picture {
         let size = self.picture.size;

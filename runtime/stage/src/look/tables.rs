@@ -145,6 +145,13 @@ tables! {
 }
 
 impl Look {
+    /// The look of a picture of which nothing is said: as the default, but in four samples a pixel, because it is looked at for longer than a frame.
+    pub fn of_picture() -> Self {
+        let mut look = Self::default();
+        look.picture.samples = Samples(4);
+        look
+    }
+
     /// Reads a look file over this look: what it leaves out stays as it is.
     ///
     /// # Errors
