@@ -5,10 +5,9 @@ use crate::mesh::Image;
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::textures::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
-use pelage_formats::meaning::planting::Ground;
+use pelage_formats::meaning::planting::{Ground, same_places};
 use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
 use pelage_formats::{FormatError, GeometryVertex, Package, Pose, SkinVertex};
-use std::collections::HashMap;
 
 /// A mesh in world space with all that varies over it. Lists of vertices are as long as [`Skin::vertices`], of triangles as [`Skin::triangles`].
 #[derive(Clone, Debug, Default)]
@@ -85,13 +84,10 @@ impl Skin {
             pose.sample(&animation, motion.map(|(clip, _)| clip), motion.map_or(0.0, |(_, time_s)| time_s));
         }
         let skin: Vec<SkinVertex> = mesh.skin().collect();
-        let mut first_at = HashMap::new();
-        let mut out = Self::default();
-        let vertices = mesh.geometry().zip(posed_vertices(&mesh, &pose)).zip(mesh.attributes());
-        for (i, ((stored, posed), attributes)) in vertices.enumerate() {
-            let moved_by = skin.get(i).map(|v| (v.joints, v.weights.map(f32::to_bits)));
-            let key = (stored.position.map(f32::to_bits), moved_by);
-            out.same_place.push(*first_at.entry(key).or_insert(i as u32));
+        let moved_by = |i: usize| skin.get(i).map(|v| (v.joints, v.weights));
+        let stored = mesh.geometry().enumerate().map(|(i, v)| (v.position, moved_by(i)));
+        let mut out = Self { same_place: same_places(stored), ..Self::default() };
+        for (posed, attributes) in posed_vertices(&mesh, &pose).zip(mesh.attributes()) {
             let share = |byte: u8| f32::from(byte) / 255.0;
             out.vertices.push(SkinPoint {
                 tile_uv: Vec2::from(attributes.tile_uv).as_dvec2(),

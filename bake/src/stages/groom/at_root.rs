@@ -14,9 +14,8 @@ use crate::sample::Encoding;
 use crate::stages::surface::Surface;
 use glam::{DVec2, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
-use pelage_formats::meaning::planting::{Crossed, Footing, Ground, SurfaceWalk};
+use pelage_formats::meaning::planting::{Crossed, Footing, Ground, SurfaceWalk, same_places};
 use pelage_formats::{Aside, ROOT_HEIGHTS, RootsInfo};
-use std::collections::HashMap;
 
 /// Texels in the width of a tile that draw a border between colours finer than hair blurs it.
 const ENOUGH_TEXELS: f32 = 16.0;
@@ -225,20 +224,15 @@ impl Walkable {
     fn new(surface: &Surface, furred: &[bool]) -> Self {
         let mesh = &surface.mesh;
         let material_of = material_of_triangles(surface);
-        let mut first_at = HashMap::new();
-        // As strands are planted: one place is what lies together and moves together.
-        let same_place = (0..mesh.positions.len()).map(|v| {
-            let moved_by = mesh.skin.get(v).map(|skin| (skin.joints, skin.weights.map(f32::to_bits)));
-            // Adding zero turns -0 into +0.
-            let place = (mesh.positions[v] + Vec3::ZERO).to_array().map(f32::to_bits);
-            *first_at.entry((place, moved_by)).or_insert(v as u32)
-        });
+        let moved_by = |v: usize| mesh.skin.get(v).map(|skin| (skin.joints, skin.weights));
+        // Adding zero turns -0 into +0.
+        let vertices = mesh.positions.iter().enumerate().map(|(v, p)| ((*p + Vec3::ZERO).to_array(), moved_by(v)));
         let ground = Ground {
             triangles: mesh.triangles.clone(),
             furred: material_of.iter().map(|m| furred.get(*m).copied().unwrap_or(false)).collect(),
             positions: surface.rest.positions.iter().map(|p| p.as_dvec3()).collect(),
             tile_uv: surface.tile_uvs.iter().map(|uv| uv.as_dvec2()).collect(),
-            same_place: same_place.collect(),
+            same_place: same_places(vertices),
         };
         Self { ground, material_of }
     }

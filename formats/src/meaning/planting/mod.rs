@@ -13,6 +13,7 @@ pub use walk::{Crossed, Footing, SurfaceWalk};
 use crate::{AttributeVertex, GeometryVertex, Manifest, MeshView, SkinVertex};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
+use std::hash::Hash;
 
 /// What planting asks of a mesh. Lists of vertices are as long as each other, and so are those of triangles.
 #[derive(Clone, Debug, Default)]
@@ -29,17 +30,25 @@ pub struct Ground {
     pub same_place: Vec<u32>,
 }
 
+/// Joints that move a vertex, and their weights; `None` of a mesh without a skeleton.
+pub type MovedBy<J> = Option<(J, [f32; 4])>;
+
+/// For each vertex the first one that has its position and is moved by the same joints with the same weights, to the last bit.
+pub fn same_places<J: Eq + Hash>(vertices: impl Iterator<Item = ([f32; 3], MovedBy<J>)>) -> Vec<u32> {
+    let mut first_at = HashMap::new();
+    let keys = vertices.map(|(position, moved_by)| {
+        (position.map(f32::to_bits), moved_by.map(|(joints, weights)| (joints, weights.map(f32::to_bits))))
+    });
+    keys.zip(0u32..).map(|(key, i)| *first_at.entry(key).or_insert(i)).collect()
+}
+
 impl Ground {
     /// The mesh of a package as it stores it.
     pub fn of_package(manifest: &Manifest, mesh: &MeshView<'_>) -> Self {
         let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
         let indices: Vec<u32> = mesh.indices().collect();
         let skin: Vec<SkinVertex> = mesh.skin().collect();
-        let mut first_at = HashMap::new();
-        let same_place = geometry.iter().zip(0u32..).map(|(vertex, i)| {
-            let moved_by = skin.get(i as usize).map(|v| (v.joints, v.weights.map(f32::to_bits)));
-            *first_at.entry((vertex.position.map(f32::to_bits), moved_by)).or_insert(i)
-        });
+        let moved_by = |i: usize| skin.get(i).map(|v| (v.joints, v.weights));
         let furred = manifest.parts.iter().flat_map(|part| {
             let furred = manifest.materials[part.material as usize].furred;
             std::iter::repeat_n(furred, part.index_count as usize / 3)
@@ -49,7 +58,7 @@ impl Ground {
             furred: furred.collect(),
             positions: geometry.iter().map(|v| Vec3::from(v.position).as_dvec3()).collect(),
             tile_uv: mesh.attributes().map(|v: AttributeVertex| Vec2::from(v.tile_uv).as_dvec2()).collect(),
-            same_place: same_place.collect(),
+            same_place: same_places(geometry.iter().enumerate().map(|(i, v)| (v.position, moved_by(i)))),
         }
     }
 
