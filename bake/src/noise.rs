@@ -37,6 +37,12 @@ pub(super) fn stratified(seed: u64, index: u32, count: u32) -> Vec2 {
     Vec2::new(u, v)
 }
 
+/// 0 at `low` and below, 1 at `high` and above, smooth between.
+pub(crate) fn smooth_step(low: f32, high: f32, at: f32) -> f32 {
+    let t = ((at - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
 /// Weight of the farther of two neighbours, 0..=1, with two continuous derivatives (Perlin 2002).
 pub(crate) fn smooth(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)

@@ -1,5 +1,6 @@
 //! How far what is said of a place reaches over the skin, and what comes of several that reach the same.
 
+use crate::noise::smooth_step;
 use std::ops::{Add, Mul};
 
 /// How far a mark reaches that does not say it, radii of the model.
@@ -8,12 +9,6 @@ const CHOSEN: f32 = 0.3;
 pub(crate) const FULL: f32 = 0.25;
 /// Least share by which one that counts in full falls short of ruling alone, so that two at one place share it.
 const SHORT: f32 = 1e-3;
-
-/// 0 at `low` and below, 1 at `high` and above, smooth between.
-pub(crate) fn smooth_step(low: f32, high: f32, at: f32) -> f32 {
-    let t = ((at - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
 
 /// How far a mark reaches that does not say it, on a model of that radius; metres.
 pub(crate) fn chosen_m(radius_m: f32) -> f32 {

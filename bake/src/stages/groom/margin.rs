@@ -2,6 +2,7 @@
 
 use crate::decision::{Decision, metres_in_words};
 use crate::mesh::{Mesh, RestPose};
+use crate::noise::smooth_step;
 use crate::stages::cells::{Cells, closest};
 use glam::Vec3;
 use std::cmp::Reverse;
@@ -62,7 +63,7 @@ impl BesideBare {
     pub fn shorten(&self, length: &mut [f32]) {
         for (vertex, place) in &self.places.of_vertex {
             if let Some(length) = length.get_mut(*vertex as usize) {
-                *length *= smooth(self.ways[*place] / self.reach_m);
+                *length *= smooth_step(0.0, 1.0, self.ways[*place] / self.reach_m);
             }
         }
     }
@@ -77,12 +78,6 @@ impl BesideBare {
         let (sum, count) = lengths.fold((0.0, 0u32), |(sum, count), length| (sum + f64::from(*length), count + 1));
         (count > 0).then(|| (sum / f64::from(count)) as f32 * longest_m)
     }
-}
-
-/// 0 at 0 and 1 from 1 on, smooth between.
-fn smooth(t: f32) -> f32 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// The margin for hair of a model, metres: what keeps hair as long as that beside bare parts from hiding them. `None` where none is beside any.

@@ -4,8 +4,9 @@
 //! part. So only some strands become strokes, spread evenly over the tile; those that are drawn first are the broadest, and later ones fill in
 //! between them until the density's share of the tile is inked. What one density has inked the next has, too.
 
-use super::noise::{gradient, smooth_step};
+use super::noise::gradient;
 use super::plane::Plane;
+use crate::noise::smooth_step;
 use crate::noise::{hash, uniform};
 use crate::stages::hair::Strands;
 use glam::{UVec2, Vec2, Vec3};

@@ -37,12 +37,6 @@ pub(super) fn octaves(seed: u64, p: Vec2, cells: UVec2, count: u32, gain: f32) -
     sum / power.sqrt().max(1e-6)
 }
 
-/// 0 up to `from`, 1 from `to` on, smooth between.
-pub(super) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
-    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,8 @@
 //! The paper texture: a tile of xuan paper, long soft fibres in a cloudy sheet.
 
-use super::noise::{octaves, smooth_step};
+use super::noise::octaves;
 use super::plane::Plane;
+use crate::noise::smooth_step;
 use crate::noise::{hash, uniform};
 use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};

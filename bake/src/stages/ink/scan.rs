@@ -4,10 +4,10 @@
 //! half, each copy fading where the other has its border. A plain mean of the two would be duller than either; here both are given a normal
 //! distribution first, the sum is brought back to its variance, and then given the picture's own histogram again (Heitz and Neyret 2018).
 
-use super::noise::smooth_step;
 use super::plane::Plane;
 use crate::BakeError;
 use crate::mesh::Image;
+use crate::noise::smooth_step;
 use glam::Vec2;
 
 /// Fewer texels a side hold no brushwork.

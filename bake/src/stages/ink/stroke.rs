@@ -4,9 +4,10 @@
 //! one half) is the outline. How wide the ink reaches inwards is how wide the line is; as the rim is gone round, it swells and thins as the line of
 //! a soft brush does.
 
-use super::noise::{gradient, octaves, smooth_step};
+use super::noise::{gradient, octaves};
 use super::plane::Plane;
 use crate::noise::hash;
+use crate::noise::smooth_step;
 use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 use std::f32::consts::TAU;

@@ -1,8 +1,9 @@
 //! The wash texture: a tile of dried ink wash, and the noise that lines and dry brushes follow on the surface.
 
 use super::diffusion::{Paper, dry};
-use super::noise::{octaves, smooth_step};
+use super::noise::octaves;
 use super::plane::Plane;
+use crate::noise::smooth_step;
 use crate::noise::{hash, uniform};
 use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};

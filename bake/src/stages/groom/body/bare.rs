@@ -2,8 +2,8 @@
 
 use super::skin::Skin;
 use super::subject::Body;
+use crate::noise::smooth_step;
 use crate::stages::cells::{Cells, closest};
-use crate::stages::reach::smooth_step;
 
 /// How far from bare parts hair is shortened, radii of the body.
 const REACH: f32 = 0.15;

@@ -18,7 +18,7 @@ mod thickness;
 mod words;
 
 use crate::decision::{Decision, metres_in_words};
-use crate::stages::reach::smooth_step;
+use crate::noise::smooth_step;
 pub(super) use bare::furred_faces;
 use glam::Vec3;
 use parts::{Growth, Region};
