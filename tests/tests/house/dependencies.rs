@@ -5,18 +5,23 @@ use pelage_tests::binary::workspace;
 use std::collections::BTreeSet;
 use std::process::Command;
 
-/// Names of all crates that a normal build of `package` links, itself included.
-fn tree(package: &str, options: &[&str]) -> BTreeSet<String> {
+/// What a command of cargo prints of this workspace, without the network.
+pub fn cargo(command: &str, arguments: &[&str]) -> String {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
-        .args(["tree", "--offline", "--locked", "--package", package, "--edges", "normal", "--prefix", "none"])
-        .args(["--format", "{p}", "--target", "all"])
-        .args(options)
+        .args([command, "--offline", "--locked"])
+        .args(arguments)
         .current_dir(workspace())
         .output()
         .unwrap();
-    assert!(output.status.success(), "cargo tree: {}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "cargo {command}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Names of all crates that a normal build of `package` links, itself included.
+fn tree(package: &str, options: &[&str]) -> BTreeSet<String> {
+    let normal = ["--package", package, "--edges", "normal", "--prefix", "none", "--format", "{p}", "--target", "all"];
+    let text = cargo("tree", &[&normal, options].concat());
     let names: BTreeSet<_> = text.lines().filter_map(|l| l.split_whitespace().next()).map(str::to_owned).collect();
     assert!(names.contains(package), "{package} is not in its own tree: {names:?}");
     names

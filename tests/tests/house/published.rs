@@ -1,21 +1,14 @@
 //! Crates that a registry takes: what their manifests say, and that the gate checks each of their features alone.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+use crate::dependencies::cargo;
 use pelage_tests::binary::workspace;
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 
 /// The crates that may be published, as `cargo metadata` describes them.
 fn published() -> Vec<Value> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .args(["metadata", "--no-deps", "--offline", "--locked", "--format-version", "1"])
-        .current_dir(workspace())
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
-    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let metadata: Value = serde_json::from_str(&cargo("metadata", &["--no-deps", "--format-version", "1"])).unwrap();
     // `publish = false` is an empty list of registries.
     let may = |package: &&Value| package["publish"].is_null();
     let packages: Vec<Value> = metadata["packages"].as_array().unwrap().iter().filter(may).cloned().collect();
