@@ -117,13 +117,31 @@ pub enum Reach {
 /// [`BakeError::Io`] where the model itself cannot be read, else as [`import`]; a buffer or image that is missing, or out of `reach`, is an error in
 /// the model, at the place that names it.
 pub fn read_model(path: &Path, options: &ImportOptions, reach: Reach) -> Result<Model, BakeError> {
+    read_model_noting(path, options, reach, &mut |_| ())
+}
+
+/// As [`read_model`]; `named` is called with the path of each file that the model names and that is in `reach`, before it is read.
+///
+/// # Errors
+///
+/// As [`read_model`].
+pub fn read_model_noting(
+    path: &Path,
+    options: &ImportOptions,
+    reach: Reach,
+    named: &mut dyn FnMut(&Path),
+) -> Result<Model, BakeError> {
     let bytes = read_file(path)?;
-    let mut resolve = beside(path, reach);
+    let mut resolve = beside(path, reach, named);
     import(&path.display().to_string(), &bytes, &mut resolve, options)
 }
 
 /// What reads the files that a model names.
-fn beside(model: &Path, reach: Reach) -> impl FnMut(&str, u64) -> Result<Vec<u8>, BakeError> {
+fn beside<'a>(
+    model: &'a Path,
+    reach: Reach,
+    named: &'a mut dyn FnMut(&Path),
+) -> impl FnMut(&str, u64) -> Result<Vec<u8>, BakeError> + 'a {
     let folder = model.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     move |uri: &str, most: u64| {
         let fail = |reason| BakeError::Input { file: model.display().to_string(), place: uri.to_owned(), reason };
@@ -135,7 +153,9 @@ fn beside(model: &Path, reach: Reach) -> impl FnMut(&str, u64) -> Result<Vec<u8>
                     .to_owned(),
             ));
         }
-        start(&folder.join(relative), most, FileType::is_file)
+        let path = folder.join(relative);
+        named(&path);
+        start(&path, most, FileType::is_file)
     }
 }
 
@@ -198,7 +218,7 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
         let shown = path.display().to_string();
         let (strands, inputs) = match format {
             Some(format) => (format.read(&shown, &bytes)?, vec![input_record("strands", name, &bytes)]),
-            None => import_strands(&shown, &bytes, &mut beside(&path, Reach::OwnFolder))?,
+            None => import_strands(&shown, &bytes, &mut beside(&path, Reach::OwnFolder, &mut |_| ()))?,
         };
         read.strands.insert(name.to_owned(), strands);
         read.inputs.extend(inputs);

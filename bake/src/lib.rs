@@ -19,6 +19,7 @@ pub mod mesh;
 pub(crate) mod noise;
 pub mod picture;
 pub mod pipeline;
+pub mod rebake;
 pub mod recipe;
 pub mod recorded;
 pub mod reslice;

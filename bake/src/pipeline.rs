@@ -27,6 +27,7 @@ use crate::stages::textures::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::{self, Visibility};
 use crate::steps::Steps;
 use pelage_formats::{HairGroup, RootsInfo, Shading, StrandsData};
+use pelage_params::{Knob, Tables as _};
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 9] =
@@ -173,29 +174,59 @@ pub struct Step {
     pub makes: Output,
     /// What must be there.
     pub reads: &'static [Output],
+    /// Tables of the recipe that decide what it makes, beside those that decide what it reads.
+    pub tables: &'static [&'static str],
     run: for<'a> fn(&Told<'a>, &mut Outputs<'a>) -> Result<(), BakeError>,
 }
 
 use Output::*;
 
+/// What lays the tile of hair on the model, and decides with that about all that is made of it.
+const LAYING: &[&str] = &["model", "surface", "hair", "underfur", "groom", "color", "slice"];
+
+/// Every table of a recipe.
+const ALL_TABLES: &[&str] = &{
+    let mut names = [""; Recipe::TABLES.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = Recipe::TABLES[i].name;
+        i += 1;
+    }
+    names
+};
+
 /// All steps, in their order. A line says what the step makes, and of what.
 pub const STEPS: &[Step] = &[
-    Step { stage: "surface", makes: Laid, reads: &[Model], run: surface },
-    Step { stage: "simulate", makes: Hair, reads: &[Laid], run: simulate },
-    Step { stage: "visibility", makes: Visible, reads: &[Hair], run: visible },
-    Step { stage: "slice", makes: Shells, reads: &[Hair, Visible], run: slice },
-    Step { stage: "slice", makes: Single, reads: &[Hair, Visible], run: single },
-    Step { stage: "groom", makes: Groomed, reads: &[Model, Laid, Hair], run: groom },
-    Step { stage: "groom", makes: Guided, reads: &[Model, Laid, Groomed], run: guided },
-    Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], run: fins },
-    Step { stage: "fins", makes: FinTextures, reads: &[Hair, Fins], run: fin_textures },
-    Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], run: ink },
-    Step { stage: "ink", makes: InkTextures, reads: &[Laid, Hair, Ink], run: ink_textures },
-    Step { stage: "textures", makes: Skin, reads: &[Model, Laid, Hair, Groomed], run: skin },
+    Step { stage: "surface", makes: Laid, reads: &[Model], tables: LAYING, run: surface },
+    Step { stage: "simulate", makes: Hair, reads: &[Laid], tables: &[], run: simulate },
+    Step { stage: "visibility", makes: Visible, reads: &[Hair], tables: &["visibility"], run: visible },
+    Step { stage: "slice", makes: Shells, reads: &[Hair, Visible], tables: &["slice", "pack", "detail"], run: slice },
+    Step { stage: "slice", makes: Single, reads: &[Hair, Visible], tables: &["strands"], run: single },
+    Step { stage: "groom", makes: Groomed, reads: &[Model, Laid, Hair], tables: &[], run: groom },
+    Step { stage: "groom", makes: Guided, reads: &[Model, Laid, Groomed], tables: &["strands"], run: guided },
+    Step { stage: "fins", makes: Fins, reads: &[Laid, Hair, Groomed], tables: &[], run: fins },
+    Step {
+        stage: "fins",
+        makes: FinTextures,
+        reads: &[Hair, Fins],
+        tables: &["fins", "slice", "pack"],
+        run: fin_textures,
+    },
+    Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], tables: &["ink", "fins"], run: ink },
+    Step { stage: "ink", makes: InkTextures, reads: &[Laid, Hair, Ink], tables: &["ink", "pack"], run: ink_textures },
+    Step {
+        stage: "textures",
+        makes: Skin,
+        reads: &[Model, Laid, Hair, Groomed],
+        tables: &["pack", "detail"],
+        run: skin,
+    },
     Step {
         stage: "pack",
         makes: Package,
-        reads: &[Shells, Single, Guided, Fins, FinTextures, Ink, InkTextures, Skin],
+        reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Ink, InkTextures, Skin],
+        // The package says by which recipe it was baked.
+        tables: ALL_TABLES,
         run: pack,
     },
 ];
@@ -233,11 +264,15 @@ pub struct Baked {
 pub fn bake(told: &Told<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     run(told, &mut outputs, on_stage)?;
+    baked(&outputs)
+}
+
+/// The finished bake.
+pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
     let groomed = made(&outputs.groomed, Output::Groomed)?;
     let decisions = [&made(&outputs.laid, Output::Laid)?.decisions[..], &groomed.decisions].concat();
-    let measures = groomed.surface.measures;
-    let Packed { bytes, warnings } = outputs.package.ok_or_else(|| missing(Package))?;
-    Ok(Baked { package: bytes, measures, decisions, warnings })
+    let Packed { bytes, warnings } = made(&outputs.package, Package)?.clone();
+    Ok(Baked { package: bytes, measures: groomed.surface.measures, decisions, warnings })
 }
 
 /// Runs every step that the package needs and that is not made yet. `on_stage` is called as a stage begins.
@@ -306,6 +341,20 @@ impl Outputs<'_> {
             }
         }
         gone.into_iter().for_each(|output| self.clear(output));
+    }
+
+    /// Drops what the change from one recipe to another changes, so that [`run`] makes that again and keeps the rest.
+    pub fn follow(&mut self, before: &Recipe, after: &Recipe) {
+        let text = |recipe: &Recipe, knob: &'static Knob| knob.value(recipe);
+        let changed = |table: &&str| {
+            let knobs = Recipe::TABLES.iter().filter(|info| info.name == *table).flat_map(|info| info.knobs);
+            knobs.into_iter().any(|knob| text(before, knob) != text(after, knob))
+        };
+        for step in STEPS {
+            if step.tables.iter().any(changed) {
+                self.forget(step.makes);
+            }
+        }
     }
 }
 
@@ -492,7 +541,6 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let encode = |images: &[Image], encode: fn(&Image, &PackParams) -> Result<Vec<u8>, BakeError>| {
         images.iter().map(|image| encode(image, &recipe.pack)).collect::<Result<Vec<_>, _>>()
     };
-    let shading = Shading::from(&recipe.shading);
     outputs.skin = Some(pack::skin(&SkinPieces {
         name: told.name,
         model,
@@ -511,7 +559,6 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         strands: laid.filled.strands_in_tile(),
         pattern_size_m: groomed.pattern_size_m,
         roots: groomed.roots.as_ref(),
-        shading: if hair.style == Style::Wet { shading.wet() } else { shading },
         base_colors: &encode(&groomed.colors.images, textures::encode_base_color)?,
         groom_textures: &encode(&groomed.grooms.images, textures::encode_groom)?,
         groom_of_material: &groomed.grooms.of_material,
@@ -524,11 +571,13 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
 fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let shells = made(&outputs.shells, Shells)?;
     let ink = made(&outputs.ink, Ink)?.as_ref().zip(made(&outputs.ink_textures, InkTextures)?.as_ref());
-    let skin = made(&outputs.skin, Skin)?;
+    let (skin, hair) = (made(&outputs.skin, Skin)?, made(&outputs.hair, Hair)?);
+    let shading = Shading::from(&told.recipe.shading);
     // Where no coat grows, its strands are of no use.
     let furred = skin.manifest.materials.iter().any(|material| material.furred);
     let packed = pack::pack(&Pieces {
         recipe: told.recipe,
+        shading: if hair.style == Style::Wet { shading.wet() } else { shading },
         skin,
         shells: &shells.dry,
         wet_shells: shells.wet.as_ref(),

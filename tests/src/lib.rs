@@ -3,6 +3,7 @@
 pub mod binary;
 pub mod chores;
 pub mod compute;
+pub mod desktop;
 pub mod documents;
 pub mod gpu;
 pub mod likeness;

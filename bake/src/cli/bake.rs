@@ -119,16 +119,18 @@ impl RecipeArgs {
     /// The images that the recipe's maps name. Their paths begin at the recipe's folder; those of `--set` also where the command runs.
     pub fn images(&self, recipe: &Recipe) -> Result<MapImages, BakeError> {
         let file = self.recipe.as_ref().map_or("--set".to_owned(), |path| path.display().to_string());
+        io::read_map_images(&file, &|name| self.image_path(name), recipe)
+    }
+
+    /// Where the image of a name is.
+    pub fn image_path(&self, name: &str) -> PathBuf {
         let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        let place = |name: &str| {
-            let beside = folder.join(name);
-            let mut given = self.set.iter().filter_map(|assignment| Named::of(assignment)).filter(|n| n.name == name);
-            match given.find(|named| named.is_absolute() || !beside.exists()) {
-                Some(named) if named.path.exists() || named.is_absolute() => named.path.to_owned(),
-                _ => beside,
-            }
-        };
-        io::read_map_images(&file, &place, recipe)
+        let beside = folder.join(name);
+        let mut given = self.set.iter().filter_map(|assignment| Named::of(assignment)).filter(|n| n.name == name);
+        match given.find(|named| named.is_absolute() || !beside.exists()) {
+            Some(named) if named.path.exists() || named.is_absolute() => named.path.to_owned(),
+            _ => beside,
+        }
     }
 
     /// An error with where its value stands: stages name the key of a recipe alone. Without a recipe the value follows from the model.

@@ -18,16 +18,16 @@ pub struct BuiltIn {
 /// A hare that breathes.
 pub const HARE: BuiltIn = BuiltIn {
     name: "hare",
-    glb: include_bytes!("../../../assets/models/hare.glb"),
-    recipe: include_str!("../../../assets/recipes/hare.toml"),
+    glb: include_bytes!("../../built_in/hare.glb"),
+    recipe: include_str!("../../built_in/hare.toml"),
 };
 
 /// A torus.
 #[cfg(feature = "preview")]
 pub const TORUS: BuiltIn = BuiltIn {
     name: "torus",
-    glb: include_bytes!("../../../assets/models/torus.glb"),
-    recipe: include_str!("../../../assets/recipes/torus.toml"),
+    glb: include_bytes!("../../built_in/torus.glb"),
+    recipe: include_str!("../../built_in/torus.toml"),
 };
 
 impl BuiltIn {

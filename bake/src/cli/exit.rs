@@ -38,7 +38,7 @@ impl Exit {
         (
             Self::NoAdapter,
             "no usable graphics adapter",
-            "No usable graphics adapter. The message says what to install.",
+            "No usable graphics adapter, or for `view` no screen. The message says what to install.",
         ),
         (Self::Internal, "internal error", "A fault of pelage. Please report it."),
         (
@@ -73,6 +73,10 @@ pub enum Failure {
     /// No graphics adapter can be used; the detail says what was tried.
     #[error("no usable graphics adapter: {0}\n{NO_ADAPTER_HELP}")]
     NoAdapter(String),
+    /// There is no screen for a window; the text says what that takes.
+    #[cfg(feature = "view")]
+    #[error("{0}")]
+    NoWindow(String),
     /// Writing to stdout failed.
     #[error("standard output: cannot write: {0}")]
     Stdout(std::io::Error),
@@ -117,6 +121,8 @@ impl Failure {
                 _ => Exit::Internal,
             },
             Self::NoAdapter(_) => Exit::NoAdapter,
+            #[cfg(feature = "view")]
+            Self::NoWindow(_) => Exit::NoAdapter,
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Exit::Done,
             Self::Stdout(_) => Exit::FileSystem,
             Self::Panicked => Exit::Internal,

@@ -32,6 +32,8 @@ mod reference;
 #[cfg(feature = "preview")]
 mod render;
 #[cfg(feature = "preview")]
+mod scene;
+#[cfg(feature = "preview")]
 mod sequence;
 #[cfg(feature = "preview")]
 mod shell_judge;
@@ -46,6 +48,8 @@ mod unpacked;
 mod validate;
 mod view;
 mod view_args;
+#[cfg(feature = "view")]
+mod window;
 mod work;
 mod write_recipe;
 
@@ -90,6 +94,8 @@ enum Command {
     Render(render::RenderArgs),
     #[cfg(feature = "preview")]
     Bench(bench::BenchArgs),
+    #[cfg(feature = "view")]
+    View(window::WindowArgs),
     Reference(reference::ReferenceArgs),
     Export(export::ExportArgs),
     Groom(groom::GroomArgs),
@@ -113,6 +119,8 @@ impl Command {
             Self::Render(args) => render::run(&args, output),
             #[cfg(feature = "preview")]
             Self::Bench(args) => bench::run(&args, output),
+            #[cfg(feature = "view")]
+            Self::View(args) => window::run(&args, output),
             Self::Reference(args) => reference::run(&args, output),
             Self::Export(args) => export::run(&args, output),
             Self::Groom(args) => groom::run(&args, output),

@@ -5,14 +5,14 @@ use super::journal::Key;
 use super::look_args;
 use super::output::Output;
 use super::package_file;
+use super::scene::{Scene, speaks_of_models};
 use super::sequence::{Drawn, Sink};
 use super::shoot::{Picture, Shoot};
 use super::staged::{self, crowd};
 use super::view::View;
 use super::view_args::ViewArgs;
-use pelage_bake::io::read_text;
 use pelage_formats::MAGIC;
-use pelage_stage::{Cast, Gpu, LoadedScene, Look, NamedPackage, SAMPLES, SceneFile, StageError};
+use pelage_stage::{Cast, Gpu, Look, NamedPackage, SAMPLES, StageError};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -83,34 +83,11 @@ enum Subject {
     Scene(Box<Scene>),
 }
 
-/// A scene file with its packages.
-struct Scene {
-    file: SceneFile,
-    loaded: LoadedScene,
-    look: Look,
-}
-
-impl Scene {
-    fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
-        let file = SceneFile::parse(&path.display().to_string(), bytes)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let look = file.look(|path| {
-            let path = folder.join(path);
-            let text = read_text(&path, look_args::LOOK).map_err(|error| error.to_string())?;
-            Ok((path.display().to_string(), text))
-        })?;
-        let loaded = file.load(&package_file::Folder(folder))?;
-        Ok(Self { file, loaded, look })
-    }
-}
-
 impl Subject {
     fn read(path: &Path) -> Result<Self, Failure> {
         let file = package_file::read(path)?;
         let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-        // Whatever its name is: every scene has a model.
-        let is_scene = || std::str::from_utf8(&file.bytes).is_ok_and(|text| text.contains("[[model]]"));
-        if !file.bytes.starts_with(&MAGIC) && (named || is_scene()) {
+        if !file.bytes.starts_with(&MAGIC) && (named || speaks_of_models(&file.bytes)) {
             return Ok(Self::Scene(Box::new(Scene::read(path, file.bytes.into_owned())?)));
         }
         Ok(Self::Package(file))

@@ -8,7 +8,7 @@ use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, True
 use pelage_bake::strands::{GroomReport, Skin, grow_groups, grow_on, tile_hair};
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_stage::{KeyLight, LookSelfShadow, LookStyle, NamedPackage, Viewpoint, find_clip, within};
+use pelage_stage::{KeyLight, Look, LookSelfShadow, LookStyle, NamedPackage, Viewpoint, find_clip, within};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -89,23 +89,37 @@ impl Truth {
     /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
     /// for. `progress` gets the pixels that are done and all of them.
     pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
-        let look = &view.look;
-        let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
-        let lighting = TrueLighting {
-            key: match look.key_light() {
-                KeyLight::Distant(towards) => distant(towards, Vec3::ONE),
-                KeyLight::Nearby(position_ws) => TrueLight::Point { position_ws, color: Vec3::ONE },
-            },
-            penumbra: f64::from(look.shadow.penumbra),
-            fill: look.fill_lights().map(|(towards, strength)| distant(towards, Vec3::splat(strength))).collect(),
-            ambient_attenuation: look.fur.ambient_attenuation,
-            back_attenuation: look.fur.back_attenuation,
-            hair_shadows: look.shadow.self_shadow != LookSelfShadow::Off,
-            fill_shadows: matches!(look.shadow.self_shadow, LookSelfShadow::Auto | LookSelfShadow::Baked),
-            skin_shadows: look.shadow.soft_shadow,
-            rolled_off: look.picture.style == LookStyle::Bare,
-        };
-        self.scene.picture(&self.camera(view), &lighting, view.size(), spp, progress)
+        self.scene.picture(&self.camera(view), &lighting(&view.look), view.size(), spp, progress)
+    }
+
+    /// Those samples alone of the same picture; `None` where `progress` breaks off.
+    #[cfg(feature = "view")]
+    pub fn samples(
+        &self,
+        view: &View,
+        samples: std::ops::Range<u32>,
+        progress: &mut dyn FnMut(u64, u64) -> std::ops::ControlFlow<()>,
+    ) -> Option<TracedPicture> {
+        self.scene.samples(&self.camera(view), &lighting(&view.look), view.size(), samples, progress)
+    }
+}
+
+/// The lights of a look, and what of the lighting equation it leaves out.
+fn lighting(look: &Look) -> TrueLighting {
+    let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
+    TrueLighting {
+        key: match look.key_light() {
+            KeyLight::Distant(towards) => distant(towards, Vec3::ONE),
+            KeyLight::Nearby(position_ws) => TrueLight::Point { position_ws, color: Vec3::ONE },
+        },
+        penumbra: f64::from(look.shadow.penumbra),
+        fill: look.fill_lights().map(|(towards, strength)| distant(towards, Vec3::splat(strength))).collect(),
+        ambient_attenuation: look.fur.ambient_attenuation,
+        back_attenuation: look.fur.back_attenuation,
+        hair_shadows: look.shadow.self_shadow != LookSelfShadow::Off,
+        fill_shadows: matches!(look.shadow.self_shadow, LookSelfShadow::Auto | LookSelfShadow::Baked),
+        skin_shadows: look.shadow.soft_shadow,
+        rolled_off: look.picture.style == LookStyle::Bare,
     }
 }
 

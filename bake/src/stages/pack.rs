@@ -89,8 +89,6 @@ pub struct SkinPieces<'a> {
     pub pattern_size_m: Option<f32>,
     /// How far hair lies aside of its root, where it has the colour that it has there.
     pub roots: Option<&'a RootsInfo>,
-    /// Constants of the lighting equation.
-    pub shading: Shading,
     /// One .ktx2 file per image of `colors`.
     pub base_colors: &'a [Vec<u8>],
     /// The groom textures, .ktx2 files.
@@ -127,7 +125,6 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
             patches: surface.measures.patches,
             ..FurInfo::default()
         },
-        shading: pieces.shading,
         materials: materials(pieces, &base_colors, &grooms),
         parts: parts(surface),
         quality: quality(surface),
@@ -168,6 +165,8 @@ pub fn skin_fins(surface: &Surface, fins: &EdgeFins) -> SkinFins<'static> {
 pub struct Pieces<'a> {
     /// The recipe: what it leaves open, the others fill in.
     pub recipe: &'a Recipe,
+    /// Constants of the lighting equation.
+    pub shading: Shading,
     /// The skin.
     pub skin: &'a Skin<'a>,
     /// The shell textures.
@@ -241,6 +240,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     recorded.validate()?;
     let manifest = Manifest {
         recipe: recorded.to_toml(),
+        shading: pieces.shading,
         fur: FurInfo {
             layers: recipe.slice.layers,
             tile_texels: recipe.slice.tile_texels,

@@ -2,5 +2,6 @@
 #![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 
 mod pipeline;
+mod rebake;
 mod reference;
 mod surface;

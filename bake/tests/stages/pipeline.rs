@@ -2,6 +2,7 @@
 //! The way through bake, from the built-in models to packages.
 
 use pelage_bake::BakeError;
+use pelage_bake::mesh::Model;
 use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, Told};
 use pelage_bake::recipe::{Recipe, StrandParams};
 use pelage_bake::reslice::{Slicer, reslice};
@@ -11,7 +12,7 @@ use pelage_bake::strands::tile_hair;
 use pelage_formats::{Limits, Package};
 use std::path::PathBuf;
 
-fn asset(path: &str) -> Vec<u8> {
+pub fn asset(path: &str) -> Vec<u8> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../assets").join(path);
     std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
@@ -33,10 +34,15 @@ fn fur(name: &str) -> Recipe {
     recipe
 }
 
-fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
+/// A model of `assets/models`.
+pub fn import_built_in(name: &str, recipe: &Recipe) -> Model {
     let mut no_files = |uri: &str, _: u64| panic!("a built-in model names the file {uri}");
     let bytes = asset(&format!("models/{name}.glb"));
-    let model = import(name, &bytes, &mut no_files, &ImportOptions { unit_m: recipe.model.unit_m })?;
+    import(name, &bytes, &mut no_files, &ImportOptions { unit_m: recipe.model.unit_m }).unwrap()
+}
+
+fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
+    let model = import_built_in(name, recipe);
     let mut stages = Vec::new();
     let baked =
         pipeline::bake(&Told::new(name, name, recipe, &MapImages::default()), &model, &mut |stage| stages.push(stage));

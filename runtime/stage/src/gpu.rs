@@ -21,10 +21,42 @@ impl Gpu {
     ///
     /// [`StageError::NoAdapter`] with what was tried.
     pub fn open() -> Result<Self, StageError> {
-        let measured = wgpu::Features::TIMESTAMP_QUERY
+        Self::with(Self::wished(), None)
+    }
+
+    /// All that a picture and its measures can use of an adapter.
+    fn wished() -> wgpu::Features {
+        wgpu::Features::TEXTURE_COMPRESSION_BC
+            | wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
-            | wgpu::Features::PIPELINE_STATISTICS_QUERY;
-        Self::with(wgpu::Features::TEXTURE_COMPRESSION_BC | measured, None)
+            | wgpu::Features::PIPELINE_STATISTICS_QUERY
+    }
+
+    /// Opens an adapter that somebody chose, such as one that can draw into a window, with all that it can do and measure.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::NoAdapter`] where it gives no device.
+    pub fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, StageError> {
+        pollster::block_on(Self::request(adapter, Self::wished(), None))
+    }
+
+    /// A device of an adapter, with those features of `wanted` that it has, and those limits, `None` for its own.
+    async fn request(
+        adapter: &wgpu::Adapter,
+        wanted: wgpu::Features,
+        limits: Option<wgpu::Limits>,
+    ) -> Result<Self, StageError> {
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("pelage"),
+                required_features: wanted & adapter.features(),
+                required_limits: limits.unwrap_or_else(|| adapter.limits()),
+                ..Default::default()
+            })
+            .await
+            .map_err(|error| StageError::NoAdapter(error.to_string()))?;
+        Ok(Self { device, queue, info: adapter.get_info() })
     }
 
     /// Opens the same adapter with those features of `wanted` that it has, and those limits, `None` for its own: an application that runs
@@ -37,14 +69,7 @@ impl Gpu {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, None))
             .map_err(|error| StageError::NoAdapter(error.to_string()))?;
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            label: Some("pelage"),
-            required_features: wanted & adapter.features(),
-            required_limits: limits.unwrap_or_else(|| adapter.limits()),
-            ..Default::default()
-        }))
-        .map_err(|error| StageError::NoAdapter(error.to_string()))?;
-        Ok(Self { device, queue, info: adapter.get_info() })
+        pollster::block_on(Self::request(&adapter, wanted, limits))
     }
 
     /// Blocks until everything submitted so far is done.

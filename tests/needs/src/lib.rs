@@ -19,11 +19,13 @@ pub enum Need {
     Data,
     /// A C compiler: `CC`, or `cc`.
     Compiler,
+    /// A screen without glass, and hands for it: `Xvfb` and `xdotool`.
+    Desktop,
 }
 
 impl Need {
     /// All needs.
-    pub const ALL: [Self; 3] = [Self::Gpu, Self::Data, Self::Compiler];
+    pub const ALL: [Self; 4] = [Self::Gpu, Self::Data, Self::Compiler, Self::Desktop];
 
     /// Its word in log and register.
     pub fn word(self) -> &'static str {
@@ -31,6 +33,7 @@ impl Need {
             Self::Gpu => "gpu",
             Self::Data => "data",
             Self::Compiler => "compiler",
+            Self::Desktop => "desktop",
         }
     }
 }

@@ -72,6 +72,15 @@ fn the_stage_is_plain_data_and_with_its_feature_draws() {
 }
 
 #[test]
+fn the_viewer_knows_windows_and_no_models() {
+    let never = ["clap", "rayon", "gltf", "pelage-bake", "pelage-glb"];
+    assert_floor("pelage-viewer", &[], &["winit", "egui", "wgpu", "pelage-stage", "pelage-runtime"], &never);
+    // Without its windows the tool draws and knows none.
+    let options = ["--no-default-features", "--features", "preview"];
+    assert_floor("pelage-bake", &options, &["wgpu"], &["winit", "egui", "pelage-viewer"]);
+}
+
+#[test]
 fn bake_without_preview_knows_no_gpu() {
     let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit"];
     assert_floor("pelage-bake", &["--no-default-features"], &["pelage-formats", "rayon", "clap"], &never);
@@ -97,5 +106,5 @@ fn the_models_know_no_other_floor_but_how_gltf_is_written() {
 #[test]
 fn bake_with_preview_draws_through_the_runtime() {
     // The negative control: the same look at the same tree does find wgpu where it is.
-    assert_floor("pelage-bake", &[], &["pelage-runtime", "wgpu"], &["winit"]);
+    assert_floor("pelage-bake", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &[]);
 }

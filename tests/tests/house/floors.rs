@@ -31,7 +31,7 @@ const BAKE: [&[&str]; 11] = [
     &["stages"],
     &["strands", "io", "recorded"],
     &["pipeline"],
-    &["reslice", "groom_map"],
+    &["reslice", "rebake", "groom_map"],
     &["judge"],
     &["cli"],
 ];

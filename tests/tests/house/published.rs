@@ -12,7 +12,7 @@ fn published() -> Vec<Value> {
     // `publish = false` is an empty list of registries.
     let may = |package: &&Value| package["publish"].is_null();
     let packages: Vec<Value> = metadata["packages"].as_array().unwrap().iter().filter(may).cloned().collect();
-    assert!(packages.len() >= 6, "{packages:?}");
+    assert!(packages.len() >= 7, "{packages:?}");
     packages
 }
 
@@ -29,6 +29,26 @@ fn manifests_say_what_a_registry_shows() {
         let readme = std::fs::read_to_string(folder.join(package["readme"].as_str().unwrap())).unwrap();
         assert!(readme.starts_with(&format!("# {name}\n")), "{name}: {}", readme.lines().next().unwrap());
         assert_eq!(package["metadata"]["docs"]["rs"]["all-features"], true, "{name}");
+    }
+}
+
+/// A package holds all that it is built from, so `bake/built_in` has copies of what the demo shows.
+#[test]
+fn what_comes_with_the_binary_is_what_stands_in_assets() {
+    let read = |path: &Path| std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut names = pelage_tests::binary::files(&workspace().join("bake/built_in"));
+    names.retain(|name| name != "README.md");
+    assert_eq!(names.len(), 4, "{names:?}");
+    for name in names {
+        let folder = if name.ends_with(".glb") { "models" } else { "recipes" };
+        let (copy, asset) =
+            (workspace().join("bake/built_in").join(&name), workspace().join("assets").join(folder).join(&name));
+        assert!(
+            read(&copy) == read(&asset),
+            "{} is another file than {}: copy it anew",
+            copy.display(),
+            asset.display()
+        );
     }
 }
 

@@ -11,6 +11,7 @@ use crate::strands::Skin;
 use glam::{DVec2, DVec3};
 use pelage_formats::Shading;
 use rayon::prelude::*;
+use std::ops::{ControlFlow, Range};
 
 /// Width and height of the squares that the picture is traced in, pixels.
 const SQUARE: u32 = 16;
@@ -43,6 +44,17 @@ pub struct Rays {
 pub struct TrueScene {
     pub(super) tracer: Tracer,
     material: Material,
+}
+
+impl TracedPicture {
+    /// Takes in another picture of the same size, of other samples: `[self, other]` are the shares of all samples that each has.
+    pub fn mix(&mut self, other: &Self, [own, new]: [f32; 2]) {
+        for (pixel, more) in self.pixels.iter_mut().zip(&other.pixels) {
+            *pixel = std::array::from_fn(|i| own * pixel[i] + new * more[i]);
+        }
+        self.rays.primary += other.rays.primary;
+        self.rays.shadow += other.rays.shadow;
+    }
 }
 
 impl TrueScene {
@@ -95,6 +107,25 @@ impl TrueScene {
         spp: u32,
         progress: &mut dyn FnMut(u64, u64),
     ) -> TracedPicture {
+        let mut going_on = |done, total| {
+            progress(done, total);
+            ControlFlow::Continue(())
+        };
+        let whole = self.samples(camera, lighting, (width, height), 0..spp, &mut going_on);
+        // Nobody breaks off.
+        whole.unwrap_or_default()
+    }
+
+    /// As [`Self::picture`], of those samples alone: the mean of several such pictures, each weighed by its samples, is one of them all.
+    /// Ends without a picture where `progress` breaks off.
+    pub fn samples(
+        &self,
+        camera: &TrueCamera,
+        lighting: &TrueLighting,
+        (width, height): (u32, u32),
+        samples: Range<u32>,
+        progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
+    ) -> Option<TracedPicture> {
         let mut picture = TracedPicture { width, height, ..TracedPicture::default() };
         picture.pixels = vec![[0.0; 4]; width as usize * height as usize];
         let squares: Vec<(u32, u32)> = (0..height.div_ceil(SQUARE))
@@ -111,7 +142,9 @@ impl TrueScene {
                     let mut pixels = Vec::new();
                     let mut count = Rays::default();
                     for y in *y0..(y0 + SQUARE).min(height) {
-                        pixels.extend(columns.clone().map(|x| self.pixel(&rays, lighting, (x, y), spp, &mut count)));
+                        pixels.extend(
+                            columns.clone().map(|x| self.pixel(&rays, lighting, (x, y), samples.clone(), &mut count)),
+                        );
                     }
                     (columns, *y0, pixels, count)
                 })
@@ -125,9 +158,11 @@ impl TrueScene {
                 picture.rays.primary += count.primary;
                 picture.rays.shadow += count.shadow;
             }
-            progress(done, total);
+            if progress(done, total).is_break() {
+                return None;
+            }
         }
-        picture
+        Some(picture)
     }
 
     fn pixel(
@@ -135,14 +170,14 @@ impl TrueScene {
         rays: &RayCaster,
         lighting: &TrueLighting,
         (x, y): (u32, u32),
-        spp: u32,
+        samples: Range<u32>,
         count: &mut Rays,
     ) -> [f32; 4] {
         let seed = hash(u64::from(x) << 32 | u64::from(y), 0x0123);
         let shift = DVec2::new(f64::from(uniform(seed, 0)), f64::from(uniform(seed, 1)));
         let mut sum = DVec3::ZERO;
         let mut met = 0u32;
-        for i in 0..spp {
+        for i in samples.clone() {
             let inside = spread(i, shift);
             let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + inside);
             count.primary += 1;
@@ -153,7 +188,7 @@ impl TrueScene {
                 sum += sample.light(&hit, origin + way * distance, -way, &mut count.shadow);
             }
         }
-        let spp = f64::from(spp.max(1));
+        let spp = f64::from((samples.end.saturating_sub(samples.start)).max(1));
         let color = (sum / spp).as_vec3();
         [color.x, color.y, color.z, (f64::from(met) / spp) as f32]
     }

@@ -322,3 +322,22 @@ fn an_empty_scene_is_empty() {
     let picture = trace(&scene(Curves::default()), &lighting(), 4, 4);
     assert!(picture.pixels.iter().all(|p| *p == [0.0; 4]) && picture.rays.shadow == 0);
 }
+
+#[test]
+fn samples_in_parts_are_the_whole_and_a_trace_can_be_broken_off() {
+    let mut curves = Curves::default();
+    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
+    let scene = scene(curves);
+    let part =
+        |samples| scene.samples(&camera(), &lighting(), (40, 40), samples, &mut |_, _| ControlFlow::Continue(()));
+    let whole = trace(&scene, &lighting(), 40, 8);
+    let mut mixed = part(0..2).unwrap();
+    mixed.mix(&part(2..8).unwrap(), [0.25, 0.75]);
+    assert_eq!(mixed.rays, whole.rays);
+    for (a, b) in mixed.pixels.iter().flatten().zip(whole.pixels.iter().flatten()) {
+        assert!((a - b).abs() < 1e-5, "{a} is not {b}");
+    }
+    assert!(part(0..2).unwrap() != part(2..4).unwrap(), "each part has samples of its own");
+    let broken = scene.samples(&camera(), &lighting(), (40, 40), 0..8, &mut |_, _| ControlFlow::Break(()));
+    assert_eq!(broken, None);
+}

@@ -1,0 +1,34 @@
+//! The recipe as a set of knobs: a coat that is chosen changes others with it.
+
+use pelage_bake::recipe::Recipe;
+use pelage_params::{Knob, TableInfo, Tables as _};
+use pelage_viewer::Knobs;
+
+/// A recipe.
+#[derive(Clone, Debug)]
+pub struct RecipeKnobs(pub Recipe);
+
+impl Knobs for RecipeKnobs {
+    fn tables(&self) -> &'static [TableInfo] {
+        Recipe::TABLES
+    }
+
+    fn value(&self, knob: &Knob) -> Option<String> {
+        knob.value(&self.0)
+    }
+
+    fn default_value(&self, knob: &Knob) -> Option<String> {
+        // Beside its coat a recipe that says nothing has the values of that coat.
+        let of_coat = Recipe::of_coat(self.0.hair.coat).unwrap_or_default();
+        let plain = Recipe::default();
+        knob.value(if knob.name == "hair.coat" { &plain } else { &of_coat })
+    }
+
+    fn set(&mut self, assignment: &str) -> Result<(), String> {
+        self.0.set(assignment).map_err(|error| error.to_string())
+    }
+
+    fn boxed(&self) -> Box<dyn Knobs> {
+        Box::new(self.clone())
+    }
+}

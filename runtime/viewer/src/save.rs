@@ -1,0 +1,76 @@
+//! Files that a window writes: none that is there is written over, and none is left half-written.
+
+use image::{ImageFormat, RgbaImage};
+use std::io::{Cursor, Write};
+use std::path::{Path, PathBuf};
+
+/// Numbers that are tried for a name.
+const MOST: u32 = 10_000;
+
+/// The first free name of `stem-0001.ext` in a folder.
+///
+/// # Errors
+///
+/// Where all of them are taken.
+pub fn free(folder: &Path, stem: &str, ext: &str) -> Result<PathBuf, String> {
+    let name = |number| folder.join(format!("{stem}-{number:04}.{ext}"));
+    let found = (1..MOST).map(name).find(|path| !path.exists());
+    found.ok_or_else(|| format!("{}: all names up to {stem}-{MOST}.{ext} are taken", folder.display()))
+}
+
+/// Writes a file whole: first beside its place, then into it.
+///
+/// # Errors
+///
+/// The file, and what the system says.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let fail = |error: std::io::Error| format!("{}: cannot write: {error}", path.display());
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    let written =
+        std::fs::File::create(&part).and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()));
+    written.and_then(|()| std::fs::rename(&part, path)).map_err(|error| {
+        // What is left of it is of use to nobody.
+        let _ = std::fs::remove_file(&part);
+        fail(error)
+    })
+}
+
+/// Writes a picture as PNG.
+///
+/// # Errors
+///
+/// As [`write`].
+pub fn write_png(path: &Path, picture: &RgbaImage) -> Result<(), String> {
+    let mut png = Cursor::new(Vec::new());
+    picture.write_to(&mut png, ImageFormat::Png).map_err(|error| format!("{}: {error}", path.display()))?;
+    write(path, png.get_ref())
+}
+
+/// The stem of what is shown, for the names of what is saved of it.
+pub fn stem(name: &str) -> String {
+    let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    stem.filter(|stem| !stem.is_empty()).unwrap_or_else(|| "picture".into())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+
+    #[test]
+    fn nothing_is_written_over_or_left_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = free(folder.path(), "fox", "png").unwrap();
+        assert_eq!(first, folder.path().join("fox-0001.png"));
+        write_png(&first, &RgbaImage::new(2, 3)).unwrap();
+        let second = free(folder.path(), "fox", "png").unwrap();
+        assert_eq!(second, folder.path().join("fox-0002.png"));
+        assert_eq!(image::open(&first).unwrap().width(), 2);
+        let error = write(&folder.path().join("no/such.png"), b"").unwrap_err();
+        assert!(error.contains("such.png: cannot write"), "{error}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert_eq!((stem("a/fox.pelage"), stem("")), ("fox".into(), "picture".into()));
+    }
+}

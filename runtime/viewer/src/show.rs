@@ -1,0 +1,293 @@
+//! What is shown: a subject on a stage, from where somebody looks, at some moment of time.
+
+use crate::subject::{ClipInfo, Subject};
+use image::RgbaImage;
+use pelage_runtime::{FrameReport, wgpu};
+use pelage_stage::{Framing, Gpu, Look, Navigator, Orbit, Shot, Size, Stage, StageError, Viewpoint, framed};
+use std::time::{Duration, Instant};
+
+/// A subject on a stage.
+pub struct Show {
+    gpu: Gpu,
+    stage: Option<Stage>,
+    subject: Option<Subject>,
+    clips: Vec<ClipInfo>,
+    /// Index into `clips`; `None` shows the pose at rest.
+    clip: Option<usize>,
+    /// How it looks; the size of its picture is the window's matter.
+    look: Look,
+    /// The subject's own camera over time, where it has one.
+    shot: Option<Shot>,
+    navigator: Option<Navigator>,
+    /// Seconds.
+    time_s: f32,
+    /// What the canvas shows: nothing is drawn again while it is this.
+    drawn: Option<Drawn>,
+    last: Option<LastFrame>,
+}
+
+/// Everything that a picture depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawn {
+    size: (u32, u32),
+    look: Look,
+    view: Viewpoint,
+    time_s: f32,
+}
+
+/// The frame that was drawn last.
+#[derive(Clone, Debug, Default)]
+pub struct LastFrame {
+    /// From its beginning until the device had drawn it.
+    pub took: Duration,
+    /// Pixels.
+    pub size: (u32, u32),
+    /// What became of its passes, and what is drawn of the fur.
+    pub report: FrameReport,
+}
+
+impl Show {
+    /// Nothing yet, on that device.
+    pub fn new(gpu: Gpu) -> Self {
+        Self {
+            gpu,
+            stage: None,
+            subject: None,
+            clips: Vec::new(),
+            clip: None,
+            look: Look::of_picture(),
+            shot: None,
+            navigator: None,
+            time_s: 0.0,
+            drawn: None,
+            last: None,
+        }
+    }
+
+    /// Whether the device is software: its pictures are small while they move.
+    pub fn is_software(&self) -> bool {
+        self.gpu.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// What is shown.
+    pub fn subject(&self) -> Option<&Subject> {
+        self.subject.as_ref()
+    }
+
+    /// Its clips.
+    pub fn clips(&self) -> &[ClipInfo] {
+        &self.clips
+    }
+
+    /// The clip that plays.
+    pub fn clip(&self) -> Option<&ClipInfo> {
+        self.clip.and_then(|clip| self.clips.get(clip))
+    }
+
+    /// The frame that was drawn last.
+    pub fn last(&self) -> Option<&LastFrame> {
+        self.last.as_ref()
+    }
+
+    /// The moment, seconds.
+    pub fn time_s(&self) -> f32 {
+        self.time_s
+    }
+
+    /// Bytes on the device: the models, and what belongs to their copies.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.stage.as_ref().map_or(0, |stage| stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes())
+    }
+
+    /// Shows another subject: one of the same name, baked again, is seen from where the one before was.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stage::new`]; what was shown before still is.
+    pub fn show(&mut self, subject: Subject, size: (u32, u32)) -> Result<(), StageError> {
+        let is_same = self.subject.as_ref().is_some_and(|before| before.name() == subject.name());
+        let clips = subject.clips();
+        let named = self.clip().map(|clip| clip.name.clone()).filter(|_| is_same);
+        let clip = named.and_then(|name| clips.iter().position(|clip| clip.name == name));
+        self.load(&subject, clip.map(|clip| &clips[clip]), size)?;
+        (self.clips, self.clip) = (clips, clip);
+        self.shot = match &subject {
+            Subject::Package(_) => None,
+            Subject::Scene(scene) => scene.camera.clone(),
+        };
+        self.subject = Some(subject);
+        if !is_same {
+            self.navigator = None;
+            self.time_s = 0.0;
+        }
+        Ok(())
+    }
+
+    /// Plays another clip; `None` is the pose at rest.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stage::recast`].
+    pub fn play(&mut self, clip: Option<usize>, size: (u32, u32)) -> Result<(), StageError> {
+        let Some(subject) = self.subject.clone() else { return Ok(()) };
+        let info = clip.and_then(|clip| self.clips.get(clip)).cloned();
+        // The camera stays, although another clip fills another box.
+        let view = self.view(size)?;
+        self.load(&subject, info.as_ref(), size)?;
+        if self.navigator.is_none() && self.shot.is_none() {
+            self.navigator = Some(Navigator::new(view));
+        }
+        self.clip = clip.filter(|_| info.is_some());
+        Ok(())
+    }
+
+    fn load(&mut self, subject: &Subject, clip: Option<&ClipInfo>, size: (u32, u32)) -> Result<(), StageError> {
+        let (look, time_s) = (self.sized(size), self.time_s);
+        let cast = subject.cast(clip.map(|clip| clip.name.as_str()), None, look.aspect())?;
+        self.drawn = None;
+        match &mut self.stage {
+            Some(stage) => {
+                stage.relook(&look.picture(), look.frame_params(), time_s)?;
+                stage.recast(&cast, time_s)
+            }
+            None => {
+                let gpu = self.gpu.clone();
+                self.stage = Some(Stage::new(&cast, &look.picture(), look.frame_params(), time_s, || Ok(gpu))?);
+                Ok(())
+            }
+        }
+    }
+
+    /// Gives it another look.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stage::new`], where it takes a new stage; the look before stays.
+    pub fn set_look(&mut self, look: Look, size: (u32, u32)) -> Result<(), StageError> {
+        if look == self.look {
+            return Ok(());
+        }
+        let before = std::mem::replace(&mut self.look, look);
+        if before.picture.samples == self.look.picture.samples {
+            return Ok(());
+        }
+        let (stage, subject, clip) = (self.stage.take(), self.subject.clone(), self.clip().cloned());
+        let loaded = subject.map_or(Ok(()), |subject| self.load(&subject, clip.as_ref(), size));
+        if loaded.is_err() {
+            (self.stage, self.look) = (stage, before);
+        }
+        loaded
+    }
+
+    /// Goes to a moment, seconds.
+    pub fn set_time(&mut self, time_s: f32) {
+        self.time_s = time_s;
+    }
+
+    fn sized(&self, (width, height): (u32, u32)) -> Look {
+        let mut look = self.look.clone();
+        look.picture.size = Size { width, height };
+        look
+    }
+
+    /// From where it is seen.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Package`] for a damaged package.
+    pub fn view(&self, size: (u32, u32)) -> Result<Viewpoint, StageError> {
+        match (&self.navigator, &self.shot) {
+            (Some(navigator), _) => Ok(navigator.view()),
+            (None, Some(shot)) => Ok(shot.at(self.time_s)),
+            (None, None) => self.framed(None, size),
+        }
+    }
+
+    /// A view of all that there is, from a direction.
+    fn framed(&self, orbit: Option<Orbit>, size: (u32, u32)) -> Result<Viewpoint, StageError> {
+        let Some(subject) = &self.subject else {
+            return Ok(Framing::default().view(&[], 0.0, 1.0));
+        };
+        let aspect = size.0 as f32 / size.1 as f32;
+        let cast = subject.cast(self.clip().map(|clip| clip.name.as_str()), None, aspect)?;
+        framed(&cast.packages, &cast.actors, aspect, &Framing { orbit, ..Framing::default() })
+    }
+
+    /// The camera, to be moved by hand from where it is.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::view`].
+    pub fn navigator(&mut self, size: (u32, u32)) -> Result<&mut Navigator, StageError> {
+        if self.navigator.is_none() {
+            self.navigator = Some(Navigator::new(self.view(size)?));
+        }
+        // It was just put there.
+        Ok(self.navigator.get_or_insert_with(|| Navigator::new(Framing::default().view(&[], 0.0, 1.0))))
+    }
+
+    /// Looks at all that there is, from the same side as before.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::view`].
+    pub fn frame(&mut self, size: (u32, u32)) -> Result<(), StageError> {
+        let (azimuth_deg, elevation_deg, _) = self.navigator(size)?.around();
+        let view = self.framed(Some(Orbit { azimuth_deg, elevation_deg, zoom: 1.0 }), size)?;
+        self.navigator = Some(Navigator::new(view));
+        Ok(())
+    }
+
+    /// Goes back to the subject's own camera, or the one that a picture has of which nothing is said.
+    pub fn reset(&mut self) {
+        self.navigator = None;
+    }
+
+    /// Draws into the canvas what is not there yet; says whether anything was drawn.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Params`] for a look that the device or the package cannot have, [`StageError::Device`] for a device that is gone.
+    pub fn draw(&mut self, size: (u32, u32)) -> Result<bool, StageError> {
+        let wanted = Drawn { size, look: self.look.clone(), view: self.view(size)?, time_s: self.time_s };
+        if self.drawn.as_ref() == Some(&wanted) {
+            return Ok(false);
+        }
+        let (look, time_s) = (self.sized(size), self.time_s);
+        let Some(stage) = &mut self.stage else { return Ok(false) };
+        let began = Instant::now();
+        let looks_otherwise = self.drawn.as_ref().is_none_or(|d| (d.size, &d.look) != (size, &wanted.look));
+        if looks_otherwise {
+            stage.relook(&look.picture(), look.frame_params(), time_s)?;
+        }
+        stage.play(time_s);
+        stage.look_from(wanted.view);
+        let frame = stage.draw()?;
+        self.last = Some(LastFrame { took: began.elapsed(), size, report: frame.report().clone() });
+        self.drawn = Some(wanted);
+        Ok(true)
+    }
+
+    /// The picture as it was drawn last, to be shown on a screen.
+    pub fn picture_view(&self) -> Option<wgpu::TextureView> {
+        Some(self.stage.as_ref()?.canvas.encoded())
+    }
+
+    /// The picture in that size, as `pelage render` draws it: sRGB-encoded, straight alpha.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::draw`].
+    pub fn picture(&mut self, size: (u32, u32)) -> Result<Option<RgbaImage>, StageError> {
+        self.draw(size)?;
+        let Some(stage) = &self.stage else { return Ok(None) };
+        let pixels = stage.canvas.read(&stage.gpu)?;
+        Ok(RgbaImage::from_raw(size.0, size.1, pixels))
+    }
+
+    /// The stage, to measure on; what it shows is drawn again afterwards.
+    pub fn stage(&mut self) -> Option<&mut Stage> {
+        self.drawn = None;
+        self.stage.as_mut()
+    }
+}

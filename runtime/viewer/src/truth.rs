@@ -1,0 +1,109 @@
+//! The true picture beside the drawn one: when it is asked for anew, and what there is of it.
+
+use crate::workshop::{Progress, Truth};
+use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
+use std::time::{Duration, Instant};
+
+/// So long a view stands still before its truth is traced.
+const STILL: Duration = Duration::from_millis(300);
+
+/// What there is of the truth.
+#[derive(Default)]
+pub struct TruthBeside {
+    asked: bool,
+    /// Since when nothing moves.
+    still_since: Option<Instant>,
+    /// The truth of what is drawn is being traced, or is there.
+    is_traced: bool,
+    latest: Option<Truth>,
+    progress: Option<Progress>,
+    failure: Option<String>,
+    picture: Option<TextureHandle>,
+    map: Option<TextureHandle>,
+}
+
+impl TruthBeside {
+    /// Whether it is to be seen.
+    pub fn is_asked(&self) -> bool {
+        self.asked
+    }
+
+    /// Shows it, or not any more.
+    pub fn toggle(&mut self) {
+        *self = Self { asked: !self.asked, ..Self::default() };
+    }
+
+    /// What is drawn changed: its truth is another one. Says whether one was being traced.
+    pub fn outdated(&mut self) -> bool {
+        self.still_since = Some(Instant::now());
+        self.progress = None;
+        std::mem::take(&mut self.is_traced)
+    }
+
+    /// Whether it is time to trace; with that it counts as being traced.
+    pub fn is_due(&mut self) -> bool {
+        let still = self.still_since.get_or_insert_with(Instant::now).elapsed() >= STILL;
+        let due = self.asked && !self.is_traced && still;
+        self.is_traced |= due;
+        due
+    }
+
+    /// Whether it waits for the view to stand still.
+    pub fn waits(&self) -> bool {
+        self.asked && !self.is_traced
+    }
+
+    /// Takes a truth in more samples.
+    pub fn take(&mut self, ctx: &Context, truth: Truth) {
+        let (width, height) = truth.picture.dimensions();
+        let size = [width as usize, height as usize];
+        let picture = ColorImage::from_rgba_unmultiplied(size, truth.picture.as_raw());
+        self.picture = Some(ctx.load_texture("truth", picture, TextureOptions::LINEAR));
+        if let Some((_, map)) = &truth.flip {
+            let size = [map.width() as usize, map.height() as usize];
+            self.map = Some(ctx.load_texture("flip", ColorImage::from_rgb(size, map.as_raw()), TextureOptions::LINEAR));
+        }
+        self.failure = None;
+        self.latest = Some(truth);
+    }
+
+    /// Notes how far it is.
+    pub fn progressed(&mut self, progress: Progress) {
+        self.progress = Some(progress);
+    }
+
+    /// There is none, and why.
+    pub fn failed(&mut self, reason: String) {
+        (self.failure, self.progress) = (Some(reason), None);
+    }
+
+    /// Its picture, and that of FLIP.
+    pub fn textures(&self) -> Option<(TextureId, Option<TextureId>)> {
+        Some((self.picture.as_ref()?.id(), self.map.as_ref().map(TextureHandle::id)))
+    }
+
+    /// What it is, in words.
+    pub fn said(&self) -> String {
+        if let Some(reason) = &self.failure {
+            return format!("no truth: {reason}");
+        }
+        let samples = self.latest.as_ref().map(|t| format!("traced, {} of {} samples", t.samples, t.of_samples));
+        let doing = self.progress.as_ref().filter(|_| !self.is_whole());
+        let doing = doing.map(|p| match p.share {
+            Some(share) => format!("{} {:.0} %", p.doing, 100.0 * share),
+            None => p.doing.clone(),
+        });
+        let words: Vec<String> = samples.into_iter().chain(doing).collect();
+        if words.is_empty() { "traced once the view stands still".into() } else { words.join("; ") }
+    }
+
+    fn is_whole(&self) -> bool {
+        self.latest.as_ref().is_some_and(|truth| truth.samples >= truth.of_samples)
+    }
+
+    /// What FLIP says.
+    pub fn said_of_flip(&self) -> String {
+        let flip = self.latest.as_ref().and_then(|truth| truth.flip.as_ref());
+        flip.map_or_else(|| "FLIP".into(), |(mean, _)| format!("FLIP, mean {mean:.4}"))
+    }
+}

@@ -1,0 +1,71 @@
+//! The keys, as the window acts on them and lists them.
+
+use crate::app::App;
+use crate::script::Style;
+use egui::{Grid, Key, RichText, Ui, Window};
+
+/// What a key does.
+pub type Act = fn(&mut App);
+
+/// A line of the list.
+pub struct Line {
+    keys: &'static str,
+    does: &'static str,
+    /// The key by itself, and what it does; of hands and keys with others the picture and the layout take care.
+    pub act: Option<(Key, Act)>,
+}
+
+const fn line(keys: &'static str, does: &'static str, key: Key, act: Act) -> Line {
+    Line { keys, does, act: Some((key, act)) }
+}
+
+const fn told(keys: &'static str, does: &'static str) -> Line {
+    Line { keys, does, act: None }
+}
+
+/// All of them.
+pub const KEYS: &[Line] = &[
+    told("drag", "goes around"),
+    told("right drag, Shift drag", "goes sideways"),
+    told("wheel, pinch", "nearer and away, at the pointer"),
+    told("Ctrl drag", "turns the light"),
+    told("Alt drag", "turns the head"),
+    told("W A S D, Q E", "flies; with Shift faster"),
+    told("arrows", "go around"),
+    line("F", "frames all there is", Key::F, App::frame),
+    line("R", "the camera as it was", Key::R, App::reset_camera),
+    line("Space", "plays and stops the clip", Key::Space, App::toggle_playing),
+    line("T", "the true picture beside, traced, with FLIP", Key::T, App::toggle_truth),
+    line("1", "fur", Key::Num1, |app| app.set_style(Style::Fur)),
+    line("2", "ink", Key::Num2, |app| app.set_style(Style::Ink)),
+    line("3", "bare skin", Key::Num3, |app| app.set_style(Style::Bare)),
+    line("M", "measures the passes of this view", Key::M, App::measure),
+    line("Page Down", "the next file of the folder", Key::PageDown, |app| app.open_next(false)),
+    line("Page Up", "the one before", Key::PageUp, |app| app.open_next(true)),
+    line("P", "saves the picture", Key::P, App::save_picture),
+    line("F12", "saves the window", Key::F12, App::save_window),
+    told("Ctrl S", "saves the recipe"),
+    told("Ctrl Z, Ctrl Shift Z", "takes a change back, and makes it again"),
+    line("N", "panels on and off", Key::N, |app| app.panels = !app.panels),
+    line("H, F1", "this list", Key::H, |app| app.help = !app.help),
+    Line { keys: "", does: "", act: Some((Key::F1, |app| app.help = !app.help)) },
+];
+
+/// The list in a window of its own.
+pub fn show(ui: &mut Ui, app: &mut App) {
+    let mut open = app.help;
+    Window::new("Keys").open(&mut open).resizable(false).collapsible(false).show(ui, |ui| {
+        Grid::new("keys").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+            for line in KEYS.iter().filter(|line| !line.keys.is_empty()) {
+                ui.label(RichText::new(line.keys).strong());
+                ui.label(line.does);
+                ui.end_row();
+            }
+        });
+        ui.separator();
+        ui.label(
+            "Files can be dropped into the window (on Wayland not yet): packages, models, recipes, looks, scenes.",
+        );
+    });
+    app.help = open;
+}

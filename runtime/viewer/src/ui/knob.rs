@@ -1,0 +1,224 @@
+//! One knob in a row: its name, what it can be set to, and whether it was changed. All of it follows from the knob's declaration.
+
+use crate::knobs::{Edits, Knobs, shown};
+use egui::{Color32, ComboBox, DragValue, Response, RichText, Slider, TextEdit, Ui};
+use pelage_params::{Control, Knob, hex};
+
+/// A slider is of use up to here; beyond, a number is dragged.
+const WIDEST_SLIDER: f64 = 1e5;
+const CHANGED: Color32 = Color32::from_rgb(232, 176, 92);
+
+/// What a hand did to a knob.
+enum Hand {
+    Nothing,
+    /// It is given that value, as TOML; more of the same may follow.
+    Drags(String),
+    /// It is given that value for good.
+    Sets(String),
+}
+
+/// A row for a knob; what is changed goes into `edits`. `now` is the set with all edits. Says whether anything changed.
+pub fn row(ui: &mut Ui, knob: &'static Knob, now: &dyn Knobs, edits: &mut Edits) -> bool {
+    let value = now.value(knob);
+    let differs = value != now.default_value(knob);
+    let mut reset = false;
+    ui.horizontal(|ui| {
+        let name = RichText::new(knob.key().replace('_', " "));
+        let name = if differs { name.color(CHANGED) } else { name };
+        ui.label(name).on_hover_ui(|ui| explain(ui, knob, now));
+        if edits.has(knob.name) {
+            let undo = ui.small_button("⟲").on_hover_text("back to what the file says");
+            reset = undo.clicked();
+        }
+    });
+    let hand = ui.push_id(knob.name, |ui| control(ui, knob, value.as_deref())).inner;
+    ui.end_row();
+    match hand {
+        _ if reset => edits.reset(knob.name),
+        Hand::Nothing => return false,
+        Hand::Drags(value) => edits.set(knob.name, value, true),
+        Hand::Sets(value) => {
+            edits.set(knob.name, value, false);
+            edits.released();
+        }
+    }
+    true
+}
+
+/// What a knob means, what it takes, and what it is where nobody says anything.
+fn explain(ui: &mut Ui, knob: &Knob, now: &dyn Knobs) {
+    ui.set_max_width(380.0);
+    ui.label(RichText::new(knob.name).monospace().strong());
+    ui.label(knob.doc.trim());
+    ui.label(RichText::new(format!("Takes {}.", (knob.expected)())).weak());
+    let default = now.default_value(knob).map_or("left out, so that it is chosen".into(), |text| shown(&text));
+    ui.label(RichText::new(format!("Default: {default}.")).weak());
+}
+
+fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
+    match ((knob.control)(), value) {
+        (Control::Toggle, value) => {
+            let mut on = value == Some("true");
+            if ui.checkbox(&mut on, "").changed() { Hand::Sets(on.to_string()) } else { Hand::Nothing }
+        }
+        (Control::Choice(choices), value) => {
+            let word = value.map(shown).unwrap_or_default();
+            let mut hand = Hand::Nothing;
+            ComboBox::from_id_salt(knob.name).selected_text(&word).width(140.0).show_ui(ui, |ui| {
+                for choice in choices {
+                    let answer = ui.selectable_label(choice.word == word, choice.word).on_hover_text(choice.doc.trim());
+                    if answer.clicked() {
+                        hand = Hand::Sets(format!("{:?}", choice.word));
+                    }
+                }
+            });
+            hand
+        }
+        (Control::PowerOfTwo { least, most }, Some(value)) => {
+            let (lowest, highest) = (least.trailing_zeros(), most.trailing_zeros());
+            let mut power = value.parse::<u32>().map_or(lowest, u32::trailing_zeros);
+            let slider =
+                Slider::new(&mut power, lowest..=highest).custom_formatter(|n, _| (1_u64 << n as u32).to_string());
+            let answer = ui.add(slider);
+            dragged(&answer, || (1_u64 << power).to_string())
+        }
+        (Control::Number { least, most, whole, logarithmic }, Some(value)) if value.parse::<f64>().is_ok() => {
+            let mut number: f64 = value.parse().unwrap_or(least);
+            let answer = if most - least <= WIDEST_SLIDER || logarithmic {
+                let slider = Slider::new(&mut number, least..=most).logarithmic(logarithmic).smart_aim(false);
+                let slider = if whole { slider.integer() } else { slider.max_decimals(6) };
+                ui.add(slider)
+            } else {
+                {
+                    let speed = speed(number);
+                    ui.add(DragValue::new(&mut number).range(least..=most).speed(speed).max_decimals(if whole {
+                        0
+                    } else {
+                        6
+                    }))
+                }
+            };
+            dragged(&answer, || number_text(number, whole))
+        }
+        (Control::Number { least, most, whole, .. }, value) => {
+            chosen(ui, value, || number_text(middle(least, most), whole))
+        }
+        (Control::Vector { least, most, .. }, Some(value)) if numbers(value).is_some() => {
+            let mut numbers = numbers(value).unwrap_or_default();
+            let answers: Vec<Response> = ui
+                .horizontal(|ui| {
+                    let one = |n: &mut f64| {
+                        let speed = speed(*n);
+                        ui.add(DragValue::new(n).range(least..=most).speed(speed).max_decimals(3))
+                    };
+                    numbers.iter_mut().map(one).collect()
+                })
+                .inner;
+            let all = answers.into_iter().reduce(|a, b| a.union(b));
+            all.map_or(Hand::Nothing, |answer| dragged(&answer, || vector_text(&numbers)))
+        }
+        (Control::Vector { len, least, most }, value) => {
+            chosen(ui, value, || vector_text(&vec![1.0_f64.clamp(least, most); len]))
+        }
+        (Control::Color, value) => {
+            let mut rgb = value.and_then(color).unwrap_or([128; 3]);
+            let answer = ui.color_edit_button_srgb(&mut rgb);
+            let [r, g, b] = rgb;
+            dragged(&answer, || format!("\"#{r:02x}{g:02x}{b:02x}\""))
+        }
+        (Control::PowerOfTwo { .. } | Control::Text | Control::Tables(_), value) => text(ui, knob, value),
+    }
+}
+
+/// A knob that nobody turned; a click takes it into the hand.
+fn chosen(ui: &mut Ui, value: Option<&str>, begin: impl FnOnce() -> String) -> Hand {
+    let word = value.map_or("chosen".into(), shown);
+    let answer = ui.button(word).on_hover_text("nobody says it; a click takes it into your hand");
+    if answer.clicked() { Hand::Sets(begin()) } else { Hand::Nothing }
+}
+
+/// A field for what only text can say. It counts when it is left, or at Enter.
+fn text(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> Hand {
+    let id = ui.make_persistent_id("text");
+    let stands = value.map(shown).unwrap_or_default();
+    let mut typed = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or_else(|| stands.clone());
+    let answer = ui.add(TextEdit::singleline(&mut typed).desired_width(150.0).hint_text("left out"));
+    if answer.lost_focus() && typed != stands {
+        ui.data_mut(|data| data.remove::<String>(id));
+        return Hand::Sets(toml_of(knob, &typed));
+    }
+    if answer.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, typed));
+    } else {
+        ui.data_mut(|data| data.remove::<String>(id));
+    }
+    Hand::Nothing
+}
+
+/// What was typed as TOML: a list, a number or a quoted string as it stands, else a string.
+fn toml_of(knob: &Knob, typed: &str) -> String {
+    let as_it_is = typed.starts_with(['[', '{', '"']) || typed.parse::<f64>().is_ok();
+    if as_it_is || matches!((knob.control)(), Control::Tables(_)) { typed.to_owned() } else { format!("{typed:?}") }
+}
+
+/// What a widget came to whose value may be dragged.
+fn dragged(answer: &Response, text: impl FnOnce() -> String) -> Hand {
+    match (answer.changed(), answer.dragged()) {
+        (true, true) => Hand::Drags(text()),
+        (true, false) => Hand::Sets(text()),
+        _ => Hand::Nothing,
+    }
+}
+
+/// A number as TOML; one that is not whole has a point or an exponent. Six digits are as many as a hand can mean.
+fn number_text(number: f64, whole: bool) -> String {
+    if whole {
+        return format!("{:.0}", number.round());
+    }
+    let rounded: f64 = format!("{number:.6e}").parse().unwrap_or(number);
+    format!("{rounded:?}")
+}
+
+fn vector_text(numbers: &[f64]) -> String {
+    format!("[{}]", numbers.iter().map(|n| number_text(*n, false)).collect::<Vec<_>>().join(", "))
+}
+
+/// A value to begin with in a range.
+fn middle(least: f64, most: f64) -> f64 {
+    if least > 0.0 { (least * most).sqrt() } else { 0.5 * (least + most.min(least + 2.0)) }
+}
+
+fn speed(number: f64) -> f64 {
+    (0.01 * number.abs()).max(0.01)
+}
+
+fn numbers(toml: &str) -> Option<Vec<f64>> {
+    let inside = toml.strip_prefix('[')?.strip_suffix(']')?;
+    inside.split(',').map(|n| n.trim().parse().ok()).collect()
+}
+
+fn color(toml: &str) -> Option<[u8; 3]> {
+    let listed =
+        || numbers(toml).and_then(|n| <[f64; 3]>::try_from(n).ok()).map(|n| n.map(|c| (255.0 * c).round() as u8));
+    hex(&shown(toml)).or_else(listed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_read_as_they_are_written() {
+        assert_eq!(numbers("[1.0, -2.5, 3]"), Some(vec![1.0, -2.5, 3.0]));
+        assert_eq!(numbers("auto"), None);
+        assert_eq!(color("\"#0a14ff\""), Some([10, 20, 255]));
+        assert_eq!(color("[1.0, 0.5, 0.0]"), Some([255, 128, 0]));
+        assert_eq!(
+            ["0.1", "2.0", "1e-6"].map(|n| number_text(n.parse().unwrap_or(0.0), false)),
+            ["0.1", "2.0", "1e-6"]
+        );
+        assert_eq!(number_text(7.6, true), "8");
+        assert!((middle(1e-6, 1e3) - 0.0316).abs() < 1e-4);
+        assert_eq!(middle(0.0, 1.0), 0.5);
+    }
+}

@@ -1,0 +1,58 @@
+//! What stands in the window: panels of knobs, the picture between them, time below.
+
+mod below;
+mod help;
+mod knob;
+mod panel;
+mod picture;
+
+use crate::app::App;
+use egui::{CentralPanel, Frame, Key, Modifiers, Panel, Ui};
+
+/// Textures of the window that are not egui's own.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shown {
+    /// The picture that is drawn.
+    pub picture: Option<egui::TextureId>,
+}
+
+/// Lays the window out, and does what hands and keys say.
+pub fn lay_out(ui: &mut Ui, app: &mut App, shown: Shown) {
+    keys(ui, app);
+    if app.panels {
+        Panel::left("look").resizable(true).default_size(290.0).show(ui, |ui| panel::look(ui, app));
+        if app.has_recipe() {
+            Panel::right("recipe").resizable(true).default_size(310.0).show(ui, |ui| panel::recipe(ui, app));
+        }
+        Panel::bottom("time").show(ui, |ui| below::show(ui, app));
+    }
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture::show(ui, app, shown));
+    if app.help {
+        help::show(ui, app);
+    }
+}
+
+/// Keys that mean the same wherever the pointer is. Those that move the camera are the picture's matter.
+fn keys(ui: &mut Ui, app: &mut App) {
+    if ui.ctx().egui_wants_keyboard_input() {
+        return;
+    }
+    let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+    let held = |key| ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, key));
+    let shifted = |key| ui.input_mut(|input| input.consume_key(Modifiers::COMMAND | Modifiers::SHIFT, key));
+    // With Shift first: a key without it is found in it, too.
+    if shifted(Key::Z) {
+        app.redo();
+    }
+    if held(Key::Z) {
+        app.undo();
+    }
+    if held(Key::S) {
+        app.save_recipe();
+    }
+    for (key, act) in help::KEYS.iter().filter_map(|line| line.act) {
+        if pressed(key) {
+            act(app);
+        }
+    }
+}

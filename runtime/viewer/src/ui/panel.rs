@@ -1,0 +1,109 @@
+//! The two panels of knobs.
+
+use super::knob;
+use crate::app::App;
+use crate::knobs::{Edits, Knobs, Search};
+use egui::{CollapsingHeader, Grid, RichText, ScrollArea, TextEdit, Ui};
+
+/// The one knob of a look that is not shown: the window has its own size.
+const OF_THE_WINDOW: &str = "picture.size";
+
+/// How the picture looks.
+pub fn look(ui: &mut Ui, app: &mut App) {
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        ui.heading("Look");
+        ui.weak("how it is drawn");
+    });
+    ui.horizontal(|ui| {
+        if ui.button("Save look").on_hover_text("every key of it, for `render --look`").clicked() {
+            app.save_look();
+        }
+        if ui.button("Save picture").on_hover_text("the pixels of `pelage render` (P)").clicked() {
+            app.save_picture();
+        }
+        if ui.button("Save sequence").on_hover_text("the clip once, 24 pictures a second").clicked() {
+            app.save_sequence();
+        }
+    });
+    let now = app.look_now();
+    let mut edits = std::mem::take(&mut app.look_edits);
+    let changed = tables(ui, &now, &mut edits, &mut app.look_search, &["picture", "light"]);
+    app.look_edits = edits;
+    if changed {
+        app.look_changed();
+    }
+}
+
+/// How the model becomes fur.
+pub fn recipe(ui: &mut Ui, app: &mut App) {
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        ui.heading("Recipe");
+        ui.weak("how it is baked");
+    });
+    ui.horizontal(|ui| {
+        let save =
+            ui.button("Save recipe").on_hover_text("into its file, whose comments stay; or beside the model (Ctrl S)");
+        if save.clicked() {
+            app.save_recipe();
+        }
+        if ui.button("Undo all").clicked() {
+            app.recipe_edits.reset_all();
+            app.recipe_changed();
+        }
+    });
+    let Some(now) = app.recipe_now() else { return };
+    let mut edits = std::mem::take(&mut app.recipe_edits);
+    let changed = tables(ui, &*now, &mut edits, &mut app.recipe_search, &["hair"]);
+    app.recipe_edits = edits;
+    if changed {
+        app.recipe_changed();
+    }
+}
+
+/// All tables of a set; says whether a hand changed anything. `search` holds what is sought, and `open` names the tables that begin unfolded.
+fn tables(ui: &mut Ui, now: &dyn Knobs, edits: &mut Edits, search: &mut Search, open: &[&str]) -> bool {
+    ui.horizontal(|ui| {
+        ui.add(TextEdit::singleline(&mut search.text).hint_text("find a key").desired_width(150.0));
+        ui.checkbox(&mut search.only_changed, "only what differs").on_hover_text("from the default");
+    });
+    ui.separator();
+    let mut changed = false;
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        for table in now.tables() {
+            let sought = |knob: &&'static pelage_params::Knob| {
+                let text = search.text.to_lowercase();
+                if knob.name == OF_THE_WINDOW {
+                    return false;
+                }
+                let found = knob.name.contains(&text) || knob.doc.to_lowercase().contains(&text);
+                found && (!search.only_changed || now.value(knob) != now.default_value(knob))
+            };
+            let knobs: Vec<_> = table.knobs.iter().filter(sought).collect();
+            if knobs.is_empty() {
+                continue;
+            }
+            let seeks = search.only_changed || !search.text.is_empty();
+            let header = CollapsingHeader::new(RichText::new(title(table.name)).strong());
+            let header = header.id_salt((table.name, seeks)).default_open(seeks || open.contains(&table.name));
+            let answer = header.show(ui, |ui| {
+                Grid::new(table.name).num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
+                    for knob in knobs {
+                        changed |= knob::row(ui, knob, now, edits);
+                    }
+                });
+            });
+            answer.header_response.on_hover_text(table.doc.trim());
+        }
+    });
+    if ui.input(|input| input.pointer.any_released()) {
+        edits.released();
+    }
+    changed
+}
+
+fn title(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}

@@ -1,0 +1,177 @@
+//! Two threads beside the window: one makes what is shown, anew when its files change, and one traces its truth.
+
+use crate::watch::Watch;
+use crate::workshop::{Judge, Made, Outcome, Progress, Truth, TruthAsked, Workshop};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// What the threads tell the window.
+pub enum Told {
+    /// Something is being made.
+    Working(Progress),
+    /// It is there, after so long.
+    Made(Box<Made>, Duration),
+    /// It cannot be made, and why.
+    Failed(String),
+    /// A recipe was written, or why not.
+    Saved(Outcome<PathBuf>),
+    /// So far a truth is traced.
+    Tracing(Progress),
+    /// A truth, in more samples than the one before.
+    Truth(Box<Truth>),
+    /// There is no truth, and why.
+    NoTruth(String),
+}
+
+/// What the window asks of the thread that makes things.
+enum Asked {
+    Open(PathBuf),
+    /// With these edits of the recipe.
+    Make(Vec<String>),
+    /// A file changed.
+    Changed,
+    Save(Vec<String>),
+}
+
+/// Tells the window, and wakes it.
+pub type Tell = Arc<dyn Fn(Told) + Send + Sync>;
+
+/// The threads, as the window has them. They end with it.
+pub struct Workers {
+    make: Sender<Asked>,
+    trace: Sender<(u64, TruthAsked)>,
+    /// Number of the truth that is wanted; a trace of another one breaks off.
+    wanted: Arc<AtomicU64>,
+}
+
+impl Workers {
+    /// Starts both. Where files cannot be watched, `tell` says so, and the rest works.
+    pub fn start(workshop: Box<dyn Workshop>, tell: &Tell) -> Self {
+        let (make, asked) = channel();
+        let (trace, truths) = channel();
+        let wanted = Arc::new(AtomicU64::new(0));
+        let judge = workshop.judge();
+        let (changes, tell_made) = (make.clone(), tell.clone());
+        std::thread::spawn(move || make_all(workshop, &asked, changes, &tell_made));
+        let (tell, number) = (tell.clone(), wanted.clone());
+        std::thread::spawn(move || trace_all(judge, &truths, &number, &tell));
+        Self { make, trace, wanted }
+    }
+
+    /// Opens a file, and makes what is in it.
+    pub fn open(&self, path: PathBuf) {
+        self.ask(Asked::Open(path));
+    }
+
+    /// Makes what is open with these edits of its recipe. Of several that wait only the last is made.
+    pub fn make(&self, edits: Vec<String>) {
+        self.ask(Asked::Make(edits));
+    }
+
+    /// Writes the recipe with these edits.
+    pub fn save(&self, edits: Vec<String>) {
+        self.ask(Asked::Save(edits));
+    }
+
+    /// Traces a truth, and breaks off the one before.
+    pub fn trace(&self, asked: TruthAsked) {
+        let number = self.wanted.fetch_add(1, Ordering::Relaxed) + 1;
+        // A thread that is gone has told why.
+        let _ = self.trace.send((number, asked));
+    }
+
+    /// Breaks off the truth that is traced.
+    pub fn stop_tracing(&self) {
+        self.wanted.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn ask(&self, asked: Asked) {
+        // A thread that is gone has told why.
+        let _ = self.make.send(asked);
+    }
+}
+
+impl Drop for Workers {
+    fn drop(&mut self) {
+        self.stop_tracing();
+    }
+}
+
+fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: Sender<Asked>, tell: &Tell) {
+    let changes = Mutex::new(changes);
+    let changed = move || drop(changes.lock().unwrap_or_else(PoisonError::into_inner).send(Asked::Changed));
+    let mut watch = match Watch::new(changed) {
+        Ok(watch) => Some(watch),
+        Err(reason) => {
+            tell(Told::Failed(format!("files are not watched, a change of theirs is not noticed: {reason}")));
+            None
+        }
+    };
+    let mut edits = Vec::new();
+    while let Ok(first) = asked.recv() {
+        let mut make = false;
+        // What came in the meantime, too: a slider that is dragged asks more often than anything can be made.
+        for asked in std::iter::once(first).chain(asked.try_iter().collect::<Vec<_>>()) {
+            match asked {
+                Asked::Open(path) => match workshop.open(&path) {
+                    Ok(()) => (edits, make) = (Vec::new(), true),
+                    Err(reason) => tell(Told::Failed(reason)),
+                },
+                Asked::Make(changed) => (edits, make) = (changed, true),
+                Asked::Changed => make = true,
+                Asked::Save(changed) => {
+                    let saved = workshop.save_recipe(&changed);
+                    if saved.is_ok() {
+                        // The file says now what they said.
+                        (edits, make) = (Vec::new(), true);
+                    }
+                    tell(Told::Saved(saved));
+                }
+            }
+        }
+        if !make {
+            continue;
+        }
+        let began = Instant::now();
+        let made = workshop.make(&edits, &mut |progress| tell(Told::Working(progress)));
+        if let Some(watch) = &mut watch {
+            watch.set(&workshop.files());
+        }
+        tell(match made {
+            Ok(made) => Told::Made(Box::new(made), began.elapsed()),
+            Err(reason) => Told::Failed(reason),
+        });
+    }
+}
+
+fn trace_all(mut judge: Box<dyn Judge>, asked: &Receiver<(u64, TruthAsked)>, wanted: &AtomicU64, tell: &Tell) {
+    while let Ok((number, truth)) = asked.recv() {
+        let is_wanted = || wanted.load(Ordering::Relaxed) == number;
+        if !is_wanted() {
+            continue;
+        }
+        let mut show = |truth| {
+            if is_wanted() {
+                tell(Told::Truth(Box::new(truth)));
+            }
+        };
+        let mut progress = |progress| {
+            if !is_wanted() {
+                return ControlFlow::Break(());
+            }
+            tell(Told::Tracing(progress));
+            ControlFlow::Continue(())
+        };
+        if let Err(reason) = judge.trace(&truth, &mut show, &mut progress) {
+            tell(Told::NoTruth(reason));
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "worker_tests.rs"]
+mod tests;

@@ -1,0 +1,157 @@
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+use super::*;
+use crate::subject::Subject;
+use pelage_stage::{Look, NamedPackage, Viewpoint};
+use std::path::Path;
+use std::sync::mpsc::RecvTimeoutError;
+
+const SECOND: Duration = Duration::from_secs(10);
+
+/// Makes packages whose bytes are the edits that they were made with, of one file; tells each when it begins, and waits to be let go on.
+struct Shop {
+    file: PathBuf,
+    begins: Sender<Vec<String>>,
+    go_on: Receiver<()>,
+}
+
+impl Workshop for Shop {
+    fn open(&mut self, path: &Path) -> Outcome<()> {
+        if path.exists() { Ok(()) } else { Err(format!("{}: there is no such file", path.display())) }
+    }
+
+    fn make(&mut self, edits: &[String], _: &mut dyn FnMut(Progress)) -> Outcome<Made> {
+        self.begins.send(edits.to_vec()).unwrap();
+        self.go_on.recv().unwrap();
+        let subject = Subject::Package(Arc::new(NamedPackage::new("a", edits.join(" ").into_bytes())));
+        Ok(Made { subject, look: None, recipe: None, notes: Vec::new(), stages: Vec::new() })
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.file.clone()]
+    }
+
+    fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf> {
+        if edits.is_empty() { Err("nothing to save".into()) } else { Ok(self.file.clone()) }
+    }
+
+    fn judge(&self) -> Box<dyn Judge> {
+        Box::new(Patient)
+    }
+}
+
+/// Traces until it is broken off.
+struct Patient;
+
+impl Judge for Patient {
+    fn trace(
+        &mut self,
+        asked: &TruthAsked,
+        show: &mut dyn FnMut(Truth),
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Outcome<()> {
+        let picture = image::RgbaImage::new(1, 1);
+        show(Truth { picture, samples: asked.time_s as u32, of_samples: 64, flip: None });
+        while progress(Progress::default()).is_continue() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Err("broken off".into())
+    }
+}
+
+struct Bench {
+    workers: Workers,
+    told: Receiver<Told>,
+    begins: Receiver<Vec<String>>,
+    go_on: Sender<()>,
+    _folder: tempfile::TempDir,
+    file: PathBuf,
+}
+
+fn bench() -> Bench {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.toml");
+    std::fs::write(&file, "1").unwrap();
+    let (tell, told) = channel();
+    let (begin, begins) = channel();
+    let (go_on, going_on) = channel();
+    let shop = Shop { file: file.clone(), begins: begin, go_on: going_on };
+    let tell = Mutex::new(tell);
+    let tell: Tell = Arc::new(move |message| tell.lock().unwrap().send(message).unwrap_or_default());
+    Bench { workers: Workers::start(Box::new(shop), &tell), told, begins, go_on, _folder: folder, file }
+}
+
+impl Bench {
+    /// What was made, or why not.
+    fn made(&self) -> Result<String, String> {
+        loop {
+            match self.told.recv_timeout(SECOND).unwrap() {
+                Told::Made(made, _) => {
+                    return Ok(String::from_utf8(made.subject.packages()[0].bytes.to_vec()).unwrap());
+                }
+                Told::Failed(reason) => return Err(reason),
+                _ => {}
+            }
+        }
+    }
+
+    fn begun(&self) -> Vec<String> {
+        self.begins.recv_timeout(SECOND).unwrap()
+    }
+}
+
+#[test]
+fn of_many_changes_the_last_is_made() {
+    let bench = bench();
+    bench.workers.open(bench.file.clone());
+    assert_eq!(bench.begun(), [""; 0]);
+    for value in 1..20 {
+        bench.workers.make(vec![format!("a.b={value}")]);
+    }
+    bench.go_on.send(()).unwrap();
+    assert_eq!(bench.made().unwrap(), "");
+    assert_eq!(bench.begun(), ["a.b=19"]);
+    bench.go_on.send(()).unwrap();
+    assert_eq!(bench.made().unwrap(), "a.b=19");
+    assert_eq!(bench.begins.recv_timeout(Duration::from_millis(50)), Err(RecvTimeoutError::Timeout));
+}
+
+#[test]
+fn a_changed_file_is_made_anew_with_the_same_edits_until_they_are_saved() {
+    let bench = bench();
+    (0..5).for_each(|_| bench.go_on.send(()).unwrap());
+    bench.workers.open(bench.file.clone());
+    bench.made().unwrap();
+    bench.workers.make(vec!["a.b=1".into()]);
+    assert_eq!(bench.made().unwrap(), "a.b=1");
+    std::fs::write(&bench.file, "22").unwrap();
+    assert_eq!(bench.made().unwrap(), "a.b=1");
+    bench.workers.save(vec!["a.b=1".into()]);
+    assert_eq!(bench.made().unwrap(), "", "the file says it now");
+    bench.workers.open("no/such.pelage".into());
+    assert!(bench.made().unwrap_err().contains("no/such.pelage"));
+}
+
+#[test]
+fn a_truth_is_broken_off_when_another_is_asked_for() {
+    let bench = bench();
+    let asked = |time_s| TruthAsked {
+        file: Arc::new(NamedPackage::new("a", Vec::new())),
+        look: Look::default(),
+        camera: Viewpoint { eye: glam::Vec3::Z, target: glam::Vec3::ZERO, fov_deg: 30.0 },
+        clip: None,
+        time_s,
+        drawn: image::RgbaImage::new(1, 1),
+    };
+    let samples = || loop {
+        match bench.told.recv_timeout(SECOND).unwrap() {
+            Told::Truth(truth) => return truth.samples,
+            Told::NoTruth(_) => return 0,
+            _ => {}
+        }
+    };
+    bench.workers.trace(asked(1.0));
+    assert_eq!(samples(), 1);
+    bench.workers.trace(asked(2.0));
+    let after = [samples(), samples()];
+    assert!(after.contains(&2), "{after:?}");
+}

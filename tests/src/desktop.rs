@@ -1,0 +1,227 @@
+//! A screen without glass, the window of `pelage view` on it, and hands: Xvfb, the real binary, xdotool.
+
+use crate::binary::pelage;
+use pelage_needs::Need;
+use serde_json::Value;
+use std::ffi::OsStr;
+use std::io::{BufRead as _, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// So long anything may take. Two cores that compile beside it need a while for a bake.
+const PATIENCE: Duration = Duration::from_secs(90);
+
+/// A screen. It goes with the value.
+#[derive(Debug)]
+pub struct Desktop {
+    server: Child,
+    display: String,
+}
+
+impl Drop for Desktop {
+    fn drop(&mut self) {
+        // It may be gone already.
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+impl Desktop {
+    /// A screen for the test of that name, or `None` with a loud word where the machine has none to give.
+    ///
+    /// # Panics
+    ///
+    /// Where the server starts and does not say where it is; under `CI`, where there is none.
+    pub fn open(test: &str) -> Option<Self> {
+        for tool in ["Xvfb", "xdotool"] {
+            let found = std::env::var_os("PATH")
+                .is_some_and(|path| std::env::split_paths(&path).any(|p| p.join(tool).is_file()));
+            if !found {
+                pelage_needs::lacked(
+                    Need::Desktop,
+                    test,
+                    &format!("{tool} is not installed (Debian: apt-get install xvfb xdotool)"),
+                );
+                return None;
+            }
+        }
+        let desktop = Self::start();
+        pelage_needs::had(Need::Desktop, test, &format!("Xvfb {}", desktop.display));
+        Some(desktop)
+    }
+
+    /// A screen of 1600 × 1000 pixels.
+    ///
+    /// # Panics
+    ///
+    /// As [`Self::open`].
+    pub fn start() -> Self {
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1600x1000x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap_or_else(|e| panic!("Xvfb: {e}"));
+        let mut line = String::new();
+        let said = server.stdout.take().map(|out| BufReader::new(out).read_line(&mut line));
+        assert!(
+            said.is_some_and(|read| read.is_ok()) && !line.trim().is_empty(),
+            "Xvfb does not say which display it is"
+        );
+        Self { server, display: format!(":{}", line.trim()) }
+    }
+
+    /// Opens `pelage view` with those arguments, in a folder where it saves what it saves.
+    ///
+    /// # Panics
+    ///
+    /// Where the binary cannot be started.
+    pub fn view(&self, folder: &Path, args: &[impl AsRef<OsStr>]) -> View<'_> {
+        let events = folder.join("events.jsonl");
+        // What an earlier window wrote is not this one's.
+        let _ = std::fs::remove_file(&events);
+        let mut command = Command::new(pelage());
+        command.arg("view").args(args).arg("--events").arg(&events).current_dir(folder);
+        command.env("DISPLAY", &self.display).env_remove("WAYLAND_DISPLAY").env("XDG_RUNTIME_DIR", folder);
+        let errors =
+            std::fs::File::create(folder.join("errors.txt")).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        let child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(errors).spawn();
+        let child = child.unwrap_or_else(|e| panic!("{command:?}: {e}"));
+        View { desktop: self, child, events, read: 0, errors: folder.join("errors.txt") }
+    }
+}
+
+/// A window that is open. It is closed with the value.
+#[derive(Debug)]
+pub struct View<'a> {
+    desktop: &'a Desktop,
+    child: Child,
+    events: PathBuf,
+    /// Lines of the events that were read.
+    read: usize,
+    errors: PathBuf,
+}
+
+impl Drop for View<'_> {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl View<'_> {
+    /// The next event of that name after those that were waited for; those before it are passed over.
+    ///
+    /// # Panics
+    ///
+    /// Where it does not come, or the window is gone.
+    pub fn wait_for(&mut self, name: &str) -> Value {
+        self.wait_for_any(&[name])
+    }
+
+    /// As [`Self::wait_for`], of several names.
+    ///
+    /// # Panics
+    ///
+    /// As [`Self::wait_for`].
+    pub fn wait_for_any(&mut self, names: &[&str]) -> Value {
+        let began = Instant::now();
+        while began.elapsed() < PATIENCE {
+            let text = std::fs::read_to_string(&self.events).unwrap_or_default();
+            let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+            for line in whole.lines().skip(self.read) {
+                self.read += 1;
+                let event: Value = serde_json::from_str(line).unwrap_or_else(|e| panic!("{line}: {e}"));
+                if names.iter().any(|name| event["event"] == *name) {
+                    return event;
+                }
+            }
+            self.assert_alive();
+            std::thread::sleep(Duration::from_millis(15));
+        }
+        panic!("{names:?} did not happen; what did: {}", std::fs::read_to_string(&self.events).unwrap_or_default());
+    }
+
+    /// That the window is there.
+    ///
+    /// # Panics
+    ///
+    /// Where it is not, with what it said.
+    pub fn assert_alive(&mut self) {
+        let ended = self.child.try_wait().unwrap_or_else(|e| panic!("{e}"));
+        let said = || std::fs::read_to_string(&self.errors).unwrap_or_default();
+        assert!(ended.is_none(), "the window is gone ({ended:?}): {}", said());
+        assert!(!said().contains("panicked") && !said().contains("internal error"), "{}", said());
+    }
+
+    /// Passes over all that happened so far.
+    pub fn pass_over(&mut self) {
+        self.read = std::fs::read_to_string(&self.events).unwrap_or_default().lines().count();
+    }
+
+    /// What hands do: words of xdotool.
+    ///
+    /// # Panics
+    ///
+    /// Where xdotool refuses.
+    pub fn hands(&self, words: &[&str]) -> String {
+        let mut command = Command::new("xdotool");
+        command.args(words).env("DISPLAY", &self.desktop.display);
+        let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
+        assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).trim().to_owned()
+    }
+
+    /// The window, brought to where keys go. Without a window manager nobody else does it.
+    ///
+    /// # Panics
+    ///
+    /// Where there is none.
+    pub fn focus(&self) -> String {
+        let found = self.hands(&["search", "--sync", "--onlyvisible", "--name", "^pelage$"]);
+        let window = found.lines().next().unwrap_or_else(|| panic!("no window")).to_owned();
+        self.hands(&["windowfocus", "--sync", &window]);
+        window
+    }
+
+    /// Presses a key.
+    ///
+    /// # Panics
+    ///
+    /// Where xdotool refuses.
+    pub fn key(&self, key: &str) {
+        self.hands(&["key", key]);
+    }
+
+    /// Drags with a button from one place of the screen to another, in steps.
+    ///
+    /// # Panics
+    ///
+    /// Where xdotool refuses.
+    pub fn drag(&self, button: &str, from: (i32, i32), to: (i32, i32)) {
+        let words = |at: (i32, i32)| (at.0.to_string(), at.1.to_string());
+        let (x, y) = words(from);
+        self.hands(&["mousemove", &x, &y, "mousedown", button]);
+        for step in 1..=4 {
+            let (x, y) = words((from.0 + (to.0 - from.0) * step / 4, from.1 + (to.1 - from.1) * step / 4));
+            self.hands(&["mousemove", &x, &y]);
+            std::thread::sleep(Duration::from_millis(40));
+        }
+        self.hands(&["mouseup", button]);
+    }
+
+    /// Presses a key that saves something, and says where it is.
+    ///
+    /// # Panics
+    ///
+    /// Where it is not saved.
+    pub fn save(&mut self, key: &str) -> PathBuf {
+        self.pass_over();
+        self.key(key);
+        let saved = self.wait_for_any(&["saved", "not saved"]);
+        assert_eq!(saved["event"], "saved", "{saved}");
+        let folder = self.events.parent().unwrap_or(Path::new("."));
+        folder.join(saved["file"].as_str().unwrap_or_default())
+    }
+}
