@@ -20,6 +20,7 @@ impl Gpu {
     /// # Errors
     ///
     /// [`StageError::NoAdapter`] with what was tried.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn open() -> Result<Self, StageError> {
         let measured = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
@@ -33,21 +34,37 @@ impl Gpu {
     /// # Errors
     ///
     /// [`StageError::NoAdapter`] with what was tried.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn with(wanted: wgpu::Features, limits: Option<wgpu::Limits>) -> Result<Self, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, None))
+        pollster::block_on(Self::request(&instance, None, wanted, limits))
+    }
+
+    /// As [`Self::with`], for who must not wait: a browser answers between two turns of its event loop. The adapter can draw on `surface`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::with`].
+    pub async fn request(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+        wanted: wgpu::Features,
+        limits: Option<wgpu::Limits>,
+    ) -> Result<Self, StageError> {
+        let adapter = wgpu::util::initialize_adapter_from_env_or_default(instance, surface)
+            .await
             .map_err(|error| StageError::NoAdapter(error.to_string()))?;
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        let opened = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pelage"),
             required_features: wanted & adapter.features(),
             required_limits: limits.unwrap_or_else(|| adapter.limits()),
             ..Default::default()
-        }))
-        .map_err(|error| StageError::NoAdapter(error.to_string()))?;
+        });
+        let (device, queue) = opened.await.map_err(|error| StageError::NoAdapter(error.to_string()))?;
         Ok(Self { device, queue, info: adapter.get_info() })
     }
 
-    /// Blocks until everything submitted so far is done.
+    /// Blocks until everything submitted so far is done. In a browser nothing can block, and it returns at once.
     pub fn wait(&self) -> Result<(), StageError> {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map(drop).map_err(lost)
     }
