@@ -69,7 +69,8 @@ impl Canvas {
     /// Targets of `size` pixels, width and height.
     pub fn new(gpu: &Gpu, size: (u32, u32), options: &CanvasOptions) -> Self {
         let ((width, height), samples) = (size, options.sample_count);
-        let texture = |label, format, samples, usage| {
+        let plain = [options.color_format.remove_srgb_suffix()];
+        let texture = |label, format: wgpu::TextureFormat, samples, usage: wgpu::TextureUsages| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -78,12 +79,14 @@ impl Canvas {
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
-                view_formats: &[],
+                // A window shows the picture's bytes as they are, without decoding.
+                view_formats: if usage.contains(wgpu::TextureUsages::TEXTURE_BINDING) { &plain } else { &[] },
             })
         };
         let none = wgpu::TextureUsages::empty();
+        let shown = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let color = texture("canvas colour", options.color_format, 1, wgpu::TextureUsages::COPY_SRC);
+        let color = texture("canvas colour", options.color_format, 1, shown);
         let format = options.color_format;
         let multisampled = (samples > 1).then(|| view(&texture("canvas samples", format, samples, none)));
         let depth_view = view(&texture("canvas depth", options.depth_format, samples, none));
@@ -164,6 +167,12 @@ impl Canvas {
         let mut pixels = self.texels(gpu)?;
         pixels.chunks_exact_mut(4).for_each(unpremultiply);
         Ok(pixels)
+    }
+
+    /// The picture as a texture of its encoded bytes, for who shows it on a screen.
+    pub fn encoded(&self) -> wgpu::TextureView {
+        let format = Some(self.color.format().remove_srgb_suffix());
+        self.color.create_view(&wgpu::TextureViewDescriptor { format, ..Default::default() })
     }
 
     /// Width and height, pixels.

@@ -1,7 +1,7 @@
 //! The stage: what an application, a tool or a test needs to put animals into a picture, beside the animals.
 //!
 //! Without features it is plain data: packages with their names ([`NamedPackage`]), models that stand, walk and play clips ([`Cast`], [`Place`],
-//! [`Playing`]), values over time ([`Track`]), cameras ([`Viewpoint`], [`Shot`], [`framing`]), and scene files that say all of it ([`SceneFile`]).
+//! [`Playing`]), values over time ([`Track`]), cameras ([`Viewpoint`], [`Shot`], [`framing`]; [`Navigator`] for those that people move), and scene files that say all of it ([`SceneFile`]).
 //! Nothing of it knows a GPU, a window or the file system.
 //!
 //! With the feature `draw` there is a device without a window ([`Gpu`]), targets to draw on and read back ([`Canvas`]), a cast on a canvas
@@ -18,6 +18,7 @@ mod gpu;
 mod look;
 #[cfg(feature = "draw")]
 mod meter;
+mod navigator;
 mod package;
 mod scene_file;
 #[cfg(feature = "draw")]
@@ -40,6 +41,7 @@ pub use look::{
 };
 #[cfg(feature = "draw")]
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};
+pub use navigator::Navigator;
 pub use package::NamedPackage;
 /// What is wrong with a look.
 pub use pelage_params::ParamError;

@@ -71,80 +71,115 @@ impl Stage {
         time_s: f32,
         open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
     ) -> Result<Self, StageError> {
-        check_actors(cast)?;
-        for (file, package) in &cast.packages {
-            package.mesh().map_err(|error| file.fault(error))?;
-            package.animation().map_err(|error| file.fault(error))?;
-            if params.style.kind() == StyleKind::Ink {
-                has_ink(file, package)?;
-            }
-        }
+        check(cast, params.style.kind())?;
         let gpu = open_gpu()?;
-        let limit = gpu.device.limits().max_texture_dimension_2d;
-        let (width, height) = picture.size;
-        if width > limit || height > limit {
-            let name = &gpu.info.name;
-            let reason = format!("{name} draws at most {limit} pixels a side");
-            return Err(StageError::Asked { what: format!("size {width}x{height}"), reason });
-        }
+        fits(&gpu, picture.size)?;
         let options = CanvasOptions { sample_count: picture.samples, ..CanvasOptions::default() };
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer());
-        let mut renderer = renderer.map_err(|error| StageError::Internal(error.to_string()))?;
-        let start = Instant::now();
-        let mut models = Vec::new();
-        for (file, package) in &cast.packages {
-            let model = renderer.load(package);
-            models.push(model.map_err(|error| refused(file, error))?);
-        }
-        gpu.queue.submit([]);
-        gpu.wait()?;
-        let upload = start.elapsed();
-
-        let aspect = picture.aspect();
-        let params = params.with(|params| {
-            params.camera = camera(&cast.camera.at(time_s), aspect);
-            params.viewport = [width, height];
-        });
-        let start = Instant::now();
-        let compiled = models.iter().try_for_each(|model| renderer.prepare_pipelines(model, &params));
-        compiled.map_err(|error| StageError::Params(error.to_string()))?;
-        let compile = start.elapsed();
-        let clear = match picture.background {
-            Some(rgb) => {
-                let [r, g, b] = rgb.map(|byte| f64::from(srgb_to_linear(byte)));
-                wgpu::Color { r, g, b, a: 1.0 }
-            }
-            None => wgpu::Color::TRANSPARENT,
-        };
-        let models = cast.actors.iter().map(|actor| &models[actor.package]);
-        let instances = (0..).zip(models).map(|(owner, model)| Instance::new(owner, model)).collect();
+        let renderer = renderer.map_err(|error| StageError::Internal(error.to_string()))?;
         let mut stage = Self {
-            instances,
+            instances: Vec::new(),
             canvas: Canvas::new(&gpu, picture.size, &options),
             gpu,
             params,
-            upload,
-            compile,
+            upload: Duration::ZERO,
+            compile: Duration::ZERO,
             renderer,
             shadow_bytes: 0,
-            clear,
-            actors: cast.actors.clone(),
+            clear: clear_color(picture),
+            actors: Vec::new(),
             shot: cast.camera.clone(),
-            aspect,
+            aspect: picture.aspect(),
         };
-        stage.set_time(time_s);
+        stage.load(cast, time_s)?;
         Ok(stage)
+    }
+
+    /// Shows another cast, from its own camera, and keeps device, look and whatever pipelines it can use. Where it fails, what was shown
+    /// before still is.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::new`].
+    pub fn recast(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
+        check(cast, self.params.style.kind())?;
+        self.load(cast, time_s)
+    }
+
+    /// Draws another picture with another look, at `time_s` from the camera that there is. Where it fails, the look before stays.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Asked`] for a picture that the device cannot draw, and for one of other samples per pixel, which takes a new stage.
+    pub fn relook(&mut self, picture: &Picture, params: FrameParams, time_s: f32) -> Result<(), StageError> {
+        fits(&self.gpu, picture.size)?;
+        let options = self.renderer.options();
+        if picture.samples != options.sample_count {
+            let reason = format!(
+                "found {}, expected the {} that the stage was made with",
+                picture.samples, options.sample_count
+            );
+            return Err(StageError::Asked { what: "samples".into(), reason });
+        }
+        if picture.size != self.canvas.size() {
+            self.canvas = Canvas::new(&self.gpu, picture.size, &options.into());
+        }
+        self.clear = clear_color(picture);
+        let (width, height) = picture.size;
+        self.aspect = picture.aspect();
+        self.params = params.with(|params| {
+            params.camera = camera(&self.shot.at(time_s), self.aspect);
+            params.viewport = [width, height];
+        });
+        Ok(())
+    }
+
+    /// Loads the models of a cast that was checked, and shows it.
+    fn load(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
+        let start = Instant::now();
+        let loaded = cast.packages.iter().map(|(file, package)| {
+            let model = self.renderer.load(package);
+            model.map_err(|error| refused(file, error))
+        });
+        let models: Vec<Model> = loaded.collect::<Result<_, _>>()?;
+        self.gpu.queue.submit([]);
+        self.gpu.wait()?;
+        self.upload = start.elapsed();
+
+        let (width, height) = self.canvas.size();
+        let params = self.params.clone().with(|params| {
+            params.camera = camera(&cast.camera.at(time_s), self.aspect);
+            params.viewport = [width, height];
+        });
+        let start = Instant::now();
+        let compiled = models.iter().try_for_each(|model| self.renderer.prepare_pipelines(model, &params));
+        compiled.map_err(|error| StageError::Params(error.to_string()))?;
+        self.compile = start.elapsed();
+        for owner in 0..self.instances.len() {
+            self.renderer.forget(owner as u64);
+        }
+        let of_actors = cast.actors.iter().map(|actor| &models[actor.package]);
+        self.instances = (0..).zip(of_actors).map(|(owner, model)| Instance::new(owner, model)).collect();
+        self.actors = cast.actors.clone();
+        self.shot = cast.camera.clone();
+        self.set_time(time_s);
+        Ok(())
     }
 
     /// Places and poses the models and the camera as they are at that time.
     pub fn set_time(&mut self, time_s: f32) {
+        self.play(time_s);
+        self.params.camera = camera(&self.shot.at(time_s), self.aspect);
+    }
+
+    /// Plays the clips of the models at that time, and leaves the camera where it is.
+    pub fn play(&mut self, time_s: f32) {
         for (instance, actor) in self.instances.iter_mut().zip(&self.actors) {
             instance.transform = actor.place.transform(time_s);
             if let Some(clip) = &actor.clip {
                 instance.motion = Motion::Clip { clip: clip.clip, time_s: clip.moment(time_s) };
             }
         }
-        self.params.camera = camera(&self.shot.at(time_s), self.aspect);
     }
 
     /// Looks from there at all times.
@@ -217,6 +252,40 @@ impl Stage {
     pub fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pelage") })
     }
+}
+
+/// What is behind everything, linear.
+fn clear_color(picture: &Picture) -> wgpu::Color {
+    match picture.background {
+        Some(rgb) => {
+            let [r, g, b] = rgb.map(|byte| f64::from(srgb_to_linear(byte)));
+            wgpu::Color { r, g, b, a: 1.0 }
+        }
+        None => wgpu::Color::TRANSPARENT,
+    }
+}
+
+/// Fails for a picture that is larger than the device can draw.
+fn fits(gpu: &Gpu, (width, height): (u32, u32)) -> Result<(), StageError> {
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    if width <= limit && height <= limit {
+        return Ok(());
+    }
+    let reason = format!("{} draws at most {limit} pixels a side", gpu.info.name);
+    Err(StageError::Asked { what: format!("size {width}x{height}"), reason })
+}
+
+/// Fails for a cast that cannot be drawn in that style, as far as its packages say so.
+fn check(cast: &Cast<'_>, style: StyleKind) -> Result<(), StageError> {
+    check_actors(cast)?;
+    for (file, package) in &cast.packages {
+        package.mesh().map_err(|error| file.fault(error))?;
+        package.animation().map_err(|error| file.fault(error))?;
+        if style == StyleKind::Ink {
+            has_ink(file, package)?;
+        }
+    }
+    Ok(())
 }
 
 /// Fails for a cast that shows nothing, and for an actor without a model.
