@@ -89,16 +89,24 @@ fn every_wgsl_file_is_valid_and_used() {
     assert!(files.len() >= 48, "not all are found: {files:?}");
 }
 
+/// Every file of WGSL without its comments.
+fn wgsl_code() -> Vec<(PathBuf, String)> {
+    let mut files = Vec::new();
+    wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    let code = |line: &str| line.split("//").next().unwrap_or_default().to_owned() + "\n";
+    let read = |file: PathBuf| {
+        let text = std::fs::read_to_string(&file).unwrap();
+        (file, text.lines().map(code).collect())
+    };
+    files.into_iter().map(read).collect()
+}
+
 /// Browsers refuse a shift and a bitwise operator side by side without parentheses, which naga takes.
 #[test]
 fn shifts_stand_in_parentheses() {
-    let mut files = Vec::new();
-    wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
-    for file in files {
-        for (number, line) in std::fs::read_to_string(&file).unwrap().lines().enumerate() {
-            let code = line.split("//").next().unwrap_or_default();
-            assert!(!mixes_shifts(code), "{}:{}: {line}", file.display(), number + 1);
-        }
+    for (file, code) in wgsl_code() {
+        let found = code.lines().find(|line| mixes_shifts(line));
+        assert_eq!(found, None, "{}", file.display());
     }
     for refused in ["a << 9u | b", "(a >> 6u) | b >> 2u", "f(a & b << 1u)", "x[i] & 511u << 2u"] {
         assert!(mixes_shifts(refused), "{refused}");
@@ -108,10 +116,41 @@ fn shifts_stand_in_parentheses() {
     }
 }
 
-/// Whether between two parentheses, commas or other operators there are both.
+/// The same of "and" and "or", in statements of several lines as well.
+#[test]
+fn ands_among_ors_stand_in_parentheses() {
+    for (file, code) in wgsl_code() {
+        let found = code.split([';', '{', '}']).find(|statement| mixes_logic(statement));
+        assert_eq!(found, None, "{}", file.display());
+    }
+    for refused in ["!a || b && c", "a &&\n b == c\n || d", "f(a || b && c)", "(a && b) || c && d"] {
+        assert!(mixes_logic(refused), "{refused}");
+    }
+    for taken in ["!a || (b && c)", "f(a && b, c || d)", "a & b || c", "a || b || (c && d && e)"] {
+        assert!(!mixes_logic(taken), "{taken}");
+    }
+}
+
 fn mixes_shifts(code: &str) -> bool {
     let code = code.replace("&&", ",").replace("||", ",").replace("|=", ",").replace("&=", ",");
-    // Of each open bracket: a shift was seen, a bitwise operator was.
+    side_by_side(&code, &[',', ';', '='], |before, letter| match letter {
+        '<' | '>' if before == letter => Some(0),
+        '|' | '&' | '^' => Some(1),
+        _ => None,
+    })
+}
+
+fn mixes_logic(code: &str) -> bool {
+    side_by_side(code, &[','], |before, letter| match (before, letter) {
+        ('&', '&') => Some(0),
+        ('|', '|') => Some(1),
+        _ => None,
+    })
+}
+
+/// Whether between two brackets or `ends` there are operators of both kinds. `kind`: 0 or 1 where an operator ends, of a letter and the one before it.
+fn side_by_side(code: &str, ends: &[char], kind: impl Fn(char, char) -> Option<usize>) -> bool {
+    // Of each open bracket: which kinds were seen.
     let mut open = vec![[false; 2]];
     let mut before = ' ';
     for letter in code.chars() {
@@ -119,10 +158,8 @@ fn mixes_shifts(code: &str) -> bool {
         match letter {
             '(' | '[' => open.push([false; 2]),
             ')' | ']' if here > 0 => drop(open.pop()),
-            ',' | ';' | '=' => open[here] = [false; 2],
-            '<' | '>' if before == letter => open[here][0] = true,
-            '|' | '&' | '^' => open[here][1] = true,
-            _ => (),
+            end if ends.contains(&end) => open[here] = [false; 2],
+            _ => kind(before, letter).into_iter().for_each(|kind| open[here][kind] = true),
         }
         if open.last() == Some(&[true; 2]) {
             return true;

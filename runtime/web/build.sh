@@ -11,8 +11,10 @@ cargo run --quiet --locked --manifest-path runtime/web/binder/Cargo.toml --targe
     "target/wasm/wasm32-unknown-unknown/$profile/pelage_web.wasm" "$out/bound"
 
 rm -rf "$out/npm" "$out/site/pelage"
-mkdir -p "$out/npm" "$out/site/animals"
+mkdir -p "$out/npm" "$out/site"
 cp runtime/web/npm/* "$out/npm/"
-cp "$out/bound/pelage_web.js" "$out/bound/pelage_web_bg.wasm" "$out/npm/"
+cp "$out/bound/pelage_web_bg.wasm" "$out/npm/"
+# Its comments are those of index.d.ts in other words.
+sed "/^ *\/\*\*/,/\*\//d" "$out/bound/pelage_web.js" >"$out/npm/pelage_web.js"
 cp runtime/web/page/* "$out/site/"
 cp -r "$out/npm" "$out/site/pelage"

@@ -32,7 +32,7 @@ if has_std; then
 fi
 if ! has_debian && command -v apt-get >/dev/null 2>&1 && [ "$(id -u)" = 0 ]; then
     apt-get update >&2 || true
-    apt_install rustc-web rust-web-src && apt_install "lld-$(llvm)" || true
+    if apt_install rustc-web rust-web-src; then apt_install "lld-$(llvm)" || true; fi
 fi
 if has_debian; then
     RUSTC=$(debian_compiler) RUSTC_BOOTSTRAP=1 exec cargo "$@" --target "$target" -Zbuild-std=std,panic_abort

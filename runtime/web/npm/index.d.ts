@@ -225,3 +225,55 @@ export class Pelage extends EventTarget {
     options?: boolean | EventListenerOptions,
   ): void;
 }
+
+/** A frame of another renderer that a package is drawn into. */
+export interface PassFrame {
+  /** What it drew so far: textures of `device` of one size, of one sample per pixel, that may be drawn to. */
+  color: GPUTexture;
+  depth: GPUTexture;
+  /** World to view space, view to clip space with WebGPU's depth of 0 to 1, and model to world space: 16 numbers each, by columns. */
+  viewFromWorld: ArrayLike<number>;
+  clipFromView: ArrayLike<number>;
+  worldFromModel?: ArrayLike<number>;
+  /** Name of a clip; at rest without. */
+  clip?: string;
+  /** Moment of the clip, seconds. */
+  timeS?: number;
+}
+
+/**
+ * A package in the frame of another renderer that draws on the same device, such as three.js's `WebGPURenderer`: fur and its meshes hide each other, and
+ * nothing is copied. examples/three in the repository is a page of it.
+ */
+export class PelagePass {
+  private constructor();
+
+  /**
+   * Opens a device; hand it to the other renderer.
+   * `color` and `depth`: formats of its targets, such as "rgba16float" and "depth32float". `reversedDepth`: near is 1. Default false.
+   * Fails as `Pelage.create` does.
+   */
+  static open(options: {
+    color: GPUTextureFormat;
+    depth: "depth32float" | "depth24plus";
+    reversedDepth?: boolean;
+    wasm?: PelageOptions["wasm"];
+  }): Promise<PelagePass>;
+  /** The device that both draw on. */
+  readonly device: GPUDevice;
+  /** Draws this package from now on. Fails as `Pelage.load` does. */
+  load(
+    source: string | URL | ArrayBuffer | ArrayBufferView | Blob,
+    options?: { name?: string; signal?: AbortSignal },
+  ): Promise<PackageInfo>;
+  /** What is drawn; `null` before the first package. */
+  readonly info: PackageInfo | null;
+  /** The key light. What is left out stays. */
+  setLight(light: Light): void;
+  /** Sets one key of the look, of its tables light, shadow and fur. */
+  setLook(key: string, value: string | number | boolean | readonly number[]): void;
+  /** Draws over what is there; what the other renderer draws behind it must be submitted before, what it draws before it after. */
+  draw(frame: PassFrame): void;
+  /** Frees what it holds on the device; the device stays. */
+  dispose(): void;
+}

@@ -1,21 +1,12 @@
 // A .pelage package on a <canvas>. index.d.ts says what each part takes and gives; this file owns the event loop, the WebAssembly module everything else.
 
-import init, { open as openDevice, Viewer } from "./pelage_web.js";
+import { open as openDevice, Viewer } from "./pelage_web.js";
 import { control } from "./controls.js";
 import { PelageError } from "./error.js";
+import { guarded, read, start, written } from "./module.js";
 
 export { PelageError };
-
-/** The one instance of the module, which all canvases of a page share; a promise. */
-let module = null;
-
-function start(wasm) {
-  module ??= init({ module_or_path: wasm ?? new URL("pelage_web_bg.wasm", import.meta.url) }).catch((cause) => {
-    module = null;
-    throw new PelageError("module", `the WebAssembly module cannot be loaded: ${cause.message}`, { cause });
-  });
-  return module;
-}
+export { PelagePass } from "./pass.js";
 
 /** Frames that the device may have before it: one that it draws and one that waits. */
 const IN_FLIGHT = 2;
@@ -25,45 +16,8 @@ const REOPEN_MS = 250;
 /** A tab that was in the background does not make up for the time. */
 const LONGEST_STEP_S = 0.25;
 
-/** Runs `f`, whose errors come from the module. */
-function guarded(f) {
-  try {
-    return f();
-  } catch (error) {
-    throw PelageError.of(error);
-  }
-}
-
 function wait(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
-}
-
-/** Bytes and name of whatever `load` takes. */
-async function read(source, options) {
-  const named = (fallback) => options.name ?? fallback;
-  if (source instanceof ArrayBuffer) return [named("package"), new Uint8Array(source)];
-  if (ArrayBuffer.isView(source)) {
-    return [named("package"), new Uint8Array(source.buffer, source.byteOffset, source.byteLength)];
-  }
-  if (source instanceof Blob) return [named(source.name ?? "package"), new Uint8Array(await source.arrayBuffer())];
-  if (typeof source !== "string" && !(source instanceof URL)) {
-    throw new PelageError("asked", `load: found ${typeof source}, expected a URL, an ArrayBuffer or a File`);
-  }
-  const url = String(source);
-  let response;
-  try {
-    response = await fetch(url, { signal: options.signal });
-  } catch (cause) {
-    if (options.signal?.aborted) throw options.signal.reason;
-    throw new PelageError("fetch", `${url}: ${cause.message}`, { cause });
-  }
-  if (!response.ok) throw new PelageError("fetch", `${url}: ${response.status} ${response.statusText}`);
-  return [named(url), new Uint8Array(await response.arrayBuffer())];
-}
-
-/** A value of the look as `key=value` has it. */
-function written(value) {
-  return Array.isArray(value) ? JSON.stringify(value) : String(value);
 }
 
 export class Pelage extends EventTarget {
@@ -87,10 +41,6 @@ export class Pelage extends EventTarget {
   #stopControls = null;
 
   static async create(canvas, options = {}) {
-    if (!globalThis.navigator?.gpu) {
-      const why = globalThis.isSecureContext === false ? "the page is not served over https or from localhost" : "this browser has no WebGPU";
-      throw new PelageError("no-webgpu", `${why}: pelage needs WebGPU (Chrome and Edge 113, Safari 26, Firefox 141, or later)`);
-    }
     await start(options.wasm);
     const opened = await openDevice(canvas).catch((error) => {
       throw PelageError.of(error);

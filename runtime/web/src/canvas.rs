@@ -12,7 +12,8 @@ use web_sys::HtmlCanvasElement;
 #[derive(Debug)]
 pub struct Opened {
     pub(crate) gpu: Gpu,
-    pub(crate) screen: Screen,
+    /// `None` where another renderer shows the picture.
+    pub(crate) screen: Option<Screen>,
 }
 
 #[wasm_bindgen]
@@ -40,10 +41,25 @@ pub async fn open(canvas: HtmlCanvasElement) -> Result<Opened, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(canvas));
     let surface = surface.map_err(|error| thrown("device", &format!("canvas: {error}")))?;
-    // Blocks where the adapter has them: four times the texels in the same memory.
-    let wanted = wgpu::Features::TEXTURE_COMPRESSION_BC;
-    let gpu = Gpu::request(&instance, Some(&surface), wanted, None).await.map_err(fault)?;
-    Ok(Opened { screen: Screen::new(&gpu, surface), gpu })
+    let gpu = Gpu::request(&instance, Some(&surface), wanted(), None).await.map_err(fault)?;
+    Ok(Opened { screen: Some(Screen::new(&gpu, surface)), gpu })
+}
+
+/// Opens a device for who shows pictures by other means.
+///
+/// # Errors
+///
+/// Of the kind `no-adapter` where the browser gives none.
+#[wasm_bindgen]
+pub async fn open_shared() -> Result<Opened, JsValue> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let gpu = Gpu::request(&instance, None, wanted(), None).await.map_err(fault)?;
+    Ok(Opened { screen: None, gpu })
+}
+
+/// Blocks where the adapter has them: four times the texels in the same memory.
+fn wanted() -> wgpu::Features {
+    wgpu::Features::TEXTURE_COMPRESSION_BC
 }
 
 /// The canvas of the page, which shows what a stage drew on its own.
@@ -144,7 +160,10 @@ impl Screen {
                 view: &view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             ..Default::default()
         });

@@ -6,6 +6,8 @@
 #[cfg(target_arch = "wasm32")]
 mod canvas;
 #[cfg(target_arch = "wasm32")]
+mod pass;
+#[cfg(target_arch = "wasm32")]
 mod player;
 #[cfg(target_arch = "wasm32")]
 mod report;
@@ -15,6 +17,8 @@ mod thrown;
 mod viewer;
 
 #[cfg(target_arch = "wasm32")]
-pub use canvas::{Opened, open};
+pub use canvas::{Opened, open, open_shared};
+#[cfg(target_arch = "wasm32")]
+pub use pass::Pass;
 #[cfg(target_arch = "wasm32")]
 pub use viewer::Viewer;

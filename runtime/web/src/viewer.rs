@@ -1,12 +1,14 @@
 //! A package on a canvas, with camera, light, clip and look.
 
-use crate::canvas::Opened;
+use crate::canvas::{Opened, Screen};
 use crate::player::Player;
 use crate::report::{self, object};
 use crate::thrown::{asked, fault, thrown};
 use glam::{Vec2, Vec3};
 use pelage_runtime::{FrameParams, Light};
-use pelage_stage::{Cast, Framing, Look, LookStyle, NamedPackage, Navigator, Picture, Size, Stage, Viewpoint, find_clip};
+use pelage_stage::{
+    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Picture, Size, Stage, Viewpoint, find_clip,
+};
 use wasm_bindgen::prelude::*;
 
 /// Heights of a frame that nothing was loaded into: any.
@@ -24,7 +26,8 @@ struct Shown {
 /// Where a method fails, everything is as it was before the call.
 #[wasm_bindgen]
 pub struct Viewer {
-    opened: Opened,
+    gpu: Gpu,
+    screen: Screen,
     shown: Option<Shown>,
     look: Look,
     /// Of the key light; 1 is full light.
@@ -42,8 +45,10 @@ impl Viewer {
     /// `asked` for a size that no picture can have.
     #[wasm_bindgen(constructor)]
     pub fn new(opened: Opened, width: u32, height: u32) -> Result<Self, JsValue> {
+        let (gpu, screen) = parts(opened)?;
         let mut viewer = Self {
-            opened,
+            gpu,
+            screen,
             shown: None,
             look: Look::of_picture(),
             light_color: Vec3::ONE,
@@ -71,7 +76,7 @@ impl Viewer {
         self.player = Player::at_rest();
         let info = report::package(name, file.bytes.len(), stage.0.model(), has_ink);
         self.shown = Some(Shown { file, has_ink, stage: stage.0 });
-        self.opened.screen.forget_picture();
+        self.screen.forget_picture();
         Ok(info)
     }
 
@@ -81,8 +86,8 @@ impl Viewer {
     ///
     /// As [`Self::load`].
     pub fn reopen(&mut self, opened: Opened) -> Result<(), JsValue> {
-        self.opened = opened;
-        self.opened.screen.resize(&self.opened.gpu, self.look.picture().size);
+        (self.gpu, self.screen) = parts(opened)?;
+        self.screen.resize(&self.gpu, self.look.picture().size);
         self.rebuild()
     }
 
@@ -96,7 +101,7 @@ impl Viewer {
         look.picture.size = Size { width, height };
         look.validate().map_err(asked)?;
         self.take(look)?;
-        self.opened.screen.resize(&self.opened.gpu, (width, height));
+        self.screen.resize(&self.gpu, (width, height));
         if self.navigator.is_home() { self.frame_all() } else { Ok(()) }
     }
 
@@ -112,11 +117,11 @@ impl Viewer {
         let mut encoder = stage.encoder();
         let frame = stage.prepare(&mut encoder).map_err(fault)?;
         frame.draw(&mut stage.pass(&mut encoder, "frame", true));
-        let Some(texture) = self.opened.screen.show(&self.opened.gpu, &mut encoder, &stage.canvas) else {
+        let Some(texture) = self.screen.show(&self.gpu, &mut encoder, &stage.canvas) else {
             return Ok(JsValue::UNDEFINED);
         };
-        self.opened.gpu.queue.submit([encoder.finish()]);
-        self.opened.gpu.queue.present(texture);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.queue.present(texture);
         Ok(report::frame(&frame, stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes()))
     }
 
@@ -156,7 +161,9 @@ impl Viewer {
     pub fn set_light_color(&mut self, red: f32, green: f32, blue: f32) -> Result<(), JsValue> {
         let color = Vec3::new(red, green, blue);
         if !(color.is_finite() && color.min_element() >= 0.0) {
-            return Err(asked(format!("light color: found {red}, {green}, {blue}, expected three numbers of at least 0")));
+            return Err(asked(format!(
+                "light color: found {red}, {green}, {blue}, expected three numbers of at least 0"
+            )));
         }
         self.light_color = color;
         self.take(self.look.clone())
@@ -288,22 +295,14 @@ impl Viewer {
 }
 
 impl Viewer {
-    /// What a frame is told of a look.
-    fn params(&self, look: &Look) -> FrameParams {
-        look.frame_params().with(|params| {
-            let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut params.light;
-            *color *= self.light_color;
-        })
-    }
-
     /// A stage with that package, and the camera that frames it.
     fn stage(&self, file: &NamedPackage<'static>) -> Result<(Stage, Viewpoint), JsValue> {
         let picture = self.look.picture();
         let package = file.open().map_err(fault)?;
         let framing = Framing::default();
         let cast = Cast::crowd(file, package, None, 1, None, (&framing, picture.aspect())).map_err(fault)?;
-        let gpu = self.opened.gpu.clone();
-        let stage = Stage::new(&cast, &picture, self.params(&self.look), 0.0, || Ok(gpu)).map_err(fault)?;
+        let gpu = self.gpu.clone();
+        let stage = Stage::new(&cast, &picture, lit(&self.look, self.light_color), 0.0, || Ok(gpu)).map_err(fault)?;
         Ok((stage, cast.camera.at(0.0)))
     }
 
@@ -315,14 +314,14 @@ impl Viewer {
                 shown.stage = stage;
             }
         }
-        self.opened.screen.forget_picture();
+        self.screen.forget_picture();
         Ok(())
     }
 
     /// Draws with another look from now on.
     fn take(&mut self, look: Look) -> Result<(), JsValue> {
         let (before, picture): (Picture, Picture) = (self.look.picture(), look.picture());
-        let params = self.params(&look);
+        let params = lit(&look, self.light_color);
         if let Some(shown) = &mut self.shown {
             if look.picture.style == LookStyle::Ink && !shown.has_ink {
                 return Err(no_ink(&shown.file.name));
@@ -338,10 +337,25 @@ impl Viewer {
                 return Err(error);
             }
         } else if picture.size != before.picture().size {
-            self.opened.screen.forget_picture();
+            self.screen.forget_picture();
         }
         Ok(())
     }
+}
+
+/// A device, and the canvas that it was opened for.
+fn parts(opened: Opened) -> Result<(Gpu, Screen), JsValue> {
+    let screen =
+        opened.screen.ok_or_else(|| asked("opened: found a device without a canvas, expected that of open()"))?;
+    Ok((opened.gpu, screen))
+}
+
+/// What a frame is told of a look whose key light has that colour, linear.
+pub(crate) fn lit(look: &Look, light_color: Vec3) -> FrameParams {
+    look.frame_params().with(|params| {
+        let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut params.light;
+        *color *= light_color;
+    })
 }
 
 fn no_ink(file: &str) -> JsValue {

@@ -8,6 +8,8 @@ import { assertOther, assertSame, bare, bytesOf, open, picture, rendered } from 
 
 const LONG_MS = 120_000;
 const SIZE = [320, 240];
+/** Cheap, and with shadow maps that a pose draws anew. */
+const SMALL = "[picture]\nsamples = 1\n[shadow]\nmap_texels = 64\n";
 let opened;
 
 before(async () => {
@@ -98,7 +100,7 @@ inBrowser("three_hundred_frames_need_no_more_memory_than_ten", browser("three_hu
       };
     }
   };
-  const { page, faults, close } = await bare(opened, { size: [48, 36], before: count, options: { look: "[picture]\nsamples = 1\n" } });
+  const { page, faults, close } = await bare(opened, { size: [48, 36], before: count, options: { look: SMALL } });
   const walk = (from, to) =>
     page.evaluate(
       async ([from, to]) => {

@@ -2,10 +2,11 @@
 
 import { appendFileSync, existsSync } from "node:fs";
 import { resolve } from "node:path";
+import { fileURLToPath } from "node:url";
 import { found } from "./browser.mjs";
 
 /** The repository. */
-export const ROOT = resolve(import.meta.dirname, "../../..");
+export const ROOT = fileURLToPath(new URL("../../..", import.meta.url)).replace(/\/$/, "");
 
 const isCi = !["", "0", "false"].includes(process.env.CI ?? "");
 

@@ -7,7 +7,7 @@ import { launch } from "./browser.mjs";
 import { ROOT } from "./needs.mjs";
 import { serve } from "../serve.mjs";
 
-const SITE = process.env.PELAGE_SITE ?? `${ROOT}/target/web/site`;
+export const SITE = process.env.PELAGE_SITE ?? `${ROOT}/target/web/site`;
 const PELAGE = process.env.PELAGE ?? `${ROOT}/target/debug/pelage`;
 /** Where packages and pictures of the tests lie. */
 export const OUT = `${ROOT}/target/web/tests`;

@@ -1,4 +1,4 @@
-//! What tests need that a machine may lack: an adapter, test data, a C compiler.
+//! What tests need that a machine may lack: an adapter, test data, a C compiler, a browser.
 //!
 //! A test asks here, by its name. It gets what it needs, or `None` with a loud word, and returns; under `CI` what is missing
 //! is a failure. Whatever the answer, it goes into the log that `PELAGE_TEST_LOG` names, and `./run test` holds the log
@@ -19,11 +19,13 @@ pub enum Need {
     Data,
     /// A C compiler: `CC`, or `cc`.
     Compiler,
+    /// Chromium, and the page that is built for it: tests in `runtime/web/tests`, which write the same log.
+    Browser,
 }
 
 impl Need {
     /// All needs.
-    pub const ALL: [Self; 3] = [Self::Gpu, Self::Data, Self::Compiler];
+    pub const ALL: [Self; 4] = [Self::Gpu, Self::Data, Self::Compiler, Self::Browser];
 
     /// Its word in log and register.
     pub fn word(self) -> &'static str {
@@ -31,6 +33,7 @@ impl Need {
             Self::Gpu => "gpu",
             Self::Data => "data",
             Self::Compiler => "compiler",
+            Self::Browser => "browser",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Writes the JavaScript and the types beside a WebAssembly module: `bind-web MODULE.wasm FOLDER`.
 //!
 //! It stands for the command `wasm-bindgen`, whose own build brings a web server and a TLS library. What a page need not load is left out: names of
-//! functions, and comments of shaders, which are a tenth of a compressed module.
+//! functions, and comments of shaders, which are a twentieth of a compressed module.
 
 mod shaders;
 
