@@ -1,7 +1,7 @@
 //! `pelage-web`: a `.pelage` package on a `<canvas>`, drawn by WebGPU.
 //!
 //! This is the WebAssembly half of the npm package in `runtime/web/npm`, whose `index.js` is what pages call: it owns the event loop, and this crate owns
-//! device, stage and camera. A method here never waits; what a browser answers later ([`open`]) is a promise.
+//! device, stage and camera. A method here never waits; what a browser answers later, such as `open`, is a promise.
 
 #[cfg(target_arch = "wasm32")]
 mod canvas;
