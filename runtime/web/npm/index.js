@@ -25,6 +25,8 @@ export class Pelage extends EventTarget {
   #options;
   #viewer;
   #device;
+  /** Width and height of the picture, pixels. */
+  #drawn;
   #adapter = "";
   #info = null;
   #loads = 0;
@@ -55,7 +57,8 @@ export class Pelage extends EventTarget {
     this.#options = options;
     this.#loop = options.loop ?? true;
     this.#watch(opened);
-    this.#viewer = guarded(() => new Viewer(opened, ...this.#size()));
+    this.#drawn = this.#size();
+    this.#viewer = guarded(() => new Viewer(opened, ...this.#drawn));
     if (options.look) guarded(() => this.#viewer.read_look(options.look));
     if (options.autoSize ?? true) {
       this.#observer = new ResizeObserver(() => this.resize());
@@ -222,7 +225,8 @@ export class Pelage extends EventTarget {
   }
 
   get stats() {
-    return { ...this.#stats, adapter: this.#adapter, width: this.#canvas.width, height: this.#canvas.height };
+    const [width, height] = this.#drawn;
+    return { ...this.#stats, adapter: this.#adapter, width, height };
   }
 
   /** Everything that was drawn so far is done. */
@@ -231,9 +235,10 @@ export class Pelage extends EventTarget {
   }
 
   resize() {
-    const [width, height] = this.#size();
-    if (this.#disposed || (width === this.#canvas.width && height === this.#canvas.height)) return;
-    this.#do((viewer) => viewer.resize(width, height));
+    const size = this.#size();
+    if (this.#disposed || size.every((length, i) => length === this.#drawn[i])) return;
+    this.#do((viewer) => viewer.resize(...size));
+    this.#drawn = size;
     // A canvas of a new size is empty: it is drawn before the page shows it.
     if (this.#loop) this.#draw();
   }

@@ -47,6 +47,14 @@ inBrowser("a_canvas_shows_what_render_draws", browser("a_canvas_shows_what_rende
   const camera = `--camera=${view.eye}/${view.target}/${view.fovDeg}`;
   const args = [camera, "--light", "1,0.6,0.2", "--background", "204,209,217", "--clip", "Walk", "--time", "0.3"];
   assertSame(await picture(page, "canvas_walk"), rendered("render_walk", SIZE, ...args));
+  await page.evaluate(() => {
+    const canvas = document.querySelector("canvas");
+    [canvas.width, canvas.height] = [150, 200];
+    pelage.resize();
+    pelage.camera = { fovDeg: 48 };
+  });
+  const wider = args.map((arg) => (arg === camera ? `--camera=${view.eye}/${view.target}/48` : arg));
+  assertSame(await picture(page, "canvas_tall"), rendered("render_tall", [150, 200], ...wider));
   assert.deepEqual(faults, []);
   await close();
 });
@@ -66,6 +74,12 @@ inBrowser("what_is_wrong_is_said_and_changes_nothing", browser("what_is_wrong_is
       () => pelage.setLight({ color: [1, -1, 0] }),
       () => pelage.load("/nowhere.pelage"),
       () => pelage.load(42),
+      async () => {
+        const { Pelage } = await import("/pelage/index.js");
+        const taken = document.createElement("canvas");
+        taken.getContext("2d");
+        await Pelage.create(taken);
+      },
     ];
     for (const call of wrong) {
       try {
@@ -77,10 +91,10 @@ inBrowser("what_is_wrong_is_said_and_changes_nothing", browser("what_is_wrong_is
     }
     return said;
   });
-  const words = [/0.*2|range/, /penumbra/, /style.*fur/s, /same point/, /field of view/, /Walk/, /at least 0/, /404/, /number.*URL/];
+  const words = [/0.*2|range/, /penumbra/, /style.*fur/s, /same point/, /field of view/, /Walk/, /at least 0/, /404/, /number.*URL/, /canvas/];
   said.forEach(([name, kind, message], i) => {
     assert.equal(name, "PelageError", `call ${i}: ${message}`);
-    assert.equal(kind, i === 7 ? "fetch" : "asked", message);
+    assert.equal(kind, { 7: "fetch", 9: "device" }[i] ?? "asked", message);
     assert.match(message, words[i]);
   });
   assert.deepEqual(bytesOf(await picture(page, "after_faults")), bytesOf(before));

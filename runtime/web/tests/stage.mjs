@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { launch } from "./browser.mjs";
 import { ROOT } from "./needs.mjs";
 import { serve } from "../serve.mjs";
@@ -23,7 +23,9 @@ export function pelage(...args) {
 export function hare() {
   const file = `${OUT}/hare.pelage`;
   mkdirSync(OUT, { recursive: true });
-  if (!existsSync(file)) pelage("bake", `${ROOT}/assets/models/hare.glb`, "--recipe", `${ROOT}/assets/recipes/hare.toml`, "-o", file);
+  // A package of another build may be another one.
+  const made = existsSync(file) && statSync(file).mtimeMs > statSync(PELAGE).mtimeMs;
+  if (!made) pelage("bake", `${ROOT}/assets/models/hare.glb`, "--recipe", `${ROOT}/assets/recipes/hare.toml`, "-o", file);
   return file;
 }
 
