@@ -12,7 +12,7 @@ cargo run --quiet --locked --manifest-path runtime/web/binder/Cargo.toml --targe
 
 rm -rf "$out/npm" "$out/site/pelage"
 mkdir -p "$out/npm" "$out/site"
-cp runtime/web/npm/* "$out/npm/"
+cp runtime/web/npm/* LICENSE-MIT LICENSE-APACHE "$out/npm/"
 cp "$out/bound/pelage_web_bg.wasm" "$out/npm/"
 # Its comments are those of index.d.ts in other words.
 sed "/^ *\/\*\*/,/\*\//d" "$out/bound/pelage_web.js" >"$out/npm/pelage_web.js"

@@ -6,12 +6,10 @@ use crate::report::{self, object};
 use crate::thrown::{asked, fault, thrown};
 use glam::{Vec2, Vec3};
 use pelage_runtime::{FrameParams, Light};
-use pelage_stage::{
-    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Picture, Size, Stage, Viewpoint, find_clip,
-};
+use pelage_stage::{Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, Stage, Viewpoint, find_clip};
 use wasm_bindgen::prelude::*;
 
-/// Heights of a frame that nothing was loaded into: any.
+/// Any view: there is nothing to see until a package is loaded.
 const NOWHERE: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
 
 /// A package that is shown; its bytes are kept, because a new device or other samples per pixel take another stage.
@@ -71,11 +69,11 @@ impl Viewer {
         if !has_ink && self.look.picture.style == LookStyle::Ink {
             return Err(no_ink(&file.name));
         }
-        let stage = self.stage(&file)?;
-        self.navigator.frame(stage.1);
+        let (stage, view) = self.stage(&file)?;
+        self.navigator.frame(view);
         self.player = Player::at_rest();
-        let info = report::package(name, file.bytes.len(), stage.0.model(), has_ink);
-        self.shown = Some(Shown { file, has_ink, stage: stage.0 });
+        let info = report::package(name, file.bytes.len(), stage.model(), has_ink);
+        self.shown = Some(Shown { file, has_ink, stage });
         self.screen.forget_picture();
         Ok(info)
     }
@@ -320,7 +318,7 @@ impl Viewer {
 
     /// Draws with another look from now on.
     fn take(&mut self, look: Look) -> Result<(), JsValue> {
-        let (before, picture): (Picture, Picture) = (self.look.picture(), look.picture());
+        let (before, picture) = (self.look.picture(), look.picture());
         let params = lit(&look, self.light_color);
         if let Some(shown) = &mut self.shown {
             if look.picture.style == LookStyle::Ink && !shown.has_ink {
@@ -330,13 +328,14 @@ impl Viewer {
                 shown.stage.relook(&picture, params, 0.0).map_err(fault)?;
             }
         }
-        let before = std::mem::replace(&mut self.look, look);
-        if picture.samples != before.picture().samples {
+        let look_before = std::mem::replace(&mut self.look, look);
+        if picture.samples != before.samples {
+            // Another number of samples takes another stage.
             if let Err(error) = self.rebuild() {
-                self.look = before;
+                self.look = look_before;
                 return Err(error);
             }
-        } else if picture.size != before.picture().size {
+        } else if picture.size != before.size {
             self.screen.forget_picture();
         }
         Ok(())
