@@ -258,6 +258,8 @@ async function begin() {
   }
   // For who looks on from the console; the tests do.
   window.pelage = pelage;
+  // There is something for the knobs to turn.
+  for (const knobs of document.querySelectorAll("[inert]")) knobs.inert = false;
   placeDot();
   pelage.addEventListener("frame", ({ detail }) => {
     const { frameMs, width, height, gpuBytes } = detail;

@@ -211,6 +211,7 @@ inBrowser("a_browser_without_webgpu_is_told_so", browser("a_browser_without_webg
     await message(shown).waitFor({ timeout: LONG_MS });
     assert.equal(await shown.textContent("#message h2"), title);
     assert.match(await shown.textContent("#message p"), words);
+    assert.equal(await shown.locator("[inert]").count(), 2, "knobs that have nothing to turn");
     await close();
   }
 });
