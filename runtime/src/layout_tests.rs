@@ -1,7 +1,7 @@
 //! The shaders hold what the Rust side believes about them: all are valid, and the structs agree byte for byte.
 
 use crate::frame::PASSES;
-use crate::gpu::{Shader, WORKGROUP};
+use crate::gpu::WORKGROUP;
 use crate::ink::{InkFrame, InkModel};
 use crate::model::{Stand, Strand, StrandConstants};
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
@@ -55,15 +55,16 @@ const FORMS: [[&str; 2]; 6] = [
 /// All shaders, of the passes and the application's, as this build has them and as the other one does.
 fn sources() -> Vec<(String, String)> {
     let mut sources = vec![("the application's own shaders".to_string(), receiver::WGSL.to_string())];
-    for Shader { name, wgsl } in PASSES.iter().flat_map(|pass| pass.shaders) {
-        let (mut without, mut with) = (wgsl.to_string(), wgsl.to_string());
+    for shader in PASSES.iter().flat_map(|pass| pass.shaders) {
+        let (name, wgsl) = (shader.name, shader.wgsl());
+        let (mut without, mut with) = (wgsl.clone(), wgsl.clone());
         for [ours, studied] in FORMS {
             without = without.replace(studied, ours);
             if !ours.is_empty() {
                 with = with.replace(ours, studied);
             }
         }
-        sources.push((name.to_string(), wgsl.to_string()));
+        sources.push((name.to_string(), wgsl));
         sources.push((format!("{name}, without study"), without));
         sources.push((format!("{name}, with study"), with));
     }
@@ -88,16 +89,24 @@ fn every_wgsl_file_is_valid_and_used() {
     assert!(files.len() >= 48, "not all are found: {files:?}");
 }
 
+/// Every file of WGSL without its comments.
+fn wgsl_code() -> Vec<(PathBuf, String)> {
+    let mut files = Vec::new();
+    wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    let code = |line: &str| line.split("//").next().unwrap_or_default().to_owned() + "\n";
+    let read = |file: PathBuf| {
+        let text = std::fs::read_to_string(&file).unwrap();
+        (file, text.lines().map(code).collect())
+    };
+    files.into_iter().map(read).collect()
+}
+
 /// Browsers refuse a shift and a bitwise operator side by side without parentheses, which naga takes.
 #[test]
 fn shifts_stand_in_parentheses() {
-    let mut files = Vec::new();
-    wgsl_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
-    for file in files {
-        for (number, line) in std::fs::read_to_string(&file).unwrap().lines().enumerate() {
-            let code = line.split("//").next().unwrap_or_default();
-            assert!(!mixes_shifts(code), "{}:{}: {line}", file.display(), number + 1);
-        }
+    for (file, code) in wgsl_code() {
+        let found = code.lines().find(|line| mixes_shifts(line));
+        assert_eq!(found, None, "{}", file.display());
     }
     for refused in ["a << 9u | b", "(a >> 6u) | b >> 2u", "f(a & b << 1u)", "x[i] & 511u << 2u"] {
         assert!(mixes_shifts(refused), "{refused}");
@@ -107,10 +116,41 @@ fn shifts_stand_in_parentheses() {
     }
 }
 
-/// Whether between two parentheses, commas or other operators there are both.
+/// The same of "and" and "or", in statements of several lines as well.
+#[test]
+fn ands_among_ors_stand_in_parentheses() {
+    for (file, code) in wgsl_code() {
+        let found = code.split([';', '{', '}']).find(|statement| mixes_logic(statement));
+        assert_eq!(found, None, "{}", file.display());
+    }
+    for refused in ["!a || b && c", "a &&\n b == c\n || d", "f(a || b && c)", "(a && b) || c && d"] {
+        assert!(mixes_logic(refused), "{refused}");
+    }
+    for taken in ["!a || (b && c)", "f(a && b, c || d)", "a & b || c", "a || b || (c && d && e)"] {
+        assert!(!mixes_logic(taken), "{taken}");
+    }
+}
+
 fn mixes_shifts(code: &str) -> bool {
     let code = code.replace("&&", ",").replace("||", ",").replace("|=", ",").replace("&=", ",");
-    // Of each open bracket: a shift was seen, a bitwise operator was.
+    side_by_side(&code, &[',', ';', '='], |before, letter| match letter {
+        '<' | '>' if before == letter => Some(0),
+        '|' | '&' | '^' => Some(1),
+        _ => None,
+    })
+}
+
+fn mixes_logic(code: &str) -> bool {
+    side_by_side(code, &[','], |before, letter| match (before, letter) {
+        ('&', '&') => Some(0),
+        ('|', '|') => Some(1),
+        _ => None,
+    })
+}
+
+/// Whether between two brackets or `ends` there are operators of both kinds. `kind`: 0 or 1 where an operator ends, of a letter and the one before it.
+fn side_by_side(code: &str, ends: &[char], kind: impl Fn(char, char) -> Option<usize>) -> bool {
+    // Of each open bracket: which kinds were seen.
     let mut open = vec![[false; 2]];
     let mut before = ' ';
     for letter in code.chars() {
@@ -118,10 +158,8 @@ fn mixes_shifts(code: &str) -> bool {
         match letter {
             '(' | '[' => open.push([false; 2]),
             ')' | ']' if here > 0 => drop(open.pop()),
-            ',' | ';' | '=' => open[here] = [false; 2],
-            '<' | '>' if before == letter => open[here][0] = true,
-            '|' | '&' | '^' => open[here][1] = true,
-            _ => (),
+            end if ends.contains(&end) => open[here] = [false; 2],
+            _ => kind(before, letter).into_iter().for_each(|kind| open[here][kind] = true),
         }
         if open.last() == Some(&[true; 2]) {
             return true;
@@ -169,7 +207,7 @@ fn uniform_structs_agree() {
         )
     );
     assert_eq!(
-        members(ink_stroke::SHADER.wgsl, "InkFrame"),
+        members(&ink_stroke::SHADER.wgsl(), "InkFrame"),
         fields!(
             InkFrame,
             ink,
@@ -193,7 +231,7 @@ fn uniform_structs_agree() {
             far_depth,
         )
     );
-    let (wgsl, size) = members(ink_fur::SHADER.wgsl, "InkModel");
+    let (wgsl, size) = members(&ink_fur::SHADER.wgsl(), "InkModel");
     let (fields, rust_size) = fields!(
         InkModel,
         right_ws,
@@ -216,7 +254,7 @@ fn uniform_structs_agree() {
     );
     assert_eq!((&wgsl[..16], wgsl[16].1, size), (&fields[..16], fields[16].1, rust_size));
     assert_eq!(members(frame::WGSL, "FillLight"), fields!(frame::FillLight, light_ws, color));
-    let filter = members(shadow_width::FILTER.wgsl, "Filter");
+    let filter = members(&shadow_width::FILTER.wgsl(), "Filter");
     assert_eq!(
         filter,
         fields!(shadow_width::Filter, near, far, shrink, least_gap, clear_gap, reserved0, reserved1, reserved2,)
@@ -257,23 +295,23 @@ fn uniform_structs_agree() {
             coat_light_slope,
         )
     );
-    for source in [strand_pose::SHADER.wgsl, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+    for source in [&strand_pose::SHADER.wgsl(), &strand_shadow::SHADER.wgsl(), &strand_light::SHADER.wgsl()] {
         assert_eq!(
             members(source, "StrandConstants"),
             fields!(StrandConstants, points, count, dry_points, radius, first, end, share, step)
         );
     }
-    for source in [deep_opacity::WGSL, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+    for source in [deep_opacity::WGSL, &strand_shadow::SHADER.wgsl(), &strand_light::SHADER.wgsl()] {
         let (wgsl, size) = members(source, "DeepOpacity");
         let (fields, rust_size) =
             fields!(DeepOpacity, size, slabs, slabs_per_depth, texel_m, density, whole_from, reserved);
         assert_eq!((&wgsl[..6], wgsl[6].1, size), (&fields[..6], fields[6].1, rust_size));
     }
-    for source in [strand_gather::SHADER.wgsl, strand_blend::SHADER.wgsl] {
+    for source in [&strand_gather::SHADER.wgsl(), &strand_blend::SHADER.wgsl()] {
         assert_eq!(members(source, "NearestHair"), fields!(NearestHair, area, size, pieces, round));
     }
     // They read no more of the frame than how to place corners.
-    for source in [strands::SHADER.wgsl, strand_gather::SHADER.wgsl] {
+    for source in [&strands::SHADER.wgsl(), &strand_gather::SHADER.wgsl()] {
         let (frame, _) = members(source, "Frame");
         assert_eq!(frame[..], fields!(frame::Frame, clip_from_world).0[..]);
         assert_eq!(frame[0].1 as usize, offset_of!(frame::Frame, clip_from_world));
@@ -285,7 +323,7 @@ fn uniform_structs_agree() {
     let (wgsl, size) = members(receiver::WGSL, "ShadowReceiver");
     let (fields, rust_size) = fields!(receiver::ShadowReceiver, map_from_world, soft_shadow, centred, reserved);
     assert_eq!((&wgsl[..3], wgsl[3].1, size), (&fields[..3], fields[3].1, rust_size));
-    let (members, size) = members(skin::SHADER.wgsl, "Material");
+    let (members, size) = members(&skin::SHADER.wgsl(), "Material");
     let (fields, rust_size) =
         fields!(MaterialUniform, base_color, alpha_cutoff, share_per_m, horizon, reserved, asides);
     assert_eq!((&members[..4], size), (&fields[..4], rust_size));
@@ -294,28 +332,31 @@ fn uniform_structs_agree() {
 
 #[test]
 fn storage_structs_agree() {
-    for source in [pose::SHADER.wgsl, fins::SHADER.wgsl] {
+    for source in [&pose::SHADER.wgsl(), &fins::SHADER.wgsl()] {
         assert_eq!(
             members(source, "GeometryVertex"),
             fields!(GeometryVertex, position, fur_height, normal, lean, tangent)
         );
     }
-    assert_eq!(members(fins::SHADER.wgsl, "Fin"), fields!(Fin, a, b, start, length, slab, opacity));
+    assert_eq!(members(&fins::SHADER.wgsl(), "Fin"), fields!(Fin, a, b, start, length, slab, opacity));
     // Four bytes are one word to the shader.
-    assert_eq!(members(fins::SHADER.wgsl, "AttributeVertex"), fields!(AttributeVertex, tile_uv, base_uv, color, groom));
     assert_eq!(
-        members(strand_pose::SHADER.wgsl, "GeometryVertex"),
+        members(&fins::SHADER.wgsl(), "AttributeVertex"),
+        fields!(AttributeVertex, tile_uv, base_uv, color, groom)
+    );
+    assert_eq!(
+        members(&strand_pose::SHADER.wgsl(), "GeometryVertex"),
         fields!(GeometryVertex, position, fur_height, normal, lean, tangent)
     );
-    for source in [strand_pose::SHADER.wgsl, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+    for source in [&strand_pose::SHADER.wgsl(), &strand_shadow::SHADER.wgsl(), &strand_light::SHADER.wgsl()] {
         assert_eq!(
             members(source, "Strand"),
             fields!(Strand, base_uv, color, groom, of_tile, chance, lean, fur_height)
         );
     }
-    let (stand, size) = members(strand_pose::SHADER.wgsl, "Stand");
+    let (stand, size) = members(&strand_pose::SHADER.wgsl(), "Stand");
     assert_eq!((stand[3].1 as usize, size as usize), (offset_of!(Stand, weights), size_of::<Stand>()));
-    let (members, size) = members(pose::SHADER.wgsl, "SkinVertex");
+    let (members, size) = members(&pose::SHADER.wgsl(), "SkinVertex");
     assert_eq!(size as usize, size_of::<SkinVertex>());
     let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);
     assert_eq!(offset("joints_xy"), Some(offset_of!(SkinVertex, joints)));
@@ -359,39 +400,39 @@ fn vertex_inputs_agree() {
         buffers.iter().copied().flatten().map(|a| (a.shader_location, components(a.format))).collect()
     };
     let two: [&[_]; 2] = [&GEOMETRY_ATTRIBUTES, &ATTRIBUTE_ATTRIBUTES];
-    assert_eq!(inputs(shells::SHADER.wgsl, "Vertex"), given(&two));
-    assert_eq!(inputs(ink_fur::SHADER.wgsl, "Vertex"), given(&two));
+    assert_eq!(inputs(&shells::SHADER.wgsl(), "Vertex"), given(&two));
+    assert_eq!(inputs(&ink_fur::SHADER.wgsl(), "Vertex"), given(&two));
     let four: [&[_]; 4] = [two[0], two[1], &REST_ATTRIBUTES, &INK_ATTRIBUTES];
-    let [mut all, own] = ["Vertex", "InkVertex"].map(|name| inputs(ink_normals::SHADER.wgsl, name));
+    let [mut all, own] = ["Vertex", "InkVertex"].map(|name| inputs(&ink_normals::SHADER.wgsl(), name));
     all.extend(own);
     assert_eq!(all, given(&four));
 }
 
 #[test]
 fn workgroups_agree() {
-    let module = parse("pose", pose::SHADER.wgsl);
+    let module = parse("pose", &pose::SHADER.wgsl());
     assert_eq!(module.entry_points[0].workgroup_size, [WORKGROUP, 1, 1]);
-    for source in [strand_pose::SHADER.wgsl, strand_shadow::SHADER.wgsl, strand_light::SHADER.wgsl] {
+    for source in [&strand_pose::SHADER.wgsl(), &strand_shadow::SHADER.wgsl(), &strand_light::SHADER.wgsl()] {
         for entry in &parse("strands", source).entry_points {
             let expected = if entry.name == "scan_strands" { SCAN_WORKGROUP } else { WORKGROUP };
             assert_eq!(entry.workgroup_size, [expected, 1, 1], "{}", entry.name);
         }
     }
-    let gather = parse("gather", strand_gather::SHADER.wgsl);
+    let gather = parse("gather", &strand_gather::SHADER.wgsl());
     assert!(gather.entry_points.iter().all(|entry| entry.workgroup_size == [WORKGROUP, 1, 1]));
     assert_eq!(WORKGROUP, TILE * TILE, "a workgroup is a tile of pixels");
-    let module = parse("fins", fins::SHADER.wgsl);
+    let module = parse("fins", &fins::SHADER.wgsl());
     let lights = |source| {
         let module = parse("lights", source);
         let (_, constant) =
             module.constants.iter().find(|(_, c)| c.name.as_deref() == Some("MAX_FILL_LIGHTS")).unwrap();
         module.global_expressions[constant.init].clone()
     };
-    let naga::Expression::Literal(naga::Literal::U32(found)) = lights(shells::SHADER.wgsl) else {
+    let naga::Expression::Literal(naga::Literal::U32(found)) = lights(&shells::SHADER.wgsl()) else {
         panic!("not a number")
     };
     assert_eq!(found as usize, crate::MAX_FILL_LIGHTS);
-    let module_of_strokes = parse("ink_fur", ink_fur::SHADER.wgsl);
+    let module_of_strokes = parse("ink_fur", &ink_fur::SHADER.wgsl());
     let (_, shells) =
         module_of_strokes.constants.iter().find(|(_, c)| c.name.as_deref() == Some("STROKE_SHELLS")).unwrap();
     let naga::Expression::Literal(naga::Literal::U32(found)) = module_of_strokes.global_expressions[shells.init] else {

@@ -54,7 +54,7 @@ fn set<const N: usize>(names: [&str; N]) -> BTreeSet<String> {
 fn hair_is_lit_in_one_function() {
     let mut geometries = BTreeSet::new();
     for shader in PASSES.iter().flat_map(|pass| pass.shaders) {
-        let module = naga::front::wgsl::parse_str(shader.wgsl).unwrap();
+        let module = naga::front::wgsl::parse_str(&shader.wgsl()).unwrap();
         for entry in module.entry_points.iter().filter(|e| e.stage == naga::ShaderStage::Fragment) {
             let reached = reaches(&module, &entry.function);
             // Whoever asks what a fibre sends asks by way of the one function.

@@ -14,7 +14,7 @@ pub struct Document {
 }
 
 /// Folders that hold nothing written by hand.
-const SKIPPED: [&str; 4] = ["target", ".git", "out", "corpus"];
+const SKIPPED: [&str; 5] = ["target", ".git", "out", "corpus", "node_modules"];
 
 /// All text files of the repository with one of those extensions, in the order of their paths.
 ///

@@ -8,7 +8,15 @@ use std::hash::{Hash, Hasher};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shader {
     pub(crate) name: &'static str,
-    pub(crate) wgsl: &'static str,
+    /// Its files, one after another. They are joined where a device compiles them, so that what shaders share lies in a program once: pages load it.
+    pub(crate) parts: &'static [&'static str],
+}
+
+impl Shader {
+    /// The whole source.
+    pub(crate) fn wgsl(&self) -> String {
+        self.parts.concat()
+    }
 }
 
 impl PartialEq for Shader {
@@ -138,7 +146,7 @@ pub(crate) struct Pipelines {
 fn module(gpu: &Gpu, shader: Shader) -> wgpu::ShaderModule {
     gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(shader.name),
-        source: wgpu::ShaderSource::Wgsl(shader.wgsl.into()),
+        source: wgpu::ShaderSource::Wgsl(shader.wgsl().into()),
     })
 }
 
@@ -154,7 +162,7 @@ fn layout(gpu: &Gpu, label: &str, groups: &[wgpu::BindGroupLayout]) -> wgpu::Pip
 /// Override constants as a pipeline takes them.
 fn declared(shader: Shader, constants: &Constants) -> Vec<(&'static str, f64)> {
     // A browser refuses what the shader does not declare.
-    let declares = |name: &str| shader.wgsl.contains(&format!("override {name}:"));
+    let declares = |name: &str| shader.parts.iter().any(|part| part.contains(&format!("override {name}:")));
     debug_assert!(constants.iter().all(|(name, _)| declares(name)), "{constants:?}");
     constants.iter().map(|(name, value)| (*name, f64::from(*value))).collect()
 }

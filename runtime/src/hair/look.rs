@@ -14,7 +14,7 @@ use pelage_formats::Shading;
 /// Source of what geometries of hair share, joined before each.
 macro_rules! hair_wgsl {
     ($($geometry:expr),+ $(,)?) => {
-        concat!(
+        &[
             include_str!("../../shared/detail.wgsl"),
             include_str!("../../shared/fins.wgsl"),
             include_str!("../../shared/frame.wgsl"),
@@ -36,7 +36,7 @@ macro_rules! hair_wgsl {
             include_str!("../../hair/hair.wgsl"),
             include_str!("../../hair/vertex.wgsl"),
             $($geometry,)+
-        )
+        ]
     };
 }
 pub(crate) use hair_wgsl;

@@ -12,13 +12,13 @@ use crate::surface::STREAMS;
 /// The shader that draws depth.
 pub(crate) const DEPTH: Shader = Shader {
     name: "pelage casters",
-    wgsl: concat!(
+    parts: &[
         include_str!("../shared/frame.wgsl"),
         include_str!("../shared/skinning.wgsl"),
         include_str!("../shared/tile_frame.wgsl"),
         include_str!("../surface/place.wgsl"),
         include_str!("../light/casters.wgsl"),
-    ),
+    ],
 };
 
 /// What a pass into the key light's maps draws to.

@@ -11,7 +11,7 @@ use glam::Mat4;
 /// Source of what the passes over a model's surface share, joined before each.
 macro_rules! ink_surface_wgsl {
     ($($file:expr),+ $(,)?) => {
-        concat!(
+        &[
             include_str!("../../shared/fins.wgsl"),
             include_str!("../../shared/frame.wgsl"),
             include_str!("../../shared/ink.wgsl"),
@@ -20,7 +20,7 @@ macro_rules! ink_surface_wgsl {
             include_str!("../../surface/place.wgsl"),
             include_str!("../../ink/model.wgsl"),
             $($file,)+
-        )
+        ]
     };
 }
 pub(crate) use ink_surface_wgsl;

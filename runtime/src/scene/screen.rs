@@ -10,13 +10,13 @@ use crate::ink::{InkFrame, InkModel};
 /// Source of what the passes over the picture share, joined before each.
 macro_rules! ink_screen_wgsl {
     ($($file:expr),+ $(,)?) => {
-        concat!(
+        &[
             include_str!("../../shared/ink.wgsl"),
             include_str!("../../shared/srgb.wgsl"),
             include_str!("../../ink/screen.wgsl"),
             $crate::study::form_wgsl!("ink lines"),
             $($file,)+
-        )
+        ]
     };
 }
 pub(crate) use ink_screen_wgsl;

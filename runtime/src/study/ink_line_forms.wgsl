@@ -56,7 +56,7 @@ fn form_of_line(
         return brushed;
     }
     let core = select(0.0, 1.0, in_reach && distance == 0.0);
-    let band = select(0.0, 1.0, !TEMPLATE || in_reach && distance <= half_width);
+    let band = select(0.0, 1.0, !TEMPLATE || (in_reach && distance <= half_width));
     let dark = select(0.0, 1.0, on_body && stroke < DARK);
     return vec2(max(core, band * dark), even_grey);
 }

@@ -20,11 +20,13 @@ impl Gpu {
     /// # Errors
     ///
     /// [`StageError::NoAdapter`] with what was tried.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn open() -> Result<Self, StageError> {
         Self::with(Self::wished(), None)
     }
 
     /// All that a picture and its measures can use of an adapter.
+    #[cfg(not(target_arch = "wasm32"))]
     fn wished() -> wgpu::Features {
         wgpu::Features::TEXTURE_COMPRESSION_BC
             | wgpu::Features::TIMESTAMP_QUERY
@@ -37,12 +39,13 @@ impl Gpu {
     /// # Errors
     ///
     /// [`StageError::NoAdapter`] where it gives no device.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, StageError> {
-        pollster::block_on(Self::request(adapter, Self::wished(), None))
+        pollster::block_on(Self::device(adapter, Self::wished(), None))
     }
 
     /// A device of an adapter, with those features of `wanted` that it has, and those limits, `None` for its own.
-    async fn request(
+    async fn device(
         adapter: &wgpu::Adapter,
         wanted: wgpu::Features,
         limits: Option<wgpu::Limits>,
@@ -65,14 +68,30 @@ impl Gpu {
     /// # Errors
     ///
     /// [`StageError::NoAdapter`] with what was tried.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn with(wanted: wgpu::Features, limits: Option<wgpu::Limits>) -> Result<Self, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, None))
-            .map_err(|error| StageError::NoAdapter(error.to_string()))?;
-        pollster::block_on(Self::request(&adapter, wanted, limits))
+        pollster::block_on(Self::request(&instance, None, wanted, limits))
     }
 
-    /// Blocks until everything submitted so far is done.
+    /// As [`Self::with`], for who must not wait: a browser answers between two turns of its event loop. The adapter can draw on `surface`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::with`].
+    pub async fn request(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+        wanted: wgpu::Features,
+        limits: Option<wgpu::Limits>,
+    ) -> Result<Self, StageError> {
+        let adapter = wgpu::util::initialize_adapter_from_env_or_default(instance, surface)
+            .await
+            .map_err(|error| StageError::NoAdapter(error.to_string()))?;
+        Self::device(&adapter, wanted, limits).await
+    }
+
+    /// Blocks until everything submitted so far is done. In a browser nothing can block, and it returns at once.
     pub fn wait(&self) -> Result<(), StageError> {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map(drop).map_err(lost)
     }

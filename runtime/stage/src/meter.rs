@@ -3,7 +3,7 @@
 use crate::gpu::lost;
 use crate::{Gpu, Stage, StageError};
 use pelage_runtime::{Frame, PassId, PassPlace, SelfShadow, Style, StyleKind, wgpu};
-use std::time::Instant;
+use web_time::Instant;
 
 /// Where times come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -35,6 +35,11 @@ impl Navigator {
         *self = Self::new(view);
     }
 
+    /// Goes to `view`, and still comes home to where it began.
+    pub fn go_to(&mut self, view: Viewpoint) {
+        self.view = view;
+    }
+
     /// Goes back to where it began.
     pub fn reset(&mut self) {
         self.view = self.home;

@@ -8,7 +8,8 @@ use pelage_runtime::{
     Camera, Frame, FrameParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer, RuntimeError, ShadowMaps,
     StyleKind, wgpu,
 };
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// What a cast is drawn on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

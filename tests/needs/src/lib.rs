@@ -1,4 +1,4 @@
-//! What tests need that a machine may lack: an adapter, test data, a C compiler.
+//! What tests need that a machine may lack: an adapter, test data, a C compiler, a browser.
 //!
 //! A test asks here, by its name. It gets what it needs, or `None` with a loud word, and returns; under `CI` what is missing
 //! is a failure. Whatever the answer, it goes into the log that `PELAGE_TEST_LOG` names, and `./run test` holds the log
@@ -21,11 +21,13 @@ pub enum Need {
     Compiler,
     /// A screen without glass, and hands for it: `Xvfb` and `xdotool`.
     Desktop,
+    /// Chromium, and the page that is built for it: tests in `runtime/web/tests`, which write the same log.
+    Browser,
 }
 
 impl Need {
     /// All needs.
-    pub const ALL: [Self; 4] = [Self::Gpu, Self::Data, Self::Compiler, Self::Desktop];
+    pub const ALL: [Self; 5] = [Self::Gpu, Self::Data, Self::Compiler, Self::Desktop, Self::Browser];
 
     /// Its word in log and register.
     pub fn word(self) -> &'static str {
@@ -34,6 +36,7 @@ impl Need {
             Self::Data => "data",
             Self::Compiler => "compiler",
             Self::Desktop => "desktop",
+            Self::Browser => "browser",
         }
     }
 }

@@ -81,6 +81,26 @@ fn the_viewer_knows_windows_and_no_models() {
 }
 
 #[test]
+fn the_page_draws_through_the_stage_and_costs_a_native_build_nothing() {
+    let never = ["clap", "rayon", "image", "tempfile", "indicatif", "pelage-bake", "winit"];
+    assert_floor("pelage-web", &[], &["pelage-stage", "wasm-bindgen", "wgpu"], &never);
+    let native = ["tree", "--package", "pelage-web", "--edges", "normal", "--prefix", "none"];
+    assert_eq!(cargo(native[0], &native[1..]).lines().count(), 1, "it alone");
+}
+
+#[test]
+fn the_binder_and_the_module_speak_one_format() {
+    let version = |manifest: &str, name: &str| {
+        let text = std::fs::read_to_string(workspace().join(manifest)).unwrap();
+        let line = text.lines().find(|line| line.starts_with(&format!("{name} = "))).map(str::to_owned);
+        line.and_then(|line| Some(line.split_once("\"=")?.1.trim_end_matches('"').to_owned()))
+    };
+    let module = version("Cargo.toml", "wasm-bindgen");
+    assert!(module.is_some(), "the root manifest pins wasm-bindgen");
+    assert_eq!(module, version("runtime/web/binder/Cargo.toml", "wasm-bindgen-cli-support"));
+}
+
+#[test]
 fn bake_without_preview_knows_no_gpu() {
     let never = ["wgpu", "wgpu-core", "naga", "pelage-runtime", "winit"];
     assert_floor("pelage-bake", &["--no-default-features"], &["pelage-formats", "rayon", "clap"], &never);

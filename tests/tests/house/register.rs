@@ -9,17 +9,25 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The functions by which a test asks for what it needs; its name is the argument, as a literal.
-const ASKED: [(&str, Need); 4] =
-    [("gpu(", Need::Gpu), ("data(", Need::Data), ("shared(", Need::Data), ("cases(", Need::Data)];
+const ASKED: [(&str, Need); 5] = [
+    ("gpu(", Need::Gpu),
+    ("data(", Need::Data),
+    ("shared(", Need::Data),
+    ("cases(", Need::Data),
+    ("browser(", Need::Browser),
+];
 
 /// Files with tests that may ask.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
-    for folder in ["formats/tests", "runtime/src", "bake/tests", "tests/tests"] {
+    for folder in ["formats/tests", "runtime/src", "bake/tests", "tests/tests", "runtime/web/tests"] {
         walk(&workspace().join(folder), &mut files);
     }
-    // This file names functions, and tests that there are not.
-    files.retain(|f| f.extension().is_some_and(|e| e == "rs") && !f.ends_with("house/register.rs"));
+    // This file names functions, and tests that there are not; what npm installs is none of ours.
+    files.retain(|f| {
+        let is_ours = !f.ends_with("house/register.rs") && !f.iter().any(|part| part == "node_modules");
+        is_ours && f.extension().is_some_and(|e| e == "rs" || e == "mjs")
+    });
     let read = |f: PathBuf| {
         let text = std::fs::read_to_string(&f).unwrap_or_else(|e| panic!("{}: {e}", f.display()));
         (f, text)

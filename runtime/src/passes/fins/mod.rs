@@ -11,7 +11,7 @@ use crate::scene::{Recording, Seen, fin_draws};
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage fins",
-    wgsl: hair_wgsl!(
+    parts: hair_wgsl!(
         include_str!("../../surface/geometry.wgsl"),
         include_str!("../../hair/fin_corner.wgsl"),
         include_str!("fins.wgsl"),

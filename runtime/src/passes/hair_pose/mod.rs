@@ -10,13 +10,13 @@ use pelage_formats::GeometryVertex;
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage hair pose",
-    wgsl: concat!(
+    parts: &[
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../hair/constants.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
         include_str!("hair_pose.wgsl"),
-    ),
+    ],
 };
 
 impl PassId {

@@ -9,7 +9,7 @@ use crate::study;
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink composite",
-    wgsl: ink_screen_wgsl!(include_str!("ink_composite.wgsl"), crate::study::form_wgsl!("behind ink_composite")),
+    parts: ink_screen_wgsl!(include_str!("ink_composite.wgsl"), crate::study::form_wgsl!("behind ink_composite")),
 };
 
 impl PassId {

@@ -8,7 +8,7 @@ use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
 /// The shader.
 pub(crate) const SHADER: Shader =
-    Shader { name: "pelage ink dilate", wgsl: ink_screen_wgsl!(include_str!("ink_dilate.wgsl")) };
+    Shader { name: "pelage ink dilate", parts: ink_screen_wgsl!(include_str!("ink_dilate.wgsl")) };
 
 /// What the search along rows found.
 pub(crate) const ROWS: Target = Target { label: "pelage ink rows", format: wgpu::TextureFormat::Rgba8Unorm };

@@ -8,7 +8,7 @@ use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
 /// The shader.
 pub(crate) const SHADER: Shader =
-    Shader { name: "pelage ink features", wgsl: ink_screen_wgsl!(include_str!("ink_features.wgsl")) };
+    Shader { name: "pelage ink features", parts: ink_screen_wgsl!(include_str!("ink_features.wgsl")) };
 
 /// Half width and strength of the line through each pixel, and how much of it is the outline's.
 pub(crate) const FEATURES: Target = Target { label: "pelage ink features", format: wgpu::TextureFormat::Rgba8Unorm };

@@ -11,7 +11,7 @@ use crate::study;
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink fur",
-    wgsl: ink_surface_wgsl!(
+    parts: ink_surface_wgsl!(
         include_str!("../../shared/srgb.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
         include_str!("../../hair/fin_corner.wgsl"),

@@ -7,7 +7,7 @@ use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
 /// The shader.
 pub(crate) const SHADER: Shader =
-    Shader { name: "pelage ink stroke", wgsl: ink_screen_wgsl!(include_str!("ink_stroke.wgsl")) };
+    Shader { name: "pelage ink stroke", parts: ink_screen_wgsl!(include_str!("ink_stroke.wgsl")) };
 
 /// Lines.
 pub(crate) const STROKES: Target = Target { label: "pelage ink strokes", format: wgpu::TextureFormat::Rgba8Unorm };

@@ -8,7 +8,7 @@ use crate::scene::{Recording, Screen, ink_screen_wgsl};
 
 /// The shader.
 pub(crate) const SHADER: Shader =
-    Shader { name: "pelage ink trace", wgsl: ink_screen_wgsl!(include_str!("ink_trace.wgsl")) };
+    Shader { name: "pelage ink trace", parts: ink_screen_wgsl!(include_str!("ink_trace.wgsl")) };
 
 /// What is left of the features.
 pub(crate) const TRACED: Target = Target { label: "pelage ink traced", format: ink_features::FEATURES.format };

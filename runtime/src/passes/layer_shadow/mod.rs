@@ -20,12 +20,12 @@ use glam::Vec3;
 
 /// The shader.
 pub(crate) const SHADER: Shader =
-    Shader { name: "pelage layer shadow", wgsl: hair_wgsl!(include_str!("layer_shadow.wgsl")) };
+    Shader { name: "pelage layer shadow", parts: hair_wgsl!(include_str!("layer_shadow.wgsl")) };
 
 /// The shader of what hair on guides lets through.
 pub(crate) const GUIDED: Shader = Shader {
     name: "pelage hair light",
-    wgsl: concat!(include_str!("../../shared/deep_opacity.wgsl"), include_str!("guided.wgsl")),
+    parts: &[include_str!("../../shared/deep_opacity.wgsl"), include_str!("guided.wgsl")],
 };
 
 impl PassId {

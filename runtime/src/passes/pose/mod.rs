@@ -13,12 +13,12 @@ use pelage_formats::{GeometryVertex, SkinVertex};
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage pose",
-    wgsl: concat!(
+    parts: &[
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
         include_str!("pose.wgsl"),
-    ),
+    ],
 };
 
 impl PassId {

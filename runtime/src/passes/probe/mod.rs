@@ -5,7 +5,7 @@ use crate::gpu::{Bound, Draw, RenderSpec, Shader, uniform};
 use crate::params::StyleKind;
 use crate::scene::Recording;
 
-const SHADER: Shader = Shader { name: "pelage probe", wgsl: include_str!("probe.wgsl") };
+const SHADER: Shader = Shader { name: "pelage probe", parts: &[include_str!("probe.wgsl")] };
 
 impl PassId {
     pub(crate) const PROBE: Self = Self(&PASS);

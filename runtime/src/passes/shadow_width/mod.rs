@@ -20,7 +20,7 @@ use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside, record
 use bytemuck::{Pod, Zeroable};
 
 /// The shader that goes over texels.
-pub(crate) const FILTER: Shader = Shader { name: "pelage shadow width", wgsl: include_str!("filter.wgsl") };
+pub(crate) const FILTER: Shader = Shader { name: "pelage shadow width", parts: &[include_str!("filter.wgsl")] };
 
 impl PassId {
     /// Depth maps from the key light and the shadow-width map.

@@ -13,7 +13,7 @@ use std::ops::Range;
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage shells",
-    wgsl: hair_wgsl!(
+    parts: hair_wgsl!(
         include_str!("varying.wgsl"),
         include_str!("shells.wgsl"),
         crate::study::form_wgsl!("behind shells")

@@ -9,7 +9,7 @@ use crate::scene::{Recording, Seen};
 
 /// The shader.
 pub(crate) const SHADER: Shader =
-    Shader { name: "pelage skin", wgsl: hair_wgsl!(include_str!("../../hair/coat.wgsl"), include_str!("skin.wgsl")) };
+    Shader { name: "pelage skin", parts: hair_wgsl!(include_str!("../../hair/coat.wgsl"), include_str!("skin.wgsl")) };
 
 impl PassId {
     /// The opaque base mesh and bare parts.

@@ -8,11 +8,11 @@ use crate::scene::{NearestHair, Recording};
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand blend",
-    wgsl: concat!(
+    parts: &[
         include_str!("../../hair/packed_light.wgsl"),
         include_str!("../../hair/nearest.wgsl"),
         include_str!("strand_blend.wgsl"),
-    ),
+    ],
 };
 
 impl PassId {

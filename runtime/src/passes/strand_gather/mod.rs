@@ -8,11 +8,11 @@ use crate::scene::{Dispatch, NearestHair, Recording, record_dispatches, strand_s
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand gather",
-    wgsl: concat!(
+    parts: &[
         include_str!("../../hair/packed_light.wgsl"),
         include_str!("../../hair/nearest.wgsl"),
         include_str!("strand_gather.wgsl"),
-    ),
+    ],
 };
 
 impl PassId {

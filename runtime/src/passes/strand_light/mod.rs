@@ -12,7 +12,7 @@ use crate::shared::deep_opacity::DeepOpacity;
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand light",
-    wgsl: hair_wgsl!(
+    parts: hair_wgsl!(
         include_str!("../../shared/deep_opacity.wgsl"),
         crate::study::form_wgsl!("strand shadows"),
         include_str!("../../hair/constants.wgsl"),

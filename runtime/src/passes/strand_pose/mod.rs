@@ -11,14 +11,14 @@ use pelage_formats::GeometryVertex;
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand pose",
-    wgsl: concat!(
+    parts: &[
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/strand.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
         include_str!("strand_pose.wgsl"),
-    ),
+    ],
 };
 
 impl PassId {

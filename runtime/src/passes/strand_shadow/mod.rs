@@ -11,7 +11,7 @@ use crate::shared::deep_opacity::DeepOpacity;
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand shadow",
-    wgsl: concat!(
+    parts: &[
         include_str!("../../shared/frame.wgsl"),
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
@@ -22,7 +22,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../hair/strand.wgsl"),
         include_str!("../../hair/posed.wgsl"),
         include_str!("strand_shadow.wgsl"),
-    ),
+    ],
 };
 
 impl PassId {

@@ -9,7 +9,7 @@ use crate::scene::{Recording, strand_sets};
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strands",
-    wgsl: concat!(include_str!("../../hair/packed_light.wgsl"), include_str!("strands.wgsl")),
+    parts: &[include_str!("../../hair/packed_light.wgsl"), include_str!("strands.wgsl")],
 };
 
 impl PassId {

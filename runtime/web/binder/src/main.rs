@@ -1,0 +1,33 @@
+//! Writes the JavaScript and the types beside a WebAssembly module: `bind-web MODULE.wasm FOLDER`.
+//!
+//! It stands for the command `wasm-bindgen`, whose own build brings a web server and a TLS library. What a page need not load is left out: names of
+//! functions, and comments of shaders, which are a twentieth of a compressed module.
+
+mod shaders;
+
+use std::path::Path;
+use std::process::ExitCode;
+use wasm_bindgen_cli_support::Bindgen;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [module, folder] = arguments.as_slice() else {
+        eprintln!("found {} arguments, expected two: MODULE.wasm FOLDER", arguments.len());
+        return ExitCode::FAILURE;
+    };
+    let mut bindgen = Bindgen::new();
+    bindgen.input_path(module).typescript(true).remove_name_section(true).remove_producers_section(true);
+    let bound = bindgen.web(true).and_then(|bindgen| bindgen.generate_output()).and_then(|mut output| {
+        let segments = &mut output.wasm_mut().data;
+        let ids: Vec<_> = segments.iter().map(|segment| segment.id()).collect();
+        ids.into_iter().for_each(|id| shaders::blank_comments(&mut segments.get_mut(id).value));
+        output.emit(Path::new(folder))
+    });
+    match bound {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{module}: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,96 @@
+// The camera moved by hand: mouse, touch, wheel and keys, as the window of `pelage view` has them.
+
+/** How much nearer a step of the wheel (100 px) or a press of + goes. */
+const STEP = 1.15;
+/** Heights of the picture that an arrow key turns by. */
+const TURN = 0.06;
+const LINE_PX = 16;
+
+/**
+ * Listens on `canvas`, and says what the hand did to `hand`: `orbit(right, up)`, `pan(right, up)`, `zoom(factor, right, up)`, `reset()`, `frameAll()`,
+ * `toggle()`. Lengths are in heights of the canvas, right and up; places count from its middle. Returns a function that stops.
+ */
+export function control(canvas, hand) {
+  const pointers = new Map();
+  const ending = new AbortController();
+  const { signal } = ending;
+  const touchAction = canvas.style.touchAction;
+  // Else a finger scrolls the page.
+  canvas.style.touchAction = "none";
+  if (!canvas.hasAttribute("tabindex")) canvas.tabIndex = 0;
+
+  const height = () => Math.max(canvas.clientHeight, 1);
+  const place = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return [(event.clientX - box.left - box.width / 2) / height(), (box.top + box.height / 2 - event.clientY) / height()];
+  };
+  const middle = () => {
+    const [a, b] = [...pointers.values()];
+    return { at: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], apart: Math.hypot(a[0] - b[0], a[1] - b[1]) };
+  };
+
+  const listen = (type, heard, options) => canvas.addEventListener(type, heard, { signal, ...options });
+  listen("pointerdown", (event) => {
+    canvas.setPointerCapture?.(event.pointerId);
+    pointers.set(event.pointerId, place(event));
+    canvas.focus({ preventScroll: true });
+  });
+  for (const type of ["pointerup", "pointercancel", "lostpointercapture"]) {
+    listen(type, (event) => pointers.delete(event.pointerId));
+  }
+  listen("pointermove", (event) => {
+    const before = pointers.get(event.pointerId);
+    if (!before) return;
+    const now = place(event);
+    if (pointers.size === 1) {
+      pointers.set(event.pointerId, now);
+      const moved = [now[0] - before[0], now[1] - before[1]];
+      const sideways = event.pointerType !== "touch" && (event.buttons & 6 || event.shiftKey);
+      if (sideways) hand.pan(...moved);
+      else hand.orbit(...moved);
+    } else if (pointers.size === 2) {
+      // Two fingers carry and pinch at once.
+      const was = middle();
+      pointers.set(event.pointerId, now);
+      const is = middle();
+      hand.pan(is.at[0] - was.at[0], is.at[1] - was.at[1]);
+      if (was.apart > 0.01 && is.apart > 0.01) hand.zoom(is.apart / was.apart, ...is.at);
+    }
+  });
+  listen("contextmenu", (event) => event.preventDefault());
+  listen("dblclick", () => hand.frameAll());
+  listen(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      const px = event.deltaY * [1, LINE_PX, height()][event.deltaMode];
+      // A touchpad's pinch comes as a wheel with Ctrl, in small steps.
+      const gain = event.ctrlKey ? 5 : 1;
+      hand.zoom(STEP ** ((-px * gain) / 100), ...place(event));
+    },
+    { passive: false },
+  );
+  const keys = {
+    ArrowLeft: () => hand.orbit(TURN, 0),
+    ArrowRight: () => hand.orbit(-TURN, 0),
+    ArrowUp: () => hand.orbit(0, -TURN),
+    ArrowDown: () => hand.orbit(0, TURN),
+    "+": () => hand.zoom(STEP, 0, 0),
+    "=": () => hand.zoom(STEP, 0, 0),
+    "-": () => hand.zoom(1 / STEP, 0, 0),
+    f: () => hand.frameAll(),
+    r: () => hand.reset(),
+    " ": () => hand.toggle(),
+  };
+  listen("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (!Object.hasOwn(keys, key)) return;
+    event.preventDefault();
+    keys[key]();
+  });
+  return () => {
+    ending.abort();
+    canvas.style.touchAction = touchAction;
+  };
+}

@@ -1,0 +1,389 @@
+// A .pelage package on a <canvas>. index.d.ts says what each part takes and gives; this file owns the event loop, the WebAssembly module everything else.
+
+import { open as openDevice, Viewer } from "./pelage_web.js";
+import { control } from "./controls.js";
+import { PelageError } from "./error.js";
+import { guarded, read, start, written } from "./module.js";
+
+export { PelageError };
+export { PelagePass } from "./pass.js";
+
+/** Frames that the device may have before it: one that it draws and one that waits. */
+const IN_FLIGHT = 2;
+/** How often a lost device is asked for again, and milliseconds before the second time; each further wait is twice as long. */
+const REOPENINGS = 4;
+const REOPEN_MS = 250;
+/** A tab that was in the background does not make up for the time. */
+const LONGEST_STEP_S = 0.25;
+
+function wait(ms) {
+  return new Promise((resolve) => setTimeout(resolve, ms));
+}
+
+export class Pelage extends EventTarget {
+  #canvas;
+  #options;
+  #viewer;
+  #device;
+  /** Width and height of the picture, pixels. */
+  #drawn;
+  #adapter = "";
+  #info = null;
+  #loads = 0;
+  #loop;
+  #wanted = 0;
+  #dirty = true;
+  #inFlight = 0;
+  #before = null;
+  #doneAt = 0;
+  #stats = { frames: 0, frameMs: 0, cpuMs: 0, passes: [], gpuBytes: 0, created: 0, uploadedBytes: 0 };
+  #lost = false;
+  #disposed = false;
+  #observer = null;
+  #stopControls = null;
+
+  static async create(canvas, options = {}) {
+    await start(options.wasm);
+    const opened = await openDevice(canvas).catch((error) => {
+      throw PelageError.of(error);
+    });
+    return new Pelage(canvas, options, opened);
+  }
+
+  /** @private */
+  constructor(canvas, options, opened) {
+    super();
+    this.#canvas = canvas;
+    this.#options = options;
+    this.#loop = options.loop ?? true;
+    this.#watch(opened);
+    this.#drawn = this.#size();
+    this.#viewer = guarded(() => new Viewer(opened, ...this.#drawn));
+    if (options.look) guarded(() => this.#viewer.read_look(options.look));
+    if (options.autoSize ?? true) {
+      this.#observer = new ResizeObserver(() => this.resize());
+      this.#observer.observe(canvas);
+    }
+    if (options.controls ?? true) this.controls = true;
+  }
+
+  // What is shown.
+
+  async load(source, options = {}) {
+    this.#alive();
+    const turn = ++this.#loads;
+    const [name, bytes] = await read(source, options);
+    // Whoever asked last is shown, whichever answer came last.
+    if (turn !== this.#loads || this.#disposed) throw new PelageError("superseded", `${name}: another package was asked for since`);
+    this.#info = guarded(() => this.#viewer.load(name, bytes));
+    this.#changed();
+    this.#say("load", this.#info);
+    return this.#info;
+  }
+
+  get info() {
+    return this.#info;
+  }
+
+  // Camera.
+
+  get camera() {
+    const [ex, ey, ez, tx, ty, tz, fovDeg] = this.#alive().view();
+    return { eye: [ex, ey, ez], target: [tx, ty, tz], fovDeg };
+  }
+
+  set camera(view) {
+    const now = this.camera;
+    const { eye, target, fovDeg } = { ...now, ...view };
+    this.#do((viewer) => viewer.set_view(Float32Array.of(...eye, ...target, fovDeg)));
+  }
+
+  get orbit() {
+    const [azimuthDeg, elevationDeg, distanceM] = this.#alive().around();
+    return { azimuthDeg, elevationDeg, distanceM };
+  }
+
+  set orbit(around) {
+    const { azimuthDeg, elevationDeg, distanceM } = { ...this.orbit, ...around };
+    this.#do((viewer) => viewer.go_around(azimuthDeg, elevationDeg, distanceM));
+  }
+
+  orbitBy(right, up) {
+    this.#do((viewer) => viewer.orbit(right, up));
+  }
+
+  panBy(right, up) {
+    this.#do((viewer) => viewer.pan(right, up));
+  }
+
+  zoomBy(factor, right = 0, up = 0) {
+    this.#do((viewer) => viewer.zoom(factor, right, up));
+  }
+
+  frameAll() {
+    this.#do((viewer) => viewer.frame_all());
+  }
+
+  resetCamera() {
+    this.#do((viewer) => viewer.reset_view());
+  }
+
+  get controls() {
+    return this.#stopControls !== null;
+  }
+
+  set controls(on) {
+    this.#stopControls?.();
+    this.#stopControls = null;
+    if (!on) return;
+    this.#stopControls = control(this.#canvas, {
+      orbit: (right, up) => this.orbitBy(right, up),
+      pan: (right, up) => this.panBy(right, up),
+      zoom: (factor, right, up) => this.zoomBy(factor, right, up),
+      reset: () => this.resetCamera(),
+      frameAll: () => this.frameAll(),
+      toggle: () => (this.playback.playing ? this.pause() : this.play()),
+    });
+  }
+
+  // Light and look.
+
+  setLight({ towards, position, color }) {
+    this.#do((viewer) => {
+      if (color) viewer.set_light_color(...color);
+      if (towards) viewer.set_look(`light.direction=${written([...towards])}`);
+      if (position) viewer.set_look(`light.position_m=${written([...position])}`);
+    });
+  }
+
+  setLook(key, value) {
+    this.#do((viewer) => viewer.set_look(`${key}=${written(value)}`));
+  }
+
+  get look() {
+    return this.#alive().look();
+  }
+
+  set look(toml) {
+    this.#do((viewer) => viewer.read_look(toml));
+  }
+
+  get style() {
+    return /^style = "(\w+)"/m.exec(this.look)?.[1] ?? "fur";
+  }
+
+  set style(style) {
+    this.setLook("picture.style", style);
+  }
+
+  // Clips.
+
+  get clips() {
+    return this.#info?.clips ?? [];
+  }
+
+  get playback() {
+    return this.#alive().playing();
+  }
+
+  play(name) {
+    this.#do((viewer) => {
+      const now = viewer.playing();
+      if (name === undefined && now.clip === null && this.clips.length === 0) return;
+      const clip = name ?? now.clip ?? this.clips[0].name;
+      if (clip !== now.clip) viewer.set_clip(clip);
+      viewer.set_playing(true);
+    });
+  }
+
+  pause() {
+    this.#do((viewer) => viewer.set_playing(false));
+  }
+
+  rest() {
+    this.#do((viewer) => viewer.set_clip(undefined));
+  }
+
+  seek(timeS) {
+    this.#do((viewer) => viewer.seek(timeS));
+  }
+
+  get speed() {
+    return this.playback.speed;
+  }
+
+  set speed(speed) {
+    this.#do((viewer) => viewer.set_speed(speed));
+  }
+
+  // Frames.
+
+  /** Draws now, whatever the loop does. */
+  frame() {
+    this.#alive();
+    this.#draw();
+  }
+
+  get stats() {
+    const [width, height] = this.#drawn;
+    return { ...this.#stats, adapter: this.#adapter, width, height };
+  }
+
+  /** Everything that was drawn so far is done. */
+  async idle() {
+    await this.#device.queue.onSubmittedWorkDone();
+  }
+
+  resize() {
+    const size = this.#size();
+    if (this.#disposed || size.every((length, i) => length === this.#drawn[i])) return;
+    this.#do((viewer) => viewer.resize(...size));
+    this.#drawn = size;
+    // A canvas of a new size is empty: it is drawn before the page shows it.
+    if (this.#loop) this.#draw();
+  }
+
+  screenshot(type = "image/png") {
+    this.#alive();
+    this.#draw();
+    return new Promise((resolve, reject) => {
+      const done = (blob) => (blob ? resolve(blob) : reject(new PelageError("device", "screenshot: the canvas cannot be read")));
+      // In the same turn as the frame: the browser takes its texture away afterwards.
+      this.#canvas.toBlob(done, type);
+    });
+  }
+
+  dispose() {
+    if (this.#disposed) return;
+    this.#disposed = true;
+    cancelAnimationFrame(this.#wanted);
+    this.#observer?.disconnect();
+    this.controls = false;
+    this.#viewer.free();
+    this.#device.destroy();
+    this.#info = null;
+  }
+
+  // Within.
+
+  #alive() {
+    if (this.#disposed) throw new PelageError("asked", "this Pelage is disposed, expected one that is not");
+    return this.#viewer;
+  }
+
+  #say(type, detail) {
+    this.dispatchEvent(new CustomEvent(type, { detail }));
+  }
+
+  #do(change) {
+    const viewer = this.#alive();
+    guarded(() => change(viewer));
+    this.#changed();
+  }
+
+  #size() {
+    const { autoSize = true, pixelRatio } = this.#options;
+    const canvas = this.#canvas;
+    if (!autoSize) return [canvas.width, canvas.height];
+    const ratio = pixelRatio ?? Math.min(globalThis.devicePixelRatio ?? 1, 2);
+    const most = this.#device.limits.maxTextureDimension2D;
+    const pixels = (length) => Math.min(Math.max(Math.round(length * ratio), 1), most);
+    return [pixels(canvas.clientWidth), pixels(canvas.clientHeight)];
+  }
+
+  #changed() {
+    this.#dirty = true;
+    this.#want();
+  }
+
+  #want() {
+    if (!this.#loop || this.#wanted || this.#disposed) return;
+    this.#wanted = requestAnimationFrame((now) => {
+      this.#wanted = 0;
+      this.#turn(now);
+    });
+  }
+
+  #turn(now) {
+    if (this.#disposed || this.#lost) return;
+    const { playing } = this.playback;
+    // Time does not go by while nothing moves.
+    const elapsedS = playing && this.#before !== null ? Math.min((now - this.#before) / 1e3, LONGEST_STEP_S) : 0;
+    this.#before = playing ? now : null;
+    if (this.#viewer.advance(elapsedS)) this.#dirty = true;
+    // Where the device lags behind, the next frame is asked for when one is done.
+    if (this.#inFlight >= IN_FLIGHT) return;
+    if (this.#dirty) this.#draw();
+    if (playing) this.#want();
+  }
+
+  #draw() {
+    if (this.#lost) return;
+    const start = performance.now();
+    let drawn;
+    try {
+      drawn = guarded(() => this.#viewer.draw());
+    } catch (error) {
+      this.#dirty = false;
+      this.#say("error", error);
+      return;
+    }
+    this.#dirty = false;
+    if (!drawn) return;
+    const cpuMs = performance.now() - start;
+    this.#inFlight += 1;
+    const done = () => {
+      const now = performance.now();
+      this.#inFlight -= 1;
+      if (this.#disposed) return;
+      // A frame that waited for the one before it took its own time only.
+      const frameMs = now - Math.max(start, this.#doneAt);
+      this.#doneAt = now;
+      this.#stats = { frames: this.#stats.frames + 1, frameMs, cpuMs, ...drawn };
+      this.#say("frame", this.stats);
+      if (this.#dirty || this.playback.playing) this.#want();
+    };
+    this.#device.queue.onSubmittedWorkDone().then(done, done);
+  }
+
+  /** Takes note of what happens to a device. */
+  #watch(opened) {
+    const device = opened.device;
+    this.#device = device;
+    this.#adapter = opened.adapter;
+    device.addEventListener("uncapturederror", (event) => {
+      if (device === this.#device) this.#say("error", new PelageError("device", event.error.message));
+    });
+    device.lost.then((why) => {
+      if (device === this.#device && !this.#disposed) this.#reopen(why);
+    });
+  }
+
+  /** Goes on with another device. */
+  async #reopen(why) {
+    this.#lost = true;
+    this.#say("devicelost", { reason: why.reason, message: why.message });
+    let last;
+    for (let attempt = 0; attempt < REOPENINGS && !this.#disposed; attempt += 1) {
+      if (attempt > 0) await wait(REOPEN_MS * 2 ** (attempt - 1));
+      try {
+        const opened = await openDevice(this.#canvas);
+        if (this.#disposed) {
+          opened.device.destroy();
+          opened.free();
+          return;
+        }
+        this.#watch(opened);
+        guarded(() => this.#viewer.reopen(opened));
+        this.#lost = false;
+        this.#inFlight = 0;
+        this.#changed();
+        this.#say("devicerestored", { adapter: this.#adapter });
+        return;
+      } catch (error) {
+        last = error;
+      }
+    }
+    if (!this.#disposed) this.#say("error", new PelageError("device", `the device was lost, and there is no other: ${last?.message}`));
+  }
+}

@@ -1,0 +1,289 @@
+// The page around the canvas. Everything of the animal itself is the package's API; this file is how its knobs look.
+
+import { Pelage, PelageError } from "./pelage/index.js";
+
+const element = (id) => document.getElementById(id);
+const canvas = element("stage");
+const [play, clip, time, clock] = ["play", "clip", "time", "clock"].map(element);
+const [light, color, numbers, caption] = ["light", "color", "numbers", "caption"].map(element);
+
+/** The light's pad reaches from behind the camera to this far round the animal, radians. */
+const PAD_REACH = 2.6;
+/** Where the key light is as a package is loaded: right and up on the pad. */
+const PAD_START = [-0.28, 0.24];
+
+let pelage = null;
+let animals = [];
+let loading = 0;
+
+// Messages.
+
+function say(title, text, { fatal = false } = {}) {
+  const message = element("message");
+  message.querySelector("h2").textContent = title;
+  message.querySelector("p").textContent = text;
+  message.classList.toggle("fatal", fatal);
+  message.hidden = false;
+}
+
+function hush() {
+  element("message").hidden = true;
+}
+
+element("message").querySelector("button").addEventListener("click", hush);
+
+/** What a person can do about it. */
+const TITLES = {
+  "no-webgpu": "This needs WebGPU",
+  "no-adapter": "No graphics adapter that can draw this",
+  package: "This is not a package that can be drawn",
+  asked: "That cannot be drawn",
+  fetch: "The package did not arrive",
+  module: "The program did not arrive",
+  device: "The graphics device failed",
+  internal: "Something is wrong in pelage; please report it",
+};
+
+function fail(error, options) {
+  const kind = error instanceof PelageError ? error.kind : "internal";
+  if (kind === "superseded") return;
+  say(TITLES[kind] ?? TITLES.internal, error.message, options);
+}
+
+/** Runs what a knob asks for, and says what is wrong with it. */
+function attempt(change) {
+  try {
+    change();
+    return true;
+  } catch (error) {
+    fail(error);
+    return false;
+  }
+}
+
+// Packages.
+
+async function show(source, title, options = {}) {
+  const turn = ++loading;
+  const busy = element("busy");
+  busy.textContent = `Loading ${title}`;
+  busy.hidden = false;
+  try {
+    // A package without ink can still be shown as fur.
+    const style = pelage.style;
+    const info = await pelage.load(source, options).catch((error) => {
+      if (style !== "ink" || error.kind !== "asked") throw error;
+      setStyle("fur");
+      return pelage.load(source, options);
+    });
+    hush();
+    shown(info, title);
+    return true;
+  } catch (error) {
+    fail(error);
+    return false;
+  } finally {
+    if (turn === loading) busy.hidden = true;
+  }
+}
+
+function shown(info, title) {
+  caption.textContent = `${title} · ${(info.bytes / 1e6).toFixed(1)} MB`;
+  document.title = `${title} · pelage`;
+  element("style").querySelector("[value=ink]").disabled = !info.hasInk;
+  for (const button of element("animals").children) button.setAttribute("aria-current", String(button.textContent === title));
+  clip.replaceChildren(new Option("At rest", ""), ...info.clips.map(({ name }) => new Option(name.split("|").pop(), name)));
+  for (const knob of [play, clip, time]) knob.disabled = info.clips.length === 0;
+  follow();
+}
+
+async function openAnimal(animal) {
+  await show(new URL(animal.file, document.baseURI), animal.name);
+}
+
+function openFile(file) {
+  return show(file, file.name.replace(/\.pelage$/i, ""));
+}
+
+element("file").addEventListener("change", (event) => {
+  const [file] = event.target.files;
+  event.target.value = "";
+  if (file && pelage) openFile(file);
+});
+
+// A file may be dropped anywhere; leaving a child of the page is not leaving the page.
+let over = 0;
+addEventListener("dragenter", (event) => {
+  event.preventDefault();
+  over += 1;
+  element("drop").hidden = !event.dataTransfer?.types.includes("Files");
+});
+addEventListener("dragleave", () => {
+  over = Math.max(over - 1, 0);
+  element("drop").hidden = over === 0;
+});
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", (event) => {
+  event.preventDefault();
+  over = 0;
+  element("drop").hidden = true;
+  const [file] = event.dataTransfer?.files ?? [];
+  if (file && pelage) openFile(file);
+});
+
+// Style.
+
+function setStyle(style) {
+  if (!attempt(() => (pelage.style = style))) style = pelage.style;
+  element("style").querySelector(`[value=${style}]`).checked = true;
+  document.body.classList.toggle("on-paper", style === "ink");
+}
+
+element("style").addEventListener("change", (event) => setStyle(event.target.value));
+
+// Clips.
+
+/** Puts the knobs where the clip is. */
+function follow() {
+  const { clip: name, durationS, timeS, playing } = pelage.playback;
+  if (clip.value !== (name ?? "")) clip.value = name ?? "";
+  play.setAttribute("aria-pressed", String(playing));
+  play.setAttribute("aria-label", playing ? "Pause" : "Play");
+  time.max = String(durationS || 1);
+  time.value = String(timeS);
+  clock.textContent = `${timeS.toFixed(2)} s`;
+}
+
+play.addEventListener("click", () => {
+  attempt(() => (pelage.playback.playing ? pelage.pause() : pelage.play()));
+  follow();
+});
+clip.addEventListener("change", () => {
+  attempt(() => (clip.value ? pelage.play(clip.value) : pelage.rest()));
+  follow();
+});
+time.addEventListener("input", () => {
+  attempt(() => {
+    if (!pelage.playback.clip) pelage.play();
+    pelage.pause();
+    pelage.seek(Number(time.value));
+  });
+  follow();
+});
+
+// Light: a pad whose middle is the camera and whose rim lies behind the animal.
+
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (v) => v.map((x) => x / Math.max(Math.hypot(...v), 1e-9));
+let pad = PAD_START;
+
+/** The direction in the world of a place on the pad, as it is seen now. */
+function towards([right, up]) {
+  const { eye, target } = pelage.camera;
+  const back = unit(eye.map((x, i) => x - target[i]));
+  const side = unit(cross([0, 1, 0], back));
+  const top = cross(back, side);
+  const radius = Math.min(Math.hypot(right, up), 1);
+  const [along, across] = [Math.cos(radius * PAD_REACH), Math.sin(radius * PAD_REACH) / Math.max(radius, 1e-6)];
+  return back.map((_, i) => back[i] * along + (side[i] * right + top[i] * up) * across);
+}
+
+function placeDot() {
+  light.style.setProperty("--x", `${50 + 42 * pad[0]}%`);
+  light.style.setProperty("--y", `${50 - 42 * pad[1]}%`);
+  light.setAttribute("aria-valuetext", `${Math.round(pad[0] * 100)} right, ${Math.round(pad[1] * 100)} up`);
+}
+
+function turnLight(right, up) {
+  const length = Math.max(Math.hypot(right, up), 1);
+  pad = [right / length, up / length];
+  placeDot();
+  attempt(() => pelage.setLight({ towards: towards(pad) }));
+}
+
+function lightAt(event) {
+  const box = light.getBoundingClientRect();
+  turnLight((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+}
+
+light.addEventListener("pointerdown", (event) => {
+  light.setPointerCapture(event.pointerId);
+  lightAt(event);
+});
+light.addEventListener("pointermove", (event) => {
+  if (event.buttons & 1) lightAt(event);
+});
+light.addEventListener("keydown", (event) => {
+  const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
+  if (!step) return;
+  event.preventDefault();
+  turnLight(pad[0] + step[0], pad[1] + step[1]);
+});
+color.addEventListener("input", () => {
+  // The picker is sRGB, light is linear.
+  const linear = (byte) => (byte <= 10 ? byte / 255 / 12.92 : ((byte / 255 + 0.055) / 1.055) ** 2.4);
+  const bytes = [1, 3, 5].map((at) => parseInt(color.value.slice(at, at + 2), 16));
+  attempt(() => pelage.setLight({ color: bytes.map(linear) }));
+});
+
+// Camera and picture.
+
+element("home").addEventListener("click", () => attempt(() => pelage.frameAll()));
+element("save").addEventListener("click", async () => {
+  try {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(await pelage.screenshot());
+    link.download = `${caption.textContent.split(" · ")[0] || "pelage"}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+  } catch (error) {
+    fail(error);
+  }
+});
+
+// The beginning.
+
+/** The animals of this server; none is no fault. */
+async function list() {
+  const response = await fetch("animals/animals.json").catch(() => null);
+  return response?.ok ? response.json() : [];
+}
+
+async function begin() {
+  try {
+    pelage = await Pelage.create(canvas);
+  } catch (error) {
+    fail(error, { fatal: true });
+    return;
+  }
+  // For who looks on from the console; the tests do.
+  window.pelage = pelage;
+  // There is something for the knobs to turn.
+  for (const knobs of document.querySelectorAll("[inert]")) knobs.inert = false;
+  placeDot();
+  pelage.addEventListener("frame", ({ detail }) => {
+    const { frameMs, width, height, gpuBytes } = detail;
+    numbers.textContent = `${frameMs.toFixed(1)} ms · ${width} × ${height} · ${(gpuBytes / 1e6).toFixed(0)} MB`;
+    if (pelage.playback.playing) follow();
+  });
+  pelage.addEventListener("error", ({ detail }) => fail(detail));
+  pelage.addEventListener("devicelost", () => say("The graphics device was lost", "Asking for another one…"));
+  pelage.addEventListener("devicerestored", hush);
+  animals = await list();
+  element("animals").replaceChildren(
+    ...animals.map((animal) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = animal.name;
+      button.title = animal.credit ?? "";
+      button.addEventListener("click", () => openAnimal(animal));
+      return button;
+    }),
+  );
+  const asked = new URLSearchParams(location.search).get("animal");
+  const first = animals.find((animal) => animal.name === asked) ?? animals[0];
+  if (first) await openAnimal(first);
+  else say("No animal here yet", "Drop a .pelage package onto this page, or open one with the button above.");
+}
+
+begin();

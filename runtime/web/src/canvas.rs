@@ -1,0 +1,176 @@
+//! A device, and the `<canvas>` that it draws on.
+
+use crate::thrown::{fault, thrown};
+use pelage_runtime::shared::srgb;
+use pelage_runtime::wgpu;
+use pelage_stage::{Canvas, Gpu};
+use wasm_bindgen::prelude::*;
+use web_sys::HtmlCanvasElement;
+
+/// A device and the canvas that it shows its pictures on.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Opened {
+    pub(crate) gpu: Gpu,
+    /// `None` where another renderer shows the picture.
+    pub(crate) screen: Option<Screen>,
+}
+
+#[wasm_bindgen]
+impl Opened {
+    /// The `GPUDevice`: its `lost`, and for who shares it.
+    #[wasm_bindgen(getter)]
+    pub fn device(&self) -> JsValue {
+        self.gpu.device.as_webgpu().map_or(JsValue::UNDEFINED, |device| device.clone().into())
+    }
+
+    /// What the browser says of the adapter; may be empty.
+    #[wasm_bindgen(getter)]
+    pub fn adapter(&self) -> String {
+        self.gpu.info.name.clone()
+    }
+}
+
+/// Opens a device that draws on `canvas`.
+///
+/// # Errors
+///
+/// Of the kind `no-adapter` where the browser gives none, `device` where the canvas cannot be drawn on by WebGPU, such as one that has a 2d context.
+#[wasm_bindgen]
+pub async fn open(canvas: HtmlCanvasElement) -> Result<Opened, JsValue> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(canvas));
+    let surface = surface.map_err(|error| thrown("device", &format!("canvas: {error}")))?;
+    let gpu = Gpu::request(&instance, Some(&surface), wanted(), None).await.map_err(fault)?;
+    Ok(Opened { screen: Some(Screen::new(&gpu, surface)), gpu })
+}
+
+/// Opens a device for who shows pictures by other means.
+///
+/// # Errors
+///
+/// Of the kind `no-adapter` where the browser gives none.
+#[wasm_bindgen]
+pub async fn open_shared() -> Result<Opened, JsValue> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let gpu = Gpu::request(&instance, None, wanted(), None).await.map_err(fault)?;
+    Ok(Opened { screen: None, gpu })
+}
+
+/// Blocks where the adapter has them: four times the texels in the same memory.
+fn wanted() -> wgpu::Features {
+    wgpu::Features::TEXTURE_COMPRESSION_BC
+}
+
+/// The canvas of the page, which shows what a stage drew on its own.
+///
+/// A canvas has no sRGB format, and a stage draws linear light into one. So the stage's bytes are put there by a pass of one triangle, which also makes of
+/// colours that were multiplied by their coverage in linear light what a page blends: products of encoded colours.
+#[derive(Debug)]
+pub(crate) struct Screen {
+    surface: wgpu::Surface<'static>,
+    pipeline: wgpu::RenderPipeline,
+    /// The stage's picture; `None` until one is shown since the size changed.
+    picture: Option<wgpu::BindGroup>,
+}
+
+/// The one format that a browser must have and whose bytes lie as a stage's do.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+impl Screen {
+    fn new(gpu: &Gpu, surface: wgpu::Surface<'static>) -> Self {
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("canvas"),
+            source: wgpu::ShaderSource::Wgsl([srgb::WGSL, include_str!("canvas.wgsl")].concat().into()),
+        });
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("canvas"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(FORMAT.into())],
+            }),
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            multiview_mask: None,
+            cache: None,
+        });
+        Self { surface, pipeline, picture: None }
+    }
+
+    /// Has so many pixels from now on, width and height. What the canvas showed is gone.
+    pub fn resize(&mut self, gpu: &Gpu, (width, height): (u32, u32)) {
+        self.picture = None;
+        self.surface.configure(
+            &gpu.device,
+            &wgpu::SurfaceConfiguration {
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+                format: FORMAT,
+                color_space: wgpu::SurfaceColorSpace::Auto,
+                width,
+                height,
+                present_mode: wgpu::PresentMode::AutoVsync,
+                desired_maximum_frame_latency: 2,
+                alpha_mode: wgpu::CompositeAlphaMode::PreMultiplied,
+                view_formats: Vec::new(),
+            },
+        );
+    }
+
+    /// The stage has another canvas.
+    pub fn forget_picture(&mut self) {
+        self.picture = None;
+    }
+
+    /// Records what shows `canvas`, of the size that [`Self::resize`] was told last. `None` where the page has no texture to draw on now: then the
+    /// canvas keeps what it showed.
+    pub fn show(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        canvas: &Canvas,
+    ) -> Option<wgpu::SurfaceTexture> {
+        let texture = match self.surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(texture) | wgpu::CurrentSurfaceTexture::Suboptimal(texture) => texture,
+            _ => return None,
+        };
+        let picture = self.picture.get_or_insert_with(|| {
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("canvas"),
+                layout: &self.pipeline.get_bind_group_layout(0),
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(&canvas.encoded()),
+                }],
+            })
+        });
+        let view = texture.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("canvas"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &*picture, &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        Some(texture)
+    }
+}

@@ -1,0 +1,365 @@
+//! A package on a canvas, with camera, light, clip and look.
+
+use crate::canvas::{Opened, Screen};
+use crate::player::Player;
+use crate::report::{self, object};
+use crate::thrown::{asked, fault, thrown};
+use glam::{Vec2, Vec3};
+use pelage_runtime::{FrameParams, Light};
+use pelage_stage::{Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, Stage, Viewpoint, find_clip};
+use wasm_bindgen::prelude::*;
+
+/// Any view: there is nothing to see until a package is loaded.
+const NOWHERE: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
+
+/// A package that is shown; its bytes are kept, because a new device or other samples per pixel take another stage.
+struct Shown {
+    file: NamedPackage<'static>,
+    has_ink: bool,
+    stage: Stage,
+}
+
+/// A package on a canvas.
+///
+/// Where a method fails, everything is as it was before the call.
+#[wasm_bindgen]
+pub struct Viewer {
+    gpu: Gpu,
+    screen: Screen,
+    shown: Option<Shown>,
+    look: Look,
+    /// Of the key light; 1 is full light.
+    light_color: Vec3,
+    navigator: Navigator,
+    player: Player,
+}
+
+#[wasm_bindgen]
+impl Viewer {
+    /// An empty canvas of so many pixels.
+    ///
+    /// # Errors
+    ///
+    /// `asked` for a size that no picture can have.
+    #[wasm_bindgen(constructor)]
+    pub fn new(opened: Opened, width: u32, height: u32) -> Result<Self, JsValue> {
+        let (gpu, screen) = parts(opened)?;
+        let mut viewer = Self {
+            gpu,
+            screen,
+            shown: None,
+            look: Look::of_picture(),
+            light_color: Vec3::ONE,
+            navigator: Navigator::new(NOWHERE),
+            player: Player::at_rest(),
+        };
+        viewer.resize(width, height)?;
+        Ok(viewer)
+    }
+
+    /// Shows a package, framed and at rest; `name` is what messages call it.
+    ///
+    /// # Errors
+    ///
+    /// `package` with section and offset, `asked` where the look cannot be had of it, `no-adapter` where the device cannot hold it.
+    pub fn load(&mut self, name: &str, bytes: Vec<u8>) -> Result<JsValue, JsValue> {
+        let file = NamedPackage::new(name, bytes);
+        let package = file.open().map_err(fault)?;
+        let has_ink = package.ink().map_err(|error| fault(file.fault(error)))?.is_some();
+        if !has_ink && self.look.picture.style == LookStyle::Ink {
+            return Err(no_ink(&file.name));
+        }
+        let (stage, view) = self.stage(&file)?;
+        self.navigator.frame(view);
+        self.player = Player::at_rest();
+        let info = report::package(name, file.bytes.len(), stage.model(), has_ink);
+        self.shown = Some(Shown { file, has_ink, stage });
+        self.screen.forget_picture();
+        Ok(info)
+    }
+
+    /// Goes on with another device, after the one before was lost: the package is loaded again, all else is as it was.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::load`].
+    pub fn reopen(&mut self, opened: Opened) -> Result<(), JsValue> {
+        (self.gpu, self.screen) = parts(opened)?;
+        self.screen.resize(&self.gpu, self.look.picture().size);
+        self.rebuild()
+    }
+
+    /// Draws so many pixels from now on. Where nobody moved the camera, it frames the model anew.
+    ///
+    /// # Errors
+    ///
+    /// `asked` for a size that no picture can have.
+    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), JsValue> {
+        let mut look = self.look.clone();
+        look.picture.size = Size { width, height };
+        look.validate().map_err(asked)?;
+        self.take(look)?;
+        self.screen.resize(&self.gpu, (width, height));
+        if self.navigator.is_home() { self.frame_all() } else { Ok(()) }
+    }
+
+    /// Draws a frame; `undefined` where nothing is loaded, or the page has no texture to draw on now.
+    ///
+    /// # Errors
+    ///
+    /// `asked` for what the device cannot draw.
+    pub fn draw(&mut self) -> Result<JsValue, JsValue> {
+        let Some(Shown { stage, .. }) = &mut self.shown else { return Ok(JsValue::UNDEFINED) };
+        stage.look_from(self.navigator.view());
+        stage.instances[0].motion = self.player.motion();
+        let mut encoder = stage.encoder();
+        let frame = stage.prepare(&mut encoder).map_err(fault)?;
+        frame.draw(&mut stage.pass(&mut encoder, "frame", true));
+        let Some(texture) = self.screen.show(&self.gpu, &mut encoder, &stage.canvas) else {
+            return Ok(JsValue::UNDEFINED);
+        };
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.queue.present(texture);
+        Ok(report::frame(&frame, stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes()))
+    }
+
+    /// Sets one key of the look: `shadow.penumbra=0.3`.
+    ///
+    /// # Errors
+    ///
+    /// `asked` with what was found and expected.
+    pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
+        let mut look = self.look.clone();
+        look.set(assignment).map_err(asked)?;
+        self.take(look)
+    }
+
+    /// Takes a whole look from TOML; what it leaves out has its default. The size stays that of the canvas.
+    ///
+    /// # Errors
+    ///
+    /// `asked` with line, key, what was found and expected.
+    pub fn read_look(&mut self, text: &str) -> Result<(), JsValue> {
+        let mut look = Look::of_picture();
+        look.read(text).map_err(asked)?;
+        look.picture.size = self.look.picture.size;
+        self.take(look)
+    }
+
+    /// The look as TOML, with every key that has a value.
+    pub fn look(&self) -> String {
+        self.look.to_toml()
+    }
+
+    /// Colour of the key light, linear red, green and blue; 1 is full light.
+    ///
+    /// # Errors
+    ///
+    /// `asked` for a channel that is not finite or below 0.
+    pub fn set_light_color(&mut self, red: f32, green: f32, blue: f32) -> Result<(), JsValue> {
+        let color = Vec3::new(red, green, blue);
+        if !(color.is_finite() && color.min_element() >= 0.0) {
+            return Err(asked(format!(
+                "light color: found {red}, {green}, {blue}, expected three numbers of at least 0"
+            )));
+        }
+        self.light_color = color;
+        self.take(self.look.clone())
+    }
+
+    /// The clip of that name from its start, paused, or `undefined` for the model at rest.
+    ///
+    /// # Errors
+    ///
+    /// `asked` for a clip that is not there, with the names there are.
+    pub fn set_clip(&mut self, name: Option<String>) -> Result<(), JsValue> {
+        let clip = match &self.shown {
+            None if name.is_some() => return Err(asked("clip: found no package, expected one to be loaded first")),
+            None => None,
+            Some(shown) => {
+                let package = shown.file.open().map_err(fault)?;
+                find_clip(&shown.file, &package, name.as_deref()).map_err(fault)?
+            }
+        };
+        self.player = Player { clip, time_s: 0.0, playing: false, ..self.player };
+        Ok(())
+    }
+
+    /// Lets the clip run, or holds it.
+    pub fn set_playing(&mut self, playing: bool) {
+        self.player.playing = playing && self.player.clip.is_some();
+    }
+
+    /// Seconds of the clip in a second; below 0 it runs backwards.
+    pub fn set_speed(&mut self, speed: f32) {
+        if speed.is_finite() {
+            self.player.speed = speed;
+        }
+    }
+
+    /// Shows that moment of the clip, seconds; clips loop.
+    pub fn seek(&mut self, time_s: f32) {
+        if time_s.is_finite() {
+            self.player.seek(time_s);
+        }
+    }
+
+    /// Lets so many seconds go by; whether the pose is another one then.
+    pub fn advance(&mut self, elapsed_s: f32) -> bool {
+        self.player.advance(elapsed_s)
+    }
+
+    /// Clip, moment, speed, and whether it plays.
+    pub fn playing(&self) -> JsValue {
+        let name = self.player.clip.and_then(|(clip, _)| {
+            let clips = self.shown.as_ref()?.stage.model().clips();
+            Some(JsValue::from(clips.get(clip)?.name.as_str()))
+        });
+        object([
+            ("clip", name.unwrap_or(JsValue::NULL)),
+            ("durationS", self.player.clip.map_or(0.0, |(_, duration_s)| duration_s).into()),
+            ("timeS", self.player.time_s.into()),
+            ("speed", self.player.speed.into()),
+            ("playing", self.player.playing.into()),
+        ])
+    }
+
+    /// Eye and target in metres, and the height of the view in degrees: seven numbers.
+    pub fn view(&self) -> Vec<f32> {
+        let Viewpoint { eye, target, fov_deg } = self.navigator.view();
+        [eye.to_array(), target.to_array()].concat().into_iter().chain([fov_deg]).collect()
+    }
+
+    /// Looks from elsewhere: as [`Self::view`] says it. [`Self::reset_view`] comes back to where the camera was framed.
+    ///
+    /// # Errors
+    ///
+    /// `asked` for a view that there is none of.
+    pub fn set_view(&mut self, view: &[f32]) -> Result<(), JsValue> {
+        let word = match view {
+            [ex, ey, ez, tx, ty, tz, fov_deg] => format!("{ex},{ey},{ez}/{tx},{ty},{tz}/{fov_deg}"),
+            _ => return Err(asked(format!("view: found {} numbers, expected seven", view.len()))),
+        };
+        let view: Viewpoint = word.parse().map_err(|error: String| asked(format!("view: {error}")))?;
+        self.navigator.go_to(view);
+        Ok(())
+    }
+
+    /// Frames the model as it is when it is loaded.
+    ///
+    /// # Errors
+    ///
+    /// `package` for a damaged package.
+    pub fn frame_all(&mut self) -> Result<(), JsValue> {
+        if let Some(shown) = &self.shown {
+            let package = shown.file.open().map_err(fault)?;
+            let framing = (&Framing::default(), self.look.aspect());
+            let cast = Cast::crowd(&shown.file, package, None, 1, None, framing).map_err(fault)?;
+            self.navigator.frame(cast.camera.at(0.0));
+        }
+        Ok(())
+    }
+
+    /// Goes back to where the camera was framed.
+    pub fn reset_view(&mut self) {
+        self.navigator.reset();
+    }
+
+    /// Where the camera is about its target: azimuth from +z towards +x and elevation in degrees, distance in metres.
+    pub fn around(&self) -> Vec<f32> {
+        let (azimuth_deg, elevation_deg, distance_m) = self.navigator.around();
+        vec![azimuth_deg, elevation_deg, distance_m]
+    }
+
+    /// Goes to where [`Self::around`] would say so.
+    pub fn go_around(&mut self, azimuth_deg: f32, elevation_deg: f32, distance_m: f32) {
+        self.navigator.go_around(azimuth_deg, elevation_deg, distance_m);
+    }
+
+    /// Turns the model with a hand that moved so many heights of the picture, right and up.
+    pub fn orbit(&mut self, right: f32, up: f32) {
+        self.navigator.orbit(Vec2::new(right, up));
+    }
+
+    /// Moves the model with the hand.
+    pub fn pan(&mut self, right: f32, up: f32) {
+        self.navigator.pan(Vec2::new(right, up));
+    }
+
+    /// Goes `factor` times as near, keeping what is so many heights of the picture right of and above its middle.
+    pub fn zoom(&mut self, factor: f32, right: f32, up: f32) {
+        self.navigator.zoom(factor, Vec2::new(right, up));
+    }
+}
+
+impl Viewer {
+    /// A stage with that package, and the camera that frames it.
+    fn stage(&self, file: &NamedPackage<'static>) -> Result<(Stage, Viewpoint), JsValue> {
+        let picture = self.look.picture();
+        let package = file.open().map_err(fault)?;
+        let framing = Framing::default();
+        let cast = Cast::crowd(file, package, None, 1, None, (&framing, picture.aspect())).map_err(fault)?;
+        let gpu = self.gpu.clone();
+        let stage = Stage::new(&cast, &picture, lit(&self.look, self.light_color), 0.0, || Ok(gpu)).map_err(fault)?;
+        Ok((stage, cast.camera.at(0.0)))
+    }
+
+    /// Loads the package that is shown again.
+    fn rebuild(&mut self) -> Result<(), JsValue> {
+        if let Some(shown) = &self.shown {
+            let (stage, _) = self.stage(&shown.file)?;
+            if let Some(shown) = &mut self.shown {
+                shown.stage = stage;
+            }
+        }
+        self.screen.forget_picture();
+        Ok(())
+    }
+
+    /// Draws with another look from now on.
+    fn take(&mut self, look: Look) -> Result<(), JsValue> {
+        let (before, picture) = (self.look.picture(), look.picture());
+        let params = lit(&look, self.light_color);
+        if let Some(shown) = &mut self.shown {
+            if look.picture.style == LookStyle::Ink && !shown.has_ink {
+                return Err(no_ink(&shown.file.name));
+            }
+            if picture.samples == before.samples {
+                shown.stage.relook(&picture, params, 0.0).map_err(fault)?;
+            }
+        }
+        let look_before = std::mem::replace(&mut self.look, look);
+        if picture.samples != before.samples {
+            // Another number of samples takes another stage.
+            if let Err(error) = self.rebuild() {
+                self.look = look_before;
+                return Err(error);
+            }
+        } else if picture.size != before.size {
+            self.screen.forget_picture();
+        }
+        Ok(())
+    }
+}
+
+/// A device, and the canvas that it was opened for.
+fn parts(opened: Opened) -> Result<(Gpu, Screen), JsValue> {
+    let screen =
+        opened.screen.ok_or_else(|| asked("opened: found a device without a canvas, expected that of open()"))?;
+    Ok((opened.gpu, screen))
+}
+
+/// What a frame is told of a look whose key light has that colour, linear.
+pub(crate) fn lit(look: &Look, light_color: Vec3) -> FrameParams {
+    look.frame_params().with(|params| {
+        let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut params.light;
+        *color *= light_color;
+    })
+}
+
+fn no_ink(file: &str) -> JsValue {
+    thrown(
+        "asked",
+        &format!("{file}: style ink: the package has none, expected one baked with ink.enabled = true in its recipe"),
+    )
+}

@@ -1,0 +1,237 @@
+// The package's API on a canvas: pictures, memory, devices.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { browser } from "./needs.mjs";
+import { found } from "./browser.mjs";
+import { assertOther, assertSame, bare, bytesOf, open, picture, rendered } from "./stage.mjs";
+
+const LONG_MS = 120_000;
+const SIZE = [320, 240];
+/** Cheap, and with shadow maps that a pose draws anew. */
+const SMALL = "[picture]\nsamples = 1\n[shadow]\nmap_texels = 64\n";
+let opened;
+
+before(async () => {
+  if (found()) opened = await open();
+});
+after(() => opened?.close());
+
+/** A test in the browser, where there is one. */
+function inBrowser(name, needed, body) {
+  test(name, { timeout: LONG_MS }, async (t) => {
+    if (needed) await body(t);
+    else t.skip();
+  });
+}
+
+inBrowser("a_canvas_shows_what_render_draws", browser("a_canvas_shows_what_render_draws"), async () => {
+  const { page, faults, close } = await bare(opened, { size: SIZE });
+  const fur = await picture(page, "canvas_fur");
+  assertSame(fur, rendered("render_fur", SIZE));
+  await page.evaluate(() => (pelage.style = "ink"));
+  const ink = await picture(page, "canvas_ink");
+  assertSame(ink, rendered("render_ink", SIZE, "--style", "ink"));
+  assertOther(fur, ink);
+
+  const view = { eye: [-0.6, 0.5, 0.8], target: [0, 0.25, 0], fovDeg: 24 };
+  await page.evaluate((view) => {
+    pelage.style = "fur";
+    pelage.camera = view;
+    pelage.setLight({ towards: [1, 0.6, 0.2] });
+    pelage.setLook("picture.background", "204,209,217");
+    pelage.play("Walk");
+    pelage.pause();
+    pelage.seek(0.3);
+  }, view);
+  const camera = `--camera=${view.eye}/${view.target}/${view.fovDeg}`;
+  const args = [camera, "--light", "1,0.6,0.2", "--background", "204,209,217", "--clip", "Walk", "--time", "0.3"];
+  assertSame(await picture(page, "canvas_walk"), rendered("render_walk", SIZE, ...args));
+  await page.evaluate(() => {
+    const canvas = document.querySelector("canvas");
+    [canvas.width, canvas.height] = [150, 200];
+    pelage.resize();
+    pelage.camera = { fovDeg: 48 };
+  });
+  const wider = args.map((arg) => (arg === camera ? `--camera=${view.eye}/${view.target}/48` : arg));
+  assertSame(await picture(page, "canvas_tall"), rendered("render_tall", [150, 200], ...wider));
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+inBrowser("what_is_wrong_is_said_and_changes_nothing", browser("what_is_wrong_is_said_and_changes_nothing"), async () => {
+  const { page, faults, close } = await bare(opened, { size: [64, 48] });
+  const before = await picture(page, "before_faults");
+  const said = await page.evaluate(async () => {
+    const said = [];
+    const wrong = [
+      () => pelage.setLook("shadow.penumbra", 99),
+      () => pelage.setLook("shadow.penumbr", 0.1),
+      () => (pelage.look = "[picture]\nstyle = \"oil\"\n"),
+      () => (pelage.camera = { eye: [0, 0, 0], target: [0, 0, 0] }),
+      () => (pelage.camera = { fovDeg: NaN }),
+      () => pelage.play("Fly"),
+      () => pelage.setLight({ color: [1, -1, 0] }),
+      () => pelage.load("/nowhere.pelage"),
+      () => pelage.load(42),
+      async () => {
+        const { Pelage } = await import("/pelage/index.js");
+        const taken = document.createElement("canvas");
+        taken.getContext("2d");
+        await Pelage.create(taken);
+      },
+    ];
+    for (const call of wrong) {
+      try {
+        await call();
+        said.push(["nothing"]);
+      } catch (error) {
+        said.push([error.name, error.kind, error.message]);
+      }
+    }
+    return said;
+  });
+  const words = [/0.*2|range/, /penumbra/, /style.*fur/s, /same point/, /field of view/, /Walk/, /at least 0/, /404/, /number.*URL/, /canvas/];
+  said.forEach(([name, kind, message], i) => {
+    assert.equal(name, "PelageError", `call ${i}: ${message}`);
+    assert.equal(kind, { 7: "fetch", 9: "device" }[i] ?? "asked", message);
+    assert.match(message, words[i]);
+  });
+  assert.deepEqual(bytesOf(await picture(page, "after_faults")), bytesOf(before));
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+inBrowser("three_hundred_frames_need_no_more_memory_than_ten", browser("three_hundred_frames_need_no_more_memory_than_ten"), async () => {
+  // Whatever a device makes is counted.
+  const count = () => {
+    window.made = {};
+    for (const name of ["createBuffer", "createTexture", "createBindGroup", "createRenderPipeline", "createComputePipeline", "createSampler", "createShaderModule"]) {
+      const make = GPUDevice.prototype[name];
+      GPUDevice.prototype[name] = function (...args) {
+        made[name] = (made[name] ?? 0) + 1;
+        return make.apply(this, args);
+      };
+    }
+  };
+  const { page, faults, close } = await bare(opened, { size: [48, 36], before: count, options: { look: SMALL } });
+  const walk = (from, to) =>
+    page.evaluate(
+      async ([from, to]) => {
+        const { default: init } = await import("/pelage/pelage_web.js");
+        const { memory } = await init();
+        for (let i = from; i < to; i += 1) {
+          pelage.seek(i / 60);
+          pelage.orbitBy(0.01, 0);
+          pelage.frame();
+          if (i % 10 === 9) await pelage.idle();
+        }
+        gc();
+        return { made: { ...made }, wasm: memory.buffer.byteLength, script: performance.memory.usedJSHeapSize };
+      },
+      [from, to],
+    );
+  await page.evaluate(() => pelage.play("Walk"));
+  const early = await walk(0, 10);
+  const late = await walk(10, 310);
+  assert.ok(early.made.createBuffer > 10 && early.made.createRenderPipeline > 0, JSON.stringify(early.made));
+  assert.deepEqual(late.made, early.made);
+  assert.equal(late.wasm, early.wasm);
+  assert.ok(late.script < early.script + 500_000, `${early.script} bytes of script became ${late.script}`);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+inBrowser("packages_that_come_and_go_leave_nothing", browser("packages_that_come_and_go_leave_nothing"), async () => {
+  const { page, faults, close } = await bare(opened, { size: [48, 36] });
+  const load = (times) =>
+    page.evaluate(async (times) => {
+      const { default: init } = await import("/pelage/pelage_web.js");
+      const { memory } = await init();
+      for (let i = 0; i < times; i += 1) {
+        await pelage.load("/animals/hare.pelage");
+        pelage.frame();
+      }
+      return memory.buffer.byteLength;
+    }, times);
+  const early = await load(3);
+  assert.equal(await load(6), early, "bytes of the module's memory");
+  const after = await page.evaluate(async () => {
+    pelage.dispose();
+    pelage.dispose();
+    try {
+      pelage.frame();
+    } catch (error) {
+      return error.message;
+    }
+    return "drawn";
+  });
+  assert.match(after, /disposed/);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+/** A device without BC, as phones have it; with or without, it does not say that it is a software rasteriser, where blocks are decoded in any case. */
+function mask(blocks) {
+  Object.defineProperty(GPUAdapterInfo.prototype, "isFallbackAdapter", { get: () => false });
+  if (blocks) return;
+  const { get } = Object.getOwnPropertyDescriptor(GPUAdapter.prototype, "features");
+  const fewer = (features) => new Set([...features].filter((name) => !name.startsWith("texture-compression-bc")));
+  Object.defineProperty(GPUAdapter.prototype, "features", { get: function () { return fewer(get.call(this)); } });
+  const request = GPUAdapter.prototype.requestDevice;
+  GPUAdapter.prototype.requestDevice = function (asked) {
+    if ([...(asked?.requiredFeatures ?? [])].includes("texture-compression-bc")) throw new TypeError("texture-compression-bc is not here");
+    return request.call(this, asked);
+  };
+}
+
+inBrowser("blocks_are_decoded_where_the_device_has_none", browser("blocks_are_decoded_where_the_device_has_none"), async () => {
+  const drawn = [];
+  for (const blocks of [true, false]) {
+    const before = `(${mask})(${blocks})`;
+    const { page, faults, close } = await bare(opened, { size: SIZE, before });
+    const gpuBytes = await page.evaluate(() => pelage.info.gpuBytes);
+    drawn.push({ gpuBytes, file: await picture(page, `blocks_${blocks}`) });
+    assert.deepEqual(faults, []);
+    await close();
+  }
+  const [kept, decoded] = drawn;
+  assert.ok(decoded.gpuBytes > 1.3 * kept.gpuBytes, JSON.stringify(drawn));
+  assertSame(kept.file, decoded.file);
+  assertSame(decoded.file, rendered("render_blocks", SIZE));
+});
+
+inBrowser("a_lost_device_is_replaced_and_all_is_as_before", browser("a_lost_device_is_replaced_and_all_is_as_before"), async () => {
+  const keep = () => {
+    const request = GPUAdapter.prototype.requestDevice;
+    window.devices = [];
+    GPUAdapter.prototype.requestDevice = async function (...args) {
+      const device = await request.apply(this, args);
+      devices.push(device);
+      return device;
+    };
+  };
+  const { page, close } = await bare(opened, { size: SIZE, before: keep });
+  await page.evaluate(() => {
+    pelage.orbitBy(0.2, 0.1);
+    pelage.play("Walk");
+    pelage.pause();
+    pelage.seek(0.2);
+    pelage.setLight({ color: [1, 0.8, 0.6] });
+  });
+  const before = await picture(page, "before_loss");
+  for (let times = 1; times <= 2; times += 1) {
+    await page.evaluate(() => devices.at(-1).destroy());
+    await page.waitForFunction((times) => happened.filter(([type]) => type === "devicerestored").length === times, times, { timeout: LONG_MS });
+    assert.deepEqual(bytesOf(await picture(page, "after_loss")), bytesOf(before));
+  }
+  const happened = await page.evaluate(() => happened.map(([type]) => type));
+  assert.deepEqual(happened, ["devicelost", "devicerestored", "devicelost", "devicerestored"]);
+  // With no adapter left it says so.
+  await page.evaluate(() => {
+    GPU.prototype.requestAdapter = async () => null;
+    devices.at(-1).destroy();
+  });
+  await page.waitForFunction(() => happened.some(([type]) => type === "error"), null, { timeout: LONG_MS });
+  await close();
+});

@@ -1,0 +1,66 @@
+// The npm package and the server, without a browser.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { readdirSync, readFileSync } from "node:fs";
+import { get } from "node:http";
+import { test } from "node:test";
+import { gzipSync } from "node:zlib";
+import { ROOT } from "./needs.mjs";
+import { serve } from "../serve.mjs";
+
+const NPM = `${ROOT}/target/web/npm`;
+/** Bytes of WebAssembly and JavaScript, compressed, that a page may cost. */
+const MOST_BYTES = 500_000;
+
+test("what a page loads is small", () => {
+  const files = readdirSync(NPM).filter((file) => /\.(js|wasm)$/.test(file));
+  assert.ok(files.includes("index.js") && files.includes("pelage_web_bg.wasm"), files.join());
+  const sizes = files.map((file) => gzipSync(readFileSync(`${NPM}/${file}`), { level: 9 }).length);
+  const sum = sizes.reduce((a, b) => a + b);
+  console.log(`compressed: ${sum} bytes: ${files.map((file, i) => `${file} ${sizes[i]}`).join(", ")}`);
+  assert.ok(sum <= MOST_BYTES, `${sum} bytes, expected ${MOST_BYTES} at most`);
+});
+
+test("npm packs all that the package is made of", () => {
+  const [packed] = JSON.parse(execFileSync("npm", ["pack", "--dry-run", "--json", "--offline"], { cwd: NPM, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
+  const { files } = JSON.parse(readFileSync(`${NPM}/package.json`, "utf8"));
+  assert.deepEqual(packed.files.map(({ path }) => path).sort(), [...files, "package.json"].sort());
+});
+
+test("the types name what the class has, and nothing else", () => {
+  const members = (text, line) => new Set([...text.matchAll(line)].map(([, name]) => name));
+  const between = (file, from) => readFileSync(`${NPM}/${file}`, "utf8").split(from)[1].split("\n}")[0];
+  for (const [file, name, least] of [["index.js", "Pelage", 25], ["pass.js", "PelagePass", 7]]) {
+    const has = members(between(file, `export class ${name} `), /^ {2}(?:static async |async |get |set )?(\w+)\(.*\{$/gm);
+    const says = members(between("index.d.ts", `export class ${name} `), /^ {2}(?:private |static |readonly |get |set )*(\w+)[(:<]/gm);
+    // What EventTarget has is typed again, by event.
+    for (const inherited of ["addEventListener", "removeEventListener"]) says.delete(inherited);
+    assert.ok(has.size > least, `${has.size} members of ${name}`);
+    assert.deepEqual([...says].sort(), [...has].sort());
+  }
+});
+
+test("the version is that of the crates", () => {
+  const { version } = JSON.parse(readFileSync(`${ROOT}/runtime/web/npm/package.json`, "utf8"));
+  assert.ok(readFileSync(`${ROOT}/Cargo.toml`, "utf8").includes(`\nversion = "${version}"\n`), version);
+});
+
+test("the server gives what lies in its folder, with its type, and nothing else", async (t) => {
+  const server = await serve(`${ROOT}/runtime/web/page`);
+  t.after(() => server.close());
+  assert.equal(server.address().address, "127.0.0.1");
+  const asked = (path, method = "GET") =>
+    new Promise((resolve, reject) => {
+      get({ port: server.address().port, host: "127.0.0.1", path, method }, (response) => {
+        response.resume();
+        resolve([response.statusCode, response.headers["content-type"]]);
+      }).on("error", reject);
+    });
+  assert.deepEqual(await asked("/"), [200, "text/html; charset=utf-8"]);
+  assert.deepEqual(await asked("/page.js"), [200, "text/javascript; charset=utf-8"]);
+  for (const path of ["/none", "/../serve.mjs", "/..%2fserve.mjs", "/%2e%2e/serve.mjs", "//etc/passwd", "/%", "/page.js/"]) {
+    assert.equal((await asked(path))[0], 404, path);
+  }
+  assert.equal((await asked("/", "POST"))[0], 404);
+});

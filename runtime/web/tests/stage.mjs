@@ -1,0 +1,113 @@
+// The page and the package in one browser, and the `pelage` command beside them.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { launch } from "./browser.mjs";
+import { ROOT } from "./needs.mjs";
+import { serve } from "../serve.mjs";
+
+export const SITE = process.env.PELAGE_SITE ?? `${ROOT}/target/web/site`;
+const PELAGE = process.env.PELAGE ?? `${ROOT}/target/debug/pelage`;
+/** Where packages and pictures of the tests lie. */
+export const OUT = `${ROOT}/target/web/tests`;
+/** Mean FLIP between two rasterisers that counts as the same picture. */
+const SAME = "0.02";
+
+/** Runs the command; what it prints. */
+export function pelage(...args) {
+  return execFileSync(PELAGE, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, XDG_RUNTIME_DIR: process.env.XDG_RUNTIME_DIR ?? "/tmp" } });
+}
+
+/** The hare as a package: its path. */
+export function hare() {
+  const file = `${OUT}/hare.pelage`;
+  mkdirSync(OUT, { recursive: true });
+  // A package of another build may be another one.
+  const made = existsSync(file) && statSync(file).mtimeMs > statSync(PELAGE).mtimeMs;
+  if (!made) pelage("bake", `${ROOT}/assets/models/hare.glb`, "--recipe", `${ROOT}/assets/recipes/hare.toml`, "-o", file);
+  return file;
+}
+
+/** Fails where two pictures differ to the eye. */
+export function assertSame(a, b) {
+  pelage("compare", a, b, "--max-flip", SAME);
+}
+
+/** Fails where two pictures are the same to the eye. */
+export function assertOther(a, b) {
+  assert.throws(() => pelage("compare", a, b, "--max-flip", SAME), (error) => error.status === 7, `${a} and ${b} are the same picture`);
+}
+
+/** A browser with its server. */
+export async function open() {
+  const server = await serve(SITE);
+  const address = `http://127.0.0.1:${server.address().port}`;
+  const browser = await launch();
+  return { browser, address, close: async () => (await browser.close(), server.close()) };
+}
+
+/**
+ * A page of that browser in a context of its own. What it says on the console as an error, or throws, is in `faults`; the animals of the server are the
+ * hare alone.
+ */
+export async function page({ browser, address }, { size = [480, 400], before, path = "/" } = {}) {
+  const context = await browser.newContext({ viewport: { width: size[0], height: size[1] }, acceptDownloads: false });
+  const page = await context.newPage();
+  const faults = [];
+  page.on("pageerror", (error) => faults.push(error.message));
+  page.on("console", (message) => {
+    // A server that has no such file is no fault of the page.
+    if (["error", "warning"].includes(message.type()) && !/status of 404/.test(message.text())) faults.push(message.text());
+  });
+  await page.route("**/animals/animals.json", (route) => route.fulfill({ json: [{ name: "Hare", file: "animals/hare.pelage" }] }));
+  await page.route("**/animals/hare.pelage", (route) => route.fulfill({ path: hare() }));
+  await page.route("**/blank", (route) => route.fulfill({ contentType: "text/html", body: "<!doctype html><title>blank</title>" }));
+  if (before) await page.addInitScript(before);
+  await page.goto(address + path);
+  return { page, faults, close: () => context.close() };
+}
+
+/** A blank page with the hare on a canvas of that size, as `window.pelage`; no loop, nothing of the page. */
+export async function bare(opened, { size = [320, 240], before, options = {} } = {}) {
+  const shown = await page(opened, { before, path: "/blank" });
+  await shown.page.evaluate(
+    async ({ size, options }) => {
+      const { Pelage } = await import("/pelage/index.js");
+      const canvas = document.createElement("canvas");
+      [canvas.width, canvas.height] = size;
+      document.body.append(canvas);
+      window.pelage = await Pelage.create(canvas, { autoSize: false, loop: false, controls: false, ...options });
+      window.happened = [];
+      for (const type of ["error", "devicelost", "devicerestored"]) {
+        pelage.addEventListener(type, ({ detail }) => happened.push([type, detail?.message ?? ""]));
+      }
+      await pelage.load("/animals/hare.pelage");
+    },
+    { size, options },
+  );
+  return shown;
+}
+
+/** The picture of `window.pelage` as a file. */
+export async function picture(page, name) {
+  const bytes = await page.evaluate(async () => {
+    const blob = await pelage.screenshot();
+    const bytes = new Uint8Array(await blob.arrayBuffer());
+    return btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
+  });
+  const file = `${OUT}/${name}.png`;
+  writeFileSync(file, Buffer.from(bytes, "base64"));
+  return file;
+}
+
+/** The same picture by the command. */
+export function rendered(name, size, ...args) {
+  const file = `${OUT}/${name}.png`;
+  pelage("render", hare(), "-o", file, "--size", size.join("x"), ...args);
+  return file;
+}
+
+export function bytesOf(file) {
+  return readFileSync(file);
+}
