@@ -4,18 +4,16 @@
 //! the sun. Passes of the runtime have a colour target, which here is a texture that nobody reads.
 
 use crate::extract::{Animal, Scene};
-use crate::renderers::{Drawing, Frames, PassKind, Prepared, PelageRenderers};
+use crate::renderers::{Drawing, Frames, PassKind, PelageRenderers, Prepared};
 use bevy_app::SubApp;
 use bevy_camera::visibility::RenderLayers;
 use bevy_core_pipeline::Core3d;
 use bevy_core_pipeline::core_3d::{CORE_3D_DEPTH_FORMAT, main_opaque_pass_3d};
 use bevy_ecs::prelude::*;
 use bevy_math::{Mat3, Mat4, UVec4, Vec3};
-use bevy_pbr::{
-    LATE_SHADOW_PASS, LightEntity, ShadowView, ViewLightEntities, per_view_shadow_pass,
-};
-use bevy_render::render_resource::{RenderPassDescriptor, StoreOp, TextureFormat};
+use bevy_pbr::{LATE_SHADOW_PASS, LightEntity, ShadowView, ViewLightEntities, per_view_shadow_pass};
 use bevy_render::GpuResourceAppExt as _;
+use bevy_render::render_resource::{RenderPassDescriptor, StoreOp, TextureFormat};
 use bevy_render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy_render::view::ExtractedView;
 use pelage_runtime::{
@@ -40,17 +38,16 @@ pub(crate) fn build(render_app: &mut SubApp) {
 }
 
 /// Draws the animals into the cascades of a camera.
-#[allow(clippy::too_many_arguments, reason = "a system of Bevy's asks for what it needs by its parameters")]
 fn cast(
-    view: ViewQuery<'_, '_, &ViewLightEntities>,
-    cascades: Query<'_, '_, (&ShadowView, &ExtractedView, &LightEntity)>,
-    light_layers: Query<'_, '_, &RenderLayers>,
-    scene: Res<'_, Scene>,
-    mut renderers: ResMut<'_, PelageRenderers>,
-    mut frames: ResMut<'_, Frames>,
-    mut unread: ResMut<'_, Unread>,
-    queue: Res<'_, RenderQueue>,
-    mut ctx: RenderContext<'_, '_>,
+    view: ViewQuery<&ViewLightEntities>,
+    cascades: Query<(&ShadowView, &ExtractedView, &LightEntity)>,
+    light_layers: Query<&RenderLayers>,
+    scene: Res<Scene>,
+    mut renderers: ResMut<PelageRenderers>,
+    mut frames: ResMut<Frames>,
+    mut unread: ResMut<Unread>,
+    queue: Res<RenderQueue>,
+    mut ctx: RenderContext,
 ) {
     let lights = view.into_inner();
     if lights.lights.is_empty() || scene.animals.is_empty() {
@@ -73,10 +70,7 @@ fn cast(
                 view: &color,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Discard,
-                },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
             })],
             depth_stencil_attachment: Some(map.depth_attachment.get_attachment(StoreOp::Store)),
             timestamp_writes: None,
@@ -91,7 +85,7 @@ fn cast(
 
 /// Frames of the animals that throw shadows, as that cascade sees them.
 fn prepare(
-    drawing: &mut Drawing<'_>,
+    drawing: &mut Drawing,
     scene: &Scene,
     layers: &RenderLayers,
     seen: &ExtractedView,

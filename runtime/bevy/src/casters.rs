@@ -36,7 +36,8 @@ fn vs_caster(
 ";
 
 /// The columns of `clip_from_model`, which lie one after another.
-const MATRIX: [wgpu::VertexAttribute; 4] = wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
+const MATRIX: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
 
 /// All that tells one pipeline from another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,7 +76,7 @@ impl CasterDraws<'_> {
     /// A frame of `instances` with the scene's casters in its shadow maps.
     pub(crate) fn prepare(
         &mut self,
-        drawing: &mut Drawing<'_>,
+        drawing: &mut Drawing,
         scene: &Scene,
         device: &RenderDevice,
         encoder: &mut wgpu::CommandEncoder,
@@ -84,7 +85,7 @@ impl CasterDraws<'_> {
     ) -> Result<Frame, RuntimeError> {
         let Self { meshes, allocator, pipelines } = self;
         // Meshes that are not on the device yet are drawn when they are: the maps know those that they were drawn with by `revision`.
-        let placed: Vec<Placed<'_>> =
+        let placed: Vec<Placed> =
             scene.casters.iter().filter_map(|caster| place(caster, meshes, allocator, drawing.said)).collect();
         if placed.is_empty() || !params.soft_shadow {
             return drawing.renderer.prepare(encoder, params, instances);
@@ -106,8 +107,7 @@ impl CasterDraws<'_> {
             );
             pass.set_vertex_buffer(1, matrices.slice(..));
             for (number, mesh) in (0u32..).zip(&placed) {
-                let pipeline =
-                    pipelines.0.entry(mesh.kind(which)).or_insert_with_key(|kind| pipeline(device, kind));
+                let pipeline = pipelines.0.entry(mesh.kind(which)).or_insert_with_key(|kind| pipeline(device, kind));
                 pass.set_pipeline(pipeline);
                 mesh.draw(pass, number..number + 1);
             }
@@ -175,7 +175,7 @@ fn place<'a>(
 }
 
 /// A number that is another whenever what casts shadows is.
-fn revision(casters: &[Caster], placed: &[Placed<'_>], meshes_changed: u64) -> u64 {
+fn revision(casters: &[Caster], placed: &[Placed], meshes_changed: u64) -> u64 {
     let mut hasher = DefaultHasher::new();
     meshes_changed.hash(&mut hasher);
     casters.iter().for_each(|caster| caster.mesh.hash(&mut hasher));

@@ -1,13 +1,13 @@
 //! The animals in Bevy's main pass: after what is opaque, before what is transparent.
 
+use crate::Pelage;
 use crate::casters::CasterDraws;
 use crate::extract::{Animal, Scene};
 use crate::lights;
-use crate::renderers::{Drawing, Frames, PassKind, Prepared, PelageRenderers};
+use crate::renderers::{Drawing, Frames, PassKind, PelageRenderers, Prepared};
 use crate::view::View;
-use crate::Pelage;
-use bevy_camera::{CompositingSpace, MainPassResolutionOverride};
 use bevy_camera::visibility::RenderLayers;
+use bevy_camera::{CompositingSpace, MainPassResolutionOverride};
 use bevy_core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
 use bevy_ecs::prelude::*;
 use bevy_render::camera::{ExtractedCamera, TemporalJitter};
@@ -40,13 +40,13 @@ struct Group<'a> {
 
 /// Prepares a camera's frames: what runs before the picture is recorded here.
 pub(crate) fn prepare(
-    view: ViewQuery<'_, '_, CameraParts>,
-    scene: Res<'_, Scene>,
-    mut renderers: ResMut<'_, PelageRenderers>,
-    mut frames: ResMut<'_, Frames>,
-    mut casters: CasterDraws<'_>,
-    queue: Res<'_, RenderQueue>,
-    mut ctx: RenderContext<'_, '_>,
+    view: ViewQuery<CameraParts>,
+    scene: Res<Scene>,
+    mut renderers: ResMut<PelageRenderers>,
+    mut frames: ResMut<Frames>,
+    mut casters: CasterDraws,
+    queue: Res<RenderQueue>,
+    mut ctx: RenderContext,
 ) {
     let entity = view.entity();
     let (camera, extracted, target, msaa, visible, space, layers, jitter, main_size) = view.into_inner();
@@ -71,8 +71,7 @@ pub(crate) fn prepare(
         );
         renderers.warn(words);
     }
-    let kind =
-        PassKind { color: target.main_texture_format(), depth: CORE_3D_DEPTH_FORMAT, samples: msaa.samples() };
+    let kind = PassKind { color: target.main_texture_format(), depth: CORE_3D_DEPTH_FORMAT, samples: msaa.samples() };
     let device = ctx.render_device().clone();
     let Some(mut drawing) = renderers.of(kind, &device, &queue) else { return };
     let view = View::new(extracted, jitter, main_size.map(|size| **size));
@@ -95,7 +94,7 @@ pub(crate) fn prepare(
 /// The animals by their styles: a frame of the runtime has one. The farthest animal is the first of its group, and the group that it is in the
 /// first of all.
 fn groups<'a>(
-    drawing: &mut Drawing<'_>,
+    drawing: &mut Drawing,
     scene: &Scene,
     view: &View,
     mut animals: Vec<(MainEntity, &'a Animal)>,
@@ -116,9 +115,9 @@ fn groups<'a>(
 
 /// Draws a camera's frames into its main pass.
 pub(crate) fn draw(
-    view: ViewQuery<'_, '_, (&ViewTarget, &ViewDepthStencilTexture)>,
-    frames: Res<'_, Frames>,
-    mut ctx: RenderContext<'_, '_>,
+    view: ViewQuery<(&ViewTarget, &ViewDepthStencilTexture)>,
+    frames: Res<Frames>,
+    mut ctx: RenderContext,
 ) {
     let Some(frames) = frames.0.get(&view.entity()).filter(|frames| !frames.is_empty()) else { return };
     let (target, depth) = view.into_inner();

@@ -82,9 +82,9 @@ type AnimalParts = (
 
 /// The animals and their packages.
 pub(crate) fn animals(
-    mut scene: ResMut<'_, Scene>,
-    animals: Extract<'_, '_, Query<'_, '_, AnimalParts>>,
-    models: Extract<'_, '_, Res<'_, Assets<PelageModel>>>,
+    mut scene: ResMut<Scene>,
+    animals: Extract<Query<AnimalParts>>,
+    models: Extract<Res<Assets<PelageModel>>>,
 ) {
     scene.animals.clear();
     scene.animals.extend(animals.iter().map(|(entity, pelage, transform, visible, clip, joints, layers, dark)| {
@@ -104,15 +104,11 @@ pub(crate) fn animals(
 
 /// The lights.
 pub(crate) fn lights(
-    mut scene: ResMut<'_, Scene>,
-    suns: Extract<
-        '_,
-        '_,
-        Query<'_, '_, (&DirectionalLight, &GlobalTransform, &InheritedVisibility, Option<&RenderLayers>)>,
-    >,
-    ambients: Extract<'_, '_, Query<'_, '_, (Entity, &AmbientLight)>>,
-    ambient: Extract<'_, '_, Option<Res<'_, GlobalAmbientLight>>>,
-    shadows: Extract<'_, '_, Res<'_, PelageShadows>>,
+    mut scene: ResMut<Scene>,
+    suns: Extract<Query<(&DirectionalLight, &GlobalTransform, &InheritedVisibility, Option<&RenderLayers>)>>,
+    ambients: Extract<Query<(Entity, &AmbientLight)>>,
+    ambient: Extract<Option<Res<GlobalAmbientLight>>>,
+    shadows: Extract<Res<PelageShadows>>,
 ) {
     scene.suns.clear();
     let lit = suns.iter().filter(|(_, _, visible, _)| visible.get());
@@ -134,18 +130,11 @@ pub(crate) fn lights(
 
 /// The meshes that throw shadows on fur.
 pub(crate) fn casters(
-    mut scene: ResMut<'_, Scene>,
+    mut scene: ResMut<Scene>,
     casters: Extract<
-        '_,
-        '_,
-        Query<
-            '_,
-            '_,
-            (Entity, &Mesh3d, &GlobalTransform, &InheritedVisibility, Option<&Aabb>),
-            With<ShadesPelage>,
-        >,
+        Query<(Entity, &Mesh3d, &GlobalTransform, &InheritedVisibility, Option<&Aabb>), With<ShadesPelage>>,
     >,
-    mut changes: Extract<'_, '_, MessageReader<'_, '_, AssetEvent<Mesh>>>,
+    mut changes: Extract<MessageReader<AssetEvent<Mesh>>>,
 ) {
     let mut visible: Vec<_> = casters.iter().filter(|(_, _, _, visible, _)| visible.get()).collect();
     // The order of a query may change without anything having moved.
@@ -158,9 +147,7 @@ pub(crate) fn casters(
     scene.casters_bounds = visible.iter().filter_map(sphere).reduce(around);
     scene.casters.clear();
     scene.casters.extend(
-        visible
-            .iter()
-            .map(|(_, mesh, transform, _, _)| Caster { mesh: mesh.id(), transform: transform.to_matrix() }),
+        visible.iter().map(|(_, mesh, transform, _, _)| Caster { mesh: mesh.id(), transform: transform.to_matrix() }),
     );
     let changed = changes.read().filter(|change| matches!(change, AssetEvent::Modified { .. })).count();
     scene.meshes_changed += changed as u64;

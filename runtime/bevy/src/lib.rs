@@ -1,9 +1,9 @@
 //! Furry animals in Bevy: `.pelage` packages as assets, drawn inside Bevy's own 3-D pass.
 #![doc = include_str!("../README.md")]
 
-mod casters;
 #[cfg(feature = "pbr")]
 mod cascades;
+mod casters;
 mod components;
 mod draw;
 mod extract;

@@ -46,9 +46,8 @@ pub(crate) fn light(params: &mut FrameParams, suns: &[Sun], ambient: Ambient, ex
     let directional =
         |sun: &Sun| Light::Directional { towards_light: sun.towards_light, color: strength(sun, exposure) };
     // Without a sun the key light is dark, and its maps are not drawn.
-    params.light = seen
-        .first()
-        .map_or(Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }, |key| directional(key));
+    params.light =
+        seen.first().map_or(Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }, |key| directional(key));
     params.soft_shadow = seen.first().is_some_and(|key| key.shadows);
     params.fill_lights = seen.iter().skip(1).take(MAX_FILL_LIGHTS).map(|sun| directional(sun)).collect();
     // Packages multiply it with a constant of their own, which by default is that of full light. With it taken out an animal of a default

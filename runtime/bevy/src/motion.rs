@@ -3,7 +3,7 @@
 use crate::components::{ClipPlace, Pelage, PelageClip};
 use crate::model::PelageModel;
 use bevy_asset::prelude::AssetChanged;
-use bevy_asset::{Assets, AssetId};
+use bevy_asset::{AssetId, Assets};
 use bevy_ecs::prelude::*;
 use bevy_log::warn;
 use bevy_time::Time;
@@ -12,9 +12,9 @@ use std::collections::HashSet;
 
 /// Gives each animal the box of its model when that is loaded, or another.
 pub(crate) fn fit_boxes(
-    mut commands: Commands<'_, '_>,
-    animals: Query<'_, '_, (Entity, &Pelage), Or<(Changed<Pelage>, AssetChanged<Pelage>)>>,
-    models: Res<'_, Assets<PelageModel>>,
+    mut commands: Commands,
+    animals: Query<(Entity, &Pelage), Or<(Changed<Pelage>, AssetChanged<Pelage>)>>,
+    models: Res<Assets<PelageModel>>,
 ) {
     for (entity, pelage) in &animals {
         if let Some(model) = models.get(&pelage.model) {
@@ -26,13 +26,11 @@ pub(crate) fn fit_boxes(
 /// Finds clips by their names where name or model are others.
 pub(crate) fn find_clips(
     mut clips: Query<
-        '_,
-        '_,
         (&Pelage, &PelageClip, &mut ClipPlace),
         Or<(Changed<PelageClip>, Changed<Pelage>, AssetChanged<Pelage>)>,
     >,
-    models: Res<'_, Assets<PelageModel>>,
-    mut missing: Local<'_, HashSet<(AssetId<PelageModel>, String)>>,
+    models: Res<Assets<PelageModel>>,
+    mut missing: Local<HashSet<(AssetId<PelageModel>, String)>>,
 ) {
     for (pelage, clip, mut place) in &mut clips {
         let Some(model) = models.get(&pelage.model) else {
@@ -50,7 +48,7 @@ pub(crate) fn find_clips(
 }
 
 /// Moves clips on by the time that has passed.
-pub(crate) fn play_clips(mut clips: Query<'_, '_, (&mut PelageClip, &ClipPlace)>, time: Res<'_, Time>) {
+pub(crate) fn play_clips(mut clips: Query<(&mut PelageClip, &ClipPlace)>, time: Res<Time>) {
     for (mut clip, place) in &mut clips {
         let Some((_, duration_s)) = place.found else { continue };
         let moment = moment_after(&clip, time.delta_secs(), duration_s);

@@ -177,11 +177,11 @@ impl Drawing<'_> {
 }
 
 /// Before the frame's passes.
-pub(crate) fn update(mut renderers: ResMut<'_, PelageRenderers>, scene: Res<'_, Scene>) {
+pub(crate) fn update(mut renderers: ResMut<PelageRenderers>, scene: Res<Scene>) {
     renderers.forget(&scene);
 }
 
 /// After Bevy has submitted the frame.
-pub(crate) fn release(mut frames: ResMut<'_, Frames>) {
+pub(crate) fn release(mut frames: ResMut<Frames>) {
     frames.0.clear();
 }

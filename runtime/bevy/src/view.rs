@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn a_scaled_camera_keeps_its_place_and_loses_its_scale() {
-        let scaled = Mat4::from_scale_rotation_translation(Vec3::splat(3.0), bevy_math::Quat::from_rotation_y(0.5), Vec3::X);
+        let scaled =
+            Mat4::from_scale_rotation_translation(Vec3::splat(3.0), bevy_math::Quat::from_rotation_y(0.5), Vec3::X);
         let plain = Mat4::from_rotation_translation(bevy_math::Quat::from_rotation_y(0.5), Vec3::X);
         assert!(rigid(scaled).abs_diff_eq(plain, 1e-6));
     }

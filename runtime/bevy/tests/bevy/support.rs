@@ -1,28 +1,30 @@
 //! A Bevy app without a window, whose cameras draw into images that are read back.
 
+use crate::sphere::{self, SphereParams};
 use bevy_app::{App, TaskPoolPlugin};
 use bevy_asset::{AssetPlugin, Assets, Handle, RenderAssetUsages};
-use bevy_camera::{Camera3d, CameraPlugin, Hdr, PerspectiveProjection, Projection, RenderTarget};
+use bevy_camera::{Camera3d, CameraPlugin, ClearColor, Hdr, PerspectiveProjection, Projection, RenderTarget};
 use bevy_color::Color;
 use bevy_core_pipeline::CorePipelinePlugin;
 use bevy_core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy_diagnostic::FrameCountPlugin;
 use bevy_ecs::prelude::*;
 use bevy_image::{Image, ImagePlugin};
-use bevy_light::{DirectionalLight, LightPlugin};
+use bevy_light::{DirectionalLight, GlobalAmbientLight, LightPlugin};
 use bevy_math::Vec3;
-use bevy_mesh::{Mesh, MeshPlugin, Mesh3d};
+use bevy_mesh::{Mesh, Mesh3d, MeshPlugin};
 use bevy_pbr::{MeshMaterial3d, PbrPlugin, StandardMaterial};
 use bevy_pelage::{PelageModel, PelagePlugin, PelageRenderers};
 use bevy_render::gpu_readback::{Readback, ReadbackComplete};
 use bevy_render::render_resource::TextureFormat;
+use bevy_render::renderer::RenderAdapterInfo;
 use bevy_render::view::Msaa;
 use bevy_render::{RenderApp, RenderPlugin};
 use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use bevy_transform::TransformPlugin;
 use bevy_transform::components::Transform;
 use bevy_window::WindowPlugin;
-use std::path::PathBuf;
+use pelage_needs::{Need, gpu_is_wanted, had};
 use std::time::Duration;
 
 /// Pixels of a picture, RGBA bytes, row by row.
@@ -42,22 +44,19 @@ impl Picture {
         self.rgba.chunks_exact(4).map(|p| p.try_into().unwrap())
     }
 
-    /// Mean difference of the colours, in 255ths.
-    pub fn difference(&self, other: &Self) -> f64 {
+    /// Mean and greatest difference of the colours, in 255ths.
+    pub fn differences(&self, other: &Self) -> (f64, u8) {
         assert_eq!(self.size, other.size);
-        let sum: u64 = self.rgba.iter().zip(&other.rgba).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-        sum as f64 / self.rgba.len() as f64
+        let pairs = self.pixels().zip(other.pixels());
+        let each = pairs.flat_map(|(a, b)| [0, 1, 2].map(|i| a[i].abs_diff(b[i])));
+        let (sum, most) = each.fold((0u64, 0), |(sum, most), d| (sum + u64::from(d), most.max(d)));
+        (sum as f64 / f64::from(3 * self.size[0] * self.size[1]), most)
     }
 
-    /// Writes a PNG for people to look at: into `target/pictures`.
-    pub fn save(&self, name: &str) {
-        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/pictures");
-        std::fs::create_dir_all(&folder).unwrap();
-        let file = std::fs::File::create(folder.join(name)).unwrap();
-        let mut encoder = png::Encoder::new(file, self.size[0], self.size[1]);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_compression(png::Compression::High);
-        encoder.write_header().unwrap().write_image_data(&self.rgba).unwrap();
+    /// The part of that size at that place.
+    pub fn part(&self, [left, top]: [u32; 2], size: [u32; 2]) -> Self {
+        let rows = (0..size[1]).flat_map(|y| (0..size[0]).flat_map(move |x| self.pixel(left + x, top + y)));
+        Self { size, rgba: rows.collect() }
     }
 }
 
@@ -78,9 +77,19 @@ pub struct TestCamera {
     pub size: [u32; 2],
 }
 
+/// A stand for the GPU test of that name; `None`, with a loud word, where GPU tests are left out.
+pub fn gpu(test: &str) -> Option<Stand> {
+    if !gpu_is_wanted(test) {
+        return None;
+    }
+    let stand = Stand::new();
+    had(Need::Gpu, test, &stand.render_world().resource::<RenderAdapterInfo>().name);
+    Some(stand)
+}
+
 impl Stand {
-    /// An app with everything that Bevy draws meshes with. Time stands still but for `pass`.
-    pub fn new() -> Self {
+    /// An app with everything that Bevy draws meshes with. Time stands still until a test lets it pass.
+    fn new() -> Self {
         let mut app = App::new();
         app.add_plugins((
             TaskPoolPlugin::default(),
@@ -88,8 +97,16 @@ impl Stand {
             TimePlugin,
             TransformPlugin,
             bevy_diagnostic::DiagnosticsPlugin,
-            AssetPlugin { file_path: "/".into(), unapproved_path_mode: bevy_asset::UnapprovedPathMode::Allow, ..Default::default() },
-            WindowPlugin { primary_window: None, exit_condition: bevy_window::ExitCondition::DontExit, ..Default::default() },
+            AssetPlugin {
+                file_path: "/".into(),
+                unapproved_path_mode: bevy_asset::UnapprovedPathMode::Allow,
+                ..Default::default()
+            },
+            WindowPlugin {
+                primary_window: None,
+                exit_condition: bevy_window::ExitCondition::DontExit,
+                ..Default::default()
+            },
         ))
         .add_plugins((
             RenderPlugin { synchronous_pipeline_compilation: true, ..Default::default() },
@@ -102,6 +119,8 @@ impl Stand {
             PelagePlugin::default(),
         ))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
+        .insert_resource(ClearColor(Color::BLACK))
+        .insert_resource(GlobalAmbientLight::NONE)
         .init_resource::<Read>();
         app.finish();
         app.cleanup();
@@ -114,7 +133,25 @@ impl Stand {
 
     /// What pelage keeps in the render world.
     pub fn renderers(&self) -> &PelageRenderers {
-        self.app.sub_app(RenderApp).world().resource()
+        self.render_world().resource()
+    }
+
+    pub fn render_world(&self) -> &World {
+        self.app.sub_app(RenderApp).world()
+    }
+
+    /// Takes them away.
+    pub fn remove<const N: usize>(&mut self, entities: [Entity; N]) {
+        for entity in entities {
+            assert!(self.world().despawn(entity), "{entity} is there");
+        }
+    }
+
+    /// Lets so much time pass, in one frame.
+    pub fn wait(&mut self, seconds: f32) {
+        *self.world().resource_mut() = TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(seconds));
+        self.app.update();
+        *self.world().resource_mut() = TimeUpdateStrategy::ManualDuration(Duration::ZERO);
     }
 
     /// A model of the bytes of a package.
@@ -129,7 +166,8 @@ impl Stand {
         image.texture_descriptor.usage |= bevy_render::render_resource::TextureUsages::COPY_SRC;
         image.asset_usage = RenderAssetUsages::RENDER_WORLD;
         let image = self.world().resource_mut::<Assets<Image>>().add(image);
-        let projection = PerspectiveProjection { fov: 0.6, aspect_ratio: size[0] as f32 / size[1] as f32, ..Default::default() };
+        let projection =
+            PerspectiveProjection { fov: 0.6, aspect_ratio: size[0] as f32 / size[1] as f32, ..Default::default() };
         let entity = self
             .world()
             .spawn((
@@ -157,7 +195,8 @@ impl Stand {
     pub fn cuboid(&mut self, size: Vec3, at: Vec3, color: Color) -> Entity {
         let mesh = Mesh::from(bevy_shape::Cuboid::from_size(size));
         let mesh = self.world().resource_mut::<Assets<Mesh>>().add(mesh);
-        let material = StandardMaterial { base_color: color, perceptual_roughness: 1.0, reflectance: 0.0, ..Default::default() };
+        let material =
+            StandardMaterial { base_color: color, perceptual_roughness: 1.0, reflectance: 0.0, ..Default::default() };
         let material = self.world().resource_mut::<Assets<StandardMaterial>>().add(material);
         self.world().spawn((Mesh3d(mesh), MeshMaterial3d(material), Transform::from_translation(at))).id()
     }
@@ -168,7 +207,7 @@ impl Stand {
         (0..4).for_each(|_| self.app.update());
         let reader = self.world().spawn(Readback::texture(camera.image.clone())).id();
         let entity = reader;
-        self.world().entity_mut(reader).observe(move |event: On<'_, '_, ReadbackComplete>, mut read: ResMut<'_, Read>| {
+        self.world().entity_mut(reader).observe(move |event: On<ReadbackComplete>, mut read: ResMut<Read>| {
             read.0.insert(entity, event.data.clone());
         });
         let rgba = (0..100).find_map(|_| {
@@ -190,21 +229,7 @@ fn unpadded(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
     bytes.chunks(row.next_multiple_of(256)).take(height as usize).flat_map(|padded| &padded[..row]).copied().collect()
 }
 
-/// The built-in hare that walks, baked by the tool of this repository.
-pub fn hare() -> &'static [u8] {
-    static HARE: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
-    HARE.get_or_init(|| {
-        let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let package = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/hare.pelage");
-        if let Ok(bytes) = std::fs::read(&package) { return bytes; }
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let baked = std::process::Command::new(cargo)
-            .args(["run", "--quiet", "--locked", "-p", "pelage-bake", "--", "bake", "assets/models/hare.glb", "-o"])
-            .arg(&package)
-            .current_dir(&root)
-            .output()
-            .unwrap();
-        assert!(baked.status.success(), "{}", String::from_utf8_lossy(&baked.stderr));
-        std::fs::read(&package).unwrap()
-    })
+/// A furry ball of 12.5 cm with a skeleton, a clip that bends it and the style ink.
+pub fn ball() -> Vec<u8> {
+    sphere::package(&SphereParams { skeleton: true, ink: true, quads: 12, ..SphereParams::default() })
 }
