@@ -1,4 +1,3 @@
-//! Furry animals in Bevy: `.pelage` packages as assets, drawn inside Bevy's own 3-D pass.
 #![doc = include_str!("../README.md")]
 
 #[cfg(feature = "pbr")]

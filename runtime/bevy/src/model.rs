@@ -17,6 +17,7 @@ pub struct PelageModel {
     pub(crate) package: Arc<NamedPackage<'static>>,
     animation: Option<Arc<Animation>>,
     bounds: Aabb,
+    fur_height_m: f32,
 }
 
 impl PelageModel {
@@ -36,7 +37,7 @@ impl PelageModel {
         let (bounds, fur) = (opened.manifest().bounds, opened.manifest().fur.height_m);
         let bounds = Aabb::from_min_max(Vec3::from(bounds.min) - fur, Vec3::from(bounds.max) + fur);
         drop(opened);
-        Ok(Self { package: Arc::new(package), animation, bounds })
+        Ok(Self { package: Arc::new(package), animation, bounds, fur_height_m: fur })
     }
 
     /// What messages call it: the path of its file.
@@ -53,6 +54,11 @@ impl PelageModel {
     /// The box of skin and fur at rest, in the model's own space, metres. A clip may leave it.
     pub fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// Height of the fur where it is highest, metres.
+    pub fn fur_height_m(&self) -> f32 {
+        self.fur_height_m
     }
 
     /// Index and length in seconds of a clip: by its whole name, or by the part behind the skeleton's name (`Walk` finds

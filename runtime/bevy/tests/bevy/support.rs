@@ -10,7 +10,7 @@ use bevy_core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy_diagnostic::FrameCountPlugin;
 use bevy_ecs::prelude::*;
 use bevy_image::{Image, ImagePlugin};
-use bevy_light::{DirectionalLight, GlobalAmbientLight, LightPlugin};
+use bevy_light::{DirectionalLight, DirectionalLightShadowMap, GlobalAmbientLight, LightPlugin};
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d, MeshPlugin};
 use bevy_pbr::{MeshMaterial3d, PbrPlugin, StandardMaterial};
@@ -89,7 +89,7 @@ pub fn gpu(test: &str) -> Option<Stand> {
 
 impl Stand {
     /// An app with everything that Bevy draws meshes with. Time stands still until a test lets it pass.
-    fn new() -> Self {
+    pub fn new() -> Self {
         let mut app = App::new();
         app.add_plugins((
             TaskPoolPlugin::default(),
@@ -121,6 +121,7 @@ impl Stand {
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
         .insert_resource(ClearColor(Color::BLACK))
         .insert_resource(GlobalAmbientLight::NONE)
+        .insert_resource(DirectionalLightShadowMap { size: 512 })
         .init_resource::<Read>();
         app.finish();
         app.cleanup();
