@@ -4,13 +4,14 @@
 //! the sun. Passes of the runtime have a colour target, which here is a texture that nobody reads.
 
 use crate::extract::{Animal, Scene};
+use crate::reach;
 use crate::renderers::{Drawing, Frames, PassKind, PelageRenderers, Prepared};
 use bevy_app::SubApp;
 use bevy_camera::visibility::RenderLayers;
 use bevy_core_pipeline::Core3d;
 use bevy_core_pipeline::core_3d::{CORE_3D_DEPTH_FORMAT, main_opaque_pass_3d};
 use bevy_ecs::prelude::*;
-use bevy_math::{Mat3, Mat4, UVec4, Vec3};
+use bevy_math::{Mat4, UVec4, Vec3};
 use bevy_pbr::{LATE_SHADOW_PASS, LightEntity, ShadowView, ViewLightEntities, per_view_shadow_pass};
 use bevy_render::GpuResourceAppExt as _;
 use bevy_render::render_resource::{RenderPassDescriptor, StoreOp, TextureFormat};
@@ -145,12 +146,8 @@ fn cameras(seen: &ExtractedView, instances: &[Instance]) -> Vec<Camera> {
 
 /// How far an animal may reach past the first plane of a cascade, which is where its view space has z = 0, metres.
 fn before_first_plane(view_from_world: Mat4, instance: &Instance) -> f32 {
-    let manifest = instance.model.manifest();
-    let scale = Mat3::from_mat4(instance.transform).determinant().abs().cbrt();
-    // In motion it may reach farther than at rest.
-    let radius = 1.5 * scale * (manifest.bounds.radius + manifest.fur.height_m);
-    let center = instance.transform.transform_point3(manifest.bounds.center.into());
-    view_from_world.transform_point3(center).z + radius
+    let reach = reach::of_animal(instance);
+    view_from_world.transform_point3(reach.center).z + reach.radius
 }
 
 /// A cascade's projection that has depth 1 at its first plane and less before it, down to 1 - [`SQUEEZED`] at `nearest_m`; what lies behind the

@@ -4,17 +4,18 @@
 //! drawn from there with pipelines that read positions alone.
 
 use crate::extract::{Caster, Scene};
+use crate::reach::{above, around};
 use crate::renderers::{Drawing, Said};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
-use bevy_math::Mat4;
+use bevy_math::{Mat4, Vec3};
 use bevy_mesh::{Mesh, VertexFormat};
 use bevy_render::mesh::allocator::{MeshAllocator, MeshBufferSlice};
 use bevy_render::mesh::{RenderMesh, RenderMeshBufferInfo};
 use bevy_render::render_asset::RenderAssets;
 use bevy_render::renderer::RenderDevice;
 use pelage_runtime::{
-    CasterPass, Casters, Frame, FrameParams, Hooks, Instance, LightView, RuntimeError, ShadowMaps, wgpu,
+    CasterPass, Casters, Frame, FrameParams, Hooks, Instance, Light, LightView, RuntimeError, ShadowMaps, Sphere, wgpu,
 };
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -73,7 +74,7 @@ pub(crate) struct CasterDraws<'w> {
 }
 
 impl CasterDraws<'_> {
-    /// A frame of `instances` with the scene's casters in its shadow maps.
+    /// A frame of `instances`, which are within `reaches`, with those of the scene's casters in its shadow maps that can shade them.
     pub(crate) fn prepare(
         &mut self,
         drawing: &mut Drawing,
@@ -82,12 +83,14 @@ impl CasterDraws<'_> {
         encoder: &mut wgpu::CommandEncoder,
         params: &FrameParams,
         instances: &[Instance],
+        reaches: &[Sphere],
     ) -> Result<Frame, RuntimeError> {
         let Self { meshes, allocator, pipelines } = self;
+        let (casters, bounds) = shading(&scene.casters, reaches, params);
         // Meshes that are not on the device yet are drawn when they are: the maps know those that they were drawn with by `revision`.
         let placed: Vec<Placed> =
-            scene.casters.iter().filter_map(|caster| place(caster, meshes, allocator, drawing.said)).collect();
-        if placed.is_empty() || !params.soft_shadow {
+            casters.iter().filter_map(|caster| place(caster, meshes, allocator, drawing.said)).collect();
+        if placed.is_empty() {
             return drawing.renderer.prepare(encoder, params, instances);
         }
         let device = device.wgpu_device();
@@ -112,10 +115,28 @@ impl CasterDraws<'_> {
                 mesh.draw(pass, number..number + 1);
             }
         };
-        let revision = revision(&scene.casters, &placed, scene.meshes_changed);
-        let casters = Casters { bounds: scene.casters_bounds, revision, draw: &mut draw };
+        let revision = revision(&casters, &placed, scene.meshes_changed);
+        let casters = Casters { bounds, revision, draw: &mut draw };
         drawing.renderer.prepare_with(encoder, params, instances, Hooks::default().casters(casters))
     }
+}
+
+/// The casters that can shade what lies in `reaches`, and what the maps must cover for them: a point so far towards the light as they reach. The
+/// maps are as wide as the animals, and what of a caster is wider lies beside them.
+fn shading<'a>(casters: &'a [Caster], reaches: &[Sphere], params: &FrameParams) -> (Vec<&'a Caster>, Option<Sphere>) {
+    let (Light::Directional { towards_light, .. }, true) = (params.light, params.soft_shadow) else {
+        return (Vec::new(), None);
+    };
+    let towards_light = towards_light.normalize_or(Vec3::Y);
+    let Some(lit) = reaches.iter().copied().reduce(around) else { return (Vec::new(), None) };
+    let height = |caster: &Caster| {
+        let shades = reaches.iter().any(|reach| above(*reach, towards_light, caster.bounds).is_some());
+        shades.then(|| above(lit, towards_light, caster.bounds)).flatten()
+    };
+    let (shading, heights): (Vec<_>, Vec<_>) =
+        casters.iter().filter_map(|caster| Some((caster, height(caster)?))).unzip();
+    let highest_m = heights.into_iter().reduce(f32::max);
+    (shading, highest_m.map(|m| Sphere { center: lit.center + m * towards_light, radius: 0.0 }))
 }
 
 impl Placed<'_> {
@@ -175,7 +196,7 @@ fn place<'a>(
 }
 
 /// A number that is another whenever what casts shadows is.
-fn revision(casters: &[Caster], placed: &[Placed], meshes_changed: u64) -> u64 {
+fn revision(casters: &[&Caster], placed: &[Placed], meshes_changed: u64) -> u64 {
     let mut hasher = DefaultHasher::new();
     meshes_changed.hash(&mut hasher);
     casters.iter().for_each(|caster| caster.mesh.hash(&mut hasher));

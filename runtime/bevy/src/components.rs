@@ -76,14 +76,16 @@ impl PelageClip {
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct PelageJoints(pub Vec<Mat4>);
 
-/// A mesh that throws its shadow on fur: put it on entities with `Mesh3d` that stand near animals.
+/// A mesh that throws its shadow on fur: put it on entities with `Mesh3d` that may stand between a sun and an animal.
 ///
-/// Fur has shadow maps of its own, which must cover all such meshes: leave out grounds, on which Bevy's own shadow maps show the animals'
-/// shadows, and what is far away. Positions must be as `Mesh` has them by default, uncompressed, and the mesh neither skinned nor morphed.
+/// Fur has shadow maps of its own. Leave out grounds, on which Bevy's own maps show the animals' shadows: the maps' depth covers all that
+/// reaches towards the sun, and things nearer to fur than a thousandth of that throw no shadow on it. Positions must be as `Mesh` has them by
+/// default, uncompressed, and the mesh neither skinned nor morphed.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct ShadesPelage;
 
-/// How the shadow maps of fur are made, for all lights and cameras.
+/// How the shadow maps of fur are made, for all lights and cameras. `map_size` is that of one animal: where those of one style are spread out
+/// in a picture, maps have up to four times as many texels a side.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct PelageShadows(pub ShadowParams);
 

@@ -3,9 +3,9 @@
 use crate::Pelage;
 use crate::casters::CasterDraws;
 use crate::extract::{Animal, Scene};
-use crate::lights;
 use crate::renderers::{Drawing, Frames, PassKind, PelageRenderers, Prepared};
 use crate::view::View;
+use crate::{lights, reach};
 use bevy_camera::visibility::RenderLayers;
 use bevy_camera::{CompositingSpace, MainPassResolutionOverride};
 use bevy_core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
@@ -17,7 +17,7 @@ use bevy_render::sync_world::MainEntity;
 use bevy_render::view::{
     ExtractedView, Msaa, RenderVisibleEntities, ResolvedCompositingSpace, ViewDepthStencilTexture, ViewTarget,
 };
-use pelage_runtime::{FrameParams, Instance, Style};
+use pelage_runtime::{FrameParams, Instance, Sphere, Style};
 
 /// What a frame is drawn with in its pass.
 type CameraParts = (
@@ -80,12 +80,14 @@ pub(crate) fn prepare(
     let mut prepared = Vec::new();
     for group in groups(&mut drawing, &scene, &view, animals) {
         let (camera_of_style, viewport) = view.of_style(group.style.kind());
+        let reaches: Vec<Sphere> = group.instances.iter().map(reach::of_animal).collect();
         let params = FrameParams::new(camera_of_style, [viewport.z, viewport.w]).with(|params| {
             lights::light(params, &scene.suns, ambient, camera.exposure, &layers);
-            params.shadows = scene.shadows;
+            params.shadows = reach::maps_of(scene.shadows, &reaches, device.limits().max_texture_dimension_2d);
             params.style = group.style.clone();
         });
-        let frame = casters.prepare(&mut drawing, &scene, &device, ctx.command_encoder(), &params, &group.instances);
+        let frame =
+            casters.prepare(&mut drawing, &scene, &device, ctx.command_encoder(), &params, &group.instances, &reaches);
         prepared.extend(drawing.or_say(frame).map(|frame| Prepared { frame, viewport, part: view.rect }));
     }
     frames.0.insert(entity, prepared);

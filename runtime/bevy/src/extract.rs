@@ -35,6 +35,8 @@ pub(crate) struct Animal {
 pub(crate) struct Caster {
     pub(crate) mesh: AssetId<Mesh>,
     pub(crate) transform: Mat4,
+    /// What holds it.
+    pub(crate) bounds: Sphere,
 }
 
 /// All that is drawn from.
@@ -51,8 +53,6 @@ pub(crate) struct Scene {
     pub(crate) ambients: HashMap<MainEntity, Ambient>,
     pub(crate) shadows: ShadowParams,
     pub(crate) casters: Vec<Caster>,
-    /// What holds all casters.
-    pub(crate) casters_bounds: Option<Sphere>,
     /// Another number whenever a mesh was changed in place.
     pub(crate) meshes_changed: u64,
 }
@@ -131,53 +131,21 @@ pub(crate) fn lights(
 /// The meshes that throw shadows on fur.
 pub(crate) fn casters(
     mut scene: ResMut<Scene>,
-    casters: Extract<
-        Query<(Entity, &Mesh3d, &GlobalTransform, &InheritedVisibility, Option<&Aabb>), With<ShadesPelage>>,
-    >,
+    casters: Extract<Query<(Entity, &Mesh3d, &GlobalTransform, &InheritedVisibility, &Aabb), With<ShadesPelage>>>,
     mut changes: Extract<MessageReader<AssetEvent<Mesh>>>,
 ) {
     let mut visible: Vec<_> = casters.iter().filter(|(_, _, _, visible, _)| visible.get()).collect();
     // The order of a query may change without anything having moved.
     visible.sort_by_key(|(entity, ..)| *entity);
-    let sphere = |(_, _, transform, _, bounds): &(Entity, &Mesh3d, &GlobalTransform, _, Option<&Aabb>)| {
-        let bounds = (*bounds)?;
-        let center = transform.transform_point(bounds.center.into());
-        Some(Sphere { center, radius: transform.radius_vec3a(bounds.half_extents) })
-    };
-    scene.casters_bounds = visible.iter().filter_map(sphere).reduce(around);
     scene.casters.clear();
-    scene.casters.extend(
-        visible.iter().map(|(_, mesh, transform, _, _)| Caster { mesh: mesh.id(), transform: transform.to_matrix() }),
-    );
+    scene.casters.extend(visible.iter().map(|(_, mesh, transform, _, bounds)| Caster {
+        mesh: mesh.id(),
+        transform: transform.to_matrix(),
+        bounds: Sphere {
+            center: transform.transform_point(bounds.center.into()),
+            radius: transform.radius_vec3a(bounds.half_extents),
+        },
+    }));
     let changed = changes.read().filter(|change| matches!(change, AssetEvent::Modified { .. })).count();
     scene.meshes_changed += changed as u64;
-}
-
-/// A sphere around two.
-fn around(a: Sphere, b: Sphere) -> Sphere {
-    let apart = a.center.distance(b.center);
-    if apart + b.radius <= a.radius {
-        return a;
-    }
-    if apart + a.radius <= b.radius {
-        return b;
-    }
-    let radius = 0.5 * (apart + a.radius + b.radius);
-    let center = a.center + (b.center - a.center) * ((radius - a.radius) / apart);
-    Sphere { center, radius }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use bevy_math::Vec3;
-
-    #[test]
-    fn a_sphere_around_two_holds_both_and_is_no_larger() {
-        let sphere = |x, radius| Sphere { center: Vec3::X * x, radius };
-        let both = around(sphere(0.0, 1.0), sphere(4.0, 2.0));
-        assert!((both.center.x - 2.5).abs() < 1e-6 && (both.radius - 3.5).abs() < 1e-6, "{both:?}");
-        assert_eq!(around(sphere(0.0, 3.0), sphere(1.0, 1.0)), sphere(0.0, 3.0), "one inside the other");
-        assert_eq!(around(sphere(0.0, 1.0), sphere(0.0, 1.0)), sphere(0.0, 1.0));
-    }
 }

@@ -9,6 +9,7 @@ mod extract;
 mod lights;
 mod model;
 mod motion;
+mod reach;
 mod renderers;
 mod view;
 

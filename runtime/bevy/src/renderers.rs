@@ -5,11 +5,11 @@ use crate::model::PelageModel;
 use bevy_asset::AssetId;
 use bevy_ecs::prelude::*;
 use bevy_log::{error, warn};
-use bevy_math::UVec4;
+use bevy_math::{Mat3, UVec4};
 use bevy_render::render_resource::TextureFormat;
 use bevy_render::renderer::{RenderDevice, RenderQueue};
 use bevy_render::sync_world::MainEntity;
-use pelage_runtime::{Frame, Instance, Model, Renderer, RendererOptions, RuntimeError};
+use pelage_runtime::{Frame, Instance, Model, Motion, Renderer, RendererOptions, RuntimeError};
 use pelage_stage::NamedPackage;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -62,10 +62,13 @@ pub(crate) struct Frames(pub(crate) HashMap<Entity, Vec<Prepared>>);
 #[derive(Debug, Default)]
 pub(crate) struct Said(HashSet<String>);
 
+/// Different faults that the log is told at most: numbers in them may be others in each frame.
+const MOST_FAULTS: usize = 100;
+
 impl Said {
     /// Tells a fault once.
     pub(crate) fn error(&mut self, words: String) {
-        if !self.0.contains(&words) {
+        if self.is_new(&words) {
             error!("{words}");
             self.0.insert(words);
         }
@@ -73,10 +76,14 @@ impl Said {
 
     /// Tells once what is not as it should be.
     pub(crate) fn warn(&mut self, words: String) {
-        if !self.0.contains(&words) {
+        if self.is_new(&words) {
             warn!("{words}");
             self.0.insert(words);
         }
+    }
+
+    fn is_new(&self, words: &str) -> bool {
+        self.0.len() < MOST_FAULTS && !self.0.contains(words)
     }
 }
 
@@ -167,7 +174,17 @@ impl Drawing<'_> {
             Loaded { package: package.clone(), model }
         });
         let model = loaded.model.as_ref()?;
-        Some(Instance::new(entity.to_bits(), model).at(animal.transform).moving(animal.motion.clone()))
+        // An animal that is shrunk to nothing is not there; in a frame it would be a fault that takes the others with it.
+        let there = animal.transform.is_finite() && Mat3::from_mat4(animal.transform).determinant() != 0.0;
+        if let (Motion::Joints(joints), Some(skeleton)) = (&animal.motion, model.skeleton())
+            && joints.len() != skeleton.joints.len()
+        {
+            let (found, expected) = (joints.len(), skeleton.joints.len());
+            self.said.error(format!("{}: PelageJoints has {found} matrices, expected {expected}", package.name));
+            return None;
+        }
+        let instance = Instance::new(entity.to_bits(), model).at(animal.transform).moving(animal.motion.clone());
+        there.then_some(instance)
     }
 
     /// The frame, or nothing and a word in the log.

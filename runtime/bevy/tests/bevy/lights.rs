@@ -4,9 +4,9 @@ use crate::support::{Picture, Stand, TestCamera, ball, gpu};
 use bevy_camera::{Exposure, Hdr};
 use bevy_color::Color;
 use bevy_light::NotShadowCaster;
-use bevy_math::Vec3;
+use bevy_math::{Mat4, Vec3};
 use bevy_pelage::runtime::FurParams;
-use bevy_pelage::{Pelage, PelageClip, ShadesPelage, runtime::Style};
+use bevy_pelage::{Pelage, PelageClip, PelageJoints, ShadesPelage, runtime::Style};
 use bevy_render::view::Msaa;
 use bevy_transform::components::Transform;
 
@@ -118,12 +118,21 @@ fn clips_move_it_and_faults_are_told_once() {
     stand.world().entity_mut(ball).remove::<PelageClip>();
     assert_eq!(stand.picture(&camera), rest, "an unknown clip is rest");
 
+    // One that is shrunk to nothing, and one with another skeleton's pose, take nobody with them.
+    let model = stand.world().get::<Pelage>(ball).unwrap().model.clone();
+    let nothing = stand.world().spawn((Pelage::fur(model.clone()), Transform::from_scale(Vec3::ZERO))).id();
+    let strange = stand.world().spawn((Pelage::fur(model), PelageJoints(vec![Mat4::IDENTITY; 5]))).id();
+    assert_eq!(stand.picture(&camera), rest);
+    let said: Vec<_> = stand.renderers().said().collect();
+    assert!(matches!(said[..], [words] if words.contains("ball: PelageJoints has 5 matrices, expected 2")), "{said:?}");
+    stand.remove([nothing, strange]);
+
     let wrong = FurParams::default().with(|fur| fur.layers = Some(0));
     stand.world().get_mut::<Pelage>(ball).unwrap().style = Style::Fur(wrong);
     (0..5).for_each(|_| stand.app.update());
     let said: Vec<_> = stand.renderers().said().collect();
     let told = |words: &&str| words.contains("FurParams::layers is 0, expected 1..=1024");
-    assert!(said.len() == 1 && said.iter().all(told), "{said:?}");
+    assert!(said.len() == 2 && said.iter().any(told), "{said:?}");
     stand.world().get_mut::<Pelage>(ball).unwrap().style = Style::default();
     assert_eq!(stand.picture(&camera), rest, "and the app lives on");
 }

@@ -10,7 +10,7 @@
 mod picture;
 mod scene;
 
-use bevy_app::{App, AppExit, PluginGroup as _, ScheduleRunnerPlugin, TaskPoolPlugin, Update};
+use bevy_app::{App, AppExit, ScheduleRunnerPlugin, TaskPoolPlugin, Update};
 use bevy_asset::{AssetPlugin, AssetServer, Handle, LoadState, UnapprovedPathMode};
 use bevy_camera::{Camera3d, CameraPlugin, ClearColor, Hdr};
 use bevy_color::Color;
@@ -30,7 +30,7 @@ use bevy_render::RenderPlugin;
 use bevy_time::{Time, TimePlugin, Virtual};
 use bevy_transform::TransformPlugin;
 use bevy_transform::components::Transform;
-use bevy_window::{Window, WindowPlugin};
+use bevy_window::{ExitCondition, Window, WindowPlugin};
 use bevy_winit::WinitPlugin;
 use scene::{Animals, Stage};
 use std::path::PathBuf;
@@ -88,6 +88,7 @@ fn app(window: bool) -> App {
     let mut app = App::new();
     let title = "pelage in Bevy: I ink, Space stands still, arrows move".to_owned();
     let primary_window = window.then(|| Window { title, ..Default::default() });
+    let exit_condition = if window { ExitCondition::OnAllClosed } else { ExitCondition::DontExit };
     app.add_plugins((
         LogPlugin::default(),
         TaskPoolPlugin::default(),
@@ -96,7 +97,7 @@ fn app(window: bool) -> App {
         TransformPlugin,
         DiagnosticsPlugin,
         InputPlugin,
-        WindowPlugin { primary_window, ..Default::default() },
+        WindowPlugin { primary_window, exit_condition, ..Default::default() },
         AssetPlugin { unapproved_path_mode: UnapprovedPathMode::Allow, ..Default::default() },
     ));
     match window {

@@ -51,7 +51,7 @@ impl Walker {
 
 /// Adds the scene to an app: it is set up when all of [`Animals`] are loaded.
 pub fn add(app: &mut App) {
-    app.insert_resource(GlobalAmbientLight { brightness: 400.0, ..Default::default() })
+    app.insert_resource(GlobalAmbientLight { brightness: 1_500.0, ..Default::default() })
         .add_systems(Update, (set_up.run_if(not_yet), walk));
 }
 
@@ -67,16 +67,17 @@ fn set_up(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     let Some(loaded) = animals.0.iter().map(|handle| models.get(handle)).collect::<Option<Vec<_>>>() else { return };
-    let mut stage = Stage { radius_m: 0.0, height_m: 0.0 };
+    let height_m = loaded.iter().map(|model| 2.0 * model.bounds().half_extents.y).fold(0.0, f32::max);
+    // Round the block in the middle.
+    let mut stage = Stage { radius_m: 0.4 * height_m, height_m };
     for (number, (handle, model)) in (0u8..).zip(animals.0.iter().zip(loaded)) {
         let (bounds, fur) = (model.bounds(), model.fur_height_m());
         let length = bounds.half_extents.z;
         stage.radius_m += 1.5 * length + bounds.half_extents.x;
-        stage.height_m = stage.height_m.max(2.0 * bounds.half_extents.y);
         // The clips of the built-in animals go about so far in a second.
         let speed_m_s = 0.5 * length.max(bounds.half_extents.y);
         let lift_m = bounds.half_extents.y - bounds.center.y - fur;
-        let walker = Walker { radius_m: stage.radius_m, start_rad: -0.2 - 0.6 * f32::from(number), speed_m_s, lift_m };
+        let walker = Walker { radius_m: stage.radius_m, start_rad: -0.5 + 0.8 * f32::from(number), speed_m_s, lift_m };
         let mut animal = commands.spawn((Pelage::fur(handle.clone()), walker, walker.at(0.0)));
         // Without a clip of that name an animal stands.
         if model.clip("Walk").is_ok() {
@@ -111,7 +112,7 @@ fn set_up(
         let at = Vec3::new(angle.sin(), 0.0, angle.cos()) * 1.12 * r;
         block(Vec3::new(0.08 * h, height * h, 0.08 * h), at, angle, &stone);
     }
-    block(Vec3::new(0.5 * h, 0.28 * h, 0.5 * h), Vec3::ZERO, 0.5, &brick);
+    block(Vec3::new(0.45 * h, 0.28 * h, 0.45 * h), Vec3::ZERO, 0.5, &brick);
     block(Vec3::new(2.6 * r, 0.35 * h, 0.12 * h), Vec3::Z * -1.35 * r, 0.0, &brick);
 
     let sun = DirectionalLight { illuminance: 9_000.0, shadow_maps_enabled: true, ..Default::default() };
@@ -131,8 +132,8 @@ fn walk(mut walkers: Query<(&Walker, &mut Transform)>, time: Res<Time>) {
 ///
 /// * `turn_rad` - about the middle; 0 looks from +z
 pub fn seen_from(stage: &Stage, turn_rad: f32) -> Transform {
-    let distance = 3.4 * stage.radius_m;
-    let eye = Quat::from_rotation_y(turn_rad) * Vec3::new(0.0, 0.6 * stage.height_m + 0.25 * distance, distance);
+    let distance = 2.1 * stage.radius_m;
+    let eye = Quat::from_rotation_y(turn_rad) * Vec3::new(0.0, 0.5 * stage.height_m + 0.18 * distance, distance);
     Transform::from_translation(eye).looking_at(Vec3::Y * 0.35 * stage.height_m, Vec3::Y)
 }
 
