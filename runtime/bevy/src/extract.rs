@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 /// An animal.
 #[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "pbr"), allow(dead_code, reason = "the shadow maps that it throws shadows in are bevy_pbr's"))]
 pub(crate) struct Animal {
     pub(crate) model: AssetId<PelageModel>,
     pub(crate) transform: Mat4,
