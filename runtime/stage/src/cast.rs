@@ -133,9 +133,9 @@ pub fn find_clip(
     })
 }
 
-/// Index and length of the named clip, or what clips there are, in words. Exporters put the skeleton's name before the clip's, as in
+/// Index and length in seconds of the named clip, or what clips there are, in words. Exporters put the skeleton's name before the clip's, as in
 /// `AnimalArmature|Walk`: `Walk` finds it where no other clip ends so.
-pub(crate) fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), String> {
+pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), String> {
     let clips = &animation.clips;
     let last = |clip: &str| clip.rsplit(['|', ':']).next().unwrap_or_default().to_owned();
     let ways: [&dyn Fn(&str) -> bool; 3] =

@@ -9,18 +9,19 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The functions by which a test asks for what it needs; its name is the argument, as a literal.
-const ASKED: [(&str, Need); 5] = [
+const ASKED: [(&str, Need); 6] = [
     ("gpu(", Need::Gpu),
     ("data(", Need::Data),
     ("shared(", Need::Data),
     ("cases(", Need::Data),
+    ("Desktop::open(", Need::Desktop),
     ("browser(", Need::Browser),
 ];
 
 /// Files with tests that may ask.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
-    for folder in ["formats/tests", "runtime/src", "bake/tests", "tests/tests", "runtime/web/tests"] {
+    for folder in ["formats/tests", "runtime/src", "runtime/bevy/tests", "runtime/web/tests", "bake/tests", "tests/tests"] {
         walk(&workspace().join(folder), &mut files);
     }
     // This file names functions, and tests that there are not; what npm installs is none of ours.
@@ -99,7 +100,7 @@ fn stem(path: &Path) -> Option<String> {
 #[test]
 fn every_file_of_tests_is_part_of_its_binary() {
     let mut binaries = 0;
-    for crates_tests in ["formats/tests", "bake/tests", "tests/tests"] {
+    for crates_tests in ["formats/tests", "runtime/bevy/tests", "bake/tests", "tests/tests"] {
         let mut files = Vec::new();
         walk(&workspace().join(crates_tests), &mut files);
         for main in files.iter().filter(|f| f.ends_with("main.rs")) {

@@ -8,7 +8,7 @@ use pelage_runtime::{
     Camera, Detail, FrameParams, FrameReport, Hair, Instance, Light, PassId, Projection, Renderer, RendererOptions,
     SelfShadow, StrandEdges, wgpu,
 };
-use pelage_stage::Gpu;
+use pelage_stage::{Canvas, CanvasOptions, Gpu};
 use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::straight_strands;
@@ -195,6 +195,41 @@ fn strands_take_the_light_of_those_below() {
         println!("{cover}: {shaded:.4} of {plain:.4}, expected {:.4}", (-cover).exp());
         assert!((shaded / plain - f64::from((-cover).exp())).abs() < 0.06, "{cover}: {shaded} of {plain}");
     }
+}
+
+/// In a target that holds any number, light at the edges and ends of a ribbon is what its points have: taken at the middle of a pixel that the ribbon
+/// misses, it would run on to less than nothing.
+#[test]
+fn light_at_the_ends_of_strands_is_no_less_than_none() {
+    let Some(gpu) = gpu("light_at_the_ends_of_strands_is_no_less_than_none") else { return };
+    let mut strands = lying(0.5);
+    // From black to white and back, point by point.
+    let white = |point: usize| if point.is_multiple_of(2) { 0 } else { 255 };
+    strands.points.iter_mut().enumerate().for_each(|(number, point)| point.color = [white(number); 3]);
+    let options = CanvasOptions {
+        color_format: wgpu::TextureFormat::Rgba16Float,
+        sample_count: 4,
+        reversed_depth: false,
+        ..CanvasOptions::default()
+    };
+    let canvas = Canvas::new(gpu, (SIZE, SIZE), &options);
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer()).unwrap();
+    let instance = Instance::new(0, &renderer.load_bytes(&plane(strands, PlaneGroom::default())).unwrap());
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let frame = renderer.prepare(&mut encoder, &in_strands(above()), [&instance]).unwrap();
+    let mut pass = canvas.pass(&mut encoder, "strands", Some(wgpu::Color::TRANSPARENT));
+    frame.draw_pass(PassId::STRANDS, &mut pass);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    let texels = canvas.texels(gpu).unwrap();
+    // The highest bit of a half float is its sign.
+    let numbers = texels.chunks_exact(2).map(|bytes| u16::from_le_bytes([bytes[0], bytes[1]]));
+    let (lit, negative) = numbers.fold((0, 0), |(lit, negative), number| match number {
+        0 | 0x8000 => (lit, negative),
+        1..0x8000 => (lit + 1, negative),
+        0x8001.. => (lit, negative + 1),
+    });
+    assert!(lit > 1000 && negative == 0, "{negative} numbers below 0 beside {lit} above");
 }
 
 /// Scaled, turned and mirrored, with the camera and the light, strands look the same.

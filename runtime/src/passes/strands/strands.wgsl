@@ -8,8 +8,9 @@ struct Frame {
 
 struct StrandVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // A ribbon is too thin for perspective within it to be seen.
-    @location(0) @interpolate(linear) light: vec3<f32>,
+    // A ribbon is too thin for perspective within it to be seen. Where it covers samples and not the pixel's middle, light is taken within it:
+    // beyond its edge it runs on to less than nothing, and to more than a floating-point target should hold.
+    @location(0) @interpolate(linear, centroid) light: vec3<f32>,
 }
 
 @vertex

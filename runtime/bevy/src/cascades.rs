@@ -1,0 +1,200 @@
+//! Animals in the shadow maps of Bevy's suns, so that Bevy's meshes receive their shadows.
+//!
+//! Bevy draws a map for each cascade of a directional light and camera; after it the animals are drawn into the same map, as fur seen from
+//! the sun. Passes of the runtime have a colour target, which here is a texture that nobody reads.
+
+use crate::extract::{Animal, Scene};
+use crate::reach;
+use crate::renderers::{Drawing, Frames, PassKind, PelageRenderers, Prepared};
+use bevy_app::SubApp;
+use bevy_camera::visibility::RenderLayers;
+use bevy_core_pipeline::Core3d;
+use bevy_core_pipeline::core_3d::{CORE_3D_DEPTH_FORMAT, main_opaque_pass_3d};
+use bevy_ecs::prelude::*;
+use bevy_math::{Mat4, UVec4, Vec3};
+use bevy_pbr::{LATE_SHADOW_PASS, LightEntity, ShadowView, ViewLightEntities, per_view_shadow_pass};
+use bevy_render::GpuResourceAppExt as _;
+use bevy_render::render_resource::{RenderPassDescriptor, StoreOp, TextureFormat};
+use bevy_render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
+use bevy_render::view::ExtractedView;
+use pelage_runtime::{
+    Camera, Detail, FrameParams, FurParams, Hair, Instance, Light, Projection, SelfShadow, Style, StyleKind, wgpu,
+};
+
+/// One byte a texel, which nobody reads.
+const COLOR: TextureFormat = TextureFormat::R8Unorm;
+
+/// What animals that stand before a map's first plane are squeezed into, as a share of the map's depth.
+const SQUEEZED: f32 = 1e-3;
+
+/// The colour target of the maps.
+#[derive(Resource, Debug, Default)]
+struct Unread(Option<wgpu::Texture>);
+
+pub(crate) fn build(render_app: &mut SubApp) {
+    render_app.init_gpu_resource::<Unread>().add_systems(
+        Core3d,
+        cast.after(per_view_shadow_pass::<LATE_SHADOW_PASS>).before(crate::draw::prepare).before(main_opaque_pass_3d),
+    );
+}
+
+/// Draws the animals into the cascades of a camera.
+fn cast(
+    view: ViewQuery<&ViewLightEntities>,
+    cascades: Query<(&ShadowView, &ExtractedView, &LightEntity)>,
+    light_layers: Query<&RenderLayers>,
+    scene: Res<Scene>,
+    mut renderers: ResMut<PelageRenderers>,
+    mut frames: ResMut<Frames>,
+    mut unread: ResMut<Unread>,
+    queue: Res<RenderQueue>,
+    mut ctx: RenderContext,
+) {
+    let lights = view.into_inner();
+    if lights.lights.is_empty() || scene.animals.is_empty() {
+        return;
+    }
+    let device = ctx.render_device().clone();
+    let kind = PassKind { color: COLOR, depth: CORE_3D_DEPTH_FORMAT, samples: 1 };
+    let Some(mut drawing) = renderers.of(kind, &device, &queue) else { return };
+    for entity in lights.lights.iter().copied() {
+        let Ok((map, seen, LightEntity::Directional { light_entity, .. })) = cascades.get(entity) else { continue };
+        let layers = light_layers.get(*light_entity).cloned().unwrap_or_default();
+        let prepared = prepare(&mut drawing, &scene, &layers, seen, ctx.command_encoder());
+        if prepared.is_empty() {
+            continue;
+        }
+        let color = unread.view(&device, seen.viewport);
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("pelage cascade"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
+            })],
+            depth_stencil_attachment: Some(map.depth_attachment.get_attachment(StoreOp::Store)),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        prepared.iter().for_each(|prepared| prepared.frame.draw(pass.wgpu_pass()));
+        drop(pass);
+        frames.0.insert(entity, prepared);
+    }
+}
+
+/// Frames of the animals that throw shadows, as that cascade sees them.
+fn prepare(
+    drawing: &mut Drawing,
+    scene: &Scene,
+    layers: &RenderLayers,
+    seen: &ExtractedView,
+    encoder: &mut wgpu::CommandEncoder,
+) -> Vec<Prepared> {
+    let mut prepared = Vec::new();
+    for bare in [false, true] {
+        let throws = |animal: &Animal| {
+            animal.throws_shadow && animal.layers.intersects(layers) && (animal.style.kind() == StyleKind::Bare) == bare
+        };
+        let animals = scene.animals.iter().filter(|(_, animal)| throws(animal));
+        let instances: Vec<Instance> =
+            animals.filter_map(|(entity, animal)| drawing.instance(scene, *entity, animal)).collect();
+        if instances.is_empty() {
+            continue;
+        }
+        let style = if bare { Style::Bare } else { Style::Fur(thrown_fur()) };
+        for camera in cameras(seen, &instances) {
+            let params = FrameParams::new(camera, [seen.viewport.z, seen.viewport.w]).with(|params| {
+                // In a dark frame no shadow map of the runtime's own is drawn.
+                params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
+                params.soft_shadow = false;
+                params.style = style.clone();
+            });
+            let frame = drawing.renderer.prepare(encoder, &params, &instances);
+            let frame = drawing.or_say(frame).filter(|frame| frame.report().instances.iter().any(|i| i.in_picture));
+            prepared.extend(frame.map(|frame| Prepared { frame, viewport: seen.viewport, part: seen.viewport }));
+        }
+    }
+    prepared
+}
+
+/// Fur as shadow maps have it: layers, as many as the texels of a map show.
+fn thrown_fur() -> FurParams {
+    FurParams::default().with(|fur| {
+        fur.detail = Detail::Auto { bias: 0.5 };
+        fur.hair = Hair::Shells;
+        fur.fins = false;
+        fur.self_shadow = SelfShadow::Off;
+    })
+}
+
+/// How a cascade sees the animals. Its depth begins where the camera's view does. What stands before that, towards the sun, throws shadows as
+/// well: Bevy clamps such depths to the first plane. Here a second camera sees nothing else, and squeezes it there.
+fn cameras(seen: &ExtractedView, instances: &[Instance]) -> Vec<Camera> {
+    let world_from_view = seen.world_from_view.to_matrix();
+    let view_from_world = world_from_view.inverse();
+    let nearest = instances.iter().map(|instance| before_first_plane(view_from_world, instance));
+    let nearest_m = nearest.reduce(f32::max).unwrap_or(0.0);
+    let camera = |clip_from_view| Camera { view_from_world, projection: Projection::Custom(clip_from_view) };
+    let mut cameras = vec![camera(seen.clip_from_view)];
+    if nearest_m > 0.0 {
+        cameras.push(camera(squeezed(seen.clip_from_view, nearest_m)));
+    }
+    cameras
+}
+
+/// How far an animal may reach past the first plane of a cascade, which is where its view space has z = 0, metres.
+fn before_first_plane(view_from_world: Mat4, instance: &Instance) -> f32 {
+    let reach = reach::of_animal(instance);
+    view_from_world.transform_point3(reach.center).z + reach.radius
+}
+
+/// A cascade's projection that has depth 1 at its first plane and less before it, down to 1 - [`SQUEEZED`] at `nearest_m`; what lies behind the
+/// plane has more than 1 and is clipped.
+fn squeezed(clip_from_view: Mat4, nearest_m: f32) -> Mat4 {
+    let mut squeezed = clip_from_view;
+    squeezed.z_axis.z = -SQUEEZED / nearest_m;
+    squeezed.w_axis.z = 1.0;
+    squeezed
+}
+
+impl Unread {
+    /// A colour target of a map's size.
+    fn view(&mut self, device: &RenderDevice, viewport: UVec4) -> wgpu::TextureView {
+        let size = wgpu::Extent3d { width: viewport.z, height: viewport.w, depth_or_array_layers: 1 };
+        let texture = self.0.take().filter(|texture| texture.size() == size).unwrap_or_else(|| {
+            device.wgpu_device().create_texture(&wgpu::TextureDescriptor {
+                label: Some("pelage cascade"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: COLOR,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        });
+        self.0.insert(texture).create_view(&wgpu::TextureViewDescriptor::default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy_math::Vec4;
+
+    #[test]
+    fn what_stands_before_the_first_plane_is_squeezed_and_nothing_else_is_left() {
+        // As Bevy makes them: depth 1 at z = 0, depth 0 ten metres behind.
+        let clip_from_view = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z * 0.1, Vec4::new(0.0, 0.0, 1.0, 1.0));
+        let squeezed = squeezed(clip_from_view, 4.0);
+        let depth = |matrix: Mat4, z: f32| (matrix * Vec4::new(0.3, 0.2, z, 1.0)).z;
+        assert_eq!(depth(clip_from_view, -5.0), 0.5);
+        assert!(depth(squeezed, -0.01) > 1.0, "behind the plane it is clipped");
+        for z in [0.0, 1.0, 3.9] {
+            let found = depth(squeezed, z);
+            assert!((1.0 - SQUEEZED..=1.0).contains(&found), "{z} m before the plane: {found}");
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Meshes of Bevy's in the shadow maps of fur.
+//!
+//! The runtime asks for the depth of what stands about while it draws its maps. Bevy keeps the vertices of all meshes in few buffers; they are
+//! drawn from there with pipelines that read positions alone.
+
+use crate::extract::{Caster, Scene};
+use crate::reach::{above, around};
+use crate::renderers::{Drawing, Said};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use bevy_math::{Mat4, Vec3};
+use bevy_mesh::{Mesh, VertexFormat};
+use bevy_render::mesh::allocator::{MeshAllocator, MeshBufferSlice};
+use bevy_render::mesh::{RenderMesh, RenderMeshBufferInfo};
+use bevy_render::render_asset::RenderAssets;
+use bevy_render::renderer::RenderDevice;
+use pelage_runtime::{
+    CasterPass, Casters, Frame, FrameParams, Hooks, Instance, Light, LightView, RuntimeError, ShadowMaps, Sphere, wgpu,
+};
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::mem::size_of;
+use std::ops::Range;
+
+/// Puts positions through a matrix of their instance's own.
+const SHADER: &str = "
+@vertex
+fn vs_caster(
+    @location(0) position: vec3<f32>,
+    @location(1) x: vec4<f32>,
+    @location(2) y: vec4<f32>,
+    @location(3) z: vec4<f32>,
+    @location(4) w: vec4<f32>,
+) -> @builtin(position) vec4<f32> {
+    return mat4x4(x, y, z, w) * vec4(position, 1.0);
+}
+";
+
+/// The columns of `clip_from_model`, which lie one after another.
+const MATRIX: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
+
+/// All that tells one pipeline from another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Kind {
+    stride: u64,
+    position_offset: u64,
+    topology: wgpu::PrimitiveTopology,
+    /// Of strips alone.
+    strip_indices: Option<wgpu::IndexFormat>,
+    pass: CasterPass,
+}
+
+/// Pipelines by their kind.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct CasterPipelines(HashMap<Kind, wgpu::RenderPipeline>);
+
+/// A mesh as it lies in Bevy's buffers.
+struct Placed<'a> {
+    vertices: MeshBufferSlice<'a>,
+    indices: Option<(MeshBufferSlice<'a>, wgpu::IndexFormat)>,
+    topology: wgpu::PrimitiveTopology,
+    stride: u64,
+    position_offset: u64,
+    transform: Mat4,
+}
+
+/// Prepares frames among Bevy's meshes.
+#[derive(SystemParam)]
+pub(crate) struct CasterDraws<'w> {
+    meshes: Res<'w, RenderAssets<RenderMesh>>,
+    allocator: Res<'w, MeshAllocator>,
+    pipelines: ResMut<'w, CasterPipelines>,
+}
+
+impl CasterDraws<'_> {
+    /// A frame of `instances`, which are within `reaches`, with those of the scene's casters in its shadow maps that can shade them.
+    pub(crate) fn prepare(
+        &mut self,
+        drawing: &mut Drawing,
+        scene: &Scene,
+        device: &RenderDevice,
+        encoder: &mut wgpu::CommandEncoder,
+        params: &FrameParams,
+        instances: &[Instance],
+        reaches: &[Sphere],
+    ) -> Result<Frame, RuntimeError> {
+        let Self { meshes, allocator, pipelines } = self;
+        let (casters, bounds) = shading(&scene.casters, reaches, params);
+        // Meshes that are not on the device yet are drawn when they are: the maps know those that they were drawn with by `revision`.
+        let placed: Vec<Placed> =
+            casters.iter().filter_map(|caster| place(caster, meshes, allocator, drawing.said)).collect();
+        if placed.is_empty() {
+            return drawing.renderer.prepare(encoder, params, instances);
+        }
+        let device = device.wgpu_device();
+        let mut draw = |pass: &mut wgpu::RenderPass<'_>, view: &LightView, which: CasterPass| {
+            let matrices: Vec<u8> = placed
+                .iter()
+                .flat_map(|mesh| (view.clip_from_world * mesh.transform).to_cols_array())
+                .flat_map(f32::to_le_bytes)
+                .collect();
+            let matrices = wgpu::util::DeviceExt::create_buffer_init(
+                device,
+                &wgpu::util::BufferInitDescriptor {
+                    label: Some("pelage casters"),
+                    contents: &matrices,
+                    usage: wgpu::BufferUsages::VERTEX,
+                },
+            );
+            pass.set_vertex_buffer(1, matrices.slice(..));
+            for (number, mesh) in (0u32..).zip(&placed) {
+                let pipeline = pipelines.0.entry(mesh.kind(which)).or_insert_with_key(|kind| pipeline(device, kind));
+                pass.set_pipeline(pipeline);
+                mesh.draw(pass, number..number + 1);
+            }
+        };
+        let revision = revision(&casters, &placed, scene.meshes_changed);
+        let casters = Casters { bounds, revision, draw: &mut draw };
+        drawing.renderer.prepare_with(encoder, params, instances, Hooks::default().casters(casters))
+    }
+}
+
+/// The casters that can shade what lies in `reaches`, and what the maps must cover for them: a point so far towards the light as they reach. The
+/// maps are as wide as the animals, and what of a caster is wider lies beside them.
+fn shading<'a>(casters: &'a [Caster], reaches: &[Sphere], params: &FrameParams) -> (Vec<&'a Caster>, Option<Sphere>) {
+    let (Light::Directional { towards_light, .. }, true) = (params.light, params.soft_shadow) else {
+        return (Vec::new(), None);
+    };
+    let towards_light = towards_light.normalize_or(Vec3::Y);
+    let Some(lit) = reaches.iter().copied().reduce(around) else { return (Vec::new(), None) };
+    let height = |caster: &Caster| {
+        let shades = reaches.iter().any(|reach| above(*reach, towards_light, caster.bounds).is_some());
+        shades.then(|| above(lit, towards_light, caster.bounds)).flatten()
+    };
+    let (shading, heights): (Vec<_>, Vec<_>) =
+        casters.iter().filter_map(|caster| Some((caster, height(caster)?))).unzip();
+    let highest_m = heights.into_iter().reduce(f32::max);
+    (shading, highest_m.map(|m| Sphere { center: lit.center + m * towards_light, radius: 0.0 }))
+}
+
+impl Placed<'_> {
+    fn kind(&self, pass: CasterPass) -> Kind {
+        let strip = self.topology == wgpu::PrimitiveTopology::TriangleStrip;
+        let strip_indices = self.indices.as_ref().map(|(_, format)| *format).filter(|_| strip);
+        Kind {
+            stride: self.stride,
+            position_offset: self.position_offset,
+            topology: self.topology,
+            strip_indices,
+            pass,
+        }
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, instance: Range<u32>) {
+        pass.set_vertex_buffer(0, wgpu::Buffer::slice(self.vertices.buffer, ..));
+        match &self.indices {
+            Some((indices, format)) => {
+                pass.set_index_buffer(wgpu::Buffer::slice(indices.buffer, ..), *format);
+                pass.draw_indexed(indices.range.clone(), self.vertices.range.start as i32, instance);
+            }
+            None => pass.draw(self.vertices.range.clone(), instance),
+        }
+    }
+}
+
+/// Where a mesh lies; `None` while it is not on the device, and for one that cannot be drawn, which the log says.
+fn place<'a>(
+    caster: &Caster,
+    meshes: &RenderAssets<RenderMesh>,
+    allocator: &'a MeshAllocator,
+    said: &mut Said,
+) -> Option<Placed<'a>> {
+    let mesh = meshes.get(caster.mesh)?;
+    let vertices = allocator.mesh_vertex_slice(&caster.mesh)?;
+    let indices = match mesh.buffer_info {
+        RenderMeshBufferInfo::Indexed { index_format, .. } => {
+            Some((allocator.mesh_index_slice(&caster.mesh)?, index_format))
+        }
+        RenderMeshBufferInfo::NonIndexed => None,
+    };
+    let topology = mesh.primitive_topology();
+    let layout = &mesh.layout.0;
+    let position = layout.attribute_ids().iter().position(|id| *id == Mesh::ATTRIBUTE_POSITION.id);
+    let position = position.and_then(|index| layout.layout().attributes.get(index));
+    let flat = matches!(topology, wgpu::PrimitiveTopology::TriangleList | wgpu::PrimitiveTopology::TriangleStrip);
+    let Some(position) = position.filter(|position| position.format == VertexFormat::Float32x3 && flat) else {
+        let found = position.map(|position| position.format);
+        said.warn(format!(
+            "a mesh with ShadesPelage throws no shadow on fur: it has {topology:?} with positions {found:?}, expected triangles with Float32x3"
+        ));
+        return None;
+    };
+    let (stride, position_offset) = (layout.layout().array_stride, position.offset);
+    Some(Placed { vertices, indices, topology, stride, position_offset, transform: caster.transform })
+}
+
+/// A number that is another whenever what casts shadows is.
+fn revision(casters: &[&Caster], placed: &[Placed], meshes_changed: u64) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    meshes_changed.hash(&mut hasher);
+    casters.iter().for_each(|caster| caster.mesh.hash(&mut hasher));
+    for mesh in placed {
+        mesh.transform.to_cols_array().map(f32::to_bits).hash(&mut hasher);
+        mesh.vertices.range.hash(&mut hasher);
+    }
+    hasher.finish()
+}
+
+fn pipeline(device: &wgpu::Device, kind: &Kind) -> wgpu::RenderPipeline {
+    let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("pelage caster"),
+        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+    });
+    let position = [wgpu::VertexAttribute {
+        format: wgpu::VertexFormat::Float32x3,
+        offset: kind.position_offset,
+        shader_location: 0,
+    }];
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("pelage caster"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &shader,
+            entry_point: Some("vs_caster"),
+            compilation_options: Default::default(),
+            buffers: &[
+                Some(wgpu::VertexBufferLayout {
+                    array_stride: kind.stride,
+                    step_mode: wgpu::VertexStepMode::Vertex,
+                    attributes: &position,
+                }),
+                Some(wgpu::VertexBufferLayout {
+                    array_stride: size_of::<[f32; 16]>() as u64,
+                    step_mode: wgpu::VertexStepMode::Instance,
+                    attributes: &MATRIX,
+                }),
+            ],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: kind.topology,
+            strip_index_format: kind.strip_indices,
+            cull_mode: kind.pass.cull_mode(),
+            ..Default::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: ShadowMaps::DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(kind.pass.compare()),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: None,
+        multiview_mask: None,
+        cache: None,
+    })
+}

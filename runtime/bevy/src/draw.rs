@@ -1,0 +1,141 @@
+//! The animals in Bevy's main pass: after what is opaque, before what is transparent.
+
+use crate::Pelage;
+use crate::casters::CasterDraws;
+use crate::extract::{Animal, Scene};
+use crate::renderers::{Drawing, Frames, PassKind, PelageRenderers, Prepared};
+use crate::view::View;
+use crate::{lights, reach};
+use bevy_camera::visibility::RenderLayers;
+use bevy_camera::{CompositingSpace, MainPassResolutionOverride};
+use bevy_core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
+use bevy_ecs::prelude::*;
+use bevy_render::camera::{ExtractedCamera, TemporalJitter};
+use bevy_render::render_resource::{RenderPassDescriptor, StoreOp};
+use bevy_render::renderer::{RenderContext, RenderQueue, ViewQuery};
+use bevy_render::sync_world::MainEntity;
+use bevy_render::view::{
+    ExtractedView, Msaa, RenderVisibleEntities, ResolvedCompositingSpace, ViewDepthStencilTexture, ViewTarget,
+};
+use pelage_runtime::{FrameParams, Instance, Sphere, Style};
+
+/// What a frame is drawn with in its pass.
+type CameraParts = (
+    &'static ExtractedCamera,
+    &'static ExtractedView,
+    &'static ViewTarget,
+    &'static Msaa,
+    &'static RenderVisibleEntities,
+    Option<&'static ResolvedCompositingSpace>,
+    Option<&'static RenderLayers>,
+    Option<&'static TemporalJitter>,
+    Option<&'static MainPassResolutionOverride>,
+);
+
+/// Animals of one style, the farthest first.
+struct Group<'a> {
+    style: &'a Style,
+    instances: Vec<Instance>,
+}
+
+/// Prepares a camera's frames: what runs before the picture is recorded here.
+pub(crate) fn prepare(
+    view: ViewQuery<CameraParts>,
+    scene: Res<Scene>,
+    mut renderers: ResMut<PelageRenderers>,
+    mut frames: ResMut<Frames>,
+    mut casters: CasterDraws,
+    queue: Res<RenderQueue>,
+    mut ctx: RenderContext,
+) {
+    let entity = view.entity();
+    let (camera, extracted, target, msaa, visible, space, layers, jitter, main_size) = view.into_inner();
+    let visible = visible.get::<Pelage>().map(|class| &class.entities_cpu_culling[..]).unwrap_or_default();
+    let animals: Vec<(MainEntity, &Animal)> =
+        visible.iter().filter_map(|(_, main)| Some((*main, scene.animals.get(main)?))).collect();
+    if animals.is_empty() {
+        return;
+    }
+    let main_entity = extracted.retained_view_entity.main_entity;
+    if space.is_some_and(|space| space.0 == Some(CompositingSpace::Srgb)) {
+        let words = format!(
+            "camera {main_entity:?} composites in sRGB, which pelage cannot: fur is linear light. Its animals are not drawn; \
+             leave out CompositingSpace::Srgb"
+        );
+        return renderers.warn(words);
+    }
+    if !camera.hdr {
+        let words = format!(
+            "camera {main_entity:?} has no Hdr: there Bevy applies exposure and tone mapping in the shaders of its meshes, and fur, which \
+             has none in its own, comes out too bright beside them. Add bevy_camera::Hdr to the camera"
+        );
+        renderers.warn(words);
+    }
+    let kind = PassKind { color: target.main_texture_format(), depth: CORE_3D_DEPTH_FORMAT, samples: msaa.samples() };
+    let device = ctx.render_device().clone();
+    let Some(mut drawing) = renderers.of(kind, &device, &queue) else { return };
+    let view = View::new(extracted, jitter, main_size.map(|size| **size));
+    let layers = layers.cloned().unwrap_or_default();
+    let ambient = scene.ambients.get(&main_entity).copied().unwrap_or(scene.ambient);
+    let mut prepared = Vec::new();
+    for group in groups(&mut drawing, &scene, &view, animals) {
+        let (camera_of_style, viewport) = view.of_style(group.style.kind());
+        let reaches: Vec<Sphere> = group.instances.iter().map(reach::of_animal).collect();
+        let params = FrameParams::new(camera_of_style, [viewport.z, viewport.w]).with(|params| {
+            lights::light(params, &scene.suns, ambient, camera.exposure, &layers);
+            params.shadows = reach::maps_of(scene.shadows, &reaches, device.limits().max_texture_dimension_2d);
+            params.style = group.style.clone();
+        });
+        let frame =
+            casters.prepare(&mut drawing, &scene, &device, ctx.command_encoder(), &params, &group.instances, &reaches);
+        prepared.extend(drawing.or_say(frame).map(|frame| Prepared { frame, viewport, part: view.rect }));
+    }
+    frames.0.insert(entity, prepared);
+}
+
+/// The animals by their styles: a frame of the runtime has one. The farthest animal is the first of its group, and the group that it is in the
+/// first of all.
+fn groups<'a>(
+    drawing: &mut Drawing,
+    scene: &Scene,
+    view: &View,
+    mut animals: Vec<(MainEntity, &'a Animal)>,
+) -> Vec<Group<'a>> {
+    let eye = view.eye();
+    let distance = |animal: &Animal| animal.transform.w_axis.truncate().distance_squared(eye);
+    animals.sort_by(|(a_is, a), (b_is, b)| distance(b).total_cmp(&distance(a)).then(a_is.cmp(b_is)));
+    let mut groups: Vec<Group<'a>> = Vec::new();
+    for (entity, animal) in animals {
+        let Some(instance) = drawing.instance(scene, entity, animal) else { continue };
+        match groups.iter_mut().find(|group| *group.style == animal.style) {
+            Some(group) => group.instances.push(instance),
+            None => groups.push(Group { style: &animal.style, instances: vec![instance] }),
+        }
+    }
+    groups
+}
+
+/// Draws a camera's frames into its main pass.
+pub(crate) fn draw(
+    view: ViewQuery<(&ViewTarget, &ViewDepthStencilTexture)>,
+    frames: Res<Frames>,
+    mut ctx: RenderContext,
+) {
+    let Some(frames) = frames.0.get(&view.entity()).filter(|frames| !frames.is_empty()) else { return };
+    let (target, depth) = view.into_inner();
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("pelage"),
+        color_attachments: &[Some(target.get_color_attachment())],
+        depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    let pass = pass.wgpu_pass();
+    for Prepared { frame, viewport, part } in frames {
+        let [x, y, width, height] = viewport.as_vec4().to_array();
+        pass.set_viewport(x, y, width, height, 0.0, 1.0);
+        pass.set_scissor_rect(part.x, part.y, part.z, part.w);
+        frame.draw(pass);
+    }
+}

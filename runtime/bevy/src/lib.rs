@@ -1,0 +1,82 @@
+#![doc = include_str!("../README.md")]
+
+#[cfg(feature = "pbr")]
+mod cascades;
+mod casters;
+mod components;
+mod draw;
+mod extract;
+mod lights;
+mod model;
+mod motion;
+mod reach;
+mod renderers;
+mod view;
+
+pub use components::{Pelage, PelageClip, PelageJoints, PelageShadows, ShadesPelage};
+pub use model::{PelageLoadError, PelageModel, PelageModelLoader};
+pub use pelage_runtime as runtime;
+pub use renderers::PelageRenderers;
+
+use bevy_app::{App, Plugin, PostUpdate};
+use bevy_asset::AssetApp as _;
+use bevy_core_pipeline::core_3d::{main_opaque_pass_3d, main_transparent_pass_3d};
+use bevy_core_pipeline::{Core3d, Core3dSystems};
+use bevy_ecs::prelude::*;
+use bevy_render::{ExtractSchedule, GpuResourceAppExt as _, Render, RenderApp, RenderSystems};
+use pelage_runtime::RendererOptions;
+
+/// Loads packages and draws the entities that have a [`Pelage`].
+#[derive(Clone, Debug)]
+pub struct PelagePlugin {
+    /// Anisotropy of the base colours' sampler, 1..=16 (default 1).
+    pub anisotropy: u16,
+    /// How many single strands of a coat a model may have (default 300 000); see [`RendererOptions::most_strands`].
+    pub most_strands: u32,
+}
+
+impl Default for PelagePlugin {
+    fn default() -> Self {
+        let RendererOptions { anisotropy, most_strands, .. } = RendererOptions::default();
+        Self { anisotropy, most_strands }
+    }
+}
+
+impl Plugin for PelagePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_asset::<PelageModel>()
+            .register_asset_loader(PelageModelLoader)
+            .init_resource::<PelageShadows>()
+            .add_systems(PostUpdate, (motion::fit_boxes, (motion::find_clips, motion::play_clips).chain()));
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
+        let options = RendererOptions {
+            anisotropy: self.anisotropy,
+            most_strands: self.most_strands,
+            ..RendererOptions::default()
+        };
+        render_app
+            .insert_resource(renderers::Options(options))
+            .init_resource::<extract::Scene>()
+            .init_gpu_resource::<PelageRenderers>()
+            .init_gpu_resource::<renderers::Frames>()
+            .init_gpu_resource::<casters::CasterPipelines>()
+            .add_systems(ExtractSchedule, (extract::animals, extract::lights, extract::casters))
+            .add_systems(
+                Render,
+                (
+                    renderers::update.in_set(RenderSystems::PrepareResources),
+                    renderers::release.in_set(RenderSystems::Cleanup),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                (
+                    draw::prepare.before(main_opaque_pass_3d),
+                    draw::draw.after(draw::prepare).after(main_opaque_pass_3d).before(main_transparent_pass_3d),
+                )
+                    .in_set(Core3dSystems::MainPass),
+            );
+        #[cfg(feature = "pbr")]
+        cascades::build(render_app);
+    }
+}

@@ -1,0 +1,95 @@
+//! What Bevy's lights come to for fur.
+//!
+//! Bevy's lights are in lux and candela per square metre, and a camera's exposure makes numbers of a picture of them; a Lambertian surface of
+//! albedo 1 that faces a sun of E lux is E · exposure / π there. In pelage a light of 1 is full light, which shows such a surface as 1.
+
+use bevy_camera::visibility::RenderLayers;
+use bevy_color::{ColorToComponents as _, LinearRgba};
+use bevy_math::Vec3;
+use pelage_runtime::formats::Shading;
+use pelage_runtime::{FrameParams, Light, MAX_FILL_LIGHTS};
+use std::f32::consts::PI;
+
+/// A directional light of Bevy's.
+#[derive(Clone, Debug)]
+pub(crate) struct Sun {
+    pub(crate) towards_light: Vec3,
+    pub(crate) color: LinearRgba,
+    /// Lux.
+    pub(crate) illuminance: f32,
+    /// Whether it throws shadows.
+    pub(crate) shadows: bool,
+    pub(crate) layers: RenderLayers,
+}
+
+/// An ambient light of Bevy's: its colour times its brightness, candela per square metre.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Ambient(pub(crate) Vec3);
+
+impl Ambient {
+    pub(crate) fn new(color: LinearRgba, brightness: f32) -> Self {
+        Self(color.to_vec3() * brightness)
+    }
+}
+
+/// Linear RGB, 1 for full light.
+fn strength(sun: &Sun, exposure: f32) -> Vec3 {
+    sun.color.to_vec3() * (sun.illuminance * exposure / PI)
+}
+
+/// Sets the lights of a frame for a camera of those layers. The strongest sun is the key light, which throws shadows; the others, up to 32,
+/// fill in.
+pub(crate) fn light(params: &mut FrameParams, suns: &[Sun], ambient: Ambient, exposure: f32, layers: &RenderLayers) {
+    let mut seen: Vec<&Sun> = suns.iter().filter(|sun| sun.layers.intersects(layers)).collect();
+    let brightness = |sun: &Sun| strength(sun, exposure).element_sum();
+    seen.sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
+    let directional =
+        |sun: &Sun| Light::Directional { towards_light: sun.towards_light, color: strength(sun, exposure) };
+    // Without a sun the key light is dark, and its maps are not drawn.
+    params.light =
+        seen.first().map_or(Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }, |key| directional(key));
+    params.soft_shadow = seen.first().is_some_and(|key| key.shadows);
+    params.fill_lights = seen.iter().skip(1).take(MAX_FILL_LIGHTS).map(|sun| directional(sun)).collect();
+    // Packages multiply it with a constant of their own, which by default is that of full light. With it taken out an animal of a default
+    // package is lit by it as Bevy's meshes beside it are.
+    params.ambient = ambient.0 * exposure / Vec3::from(Shading::default().ambient);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pelage_runtime::{Camera, Projection};
+
+    const EXPOSURE: f32 = 0.001;
+
+    fn sun(illuminance: f32, shadows: bool, layer: usize) -> Sun {
+        let color = LinearRgba::rgb(1.0, 0.5, 0.25);
+        Sun { towards_light: Vec3::X, color, illuminance, shadows, layers: RenderLayers::layer(layer) }
+    }
+
+    fn lit(suns: &[Sun]) -> FrameParams {
+        let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Projection::Custom(bevy_math::Mat4::IDENTITY));
+        let mut params = FrameParams::new(camera, [4, 4]);
+        let ambient = Ambient::new(LinearRgba::rgb(0.5, 1.0, 1.0), 350.0);
+        light(&mut params, suns, ambient, EXPOSURE, &RenderLayers::default());
+        params
+    }
+
+    #[test]
+    fn the_strongest_sun_of_the_layers_is_the_key() {
+        let params = lit(&[sun(1000.0, false, 0), sun(2000.0 * PI, true, 0), sun(1e6, true, 3)]);
+        let near = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-4, "{a} is not {b}");
+        near(params.light.color(), Vec3::new(2.0, 1.0, 0.5));
+        assert!(params.soft_shadow);
+        assert_eq!(params.fill_lights.len(), 1, "a sun of other layers is not seen");
+        near(params.fill_lights[0].color(), Vec3::new(1.0, 0.5, 0.25) / PI);
+        near(params.ambient, Vec3::new(0.5, 1.0, 1.0));
+    }
+
+    #[test]
+    fn without_a_sun_the_key_is_dark_and_most_suns_are_as_many_as_fit() {
+        assert_eq!(lit(&[]).light.color(), Vec3::ZERO);
+        assert!(!lit(&[]).soft_shadow);
+        assert_eq!(lit(&vec![sun(1.0, false, 0); 40]).fill_lights.len(), MAX_FILL_LIGHTS);
+    }
+}

@@ -1,0 +1,119 @@
+//! A package as an asset of Bevy.
+
+use bevy_asset::io::Reader;
+use bevy_asset::{Asset, AssetLoader, LoadContext};
+use bevy_camera::primitives::Aabb;
+use bevy_math::Vec3;
+use bevy_reflect::TypePath;
+use pelage_formats::{Animation, FormatError, Limits, Package};
+use pelage_stage::{NamedPackage, StageError, clip_named};
+use std::sync::Arc;
+
+/// An animal as `pelage bake` wrote it: the asset that a `.pelage` file becomes. Everything in it is checked when it is loaded, so that what
+/// Bevy holds can be drawn.
+#[derive(Asset, TypePath, Clone, Debug)]
+pub struct PelageModel {
+    /// The package with the path that messages use. A file that changes on disk becomes another one, which is how the render world sees it.
+    pub(crate) package: Arc<NamedPackage<'static>>,
+    animation: Option<Arc<Animation>>,
+    bounds: Aabb,
+    fur_height_m: f32,
+}
+
+impl PelageModel {
+    /// A model from the bytes of a package, which need not come from a file. `name`: what messages call it.
+    ///
+    /// # Errors
+    ///
+    /// [`PelageLoadError::Package`] with the name, where in the package the fault is, what was found and what was expected.
+    pub fn from_bytes(name: impl Into<String>, bytes: Vec<u8>) -> Result<Self, PelageLoadError> {
+        let package = NamedPackage::new(name, bytes);
+        let fault = |source: FormatError| PelageLoadError::Package(package.fault(source));
+        if let Some(first) = Package::validate(&package.bytes, &Limits::default()).into_iter().next() {
+            return Err(fault(first));
+        }
+        let opened = Package::open(&package.bytes, &Limits::default()).map_err(fault)?;
+        let animation = opened.animation().map_err(fault)?;
+        let (bounds, fur) = (opened.manifest().bounds, opened.manifest().fur.height_m);
+        let bounds = Aabb::from_min_max(Vec3::from(bounds.min) - fur, Vec3::from(bounds.max) + fur);
+        drop(opened);
+        Ok(Self { package: Arc::new(package), animation, bounds, fur_height_m: fur })
+    }
+
+    /// What messages call it: the path of its file.
+    pub fn name(&self) -> &str {
+        &self.package.name
+    }
+
+    /// Names and lengths in seconds of its clips, in the order of the model's file.
+    pub fn clips(&self) -> impl ExactSizeIterator<Item = (&str, f32)> {
+        let clips = self.animation.as_ref().map_or(&[][..], |animation| &animation.clips);
+        clips.iter().map(|clip| (clip.name.as_str(), clip.duration_s))
+    }
+
+    /// The box of skin and fur at rest, in the model's own space, metres. A clip may leave it.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Height of the fur where it is highest, metres.
+    pub fn fur_height_m(&self) -> f32 {
+        self.fur_height_m
+    }
+
+    /// Index and length in seconds of a clip: by its whole name, or by the part behind the skeleton's name (`Walk` finds
+    /// `AnimalArmature|Walk`).
+    ///
+    /// # Errors
+    ///
+    /// The names that there are, in words.
+    pub fn clip(&self, name: &str) -> Result<(usize, f32), String> {
+        let none = Animation::default();
+        clip_named(self.animation.as_deref().unwrap_or(&none), name)
+    }
+}
+
+/// Loads `.pelage` files.
+#[derive(Debug, Default, TypePath)]
+pub struct PelageModelLoader;
+
+/// Why a file did not become a [`PelageModel`].
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PelageLoadError {
+    /// The file could not be read.
+    #[error("{file}: {source}")]
+    Read {
+        /// Its path.
+        file: String,
+        /// What the asset's source said.
+        source: std::io::Error,
+    },
+    /// It is damaged, too new, or no package.
+    #[error(transparent)]
+    Package(StageError),
+}
+
+impl AssetLoader for PelageModelLoader {
+    type Asset = PelageModel;
+    type Settings = ();
+    type Error = PelageLoadError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        _settings: &(),
+        load_context: &mut LoadContext<'_>,
+    ) -> Result<PelageModel, PelageLoadError> {
+        let file = load_context.path().to_string();
+        let mut bytes = Vec::new();
+        match reader.read_to_end(&mut bytes).await {
+            Ok(_) => PelageModel::from_bytes(file, bytes),
+            Err(source) => Err(PelageLoadError::Read { file, source }),
+        }
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["pelage"]
+    }
+}

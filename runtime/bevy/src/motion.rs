@@ -1,0 +1,87 @@
+//! In the main world: clips are found by their names and move on, and animals get their boxes.
+
+use crate::components::{ClipPlace, Pelage, PelageClip};
+use crate::model::PelageModel;
+use bevy_asset::prelude::AssetChanged;
+use bevy_asset::{AssetId, Assets};
+use bevy_ecs::prelude::*;
+use bevy_log::warn;
+use bevy_time::Time;
+use pelage_stage::within;
+use std::collections::HashSet;
+
+/// Gives each animal the box of its model when that is loaded, or another.
+pub(crate) fn fit_boxes(
+    mut commands: Commands,
+    animals: Query<(Entity, &Pelage), Or<(Changed<Pelage>, AssetChanged<Pelage>)>>,
+    models: Res<Assets<PelageModel>>,
+) {
+    for (entity, pelage) in &animals {
+        if let Some(model) = models.get(&pelage.model) {
+            commands.entity(entity).insert(model.bounds());
+        }
+    }
+}
+
+/// Finds clips by their names where name or model are others.
+pub(crate) fn find_clips(
+    mut clips: Query<
+        (&Pelage, &PelageClip, &mut ClipPlace),
+        Or<(Changed<PelageClip>, Changed<Pelage>, AssetChanged<Pelage>)>,
+    >,
+    models: Res<Assets<PelageModel>>,
+    mut missing: Local<HashSet<(AssetId<PelageModel>, String)>>,
+) {
+    for (pelage, clip, mut place) in &mut clips {
+        let Some(model) = models.get(&pelage.model) else {
+            place.found = None;
+            continue;
+        };
+        let found = model.clip(&clip.name);
+        if let Err(has) = &found
+            && missing.insert((pelage.model.id(), clip.name.clone()))
+        {
+            warn!("PelageClip::name is {:?}: no such clip; {} {has}", clip.name, model.name());
+        }
+        place.found = found.ok();
+    }
+}
+
+/// Moves clips on by the time that has passed.
+pub(crate) fn play_clips(mut clips: Query<(&mut PelageClip, &ClipPlace)>, time: Res<Time>) {
+    for (mut clip, place) in &mut clips {
+        let Some((_, duration_s)) = place.found else { continue };
+        let moment = moment_after(&clip, time.delta_secs(), duration_s);
+        // It is no change of the clip: who asks for changes wants those that the application makes.
+        clip.bypass_change_detection().time_s = moment;
+    }
+}
+
+/// The moment of a clip of that length after some more seconds.
+fn moment_after(clip: &PelageClip, passed_s: f32, duration_s: f32) -> f32 {
+    let moment = if clip.paused { clip.time_s } else { clip.time_s + clip.speed * passed_s };
+    match clip.looped {
+        _ if !moment.is_finite() => 0.0,
+        true => within(moment, duration_s),
+        false => moment.clamp(0.0, duration_s.max(0.0)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clips_loop_hold_pause_and_survive_nonsense() {
+        let clip = |time_s, speed| PelageClip { time_s, speed, ..PelageClip::new("Walk") };
+        assert!((moment_after(&clip(0.9, 1.0), 0.2, 1.0) - 0.1).abs() < 1e-6, "it begins anew");
+        assert!((moment_after(&clip(0.1, -1.0), 0.2, 1.0) - 0.9).abs() < 1e-6, "backwards, too");
+        let held = PelageClip { looped: false, ..clip(0.9, 1.0) };
+        assert_eq!(moment_after(&held, 0.2, 1.0), 1.0);
+        let paused = PelageClip { paused: true, ..clip(0.4, 1.0) };
+        assert_eq!(moment_after(&paused, 0.2, 1.0), 0.4);
+        assert_eq!(moment_after(&clip(f32::NAN, 1.0), 0.2, 1.0), 0.0);
+        assert_eq!(moment_after(&clip(0.0, f32::INFINITY), 0.2, 1.0), 0.0);
+        assert_eq!(moment_after(&clip(0.4, 1.0), 0.2, 0.0), 0.6, "a clip of no length stays where a look-up holds");
+    }
+}

@@ -1,0 +1,94 @@
+//! Where animals and what shades them are: as spheres.
+
+use bevy_math::{Mat3, Vec3};
+use pelage_runtime::{Instance, ShadowParams, Sphere};
+
+/// How much farther than at rest an animal in motion may reach.
+const IN_MOTION: f32 = 1.5;
+
+/// Texels of shadow maps grow no smaller than for animals that are spread over so many times the size of one.
+const MOST_SPREAD: f32 = 4.0;
+
+/// What holds an animal in any pose.
+pub(crate) fn of_animal(animal: &Instance) -> Sphere {
+    let manifest = animal.model.manifest();
+    let scale = Mat3::from_mat4(animal.transform).determinant().abs().cbrt();
+    Sphere {
+        center: animal.transform.transform_point3(manifest.bounds.center.into()),
+        radius: IN_MOTION * scale * (manifest.bounds.radius + manifest.fur.height_m),
+    }
+}
+
+/// A sphere around two.
+pub(crate) fn around(a: Sphere, b: Sphere) -> Sphere {
+    let apart = a.center.distance(b.center);
+    if apart + b.radius <= a.radius {
+        return a;
+    }
+    if apart + a.radius <= b.radius {
+        return b;
+    }
+    let radius = 0.5 * (apart + a.radius + b.radius);
+    let center = a.center + (b.center - a.center) * ((radius - a.radius) / apart);
+    Sphere { center, radius }
+}
+
+/// How far towards the light a caster reaches past the middle of `lit`, metres; `None` where none of it can shade that.
+///
+/// * `towards_light` - of length 1
+pub(crate) fn above(lit: Sphere, towards_light: Vec3, caster: Sphere) -> Option<f32> {
+    let way = caster.center - lit.center;
+    let along = way.dot(towards_light);
+    let aside = (way - along * towards_light).length();
+    let shades = aside < lit.radius + caster.radius && along + caster.radius > -lit.radius;
+    shades.then_some(along + caster.radius)
+}
+
+/// Shadow maps of one animal serve all of a frame: where those are spread out, maps are larger, so that their texels are not.
+pub(crate) fn maps_of(shadows: ShadowParams, animals: &[Sphere], most_texels: u32) -> ShadowParams {
+    let Some(all) = animals.iter().copied().reduce(around) else { return shadows };
+    let least = animals.iter().map(|animal| animal.radius).fold(all.radius, f32::min);
+    let times = (all.radius / least.max(1e-6)).clamp(1.0, MOST_SPREAD).log2().ceil().exp2() as u32;
+    shadows.with(|shadows| shadows.map_size = shadows.map_size.max((shadows.map_size * times).min(most_texels)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sphere(x: f32, y: f32, radius: f32) -> Sphere {
+        Sphere { center: Vec3::new(x, y, 0.0), radius }
+    }
+
+    #[test]
+    fn a_sphere_around_two_holds_both_and_is_no_larger() {
+        let both = around(sphere(0.0, 0.0, 1.0), sphere(4.0, 0.0, 2.0));
+        assert!((both.center.x - 2.5).abs() < 1e-6 && (both.radius - 3.5).abs() < 1e-6, "{both:?}");
+        assert_eq!(around(sphere(0.0, 0.0, 3.0), sphere(1.0, 0.0, 1.0)), sphere(0.0, 0.0, 3.0), "one inside the other");
+        assert_eq!(around(sphere(0.0, 0.0, 1.0), sphere(0.0, 0.0, 1.0)), sphere(0.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn only_what_stands_towards_the_light_shades() {
+        let lit = sphere(0.0, 0.0, 1.0);
+        assert_eq!(above(lit, Vec3::Y, sphere(0.5, 5.0, 0.5)), Some(5.5));
+        assert_eq!(above(lit, Vec3::Y, sphere(2.0, 5.0, 0.5)), None, "beside the way of the light");
+        assert_eq!(above(lit, Vec3::Y, sphere(0.0, -2.0, 0.5)), None, "behind it");
+        assert_eq!(above(lit, Vec3::Y, sphere(0.0, 0.0, 0.2)), Some(0.2), "within it");
+    }
+
+    #[test]
+    fn maps_grow_with_the_spread_of_the_animals_up_to_a_limit() {
+        let texels = |animals: &[Sphere]| maps_of(ShadowParams::default(), animals, 1500).map_size;
+        assert_eq!(texels(&[]), 512);
+        assert_eq!(texels(&[sphere(0.0, 0.0, 1.0)]), 512);
+        assert_eq!(texels(&[sphere(0.0, 0.0, 1.0), sphere(2.0, 0.0, 1.0)]), 1024);
+        assert_eq!(texels(&[sphere(0.0, 0.0, 1.0), sphere(90.0, 0.0, 1.0)]), 1500, "not more than the device has");
+        let wanted = ShadowParams::default().with(|shadows| shadows.map_size = 4096);
+        assert_eq!(
+            maps_of(wanted, &[sphere(0.0, 0.0, 1.0)], 2048).map_size,
+            4096,
+            "what is asked for is not made less"
+        );
+    }
+}

@@ -1,0 +1,204 @@
+//! What lasts in the render world: one `Renderer` per kind of pass, and the models on the device.
+
+use crate::extract::{Animal, Scene};
+use crate::model::PelageModel;
+use bevy_asset::AssetId;
+use bevy_ecs::prelude::*;
+use bevy_log::{error, warn};
+use bevy_math::{Mat3, UVec4};
+use bevy_render::render_resource::TextureFormat;
+use bevy_render::renderer::{RenderDevice, RenderQueue};
+use bevy_render::sync_world::MainEntity;
+use pelage_runtime::{Frame, Instance, Model, Motion, Renderer, RendererOptions, RuntimeError};
+use pelage_stage::NamedPackage;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// What tells one pass of Bevy's from another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct PassKind {
+    pub(crate) color: TextureFormat,
+    pub(crate) depth: TextureFormat,
+    pub(crate) samples: u32,
+}
+
+/// A package on the device, or one that is none.
+#[derive(Debug)]
+struct Loaded {
+    package: Arc<NamedPackage<'static>>,
+    /// `None` where the device cannot draw it, which the log says.
+    model: Option<Model>,
+}
+
+/// What each renderer is made with, but for what its pass decides.
+#[derive(Resource, Clone, Debug, Default)]
+pub(crate) struct Options(pub(crate) RendererOptions);
+
+/// Who draws, and what is kept between frames: a resource of the render world, which says what is on the device.
+#[derive(Resource, Debug)]
+pub struct PelageRenderers {
+    options: RendererOptions,
+    by_pass: HashMap<PassKind, Option<Renderer>>,
+    models: HashMap<AssetId<PelageModel>, Loaded>,
+    owners: HashSet<MainEntity>,
+    said: Said,
+}
+
+/// A frame, and where in the target it is drawn.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    pub(crate) frame: Frame,
+    /// Left, top, width and height of what the frame was prepared for, pixels.
+    pub(crate) viewport: UVec4,
+    /// The same of what of it is the view's.
+    pub(crate) part: UVec4,
+}
+
+/// Frames that are drawn, by the entity of the view in the render world. They are kept until Bevy has submitted them.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Frames(pub(crate) HashMap<Entity, Vec<Prepared>>);
+
+/// What the log was told already: a frame repeats the faults of the one before.
+#[derive(Debug, Default)]
+pub(crate) struct Said(HashSet<String>);
+
+/// Different faults that the log is told at most: numbers in them may be others in each frame.
+const MOST_FAULTS: usize = 100;
+
+impl Said {
+    /// Tells a fault once.
+    pub(crate) fn error(&mut self, words: String) {
+        if self.is_new(&words) {
+            error!("{words}");
+            self.0.insert(words);
+        }
+    }
+
+    /// Tells once what is not as it should be.
+    pub(crate) fn warn(&mut self, words: String) {
+        if self.is_new(&words) {
+            warn!("{words}");
+            self.0.insert(words);
+        }
+    }
+
+    fn is_new(&self, words: &str) -> bool {
+        self.0.len() < MOST_FAULTS && !self.0.contains(words)
+    }
+}
+
+/// The renderer of a pass, the models that it draws, and what to say of faults.
+pub(crate) struct Drawing<'a> {
+    pub(crate) renderer: &'a mut Renderer,
+    models: &'a mut HashMap<AssetId<PelageModel>, Loaded>,
+    pub(crate) said: &'a mut Said,
+}
+
+impl PelageRenderers {
+    /// What draws into passes of that kind; `None` where the device cannot, which the log says.
+    pub(crate) fn of(&mut self, kind: PassKind, device: &RenderDevice, queue: &RenderQueue) -> Option<Drawing<'_>> {
+        let Self { options, by_pass, models, said, .. } = self;
+        let renderer = by_pass.entry(kind).or_insert_with(|| {
+            let options = RendererOptions {
+                color_format: kind.color,
+                depth_format: kind.depth,
+                sample_count: kind.samples,
+                reversed_depth: true,
+                ..options.clone()
+            };
+            match Renderer::new(device.wgpu_device(), queue, &options) {
+                Ok(renderer) => Some(renderer),
+                Err(fault) => {
+                    said.error(format!("pelage cannot draw into a camera's pass: {fault}"));
+                    None
+                }
+            }
+        });
+        renderer.as_mut().map(|renderer| Drawing { renderer, models, said })
+    }
+
+    /// Tells once what is not as it should be.
+    pub(crate) fn warn(&mut self, words: String) {
+        self.said.warn(words);
+    }
+
+    /// Lets go of models whose assets are gone or others, and of what is kept of animals that are gone.
+    fn forget(&mut self, scene: &Scene) {
+        let same = |id: &AssetId<PelageModel>, loaded: &mut Loaded| {
+            scene.packages.get(id).is_some_and(|package| Arc::ptr_eq(package, &loaded.package))
+        };
+        self.models.retain(same);
+        for gone in self.owners.iter().filter(|owner| !scene.animals.contains_key(*owner)) {
+            self.by_pass.values_mut().flatten().for_each(|renderer| renderer.forget(gone.to_bits()));
+        }
+        self.owners.clear();
+        self.owners.extend(scene.animals.keys());
+    }
+
+    /// Bytes on the GPU of the models' buffers and textures, which all animals of a model share.
+    pub fn models_gpu_bytes(&self) -> u64 {
+        self.models.values().filter_map(|loaded| loaded.model.as_ref()).map(Model::gpu_bytes).sum()
+    }
+
+    /// Bytes on the GPU of what is kept of each animal: its posed vertices.
+    pub fn animals_gpu_bytes(&self) -> u64 {
+        self.by_pass.values().flatten().map(Renderer::owners_gpu_bytes).sum()
+    }
+
+    /// What the log was told: faults of packages and frames, and warnings, each once.
+    pub fn said(&self) -> impl Iterator<Item = &str> {
+        self.said.0.iter().map(String::as_str)
+    }
+}
+
+impl FromWorld for PelageRenderers {
+    /// Anew for a device: Bevy asks again when the device was lost.
+    fn from_world(world: &mut World) -> Self {
+        let options = world.get_resource::<Options>().cloned().unwrap_or_default().0;
+        Self { options, by_pass: HashMap::new(), models: HashMap::new(), owners: HashSet::new(), said: Said::default() }
+    }
+}
+
+impl Drawing<'_> {
+    /// An animal as the runtime takes it, with its model loaded; `None` while that is not there, or where it cannot be drawn.
+    pub(crate) fn instance(&mut self, scene: &Scene, entity: MainEntity, animal: &Animal) -> Option<Instance> {
+        let package = scene.packages.get(&animal.model)?;
+        let loaded = self.models.entry(animal.model).or_insert_with(|| {
+            let model = match self.renderer.load_bytes(&package.bytes) {
+                Ok(model) => Some(model),
+                Err(fault) => {
+                    self.said.error(format!("{}: {fault}", package.name));
+                    None
+                }
+            };
+            Loaded { package: package.clone(), model }
+        });
+        let model = loaded.model.as_ref()?;
+        // An animal that is shrunk to nothing is not there; in a frame it would be a fault that takes the others with it.
+        let there = animal.transform.is_finite() && Mat3::from_mat4(animal.transform).determinant() != 0.0;
+        if let (Motion::Joints(joints), Some(skeleton)) = (&animal.motion, model.skeleton())
+            && joints.len() != skeleton.joints.len()
+        {
+            let (found, expected) = (joints.len(), skeleton.joints.len());
+            self.said.error(format!("{}: PelageJoints has {found} matrices, expected {expected}", package.name));
+            return None;
+        }
+        let instance = Instance::new(entity.to_bits(), model).at(animal.transform).moving(animal.motion.clone());
+        there.then_some(instance)
+    }
+
+    /// The frame, or nothing and a word in the log.
+    pub(crate) fn or_say(&mut self, frame: Result<Frame, RuntimeError>) -> Option<Frame> {
+        frame.map_err(|fault| self.said.error(format!("pelage cannot draw a frame: {fault}"))).ok()
+    }
+}
+
+/// Before the frame's passes.
+pub(crate) fn update(mut renderers: ResMut<PelageRenderers>, scene: Res<Scene>) {
+    renderers.forget(&scene);
+}
+
+/// After Bevy has submitted the frame.
+pub(crate) fn release(mut frames: ResMut<Frames>) {
+    frames.0.clear();
+}

@@ -1,0 +1,128 @@
+//! Packages as assets: what loads, what is refused, and files that change.
+
+use crate::support::{Stand, ball, gpu};
+use bevy_asset::{AssetServer, Assets, Handle, LoadState};
+use bevy_camera::primitives::Aabb;
+use bevy_math::Vec3;
+use bevy_pelage::{Pelage, PelageModel};
+use bevy_render::view::Msaa;
+use bevy_transform::components::Transform;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Loads a file as a user does, and waits: the handle, and what went wrong.
+fn load(stand: &mut Stand, file: &Path) -> (Handle<PelageModel>, Option<String>) {
+    let server = stand.world().resource::<AssetServer>().clone();
+    let handle: Handle<PelageModel> = server.load(file.to_str().unwrap().to_owned());
+    for _ in 0..2000 {
+        stand.app.update();
+        match server.load_state(&handle) {
+            LoadState::Loaded => return (handle, None),
+            LoadState::Failed(error) => return (handle, Some(error.to_string())),
+            _ => std::thread::sleep(std::time::Duration::from_millis(1)),
+        }
+    }
+    panic!("{} is neither loaded nor refused", file.display());
+}
+
+#[test]
+fn damaged_packages_are_errors_and_the_app_lives_on() {
+    let Some(mut stand) = gpu("damaged_packages_are_errors_and_the_app_lives_on") else { return };
+    let (folder, sound) = (folder("damaged"), ball());
+    let flipped = |at: usize| {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 0x20;
+        bytes
+    };
+    let camera = stand.camera([32, 24], Msaa::Off, Transform::from_xyz(0.0, 0.0, 0.7));
+    stand.sun(Vec3::new(-1.0, 1.0, 1.0), false);
+    for (name, bytes, place) in [
+        ("empty.pelage", Vec::new(), "byte 0"),
+        ("cut.pelage", sound[..sound.len() / 2].to_vec(), ""),
+        ("header.pelage", flipped(3), ""),
+        ("body.pelage", flipped(sound.len() / 2), "CRC-32"),
+        ("last.pelage", flipped(sound.len() - 1), ""),
+        ("text.pelage", b"no package at all".to_vec(), ""),
+    ] {
+        let file = folder.join(name);
+        fs::write(&file, bytes).unwrap();
+        let (handle, error) = load(&mut stand, &file);
+        let error = error.unwrap_or_else(|| panic!("{name} was loaded"));
+        assert!(error.contains(name) && error.contains(place), "{error}");
+        stand.world().spawn(Pelage::fur(handle));
+        stand.app.update();
+    }
+    let file = folder.join("sound.pelage");
+    fs::write(&file, &sound).unwrap();
+    let (handle, error) = load(&mut stand, &file);
+    assert_eq!(error, None);
+    let ball = stand.world().spawn(Pelage::fur(handle)).id();
+    assert!(stand.picture(&camera).pixel(16, 12)[..3] != [0; 3], "the sound one is drawn among the damaged ones");
+    let bounds = stand.world().get::<Aabb>(ball).unwrap().half_extents;
+    assert!((bounds.x - 0.125).abs() < 1e-3, "skin and fur: {bounds}");
+}
+
+#[test]
+fn a_file_that_changes_is_drawn_anew() {
+    let Some(mut stand) = gpu("a_file_that_changes_is_drawn_anew") else { return };
+    let file = folder("changed").join("ball.pelage");
+    fs::write(&file, ball()).unwrap();
+    let (handle, _) = load(&mut stand, &file);
+    let camera = stand.camera([32, 24], Msaa::Off, Transform::from_xyz(0.0, 0.0, 0.7));
+    stand.sun(Vec3::new(-1.0, 1.0, 1.0), false);
+    stand.world().spawn(Pelage::fur(handle.clone()));
+    let plain = stand.picture(&camera);
+    let other = crate::sphere::package(&crate::sphere::SphereParams { stripes: true, ..Default::default() });
+    fs::write(&file, other).unwrap();
+    // What Bevy's watcher does when the file changes.
+    let server = stand.world().resource::<AssetServer>().clone();
+    server.reload(file.to_str().unwrap().to_owned());
+    let before = stand.world().resource::<Assets<PelageModel>>().get(&handle).unwrap().clips().len();
+    assert_eq!(before, 1, "the ball bends");
+    for _ in 0..2000 {
+        stand.app.update();
+        if stand.world().resource::<Assets<PelageModel>>().get(&handle).is_some_and(|m| m.clips().len() == 0) {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let striped = stand.picture(&camera);
+    assert!(striped.differences(&plain).0 > 3.0, "{:?}", striped.differences(&plain));
+    // A damaged one leaves the model that there is.
+    fs::write(&file, b"half a file").unwrap();
+    server.reload(file.to_str().unwrap().to_owned());
+    (0..200).for_each(|_| {
+        stand.app.update();
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    });
+    assert_eq!(stand.picture(&camera), striped);
+}
+
+/// Every file of a folder.
+fn walk(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { walk(&path, files) } else { files.push(path) }
+    }
+}
+
+#[test]
+fn what_is_no_package_is_refused_by_name() {
+    let Some(data) = pelage_needs::data("what_is_no_package_is_refused_by_name") else { return };
+    let mut files = Vec::new();
+    walk(&data, &mut files);
+    assert!(files.len() > 100, "{} files", files.len());
+    for file in files {
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let error = PelageModel::from_bytes(&name, fs::read(&file).unwrap()).err();
+        let error = error.unwrap_or_else(|| panic!("{name} was taken for a package")).to_string();
+        assert!(error.starts_with(&name), "{error}");
+    }
+}

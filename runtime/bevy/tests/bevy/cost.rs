@@ -1,0 +1,113 @@
+//! What a frame costs in Bevy beside the runtime alone.
+
+use crate::support::{Stand, ball};
+use bevy_camera::visibility::Visibility;
+use bevy_ecs::entity::Entity;
+use bevy_math::Vec3;
+use bevy_pelage::runtime::{self, FrameParams, Instance, Motion, Renderer, RendererOptions, wgpu};
+use bevy_pelage::{Pelage, PelageClip};
+use bevy_render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
+use bevy_render::view::Msaa;
+use bevy_transform::components::Transform;
+use pelage_stage::{Canvas, Gpu};
+use std::time::Instant;
+
+const SIZE: [u32; 2] = [640, 480];
+const EYE: Vec3 = Vec3::new(0.0, 0.05, 0.5);
+const FRAMES: u32 = 30;
+/// Frames in which pipelines are compiled.
+const WARM: u32 = 4;
+/// Of the clip in a frame.
+const STEP_S: f32 = 0.01;
+
+/// The milliseconds of a frame to its end on the device.
+fn ms(device: &wgpu::Device, frame: impl FnOnce()) -> f64 {
+    let begun = Instant::now();
+    frame();
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    begun.elapsed().as_secs_f64() * 1e3
+}
+
+/// The package to measure: `PELAGE_PACKAGE`, or the ball.
+fn package() -> Vec<u8> {
+    std::env::var_os("PELAGE_PACKAGE").map_or_else(ball, |path| std::fs::read(path).unwrap())
+}
+
+/// The animal before a camera of Bevy's.
+fn in_bevy(stand: &mut Stand) -> Entity {
+    let model = stand.model("animal", &package());
+    let clip = PelageClip::new(first_clip(stand, &model));
+    stand.camera(SIZE, Msaa::Off, Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y));
+    stand.sun(Vec3::new(-0.5, 0.8, 0.6), false);
+    stand.world().spawn((Pelage::fur(model), clip)).id()
+}
+
+fn first_clip(stand: &mut Stand, model: &bevy_asset::Handle<bevy_pelage::PelageModel>) -> String {
+    let models = stand.world().resource::<bevy_asset::Assets<bevy_pelage::PelageModel>>();
+    models.get(model).unwrap().clips().next().map_or_else(String::new, |(name, _)| name.to_owned())
+}
+
+/// What draws a frame of the runtime alone on the same device, at that moment of the clip, with the animal or without.
+fn alone(gpu: &Gpu) -> impl FnMut(f32, bool) {
+    let options = RendererOptions {
+        color_format: wgpu::TextureFormat::Rgba16Float,
+        reversed_depth: true,
+        ..RendererOptions::default()
+    };
+    let canvas = Canvas::new(gpu, (SIZE[0], SIZE[1]), &(&options).into());
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
+    let model = renderer.load_bytes(&package()).unwrap();
+    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
+    let projection = runtime::Projection::Perspective { fov_y_rad: 0.6, aspect, near_m: 0.1, far_m: f32::INFINITY };
+    let params =
+        FrameParams::new(runtime::Camera::look_at(EYE, Vec3::ZERO, projection), SIZE).with(|p| p.soft_shadow = false);
+    let gpu = gpu.clone();
+    move |time_s, there| {
+        let animal = Instance::new(0, &model).moving(Motion::Clip { clip: 0, time_s });
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let frame = renderer.prepare(&mut encoder, &params, there.then_some(animal)).unwrap();
+        let mut pass = canvas.pass(&mut encoder, "runtime alone", Some(wgpu::Color::BLACK));
+        frame.draw(&mut pass);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+    }
+}
+
+#[test]
+#[ignore = "measures: cargo test --profile example --test bevy -- --ignored --nocapture beside"]
+fn what_a_frame_costs_beside_the_runtime_alone() {
+    let mut stand = Stand::new();
+    let world = stand.render_world();
+    let device = world.resource::<RenderDevice>().wgpu_device().clone();
+    let queue = wgpu::Queue::clone(world.resource::<RenderQueue>());
+    let info = (**world.resource::<RenderAdapterInfo>()).clone();
+    let gpu = Gpu { device: device.clone(), queue, info };
+    let animal = in_bevy(&mut stand);
+    let mut alone = alone(&gpu);
+    // In turns, so that what else the machine does meets all alike; the fastest of each was disturbed least.
+    let mut fastest = [f64::INFINITY; 4];
+    for number in 0..WARM + FRAMES {
+        let moment = STEP_S * number as f32;
+        let times = [
+            in_one_frame(&mut stand, &device, animal, Visibility::Inherited),
+            in_one_frame(&mut stand, &device, animal, Visibility::Hidden),
+            ms(&device, || alone(moment, true)),
+            ms(&device, || alone(moment, false)),
+        ];
+        if number >= WARM {
+            fastest = std::array::from_fn(|i| fastest[i].min(times[i]));
+        }
+    }
+    let [bevy_with, bevy_without, with, without] = fastest;
+    let (bevy, runtime) = (bevy_with - bevy_without, with - without);
+    println!("{}: {SIZE:?}, fastest of {FRAMES} frames, ms", gpu.info.name);
+    println!("in Bevy {bevy_with:.2} with the animal, {bevy_without:.2} without: {bevy:.2}");
+    println!("alone   {with:.2} with the animal, {without:.2} without: {runtime:.2}");
+    println!("overhead of Bevy for the animal {:+.1} %", 100.0 * (bevy / runtime - 1.0));
+}
+
+/// A frame of Bevy's with the animal so.
+fn in_one_frame(stand: &mut Stand, device: &wgpu::Device, animal: Entity, visibility: Visibility) -> f64 {
+    *stand.world().get_mut::<Visibility>(animal).unwrap() = visibility;
+    ms(device, || stand.wait(STEP_S))
+}

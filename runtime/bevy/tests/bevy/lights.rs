@@ -1,0 +1,138 @@
+//! Shadows in both directions, exposure, and the clips that move what throws them.
+
+use crate::support::{Picture, Stand, TestCamera, ball, gpu};
+use bevy_camera::{Exposure, Hdr};
+use bevy_color::Color;
+use bevy_light::NotShadowCaster;
+use bevy_math::{Mat4, Vec3};
+use bevy_pelage::runtime::FurParams;
+use bevy_pelage::{Pelage, PelageClip, PelageJoints, ShadesPelage, runtime::Style};
+use bevy_render::view::Msaa;
+use bevy_transform::components::Transform;
+
+const SIZE: [u32; 2] = [96, 72];
+
+fn above() -> Transform {
+    Transform::from_xyz(0.0, 0.9, 0.5).looking_at(Vec3::ZERO, Vec3::Y)
+}
+
+/// Sum of the green of all pixels.
+fn green(picture: &Picture) -> u64 {
+    picture.pixels().map(|p| u64::from(p[1])).sum()
+}
+
+fn camera(stand: &mut Stand) -> TestCamera {
+    stand.camera(SIZE, Msaa::Off, above())
+}
+
+#[test]
+fn an_animal_throws_its_shadow_on_a_ground_of_bevys() {
+    let Some(mut stand) = gpu("an_animal_throws_its_shadow_on_a_ground_of_bevys") else { return };
+    let model = stand.model("ball", &ball());
+    let camera = camera(&mut stand);
+    stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    stand.cuboid(Vec3::new(4.0, 0.1, 4.0), Vec3::Y * -0.2, Color::srgb(0.0, 1.0, 0.0));
+    let ball = stand.world().spawn(Pelage::fur(model)).id();
+    let with = stand.picture(&camera);
+    stand.world().entity_mut(ball).insert(NotShadowCaster);
+    let without = stand.picture(&camera);
+    let darker = |(a, b): (&[u8; 4], &[u8; 4])| b[1] > 40 && a[1] < b[1] / 4;
+    let (a, b): (Vec<_>, Vec<_>) = (with.pixels().collect(), without.pixels().collect());
+    let shadow: Vec<usize> = a.iter().zip(&b).enumerate().filter(|(_, pair)| darker(*pair)).map(|(i, _)| i).collect();
+    assert!(shadow.len() > 60, "{} pixels of shadow", shadow.len());
+    // The sun stands on the left.
+    let mean_x = shadow.iter().map(|i| (i % SIZE[0] as usize) as f64).sum::<f64>() / shadow.len() as f64;
+    assert!(mean_x > f64::from(SIZE[0]) * 0.55, "the shadow's middle is at {mean_x}");
+
+    // Out of the camera's sight, towards the sun and past the first plane of the cascades, it throws one as well.
+    stand.world().entity_mut(ball).remove::<NotShadowCaster>().insert(Transform::from_xyz(-6.0, 6.0, 0.0));
+    let far = stand.picture(&camera);
+    stand.world().despawn(ball);
+    let bare = stand.picture(&camera);
+    assert!(green(&far) + 3000 < green(&bare), "{} is not darker than {}", green(&far), green(&bare));
+}
+
+#[test]
+fn a_cube_of_bevys_throws_its_shadow_on_fur() {
+    let Some(mut stand) = gpu("a_cube_of_bevys_throws_its_shadow_on_fur") else { return };
+    let model = stand.model("ball", &ball());
+    let camera = camera(&mut stand);
+    stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    stand.world().spawn(Pelage::fur(model));
+    let cube = stand.cuboid(Vec3::splat(0.3), Vec3::new(-0.5, 0.5, 0.0), Color::BLACK);
+    let lit = stand.picture(&camera);
+    stand.world().entity_mut(cube).insert(ShadesPelage);
+    let shaded = stand.picture(&camera);
+    assert!(green(&shaded) * 3 < green(&lit) * 2, "{} is not darker than {}", green(&shaded), green(&lit));
+    // It moves aside, and the maps follow.
+    *stand.world().get_mut::<Transform>(cube).unwrap() = Transform::from_xyz(-0.5, 0.5, 0.8);
+    let aside = stand.picture(&camera);
+    assert!(green(&aside) * 10 > green(&lit) * 9, "{} is not as bright as {}", green(&aside), green(&lit));
+}
+
+#[test]
+fn exposure_suns_and_ambient_light_are_bevys() {
+    let Some(mut stand) = gpu("exposure_suns_and_ambient_light_are_bevys") else { return };
+    let model = stand.model("ball", &ball());
+    let camera = camera(&mut stand);
+    let sun = stand.sun(Vec3::Y, false);
+    stand.world().spawn(Pelage::fur(model));
+    let full = stand.picture(&camera);
+    let default = Exposure::default().ev100;
+    stand.world().entity_mut(camera.entity).insert(Exposure { ev100: default + 2.0 });
+    let darker = stand.picture(&camera);
+    assert!(green(&darker) * 3 < green(&full) * 2, "two stops: {} beside {}", green(&darker), green(&full));
+    stand.world().despawn(sun);
+    assert_eq!(green(&stand.picture(&camera)), 0, "no sun, no light");
+    let ambient = bevy_light::AmbientLight { brightness: 1000.0, ..Default::default() };
+    stand.world().entity_mut(camera.entity).insert(ambient);
+    assert!(green(&stand.picture(&camera)) > 10_000, "a camera's own ambient light");
+    assert_eq!(stand.renderers().said().count(), 0);
+
+    stand.world().entity_mut(camera.entity).remove::<Hdr>();
+    (0..3).for_each(|_| drop(stand.picture(&camera)));
+    let said: Vec<_> = stand.renderers().said().collect();
+    assert!(matches!(said[..], [words] if words.contains("has no Hdr")), "{said:?}");
+}
+
+#[test]
+fn clips_move_it_and_faults_are_told_once() {
+    let Some(mut stand) = gpu("clips_move_it_and_faults_are_told_once") else { return };
+    let model = stand.model("ball", &ball());
+    let camera = camera(&mut stand);
+    stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    let ball = stand.world().spawn((Pelage::fur(model), PelageClip::new("bend"))).id();
+    let first = stand.picture(&camera);
+    let clip = |stand: &mut Stand| stand.world().get::<PelageClip>(ball).unwrap().clone();
+    stand.wait(0.25);
+    assert!((clip(&mut stand).time_s - 0.25).abs() < 1e-6, "{:?}", clip(&mut stand));
+    let bent = stand.picture(&camera);
+    assert!(bent.differences(&first).0 > 0.5, "{:?}", bent.differences(&first));
+    stand.world().get_mut::<PelageClip>(ball).unwrap().paused = true;
+    stand.wait(0.25);
+    assert_eq!(stand.picture(&camera), bent, "a clip that is paused");
+    stand.world().get_mut::<PelageClip>(ball).unwrap().time_s = 0.0;
+    assert_eq!(stand.picture(&camera), first, "and sought");
+    stand.world().get_mut::<PelageClip>(ball).unwrap().name = "fly".into();
+    let rest = stand.picture(&camera);
+    stand.world().entity_mut(ball).remove::<PelageClip>();
+    assert_eq!(stand.picture(&camera), rest, "an unknown clip is rest");
+
+    // One that is shrunk to nothing, and one with another skeleton's pose, take nobody with them.
+    let model = stand.world().get::<Pelage>(ball).unwrap().model.clone();
+    let nothing = stand.world().spawn((Pelage::fur(model.clone()), Transform::from_scale(Vec3::ZERO))).id();
+    let strange = stand.world().spawn((Pelage::fur(model), PelageJoints(vec![Mat4::IDENTITY; 5]))).id();
+    assert_eq!(stand.picture(&camera), rest);
+    let said: Vec<_> = stand.renderers().said().collect();
+    assert!(matches!(said[..], [words] if words.contains("ball: PelageJoints has 5 matrices, expected 2")), "{said:?}");
+    stand.remove([nothing, strange]);
+
+    let wrong = FurParams::default().with(|fur| fur.layers = Some(0));
+    stand.world().get_mut::<Pelage>(ball).unwrap().style = Style::Fur(wrong);
+    (0..5).for_each(|_| stand.app.update());
+    let said: Vec<_> = stand.renderers().said().collect();
+    let told = |words: &&str| words.contains("FurParams::layers is 0, expected 1..=1024");
+    assert!(said.len() == 2 && said.iter().any(told), "{said:?}");
+    stand.world().get_mut::<Pelage>(ball).unwrap().style = Style::default();
+    assert_eq!(stand.picture(&camera), rest, "and the app lives on");
+}

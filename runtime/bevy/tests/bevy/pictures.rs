@@ -1,0 +1,184 @@
+//! What cameras show: the ball among Bevy's meshes, as the runtime alone draws it, in several cameras.
+
+use crate::support::{Picture, Stand, TestCamera, ball, gpu};
+use bevy_asset::Handle;
+use bevy_camera::visibility::RenderLayers;
+use bevy_camera::{Camera, Viewport};
+use bevy_color::Color;
+use bevy_ecs::prelude::*;
+use bevy_math::{UVec2, Vec3};
+use bevy_pelage::runtime::{self, FrameParams, Instance, Renderer, Style};
+use bevy_pelage::{Pelage, PelageModel};
+use bevy_render::view::Msaa;
+use bevy_transform::components::Transform;
+use pelage_stage::{Canvas, CanvasOptions, Gpu};
+
+const SIZE: [u32; 2] = [96, 72];
+const EYE: Vec3 = Vec3::new(0.0, 0.0, 0.7);
+const SUN: Vec3 = Vec3::new(-0.5, 0.8, 0.6);
+
+fn front() -> Transform {
+    Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y)
+}
+
+/// What stands in the middle of the picture.
+fn middle(picture: &Picture) -> [u8; 4] {
+    picture.pixel(SIZE[0] / 2, SIZE[1] / 2)
+}
+
+fn is_red([r, g, b, _]: [u8; 4]) -> bool {
+    r > 60 && g < r / 3 && b < r / 3
+}
+
+/// How many pixels are red.
+fn red(picture: &Picture) -> usize {
+    picture.pixels().filter(|p| is_red(*p)).count()
+}
+
+/// The ball before and behind a red cube, with and without multisampling.
+fn stands_before_and_behind(stand: &mut Stand, pelage: &Pelage) {
+    for msaa in [Msaa::Off, Msaa::Sample4] {
+        let camera = stand.camera(SIZE, msaa, front());
+        let ball = stand.world().spawn(pelage.clone()).id();
+        let alone = stand.picture(&camera);
+        assert!(alone.pixels().any(|p| p[..3] != [0; 3]) && red(&alone) == 0, "{msaa:?}: a ball is there, and not red");
+
+        let wall = stand.cuboid(Vec3::new(0.3, 0.3, 0.02), Vec3::Z * -0.2, Color::srgb(1.0, 0.0, 0.0));
+        let before = stand.picture(&camera);
+        assert_eq!(middle(&before), middle(&alone), "{msaa:?}: the ball hides what is behind it");
+        assert!(red(&before) > 200, "{msaa:?}: the wall is seen beside the ball, in {} pixels", red(&before));
+
+        *stand.world().get_mut::<Transform>(wall).unwrap() = Transform::from_xyz(0.0, 0.0, 0.3);
+        let behind = stand.picture(&camera);
+        assert!(is_red(middle(&behind)), "{msaa:?}: {:?} is not the wall that hides the ball", middle(&behind));
+        stand.remove([ball, wall, camera.entity]);
+    }
+}
+
+#[test]
+fn an_animal_stands_before_and_behind_a_cube() {
+    let Some(mut stand) = gpu("an_animal_stands_before_and_behind_a_cube") else { return };
+    let model = stand.model("ball", &ball());
+    stand.sun(SUN, false);
+    stands_before_and_behind(&mut stand, &Pelage::fur(model.clone()));
+    stands_before_and_behind(&mut stand, &Pelage::ink(model));
+    assert_eq!(stand.renderers().said().count(), 0, "{:?}", stand.renderers().said().collect::<Vec<_>>());
+}
+
+/// The picture that the runtime makes by itself.
+fn drawn_by_the_runtime(pelage: &Pelage) -> Picture {
+    let gpu = Gpu::with(runtime::wgpu::Features::TEXTURE_COMPRESSION_BC, None).unwrap();
+    let options = CanvasOptions::default();
+    let canvas = Canvas::new(&gpu, (SIZE[0], SIZE[1]), &options);
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer()).unwrap();
+    let model = renderer.load_bytes(&ball()).unwrap();
+    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
+    let projection = runtime::Projection::Perspective { fov_y_rad: 0.6, aspect, near_m: 0.1, far_m: f32::INFINITY };
+    let camera = runtime::Camera::look_at(EYE, Vec3::ZERO, projection);
+    let params = FrameParams::new(camera, SIZE).with(|p| {
+        p.light = runtime::Light::Directional { towards_light: SUN, color: Vec3::ONE };
+        p.ambient = Vec3::ZERO;
+        p.style = pelage.style.clone();
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let frame = renderer.prepare(&mut encoder, &params, [Instance::new(0, &model)]).unwrap();
+    let mut pass = canvas.pass(&mut encoder, "runtime alone", Some(runtime::wgpu::Color::BLACK));
+    frame.draw(&mut pass);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    Picture { size: SIZE, rgba: canvas.texels(&gpu).unwrap() }
+}
+
+#[test]
+fn a_frame_is_as_the_runtime_alone_draws_it() {
+    let Some(mut stand) = gpu("a_frame_is_as_the_runtime_alone_draws_it") else { return };
+    let model = stand.model("ball", &ball());
+    // Its shadow on itself is the runtime's: `soft_shadow` is what a sun with shadow maps turns on.
+    stand.sun(SUN, true);
+    let camera = stand.camera(SIZE, Msaa::Off, front());
+    for pelage in [Pelage::fur(model.clone()), Pelage::ink(model)] {
+        let alone = drawn_by_the_runtime(&pelage);
+        let ball = stand.world().spawn(pelage.clone()).id();
+        let picture = stand.picture(&camera);
+        // Bevy blends in half floats and encodes at the end, the canvas blends in bytes.
+        let (mean, most) = picture.differences(&alone);
+        assert!(mean < 0.4 && most <= 12, "{:?}: {mean} in the mean, {most} at most", pelage.style.kind());
+        // Another frame is another picture: the comparison can fail.
+        *stand.world().get_mut::<Transform>(ball).unwrap() = Transform::from_xyz(0.01, 0.0, 0.0);
+        let (mean, _) = stand.picture(&camera).differences(&alone);
+        assert!(mean > 1.0, "{:?}: moved by a centimetre, it differs by {mean}", pelage.style.kind());
+        stand.world().despawn(ball);
+    }
+}
+
+/// In ink on paper without relief, which would lie on the picture and not on the view.
+fn on_even_paper(model: Handle<PelageModel>) -> Pelage {
+    let mut pelage = Pelage::ink(model);
+    if let Style::Ink(ink) = &mut pelage.style {
+        (ink.paper_grain, ink.roughness_px, ink.dryness, ink.pressure) = (0.0, 0.0, 0.0, 0.0);
+    }
+    pelage
+}
+
+/// A camera that draws to the part of another's picture.
+fn in_part_of(stand: &mut Stand, whole: &TestCamera, part: (UVec2, UVec2)) -> TestCamera {
+    let camera = stand.camera([part.1.x, part.1.y], Msaa::Off, front());
+    let viewport = Viewport { physical_position: part.0, physical_size: part.1, ..Default::default() };
+    let entity = camera.entity;
+    let mut entity = stand.world().entity_mut(entity);
+    entity.insert(bevy_camera::RenderTarget::from(whole.image.clone()));
+    entity.insert(Camera { viewport: Some(viewport), order: 1, ..Default::default() });
+    TestCamera { image: whole.image.clone(), size: whole.size, ..camera }
+}
+
+#[test]
+fn several_cameras_show_it_each_in_its_part() {
+    let Some(mut stand) = gpu("several_cameras_show_it_each_in_its_part") else { return };
+    let model = stand.model("ball", &ball());
+    stand.sun(SUN, false);
+    for pelage in [Pelage::fur(model.clone()), on_even_paper(model)] {
+        let ball = stand.world().spawn(pelage.clone()).id();
+        let whole = stand.camera(SIZE, Msaa::Off, front());
+        let alone = stand.picture(&whole);
+        // The same view twice: the whole picture of one camera, and the right half of one that is twice as wide.
+        let wide = stand.camera([2 * SIZE[0], SIZE[1]], Msaa::Off, Transform::from_xyz(0.0, 9.0, 0.0));
+        let half = in_part_of(&mut stand, &wide, (UVec2::new(SIZE[0], 0), UVec2::from(SIZE)));
+        let picture = stand.picture(&half);
+        let right = picture.part([SIZE[0], 0], SIZE);
+        let (mean, most) = right.differences(&alone);
+        let kind = pelage.style.kind();
+        assert!(mean < 0.5, "{kind:?}: the right half differs by {mean} in the mean, {most} at most");
+        let left = picture.part([0, 0], SIZE);
+        assert!(left.pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: nothing of it falls beside its part");
+        assert_eq!(stand.picture(&whole), alone, "{kind:?}: other cameras change nothing");
+
+        // A camera of other layers does not see it.
+        stand.world().entity_mut(whole.entity).insert(RenderLayers::layer(3));
+        assert!(stand.picture(&whole).pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: not in its layers");
+        stand.remove([ball, whole.entity, wide.entity, half.entity]);
+    }
+}
+
+#[test]
+fn what_is_despawned_is_freed() {
+    let Some(mut stand) = gpu("what_is_despawned_is_freed") else { return };
+    let model = stand.model("ball", &ball());
+    let camera = stand.camera(SIZE, Msaa::Off, front());
+    stand.sun(SUN, true);
+    let balls: Vec<Entity> = [-0.1, 0.1]
+        .map(|x| stand.world().spawn((Pelage::fur(model.clone()), Transform::from_xyz(x, 0.0, 0.0))).id())
+        .into();
+    stand.picture(&camera);
+    let (models, both) = (stand.renderers().models_gpu_bytes(), stand.renderers().animals_gpu_bytes());
+    assert!(models > 100_000 && both > 10_000, "{models} bytes of models, {both} of animals");
+    stand.world().despawn(balls[0]);
+    stand.app.update();
+    assert_eq!(stand.renderers().animals_gpu_bytes(), both / 2, "one of two is gone");
+    assert_eq!(stand.renderers().models_gpu_bytes(), models, "the other keeps the model");
+    stand.world().despawn(balls[1]);
+    drop(model);
+    // The asset goes a frame after its last handle.
+    (0..3).for_each(|_| stand.app.update());
+    assert_eq!(stand.renderers().animals_gpu_bytes(), 0);
+    assert_eq!(stand.renderers().models_gpu_bytes(), 0);
+}

@@ -1,0 +1,178 @@
+//! Animals that walk on a ground among Bevy's meshes.
+//!
+//! ```text
+//! bevy-pelage-walk PACKAGE.pelage...                                   in a window
+//! bevy-pelage-walk PACKAGE.pelage... --picture fur-and-ink.png         without one
+//! ```
+//!
+//! In the window: I fur or ink, Space stands still, arrows go about and nearer or farther, Escape leaves.
+
+mod picture;
+mod scene;
+
+use bevy_app::{App, AppExit, ScheduleRunnerPlugin, TaskPoolPlugin, Update};
+use bevy_asset::{AssetPlugin, AssetServer, Handle, LoadState, UnapprovedPathMode};
+use bevy_camera::{Camera3d, CameraPlugin, ClearColor, Hdr};
+use bevy_color::Color;
+use bevy_core_pipeline::CorePipelinePlugin;
+use bevy_core_pipeline::tonemapping::Tonemapping;
+use bevy_diagnostic::{DiagnosticsPlugin, FrameCountPlugin};
+use bevy_ecs::prelude::*;
+use bevy_image::ImagePlugin;
+use bevy_input::{ButtonInput, InputPlugin, keyboard::KeyCode};
+use bevy_light::LightPlugin;
+use bevy_log::{LogPlugin, error};
+use bevy_mesh::MeshPlugin;
+use bevy_pbr::PbrPlugin;
+use bevy_pelage::runtime::{Style, StyleKind};
+use bevy_pelage::{Pelage, PelageModel, PelagePlugin};
+use bevy_render::RenderPlugin;
+use bevy_time::{Time, TimePlugin, Virtual};
+use bevy_transform::TransformPlugin;
+use bevy_transform::components::Transform;
+use bevy_window::{ExitCondition, Window, WindowPlugin};
+use bevy_winit::WinitPlugin;
+use scene::{Animals, Stage};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Where the camera of the window is.
+#[derive(Resource, Default)]
+struct Orbit {
+    turn_rad: f32,
+    /// Natural logarithm of the distance beside that of the whole scene.
+    farther: f32,
+}
+
+fn main() -> ExitCode {
+    let mut packages: Vec<String> = std::env::args().skip(1).collect();
+    let mut picture = None;
+    if let Some(at) = packages.iter().position(|argument| argument == "--picture") {
+        let mut tail = packages.split_off(at).into_iter().skip(1);
+        picture = tail.next().map(PathBuf::from);
+        packages.extend(tail.filter(|_| picture.is_some()));
+        if picture.is_none() {
+            return usage("--picture needs the name of a PNG file");
+        }
+    }
+    if packages.is_empty() {
+        return usage("no package is named");
+    }
+    let (mut app, drawn) = (app(picture.is_none()), picture.map(picture::Wanted::new));
+    let server = app.world().resource::<AssetServer>().clone();
+    let absolute = |package: &String| std::path::absolute(package).unwrap_or_else(|_| package.into());
+    // By whole paths, because packages lie anywhere.
+    let load = |package: &String| server.load(absolute(package).to_string_lossy().into_owned());
+    app.insert_resource(Animals(packages.iter().map(load).collect()));
+    scene::add(&mut app);
+    app.add_systems(Update, leave_without_animals);
+    match drawn {
+        Some(wanted) => picture::add(&mut app, wanted),
+        None => {
+            app.init_resource::<Orbit>().add_systems(Update, (add_camera, keys, orbit).chain());
+        }
+    }
+    match app.run() {
+        AppExit::Success => ExitCode::SUCCESS,
+        AppExit::Error(code) => ExitCode::from(code.get()),
+    }
+}
+
+fn usage(fault: &str) -> ExitCode {
+    eprintln!("{fault}\nusage: bevy-pelage-walk PACKAGE.pelage... [--picture FILE.png]");
+    ExitCode::from(2)
+}
+
+/// What of Bevy this needs: `DefaultPlugins` of the crate `bevy` have the same and more.
+fn app(window: bool) -> App {
+    let mut app = App::new();
+    let title = "pelage in Bevy: I ink, Space stands still, arrows move".to_owned();
+    let primary_window = window.then(|| Window { title, ..Default::default() });
+    let exit_condition = if window { ExitCondition::OnAllClosed } else { ExitCondition::DontExit };
+    app.add_plugins((
+        LogPlugin::default(),
+        TaskPoolPlugin::default(),
+        FrameCountPlugin,
+        TimePlugin,
+        TransformPlugin,
+        DiagnosticsPlugin,
+        InputPlugin,
+        WindowPlugin { primary_window, exit_condition, ..Default::default() },
+        AssetPlugin { unapproved_path_mode: UnapprovedPathMode::Allow, ..Default::default() },
+    ));
+    match window {
+        true => app.add_plugins(WinitPlugin::default()),
+        false => app.add_plugins(ScheduleRunnerPlugin::default()),
+    };
+    app.add_plugins((
+        RenderPlugin { synchronous_pipeline_compilation: !window, ..Default::default() },
+        ImagePlugin::default(),
+        MeshPlugin,
+        CameraPlugin,
+        LightPlugin,
+        CorePipelinePlugin,
+        PbrPlugin::default(),
+        PelagePlugin::default(),
+    ));
+    app.insert_resource(ClearColor(Color::srgb(0.55, 0.66, 0.78)));
+    app
+}
+
+/// The camera of both: HDR, so that fur and meshes are exposed and tone-mapped alike.
+fn camera(place: Transform) -> impl Bundle {
+    (Camera3d::default(), Hdr, Tonemapping::AcesFitted, place)
+}
+
+/// Says which package cannot be loaded, and why, and leaves.
+fn leave_without_animals(animals: Res<Animals>, server: Res<AssetServer>, mut exit: MessageWriter<AppExit>) {
+    let failed = |handle: &Handle<PelageModel>| match server.load_state(handle) {
+        LoadState::Failed(fault) => Some(fault),
+        _ => None,
+    };
+    if let Some(fault) = animals.0.iter().find_map(failed) {
+        error!("{fault}");
+        exit.write(AppExit::error());
+    }
+}
+
+fn add_camera(mut commands: Commands, stage: Option<Res<Stage>>, cameras: Query<(), With<Camera3d>>) {
+    if let Some(stage) = stage
+        && cameras.is_empty()
+    {
+        commands.spawn(camera(scene::seen_from(&stage, 0.0)));
+    }
+}
+
+fn keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    real: Res<Time<bevy_time::Real>>,
+    mut time: ResMut<Time<Virtual>>,
+    mut orbit: ResMut<Orbit>,
+    mut animals: Query<&mut Pelage>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    if keys.just_pressed(KeyCode::KeyI) {
+        let inked = animals.iter().any(|animal: &Pelage| animal.style.kind() == StyleKind::Ink);
+        let style: Style = if inked { scene::fur() } else { scene::ink() };
+        scene::restyle(&mut animals, &style);
+    }
+    if keys.just_pressed(KeyCode::Space) {
+        if time.is_paused() { time.unpause() } else { time.pause() }
+    }
+    if keys.just_pressed(KeyCode::Escape) {
+        exit.write(AppExit::Success);
+    }
+    let held = |more: KeyCode, less: KeyCode| {
+        real.delta_secs() * (f32::from(u8::from(keys.pressed(more))) - f32::from(u8::from(keys.pressed(less))))
+    };
+    orbit.turn_rad += 1.2 * held(KeyCode::ArrowRight, KeyCode::ArrowLeft);
+    orbit.farther = (orbit.farther + held(KeyCode::ArrowDown, KeyCode::ArrowUp)).clamp(-1.5, 1.0);
+}
+
+fn orbit(orbit: Res<Orbit>, stage: Option<Res<Stage>>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
+    let Some(stage) = stage else { return };
+    for mut camera in &mut cameras {
+        let place = scene::seen_from(&stage, orbit.turn_rad);
+        *camera = place.with_translation(place.translation * orbit.farther.exp());
+    }
+}

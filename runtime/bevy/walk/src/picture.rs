@@ -1,0 +1,109 @@
+//! The scene in fur and in ink, one above the other, in a PNG file: without a window.
+
+use crate::camera;
+use crate::scene::{self, Stage};
+use bevy_app::{App, AppExit, Update};
+use bevy_asset::{Assets, Handle};
+use bevy_camera::RenderTarget;
+use bevy_ecs::prelude::*;
+use bevy_image::Image;
+use bevy_log::error;
+use bevy_pelage::Pelage;
+use bevy_render::gpu_readback::{Readback, ReadbackComplete};
+use bevy_render::render_resource::{TextureFormat, TextureUsages};
+use bevy_time::TimeUpdateStrategy;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Pixels of each half.
+const SIZE: [u32; 2] = [832, 424];
+
+/// Frames between what is asked for and what is kept: models and pipelines are there by then.
+const FRAMES: u32 = 8;
+
+/// What is drawn, and what is drawn of it already.
+#[derive(Resource)]
+pub struct Wanted {
+    file: PathBuf,
+    target: Option<Handle<Image>>,
+    reader: Option<Entity>,
+    /// Since the camera is there, or the style another.
+    frames: u32,
+    /// RGBA bytes of the halves, row by row.
+    halves: Vec<Vec<u8>>,
+}
+
+impl Wanted {
+    /// That file.
+    pub fn new(file: PathBuf) -> Self {
+        Self { file, target: None, reader: None, frames: 0, halves: Vec::new() }
+    }
+}
+
+/// Draws the picture and leaves.
+pub fn add(app: &mut App, wanted: Wanted) {
+    // Every frame is a moment later, however long it takes.
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)))
+        .insert_resource(wanted)
+        .add_systems(Update, draw);
+}
+
+fn draw(
+    mut commands: Commands,
+    stage: Option<Res<Stage>>,
+    mut wanted: ResMut<Wanted>,
+    mut images: ResMut<Assets<Image>>,
+    mut animals: Query<&mut Pelage>,
+) {
+    let Some(stage) = stage else { return };
+    let Some(target) = wanted.target.clone() else {
+        let [width, height] = SIZE;
+        let mut image = Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
+        image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+        let target = images.add(image);
+        commands.spawn((camera(scene::seen_from(&stage, 0.0)), RenderTarget::from(target.clone())));
+        wanted.target = Some(target);
+        return;
+    };
+    wanted.frames += 1;
+    if wanted.frames == FRAMES && !wanted.halves.is_empty() {
+        scene::restyle(&mut animals, &scene::ink());
+    }
+    if wanted.frames == 2 * FRAMES {
+        let reader = commands.spawn(Readback::texture(target)).observe(keep).id();
+        wanted.reader = Some(reader);
+    }
+}
+
+fn keep(
+    read: On<ReadbackComplete>,
+    mut commands: Commands,
+    mut wanted: ResMut<Wanted>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    let Some(reader) = wanted.reader.take() else { return };
+    commands.entity(reader).despawn();
+    let row = 4 * SIZE[0] as usize;
+    // Rows of a texture are aligned where they are copied to.
+    let rows = read.data.chunks_exact(read.data.len() / SIZE[1] as usize).flat_map(|aligned| &aligned[..row]);
+    wanted.halves.push(rows.copied().collect());
+    wanted.frames = 0;
+    if wanted.halves.len() == 2 {
+        exit.write(match write(&wanted.file, &wanted.halves.concat()) {
+            Ok(()) => AppExit::Success,
+            Err(fault) => {
+                error!("{}: {fault}", wanted.file.display());
+                AppExit::error()
+            }
+        });
+    }
+}
+
+/// Writes the halves of an opaque picture, one above the other.
+fn write(file: &Path, rgba: &[u8]) -> Result<(), png::EncodingError> {
+    let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
+    let mut encoder = png::Encoder::new(std::io::BufWriter::new(std::fs::File::create(file)?), SIZE[0], 2 * SIZE[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::High);
+    encoder.write_header()?.write_image_data(&rgb)
+}
