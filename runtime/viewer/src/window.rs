@@ -4,7 +4,7 @@ use crate::app::App;
 use crate::save;
 use crate::script::Events;
 use crate::show::Show;
-use crate::ui::{self, Shown};
+use crate::ui;
 use crate::worker::{Told, Workers};
 use crate::workshop::Workshop;
 use egui::{Context, TextureId, ViewportId};
@@ -232,9 +232,9 @@ impl Open {
     /// One frame: hands and knobs, the picture, everything onto the screen.
     fn frame(&mut self) -> Result<(), StageError> {
         let taken = self.input.take_egui_input(&self.window);
-        let (app, shown) = (&mut self.app, Shown { picture: self.picture });
+        let (app, drawn) = (&mut self.app, self.picture);
         let egui::FullOutput { platform_output, textures_delta, shapes, pixels_per_point, viewport_output, .. } =
-            self.egui.run_ui(taken, |ui| ui::lay_out(ui, app, shown));
+            self.egui.run_ui(taken, |ui| ui::lay_out(ui, app, drawn));
         self.input.handle_platform_output(&self.window, platform_output);
         let mut textures = textures_delta;
         for (id, deltas) in textures.set.drain() {
@@ -262,7 +262,7 @@ impl Open {
         let delay = viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |output| output.repaint_delay);
         let delay = step.wait.map_or(delay, |wait| wait.min(delay));
         // The first picture was not there yet when the window was laid out.
-        let delay = if step.drew && shown.picture.is_none() { Duration::ZERO } else { delay };
+        let delay = if step.drew && drawn.is_none() { Duration::ZERO } else { delay };
         self.due = if delay.is_zero() { None } else { Instant::now().checked_add(delay) };
         if delay.is_zero() {
             self.window.request_redraw();

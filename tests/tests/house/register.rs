@@ -21,7 +21,9 @@ const ASKED: [(&str, Need); 6] = [
 /// Files with tests that may ask.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
-    for folder in ["formats/tests", "runtime/src", "runtime/bevy/tests", "runtime/web/tests", "bake/tests", "tests/tests"] {
+    for folder in
+        ["formats/tests", "runtime/src", "runtime/bevy/tests", "runtime/web/tests", "bake/tests", "tests/tests"]
+    {
         walk(&workspace().join(folder), &mut files);
     }
     // This file names functions, and tests that there are not; what npm installs is none of ours.

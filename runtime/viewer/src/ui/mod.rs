@@ -7,17 +7,10 @@ mod panel;
 mod picture;
 
 use crate::app::App;
-use egui::{CentralPanel, Frame, Key, Modifiers, Panel, Ui};
+use egui::{CentralPanel, Frame, Key, Modifiers, Panel, TextureId, Ui};
 
-/// Textures of the window that are not egui's own.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Shown {
-    /// The picture that is drawn.
-    pub picture: Option<egui::TextureId>,
-}
-
-/// Lays the window out, and does what hands and keys say.
-pub fn lay_out(ui: &mut Ui, app: &mut App, shown: Shown) {
+/// Lays the window out around the picture that is drawn, and does what hands and keys say.
+pub fn lay_out(ui: &mut Ui, app: &mut App, drawn: Option<TextureId>) {
     keys(ui, app);
     if app.panels {
         Panel::left("look").resizable(true).default_size(290.0).show(ui, |ui| panel::look(ui, app));
@@ -26,7 +19,7 @@ pub fn lay_out(ui: &mut Ui, app: &mut App, shown: Shown) {
         }
         Panel::bottom("time").show(ui, |ui| below::show(ui, app));
     }
-    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture::show(ui, app, shown));
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture::show(ui, app, drawn));
     if app.help {
         help::show(ui, app);
     }

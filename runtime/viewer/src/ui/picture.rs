@@ -1,8 +1,9 @@
 //! The picture in the middle, what hands do to it, and what stands over it: messages, progress, the truth beside.
 
-use super::Shown;
 use crate::app::App;
-use egui::{Align2, Color32, FontId, Key, Pos2, ProgressBar, Rect, Response, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Key, Pos2, ProgressBar, Rect, Response, RichText, Sense, TextureId, Ui, Vec2, pos2, vec2,
+};
 
 /// What lies behind a picture that is transparent.
 const BEHIND: Color32 = Color32::from_rgb(58, 61, 66);
@@ -13,7 +14,7 @@ const POINTS_TO_DOUBLE: f32 = 300.0;
 const FLIGHT: f32 = 0.6;
 
 /// The picture, and the truth beside it where it is asked for.
-pub fn show(ui: &mut Ui, app: &mut App, shown: Shown) {
+pub fn show(ui: &mut Ui, app: &mut App, drawn: Option<TextureId>) {
     let all = ui.available_rect_before_wrap();
     ui.painter().rect_filled(all, 0.0, BEHIND);
     let columns = if app.truth.is_asked() { 3.0 } else { 1.0 };
@@ -22,7 +23,7 @@ pub fn show(ui: &mut Ui, app: &mut App, shown: Shown) {
     app.set_area(column(0.0), ui.ctx().pixels_per_point());
     let first = ui.interact(column(0.0), ui.scope_id().with("picture"), Sense::click_and_drag());
     hands(ui, app, &first);
-    if let Some(picture) = shown.picture {
+    if let Some(picture) = drawn {
         ui.painter().image(picture, column(0.0), whole(), Color32::WHITE);
     }
     if app.truth.is_asked() {
