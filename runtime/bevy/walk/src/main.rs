@@ -10,6 +10,7 @@
 mod picture;
 mod scene;
 
+use bevy_a11y::AccessibilityPlugin;
 use bevy_app::{App, AppExit, ScheduleRunnerPlugin, TaskPoolPlugin, Update};
 use bevy_asset::{AssetPlugin, AssetServer, Handle, LoadState, UnapprovedPathMode};
 use bevy_camera::{Camera3d, CameraPlugin, ClearColor, Hdr};
@@ -101,7 +102,7 @@ fn app(window: bool) -> App {
         AssetPlugin { unapproved_path_mode: UnapprovedPathMode::Allow, ..Default::default() },
     ));
     match window {
-        true => app.add_plugins(WinitPlugin::default()),
+        true => app.add_plugins((AccessibilityPlugin, WinitPlugin::default())),
         false => app.add_plugins(ScheduleRunnerPlugin::default()),
     };
     app.add_plugins((
