@@ -179,7 +179,7 @@ impl View<'_> {
     ///
     /// Where there is none.
     pub fn focus(&self) -> String {
-        let found = self.hands(&["search", "--sync", "--onlyvisible", "--name", "^pelage$"]);
+        let found = self.hands(&["search", "--sync", "--onlyvisible", "--name", "pelage$"]);
         let window = found.lines().next().unwrap_or_else(|| panic!("no window")).to_owned();
         self.hands(&["windowfocus", "--sync", &window]);
         window

@@ -149,6 +149,7 @@ impl ApplicationHandler<Told> for Host {
     fn user_event(&mut self, _: &ActiveEventLoop, told: Told) {
         if let Some(open) = &mut self.open {
             open.app.hear(told, &open.egui);
+            open.window.set_title(&open.app.title());
             open.window.request_redraw();
         }
     }

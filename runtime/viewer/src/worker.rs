@@ -3,6 +3,7 @@
 use crate::watch::Watch;
 use crate::workshop::{Judge, Made, Outcome, Progress, Truth, TruthAsked, Workshop};
 use std::ops::ControlFlow;
+use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -137,7 +138,7 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: S
             continue;
         }
         let began = Instant::now();
-        let made = workshop.make(&edits, &mut |progress| tell(Told::Working(progress)));
+        let made = caught(|| workshop.make(&edits, &mut |progress| tell(Told::Working(progress))));
         if let Some(watch) = &mut watch {
             watch.set(&workshop.files());
         }
@@ -146,6 +147,12 @@ fn make_all(mut workshop: Box<dyn Workshop>, asked: &Receiver<Asked>, changes: S
             Err(reason) => Told::Failed(reason),
         });
     }
+}
+
+/// What some work came to; a panic in it is a fault of the program that the window outlives.
+fn caught<T>(work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
+    let failed = |_| Err("a fault of pelage; what it says of it stands on the terminal".into());
+    std::panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)
 }
 
 fn trace_all(mut judge: Box<dyn Judge>, asked: &Receiver<(u64, TruthAsked)>, wanted: &AtomicU64, tell: &Tell) {
@@ -166,7 +173,7 @@ fn trace_all(mut judge: Box<dyn Judge>, asked: &Receiver<(u64, TruthAsked)>, wan
             tell(Told::Tracing(progress));
             ControlFlow::Continue(())
         };
-        if let Err(reason) = judge.trace(&truth, &mut show, &mut progress) {
+        if let Err(reason) = caught(|| judge.trace(&truth, &mut show, &mut progress)) {
             tell(Told::NoTruth(reason));
         }
     }

@@ -20,6 +20,7 @@ impl Workshop for Shop {
     }
 
     fn make(&mut self, edits: &[String], _: &mut dyn FnMut(Progress)) -> Outcome<Made> {
+        assert!(edits != ["a.b=panic"], "on purpose");
         self.begins.send(edits.to_vec()).unwrap();
         self.go_on.recv().unwrap();
         let subject = Subject::Package(Arc::new(NamedPackage::new("a", edits.join(" ").into_bytes())));
@@ -129,6 +130,18 @@ fn a_changed_file_is_made_anew_with_the_same_edits_until_they_are_saved() {
     assert_eq!(bench.made().unwrap(), "", "the file says it now");
     bench.workers.open("no/such.pelage".into());
     assert!(bench.made().unwrap_err().contains("no/such.pelage"));
+}
+
+#[test]
+fn a_fault_of_the_program_is_told_and_outlived() {
+    let bench = bench();
+    (0..2).for_each(|_| bench.go_on.send(()).unwrap());
+    bench.workers.open(bench.file.clone());
+    bench.made().unwrap();
+    bench.workers.make(vec!["a.b=panic".into()]);
+    assert!(bench.made().unwrap_err().contains("a fault of pelage"));
+    bench.workers.make(vec!["a.b=1".into()]);
+    assert_eq!(bench.made().unwrap(), "a.b=1");
 }
 
 #[test]

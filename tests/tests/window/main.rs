@@ -1,7 +1,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! `pelage view` in a real window on a screen without glass, with real keys and a real mouse.
 
-use pelage_tests::binary::{Sandbox, workspace};
+use pelage_tests::binary::{Sandbox, walk, workspace};
 use pelage_tests::desktop::{Desktop, View};
 use std::path::Path;
 use std::time::Duration;
@@ -171,13 +171,16 @@ fn a_window_outlives_what_is_no_package() {
     sandbox.write("d-text.pelage", b"This is a letter.");
     sandbox.write("e-broken.glb", b"glTF\x02\0\0\0\xff\xff\xff\xff");
     let mut bad = 5;
-    // And whatever is at hand, under names that a window opens.
+    // And every file of the test data that is no model, under names that a window opens.
     if let Some(data) = pelage_needs::data("a_window_outlives_what_is_no_package") {
-        let strange = ["hdr/tiny_rgb_2x3.hdr", "ink/pale_lake.png", "hair/straight.hair", "README.md"];
-        for (number, name) in strange.iter().enumerate() {
-            std::fs::copy(data.join(name), sandbox.path().join(format!("f-{number}.pelage"))).unwrap();
-            bad += 1;
+        let mut files = Vec::new();
+        walk(&data, &mut files);
+        files.retain(|file| !file.extension().is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|model| e == *model)));
+        assert!(files.len() > 300, "only {} files", files.len());
+        for (number, file) in files.iter().enumerate() {
+            std::fs::copy(file, sandbox.path().join(format!("f-{number:04}.pelage"))).unwrap();
         }
+        bad += files.len();
     }
     let mut view = desktop.view(sandbox.path(), &["a-cut.pelage", "--window", "300x240", "--no-panels"]);
     let failure = view.wait_for("failure");

@@ -106,7 +106,8 @@ impl Studio {
         let others = if is_new || now != kept.images { Some(args.images(&recipe)?) } else { None };
         kept.images = now;
         let baked = kept.baking.bake(recipe, others, progress);
-        self.baking = Some(kept);
+        // A fault of the program may have ended its thread: the next bake begins with another.
+        self.baking = Some(kept).filter(|_| !matches!(baked, Err(BakeError::Internal(_))));
         let (baked, stages): Timed = baked.map_err(|error| args.placed(&file, error))?;
         let chosen = baked.decisions.iter().map(|d| format!("{}: {} ({})", d.what, d.chosen, d.line));
         let notes = baked.warnings.iter().cloned().chain(chosen).collect();

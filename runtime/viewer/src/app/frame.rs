@@ -1,0 +1,88 @@
+//! One frame after another.
+
+use super::state::App;
+use crate::subject::Subject;
+use crate::workshop::TruthAsked;
+use pelage_stage::StageError;
+use serde_json::json;
+use std::time::{Duration, Instant};
+
+/// So long after the last movement pictures of a software device stay small.
+const SETTLES: Duration = Duration::from_millis(220);
+
+/// What a frame came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Whether the picture is another one.
+    pub drew: bool,
+    /// How long nothing will change by itself; `None` for until somebody does something.
+    pub wait: Option<Duration>,
+}
+
+impl App {
+    /// Goes on with time, and draws what is to be seen.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Device`] for a device that is gone. A look that cannot be drawn is a failure that stands in the window.
+    pub fn go_on(&mut self) -> Result<Step, StageError> {
+        let now = Instant::now();
+        let since = self.played_at.replace(now).map_or(Duration::ZERO, |before| now - before);
+        if self.playing {
+            // Whoever looks away for a minute finds the clip where it was.
+            let seconds = since.as_secs_f32().min(0.25);
+            self.show.set_time(self.show.time_s() + self.speed * seconds);
+            self.changed();
+        }
+        if std::mem::take(&mut self.settles) {
+            return Ok(Step { drew: false, wait: Some(Duration::ZERO) });
+        }
+        self.go_on_saving();
+        let moves = self.playing || self.moved_at.is_some_and(|at| at.elapsed() < SETTLES);
+        let small = moves && self.show.is_software() && self.sequence.is_none();
+        let (width, height) = self.area;
+        let size = if small { (width.div_ceil(2), height.div_ceil(2)) } else { (width, height) };
+        let first = self.show.last().is_none();
+        let drew = match self.show.draw(size) {
+            Ok(drew) => drew,
+            Err(error @ StageError::Device(_)) => return Err(error),
+            Err(error) => {
+                let reason = error.to_string();
+                if self.failure.as_ref() != Some(&reason) {
+                    self.fail(reason);
+                }
+                false
+            }
+        };
+        if drew {
+            let took_ms = self.show.last().map_or(0.0, |last| 1e3 * last.took.as_secs_f64());
+            let event = if first { "first picture" } else { "picture" };
+            self.events.tell(event, json!({ "width": size.0, "height": size.1, "took_ms": took_ms }));
+        }
+        if !moves && self.truth.is_due() {
+            self.trace()?;
+        }
+        let wait = if self.playing || self.sequence.is_some() {
+            Some(Duration::ZERO)
+        } else if moves || self.truth.waits() {
+            Some(Duration::from_millis(60))
+        } else {
+            self.said().map(|_| Duration::from_secs(1))
+        };
+        Ok(Step { drew, wait })
+    }
+
+    pub(super) fn trace(&mut self) -> Result<(), StageError> {
+        let Some(Subject::Package(file)) = self.show.subject().cloned() else {
+            self.truth.failed("it is traced of one package; a scene has several".into());
+            return Ok(());
+        };
+        let Some(drawn) = self.show.picture(self.area)? else { return Ok(()) };
+        let mut look = self.look_now();
+        (look.picture.size.width, look.picture.size.height) = self.area;
+        let camera = self.show.view(self.area)?;
+        let clip = self.show.clip().map(|clip| clip.name.clone());
+        self.workers.trace(TruthAsked { file, look, camera, clip, time_s: self.show.time_s(), drawn });
+        Ok(())
+    }
+}

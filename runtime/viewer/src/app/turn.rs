@@ -1,0 +1,87 @@
+//! Knobs that are turned, of the look and of the recipe, and taken back.
+
+use super::state::App;
+use crate::knobs::{Edits, Knobs};
+use crate::script::Style;
+use pelage_stage::Look;
+
+impl App {
+    /// The look with all changes.
+    pub fn look_now(&self) -> Look {
+        let mut look = self.look_base.clone();
+        for assignment in self.look_edits.assignments() {
+            // Each was taken before.
+            let _ = look.set(&assignment);
+        }
+        look
+    }
+
+    /// A change of the look counts.
+    pub fn look_changed(&mut self) {
+        self.recipe_last = false;
+        let look = self.look_now();
+        let refused = self.refused_look_edits();
+        if let Err(error) = self.show.set_look(look, self.area) {
+            return self.fail(error.to_string());
+        }
+        match refused {
+            Some(reason) => self.fail(reason),
+            None => self.mended(),
+        }
+        self.changed();
+    }
+
+    pub(super) fn refused_look_edits(&self) -> Option<String> {
+        let mut look = self.look_base.clone();
+        let refuse = |edit: String| look.set(&edit).err().map(|error| format!("look: {error}"));
+        self.look_edits.assignments().into_iter().find_map(refuse)
+    }
+
+    /// Whether what is shown is baked by a recipe here.
+    pub fn has_recipe(&self) -> bool {
+        self.recipe_base.is_some()
+    }
+
+    /// The recipe with all changes.
+    pub fn recipe_now(&self) -> Option<Box<dyn Knobs>> {
+        let mut recipe = self.recipe_base.as_ref()?.boxed();
+        for assignment in self.recipe_edits.assignments() {
+            // One that is refused is told of by the bake.
+            let _ = recipe.set(&assignment);
+        }
+        Some(recipe)
+    }
+
+    /// A change of the recipe counts: the model is baked anew.
+    pub fn recipe_changed(&mut self) {
+        self.recipe_last = true;
+        self.workers.make(self.recipe_edits.assignments());
+    }
+
+    /// Takes the last change back.
+    pub fn undo(&mut self) {
+        self.step(Edits::undo);
+    }
+
+    /// Makes it again.
+    pub fn redo(&mut self) {
+        self.step(Edits::redo);
+    }
+
+    pub(super) fn step(&mut self, step: fn(&mut Edits) -> bool) {
+        let recipe_first = self.recipe_last;
+        for of_recipe in [recipe_first, !recipe_first] {
+            let edits = if of_recipe { &mut self.recipe_edits } else { &mut self.look_edits };
+            if step(edits) {
+                return if of_recipe { self.recipe_changed() } else { self.look_changed() };
+            }
+        }
+    }
+
+    /// Draws in another style.
+    pub fn set_style(&mut self, style: Style) {
+        self.look_edits.set("picture.style", format!("{:?}", style.word()), false);
+        self.look_edits.released();
+        self.look_changed();
+    }
+}
