@@ -78,7 +78,7 @@ pub use light::{CasterPass, Casters, LightView, ShadowMaps};
 pub use model::Model;
 #[cfg(feature = "study")]
 pub use params::{
-    Anchoring, FeatureRule, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
+    Anchoring, FeatureRule, FurShow, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
 };
 pub use params::{
     Detail, FrameParams, FurParams, Hair, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions,

@@ -29,6 +29,7 @@ macro_rules! hair_wgsl {
             include_str!("../../light/baked.wgsl"),
             include_str!("../../light/fibre.wgsl"),
             include_str!("../../light/fills.wgsl"),
+            $crate::study::form_wgsl!("shown"),
             $crate::study::form_wgsl!("light"),
             include_str!("../../light/key.wgsl"),
             include_str!("../../light/point.wgsl"),

@@ -18,6 +18,6 @@ pub use renderer::RendererOptions;
 pub use shadows::ShadowParams;
 #[cfg(feature = "study")]
 pub use study::{
-    Anchoring, FeatureRule, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
+    Anchoring, FeatureRule, FurShow, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
 };
 pub use style::{Style, StyleKind};

@@ -90,6 +90,18 @@ pub enum InkShow {
     Wash,
 }
 
+/// What a frame of fur shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum FurShow {
+    /// Its light.
+    #[default]
+    Picture,
+    /// Which geometry each fragment is of: skin grey, the far coat violet, shells green, fins yellow, single strands red.
+    Geometry,
+    /// How many fragments lie over each other: what blends adds up, what is opaque is one.
+    Overdraw,
+}
+
 /// What of a frame is other than pelage draws it, for charts, tests and measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -114,6 +126,8 @@ pub struct Study {
     pub ambient_attenuation: bool,
     /// Whether the light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
     pub back_attenuation: bool,
+    /// What a frame of fur shows.
+    pub fur: FurShow,
     /// Which of the four neighbours must differ for a line of ink.
     pub features: FeatureRule,
     /// Whether lines of ink keep to their width (default true). Without it the sphere map alone decides, which blackens what is seen edge on.
@@ -145,6 +159,7 @@ impl Default for Study {
             strand_pieces: None,
             ambient_attenuation: true,
             back_attenuation: true,
+            fur: FurShow::Picture,
             features: FeatureRule::AnyBelow,
             template: true,
             sphere_map: SphereMapForm::Perpendicular,

@@ -5,12 +5,23 @@
 //! that take their place. [`amend`] then turns a pipeline that a pass asks for into the one that is studied.
 
 use crate::gpu::{ComputeSpec, RenderSpec, Shader, on};
-use crate::params::{Anchoring, FeatureRule, FrameParams, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm};
+use crate::params::{
+    Anchoring, FeatureRule, FrameParams, FurShow, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm,
+};
 use crate::shared::kajiya_kay;
 
 macro_rules! form_wgsl {
     ("light") => {
         include_str!("../../study/forms.wgsl")
+    };
+    ("shown") => {
+        include_str!("../../study/shown.wgsl")
+    };
+    ("behind strands") => {
+        include_str!("../../study/shown_strands.wgsl")
+    };
+    ("behind strand_blend") => {
+        include_str!("../../study/shown_blend.wgsl")
     };
     ("strand shadows") => {
         include_str!("../../study/deep_forms.wgsl")
@@ -40,12 +51,22 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
         on("VERTEX_LIGHTING", study.lighting == Lighting::Vertex),
     ];
     let Shader { name, .. } = spec.shader;
+    let shown = ("SHOW_AS", study.fur as u32);
     match name {
         "pelage shells" if study.yardstick => {
             (spec.vertex, spec.fragment) = ("vs_yardstick", Some("fs_yardstick"));
             spec.constants.retain(|(name, _)| ["LEAN", "DETAIL"].contains(name));
         }
-        "pelage skin" | "pelage fins" | "pelage shells" => spec.constants.extend(lit),
+        "pelage skin" | "pelage fins" | "pelage shells" => {
+            spec.constants.extend(lit);
+            spec.constants.push(shown);
+        }
+        "pelage strands" | "pelage strand blend"
+            if study.fur != FurShow::Picture && spec.fragment != Some("fs_depth") =>
+        {
+            spec.fragment = Some("fs_shown");
+            spec.constants.push(shown);
+        }
         "pelage layer shadow" => spec.constants.extend(&lit[1..2]),
         "pelage ink normals" => {
             spec.constants.push(("SPHERE_MAP", study.sphere_map as u32));

@@ -3,6 +3,7 @@
 
 mod detail;
 mod drawable;
+mod false_colors;
 mod fins;
 mod frames;
 mod groom;

@@ -77,5 +77,5 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
         vec3(1.0), 0.0, arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible),
         baked_at_height(height, groom.x, in.length_slope.x, in.length_slope.y),
     );
-    return vec4(light_hair(point), texel.a);
+    return shown(vec4(light_hair(point), texel.a), 3u, 0.0);
 }

@@ -86,7 +86,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     }
     let direction = grown(hair.direction, in.length, in.slope);
     let point = HairPoint(in.spot, direction, texel.rgb * base.rgb, texel.a, in.tint, groom.y, arriving, baked);
-    return vec4(light_hair(point), texel.a);
+    return shown(vec4(light_hair(point), texel.a), 2u, 0.0);
 }
 
 @fragment

@@ -76,9 +76,10 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     let visible = visible_on_bare(Receiver(in.place, 0.0, false, n_dot_l));
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
     if ROLL_OFF {
-        return vec4(base.rgb * rolled_off(bare_color(vec3(1.0), n_dot_l, visible, spot, side), full_light()), 1.0);
+        let light = rolled_off(bare_color(vec3(1.0), n_dot_l, visible, spot, side), full_light());
+        return shown(vec4(base.rgb * light, 1.0), 0u, 0.0);
     }
-    return vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0);
+    return shown(vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0), 0u, 0.0);
 }
 
 // The most light that bare skin can get: all lights from straight above.
@@ -148,7 +149,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
         let coated = with_coat(
             baked_coat, far, skin, of_coat, spot, light, in.half_ts, in.grows_length_slope.y, in.grows_length_slope.z, share, groom.y, past,
         );
-        return vec4(coated, 1.0);
+        return shown(vec4(coated, 1.0), 0u, share);
     }
-    return vec4(skin, 1.0);
+    return shown(vec4(skin, 1.0), 0u, 0.0);
 }

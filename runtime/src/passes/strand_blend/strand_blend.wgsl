@@ -41,8 +41,7 @@ struct Blended {
     @builtin(frag_depth) depth: f32,
 }
 
-@fragment
-fn fs_blend(in: TileVarying) -> Blended {
+fn blended_in(in: TileVarying) -> Blended {
     let pixel = pixel_number(vec2<u32>(in.at));
     let key = keys[OF_A_PIXEL * pixel + in.layer];
     if key == 0u {
@@ -55,6 +54,11 @@ fn fs_blend(in: TileVarying) -> Blended {
     }
     let covered = 1.0 - through;
     return Blended(vec4(covered * unpacked_light(lights[NEAREST * pixel + in.layer]), covered), depth_of(key));
+}
+
+@fragment
+fn fs_blend(in: TileVarying) -> Blended {
+    return blended_in(in);
 }
 
 @vertex

@@ -9,7 +9,12 @@ use crate::scene::{Recording, strand_sets};
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strands",
-    parts: &[include_str!("../../hair/packed_light.wgsl"), include_str!("strands.wgsl")],
+    parts: &[
+        include_str!("../../hair/packed_light.wgsl"),
+        include_str!("strands.wgsl"),
+        crate::study::form_wgsl!("shown"),
+        crate::study::form_wgsl!("behind strands"),
+    ],
 };
 
 impl PassId {

@@ -1,16 +1,16 @@
 //! What a look comes to for the runtime.
 
 use super::kinds::{
-    Background, LookAnchoring, LookDetail, LookHair, LookLighting, LookPenumbra, LookRule, LookSelfShadow, LookShow,
-    LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth,
+    Background, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra, LookRule, LookSelfShadow,
+    LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
 use crate::{Picture, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    Anchoring, Detail, FeatureRule, FrameParams, FurParams, Hair, InkBackground, InkParams, InkShow, Light, Lighting,
-    LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, StrandEdges, Study, Style,
+    Anchoring, Detail, FeatureRule, FrameParams, FurParams, FurShow, Hair, InkBackground, InkParams, InkShow, Light,
+    Lighting, LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, StrandEdges, Study, Style,
 };
 
 /// Any view: a stage sets its own.
@@ -126,6 +126,11 @@ impl Look {
             study.lighting = match self.fur.lighting {
                 LookLighting::Pixel => Lighting::Pixel,
                 LookLighting::Vertex => Lighting::Vertex,
+            };
+            study.fur = match self.fur.show {
+                LookFurShow::Picture => FurShow::Picture,
+                LookFurShow::Geometry => FurShow::Geometry,
+                LookFurShow::Overdraw => FurShow::Overdraw,
             };
             study.ambient_attenuation = self.fur.ambient_attenuation;
             study.back_attenuation = self.fur.back_attenuation;

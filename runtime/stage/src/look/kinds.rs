@@ -67,6 +67,19 @@ words! {
 }
 
 words! {
+    /// What a frame of fur shows.
+    LookFurShow {
+        /// Its light.
+        #[default]
+        Picture = "picture",
+        /// Of which geometry it is: skin grey, the far coat violet, shells green, fins yellow, single strands red.
+        Geometry = "geometry",
+        /// How many layers of hair lie over each other: brighter with each.
+        Overdraw = "overdraw",
+    }
+}
+
+words! {
     /// What the slant of a ray does to the opacity of a layer.
     LookSlant {
         /// The way through a layer grows with the slant.

@@ -20,8 +20,9 @@ mod short;
 mod tables;
 
 pub use kinds::{
-    Background, FillLight, Interval, LookAnchoring, LookDetail, LookHair, LookLighting, LookPenumbra, LookRule,
-    LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, Rgb, Samples, Size,
+    Background, FillLight, Interval, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra,
+    LookRule, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, Rgb, Samples,
+    Size,
 };
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
 pub use tables::{KeyLight, Look, LookFur, LookInk, LookLight, LookPicture, LookShadow};

@@ -1,9 +1,9 @@
 //! The knobs of a look.
 
 use super::kinds::{
-    Background, FillLight, Interval, LookAnchoring, LookDetail, LookHair, LookLighting, LookPenumbra, LookRule,
-    LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb, Samples,
-    Size, Towards,
+    Background, FillLight, Interval, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra,
+    LookRule, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb,
+    Samples, Size, Towards,
 };
 use crate::framing::TOWARDS_LIGHT;
 use glam::Vec3;
@@ -73,6 +73,8 @@ params! {
         hair: LookHair = LookHair::Auto;
         /// How pixels are made of single strands.
         strand_edges: LookStrandEdges = LookStrandEdges::Samples;
+        /// What is shown: the picture, or false colours for what it is drawn with and how much of it.
+        show: LookFurShow = LookFurShow::Picture;
         /// Where hair is lit.
         lighting: LookLighting = LookLighting::Pixel;
         /// What the slant of the look does to the opacity of a layer.
