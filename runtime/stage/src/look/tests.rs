@@ -23,8 +23,8 @@ fn every_short_form_sets_a_knob_of_its_own() {
         assert!(short.knob().is_some(), "--{} sets {}, which is no key", short.flag, short.key);
         assert!(all[..i].iter().all(|other| other.flag != short.flag && other.key != short.key), "{short:?}");
     }
-    // A knob without one would be forgotten by those who type flags.
-    for knob in knobs::<Look>() {
+    // A knob without one would be forgotten by those who type flags. False colours are for whoever looks into a picture, and are asked for by their key.
+    for knob in knobs::<Look>().filter(|knob| knob.name != "fur.show") {
         assert!(all.iter().any(|short| short.key == knob.name), "{} has no short form", knob.name);
     }
 }
