@@ -21,6 +21,7 @@ mod workshop;
 
 pub use knobs::{Edit, Edits, Knobs};
 pub use subject::{ClipInfo, Subject};
+pub use watch::{Stamp, stamp};
 pub use window::{ViewError, ViewOptions, view};
 pub use workshop::{Judge, Made, Outcome, Progress, Truth, TruthAsked, Workshop};
 

@@ -1,30 +1,8 @@
-//! What scripts and tests are told while a window is open, as lines of JSON, and words that they share with hands.
+//! What scripts and tests are told while a window is open, as lines of JSON.
 
 use serde_json::Value;
 use std::io::Write;
 use std::time::Instant;
-
-/// How models are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Style {
-    /// In fur.
-    Fur,
-    /// In ink.
-    Ink,
-    /// Skin alone.
-    Bare,
-}
-
-impl Style {
-    /// As a look has it.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Fur => "fur",
-            Self::Ink => "ink",
-            Self::Bare => "bare",
-        }
-    }
-}
 
 /// Where what happens is written, a line of JSON each: `{"ms": 812.5, "event": "made", …}`.
 pub struct Events {

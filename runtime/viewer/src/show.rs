@@ -4,6 +4,7 @@ use crate::subject::{ClipInfo, Subject};
 use image::RgbaImage;
 use pelage_runtime::{FrameReport, wgpu};
 use pelage_stage::{Framing, Gpu, Look, Navigator, Orbit, Shot, Size, Stage, StageError, Viewpoint, framed};
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 /// A subject on a stage.
@@ -19,6 +20,8 @@ pub struct Show {
     /// The subject's own camera over time, where it has one.
     shot: Option<Shot>,
     navigator: Option<Navigator>,
+    /// The view that frames all of it in a picture of that size: to find it the whole model is gone through.
+    framed: Cell<Option<((u32, u32), Viewpoint)>>,
     /// Seconds.
     time_s: f32,
     /// What the canvas shows: nothing is drawn again while it is this.
@@ -58,6 +61,7 @@ impl Show {
             look: Look::of_picture(),
             shot: None,
             navigator: None,
+            framed: Cell::new(None),
             time_s: 0.0,
             drawn: None,
             last: None,
@@ -145,6 +149,7 @@ impl Show {
         let (look, time_s) = (self.sized(size), self.time_s);
         let cast = subject.cast(clip.map(|clip| clip.name.as_str()), None, look.aspect())?;
         self.drawn = None;
+        self.framed.set(None);
         match &mut self.stage {
             Some(stage) => {
                 stage.relook(&look.picture(), look.frame_params(), time_s)?;
@@ -199,7 +204,10 @@ impl Show {
         match (&self.navigator, &self.shot) {
             (Some(navigator), _) => Ok(navigator.view()),
             (None, Some(shot)) => Ok(shot.at(self.time_s)),
-            (None, None) => self.framed(None, size),
+            (None, None) => match self.framed.get().filter(|(of, _)| *of == size) {
+                Some((_, view)) => Ok(view),
+                None => self.framed(None, size).inspect(|view| self.framed.set(Some((size, *view)))),
+            },
         }
     }
 

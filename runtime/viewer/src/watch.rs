@@ -15,9 +15,10 @@ use std::time::{Duration, SystemTime};
 const QUIET: Duration = Duration::from_millis(120);
 
 /// A file as it is: length and time of change, or that it is not there.
-type Stamp = Option<(u64, SystemTime)>;
+pub type Stamp = Option<(u64, SystemTime)>;
 
-fn stamp(file: &Path) -> Stamp {
+/// That of a file now.
+pub fn stamp(file: &Path) -> Stamp {
     let data = file.metadata().ok()?;
     Some((data.len(), data.modified().unwrap_or(SystemTime::UNIX_EPOCH)))
 }

@@ -2,7 +2,8 @@
 
 use crate::cli::truth::{Truth as TrueView, encode};
 use crate::cli::view::View;
-use pelage_bake::judge::compare::compare;
+use pelage_bake::judge::compare::{CompareParams, compare};
+use pelage_bake::judge::truth::TracedPicture;
 use pelage_stage::LookStyle;
 use pelage_viewer::{Judge, Outcome, Progress, Truth, TruthAsked};
 use std::ops::ControlFlow;
@@ -10,8 +11,6 @@ use std::sync::Arc;
 
 /// Samples per pixel after each pass: the first shows something soon, the last is `pelage reference`'s.
 const PASSES: [u32; 4] = [1, 4, 16, 64];
-/// What both pictures are laid over for FLIP, where the look has nothing behind them; as in `pelage compare`.
-const OVER: [u8; 3] = [128; 3];
 
 /// Traces, and keeps the strands that it grew for the next view of the same pose.
 #[derive(Default)]
@@ -46,7 +45,7 @@ impl Judge for Tracer {
             self.grown = Some((asked.clone(), grown));
         }
         let Some((_, truth)) = &self.grown else { return Ok(()) };
-        let mut picture: Option<pelage_bake::judge::truth::TracedPicture> = None;
+        let mut picture: Option<TracedPicture> = None;
         let mut before = 0;
         for samples in PASSES {
             let mut tell = |done: u64, total: u64| {
@@ -62,7 +61,7 @@ impl Judge for Tracer {
             let Some(traced) = &picture else { continue };
             let background = asked.look.background();
             let encoded = encode(traced, background);
-            let flip = compare(&asked.drawn, &encoded, background.unwrap_or(OVER));
+            let flip = compare(&asked.drawn, &encoded, background.unwrap_or(CompareParams::default().over));
             let flip = flip.ok().map(|(figures, map)| (figures.flip.mean, map.magma()));
             show(Truth { picture: encoded, samples, of_samples: PASSES[PASSES.len() - 1], flip });
             before = samples;

@@ -12,11 +12,9 @@ use pelage_bake::stages::import::ImportOptions;
 use pelage_bake::{BakeError, io};
 use pelage_formats::MAGIC;
 use pelage_stage::NamedPackage;
-use pelage_viewer::{Judge, Made, Outcome, Progress, Subject, Workshop};
-use std::fs::Metadata;
+use pelage_viewer::{Judge, Made, Outcome, Progress, Stamp, Subject, Workshop, stamp};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::SystemTime;
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,23 +41,21 @@ pub struct Studio {
 /// A model that was read, and what it was read from.
 struct Kept {
     baking: Baking,
-    model: Stamp,
+    model: Stamps,
     unit_m: f32,
-    images: Stamp,
+    images: Stamps,
 }
 
-/// Files as they were when they were read: length and time, or that they were not there.
-type Stamp = Vec<(PathBuf, Option<(u64, SystemTime)>)>;
+/// Files as they were when they were read.
+type Stamps = Vec<(PathBuf, Stamp)>;
 
-fn stamp(files: &[PathBuf]) -> Stamp {
-    let of = |data: Metadata| (data.len(), data.modified().unwrap_or(SystemTime::UNIX_EPOCH));
-    files.iter().map(|file| (file.clone(), file.metadata().ok().map(of))).collect()
+fn stamps(files: &[PathBuf]) -> Stamps {
+    files.iter().map(|file| (file.clone(), stamp(file))).collect()
 }
 
 /// Whether those files are now as they were.
-fn stands(before: &Stamp) -> bool {
-    let files: Vec<PathBuf> = before.iter().map(|(file, _)| file.clone()).collect();
-    stamp(&files) == *before
+fn stands(before: &Stamps) -> bool {
+    before.iter().all(|(file, then)| stamp(file) == *then)
 }
 
 impl Studio {
@@ -102,7 +98,7 @@ impl Studio {
             None => (self.read_model(path, unit_m, progress)?, true),
         };
         self.files.extend(kept.model.iter().map(|(file, _)| file.clone()));
-        let now = stamp(&images);
+        let now = stamps(&images);
         let others = if is_new || now != kept.images { Some(args.images(&recipe)?) } else { None };
         kept.images = now;
         let baked = kept.baking.bake(recipe, others, progress);
@@ -122,10 +118,10 @@ impl Studio {
         let read = io::read_model_noting(path, &options, self.recipe.reach(), &mut |file| named.push(file.to_owned()));
         self.files.extend(named.iter().cloned());
         // Before what it says: a file that changes while it is read is read again.
-        let model_stamp = stamp(&named);
+        let model = stamps(&named);
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let baking = Baking::new(path.display().to_string(), name, read?);
-        Ok(Kept { baking, model: model_stamp, unit_m, images: Stamp::new() })
+        Ok(Kept { baking, model, unit_m, images: Stamps::new() })
     }
 
     fn scene(&mut self, path: &Path) -> Result<Made, Failure> {

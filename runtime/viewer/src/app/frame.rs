@@ -72,7 +72,7 @@ impl App {
         Ok(Step { drew, wait })
     }
 
-    pub(super) fn trace(&mut self) -> Result<(), StageError> {
+    fn trace(&mut self) -> Result<(), StageError> {
         let Some(Subject::Package(file)) = self.show.subject().cloned() else {
             self.truth.failed("it is traced of one package; a scene has several".into());
             return Ok(());

@@ -18,9 +18,9 @@ impl App {
                 self.fail(reason);
             }
             Told::Saved(saved) => {
+                // The file has them now, and is watched.
                 let saved = saved.inspect(|_| self.recipe_edits.forget());
                 self.tell_saved("recipe", saved);
-                // The file has them now, and is watched.
             }
             Told::Tracing(progress) => self.truth.progressed(progress),
             Told::Truth(truth) => {
@@ -36,7 +36,7 @@ impl App {
         }
     }
 
-    pub(super) fn made(&mut self, made: Made, took: Duration) {
+    fn made(&mut self, made: Made, took: Duration) {
         let Made { subject, look, recipe, notes, stages } = made;
         self.working = None;
         let name = subject.name().to_owned();

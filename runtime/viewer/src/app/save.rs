@@ -57,7 +57,7 @@ impl App {
         self.tell_saved("picture", saved);
     }
 
-    pub(super) fn write_picture(&mut self, path: &Path) -> Result<(), String> {
+    fn write_picture(&mut self, path: &Path) -> Result<(), String> {
         let picture = self.show.picture(self.area).map_err(|error| error.to_string())?;
         save::write_png(path, &picture.ok_or("nothing is shown yet")?)
     }
@@ -67,7 +67,7 @@ impl App {
         self.show.subject().map_or("pelage".into(), |subject| format!("{} - pelage", save::stem(subject.name())))
     }
 
-    pub(super) fn stem(&self) -> String {
+    fn stem(&self) -> String {
         save::stem(self.show.subject().map_or("", Subject::name))
     }
 

@@ -2,8 +2,7 @@
 
 use super::state::App;
 use crate::knobs::{Edits, Knobs};
-use crate::script::Style;
-use pelage_stage::Look;
+use pelage_stage::{Look, LookStyle};
 
 impl App {
     /// The look with all changes.
@@ -31,7 +30,7 @@ impl App {
         self.changed();
     }
 
-    pub(super) fn refused_look_edits(&self) -> Option<String> {
+    fn refused_look_edits(&self) -> Option<String> {
         let mut look = self.look_base.clone();
         let refuse = |edit: String| look.set(&edit).err().map(|error| format!("look: {error}"));
         self.look_edits.assignments().into_iter().find_map(refuse)
@@ -68,7 +67,7 @@ impl App {
         self.step(Edits::redo);
     }
 
-    pub(super) fn step(&mut self, step: fn(&mut Edits) -> bool) {
+    fn step(&mut self, step: fn(&mut Edits) -> bool) {
         let recipe_first = self.recipe_last;
         for of_recipe in [recipe_first, !recipe_first] {
             let edits = if of_recipe { &mut self.recipe_edits } else { &mut self.look_edits };
@@ -79,7 +78,7 @@ impl App {
     }
 
     /// Draws in another style.
-    pub fn set_style(&mut self, style: Style) {
+    pub fn set_style(&mut self, style: LookStyle) {
         self.look_edits.set("picture.style", format!("{:?}", style.word()), false);
         self.look_edits.released();
         self.look_changed();

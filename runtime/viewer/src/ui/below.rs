@@ -1,7 +1,6 @@
 //! Below the picture: clips and their time, the style, and figures of the last frame.
 
 use crate::app::App;
-use crate::script::Style;
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 use pelage_stage::LookStyle;
 use std::path::Path;
@@ -28,12 +27,8 @@ pub fn show(ui: &mut Ui, app: &mut App) {
 
 fn styles(ui: &mut Ui, app: &mut App) {
     let now = app.look_now().picture.style;
-    for (style, is_now, word) in [
-        (Style::Fur, now == LookStyle::Fur, "Fur"),
-        (Style::Ink, now == LookStyle::Ink, "Ink"),
-        (Style::Bare, now == LookStyle::Bare, "Bare"),
-    ] {
-        if ui.selectable_label(is_now, word).clicked() {
+    for (style, word) in [(LookStyle::Fur, "Fur"), (LookStyle::Ink, "Ink"), (LookStyle::Bare, "Bare")] {
+        if ui.selectable_label(now == style, word).clicked() {
             app.set_style(style);
         }
     }

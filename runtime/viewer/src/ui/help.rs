@@ -1,8 +1,8 @@
 //! The keys, as the window acts on them and lists them.
 
 use crate::app::App;
-use crate::script::Style;
 use egui::{Grid, Key, RichText, Ui, Window};
+use pelage_stage::LookStyle;
 
 /// What a key does.
 pub type Act = fn(&mut App);
@@ -36,9 +36,9 @@ pub const KEYS: &[Line] = &[
     line("R", "the camera as it was", Key::R, App::reset_camera),
     line("Space", "plays and stops the clip", Key::Space, App::toggle_playing),
     line("T", "the true picture beside, traced, with FLIP", Key::T, App::toggle_truth),
-    line("1", "fur", Key::Num1, |app| app.set_style(Style::Fur)),
-    line("2", "ink", Key::Num2, |app| app.set_style(Style::Ink)),
-    line("3", "bare skin", Key::Num3, |app| app.set_style(Style::Bare)),
+    line("1", "fur", Key::Num1, |app| app.set_style(LookStyle::Fur)),
+    line("2", "ink", Key::Num2, |app| app.set_style(LookStyle::Ink)),
+    line("3", "bare skin", Key::Num3, |app| app.set_style(LookStyle::Bare)),
     line("M", "measures the passes of this view", Key::M, App::measure),
     line("Page Down", "the next file of the folder", Key::PageDown, |app| app.open_next(false)),
     line("Page Up", "the one before", Key::PageUp, |app| app.open_next(true)),
