@@ -1,12 +1,11 @@
 // The package's API on a canvas: pictures, memory, devices.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { browser } from "./needs.mjs";
+import { after, before } from "node:test";
+import { browser, inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
 import { assertOther, assertSame, bare, bytesOf, open, picture, rendered } from "./stage.mjs";
 
-const LONG_MS = 120_000;
 const SIZE = [320, 240];
 /** Cheap, and with shadow maps that a pose draws anew. */
 const SMALL = "[picture]\nsamples = 1\n[shadow]\nmap_texels = 64\n";
@@ -16,14 +15,6 @@ before(async () => {
   if (found()) opened = await open();
 });
 after(() => opened?.close());
-
-/** A test in the browser, where there is one. */
-function inBrowser(name, needed, body) {
-  test(name, { timeout: LONG_MS }, async (t) => {
-    if (needed) await body(t);
-    else t.skip();
-  });
-}
 
 inBrowser("a_canvas_shows_what_render_draws", browser("a_canvas_shows_what_render_draws"), async () => {
   const { page, faults, close } = await bare(opened, { size: SIZE });

@@ -2,6 +2,7 @@
 
 import { appendFileSync, existsSync } from "node:fs";
 import { resolve } from "node:path";
+import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { found } from "./browser.mjs";
 
@@ -34,4 +35,15 @@ export function data(test) {
   const folder = process.env.PELAGE_DATA ?? resolve(ROOT, "../shared/data");
   const there = existsSync(`${folder}/meshes`) && existsSync(`${folder}/ktx2`);
   return has("data", test, there ? folder : null, `no test data at ${folder}`) ? folder : null;
+}
+
+/** So long a test in the browser may take. */
+export const LONG_MS = 120_000;
+
+/** A test in the browser, where there is what it needs. */
+export function inBrowser(name, needed, body) {
+  test(name, { timeout: LONG_MS }, async (t) => {
+    if (needed) await body(t);
+    else t.skip();
+  });
 }

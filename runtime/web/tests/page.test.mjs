@@ -3,26 +3,17 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync, statSync } from "node:fs";
 import { extname, join } from "node:path";
-import { after, before, test } from "node:test";
-import { browser, data } from "./needs.mjs";
+import { after, before } from "node:test";
+import { browser, data, inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
 import { assertOther, bytesOf, hare, open, page, picture } from "./stage.mjs";
 
-const LONG_MS = 120_000;
 let opened;
 
 before(async () => {
   if (found()) opened = await open();
 });
 after(() => opened?.close());
-
-/** A test in the browser, where there is one. */
-function inBrowser(name, needed, body) {
-  test(name, { timeout: LONG_MS }, async (t) => {
-    if (needed) await body(t);
-    else t.skip();
-  });
-}
 
 /** The page once it shows the hare. */
 async function loaded(options) {
