@@ -22,6 +22,7 @@ pub mod pipeline;
 pub mod rebake;
 pub mod recipe;
 pub mod recorded;
+pub mod remade;
 pub mod reslice;
 pub(crate) mod sample;
 pub mod stages;

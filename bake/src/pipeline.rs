@@ -11,7 +11,8 @@ pub use lay::{Laid, lay};
 use crate::BakeError;
 use crate::decision::Decision;
 use crate::mesh::{Image, Model};
-use crate::recipe::{ColorParams, HairColors, PackParams, Recipe, Style};
+use crate::recipe::{ColorParams, HairColors, InkParams, PackParams, Recipe, Style};
+use crate::remade::Remade;
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{
@@ -19,7 +20,7 @@ use crate::stages::groom::{
 };
 use crate::stages::hair::{Asides, TileHair};
 use crate::stages::hair_groups;
-use crate::stages::ink::{self, Canvas, InkFiles, SkinInk};
+use crate::stages::ink::{self, Canvas, InkFiles, Painting, SkinInk};
 use crate::stages::pack::{self, Pieces, Skin, SkinFins, SkinPieces};
 use crate::stages::strands;
 use crate::stages::surface::{Measures, Surface};
@@ -28,6 +29,7 @@ use crate::stages::visibility::{self, Visibility};
 use crate::steps::Steps;
 use pelage_formats::{HairGroup, RootsInfo, Shading, StrandsData};
 use pelage_params::{Knob, Tables as _};
+use std::sync::Arc;
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 9] =
@@ -68,6 +70,8 @@ macro_rules! outputs {
         #[derive(Clone, Debug, Default)]
         pub struct Outputs<'a> {
             $($(#[doc = $doc])+ pub $field: Option<$type>,)+
+            /// What steps keep over their being run again, where what decides about it may stay the same.
+            pub kept: Kept,
         }
 
         impl Output {
@@ -107,7 +111,7 @@ outputs! {
     /// The strands as the package has them; none where it is to have no strands.
     Single single: Option<StrandsData>,
     /// The laid model with what varies over it.
-    Groomed groomed: Groomed,
+    Groomed groomed: Arc<Groomed>,
     /// Hair on guides, and what there was to say of it.
     Guided guided: (Vec<HairGroup>, Vec<String>),
     /// Where fins stand.
@@ -122,6 +126,50 @@ outputs! {
     Skin skin: Skin<'a>,
     /// The package.
     Package package: Packed,
+}
+
+/// What is dear to make, and often made of the same although hair changed.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    /// Textures of the ink style without its fur.
+    painting: Remade<(InkParams, PackParams), Painting>,
+    /// Textures of the skin.
+    skin: Remade<SkinImages, SkinFiles>,
+    /// Lists of fewer triangles.
+    lists: Remade<pack::Simplifies, pack::Lists>,
+}
+
+/// The images of a skin, and how they are encoded.
+#[derive(Clone, Debug)]
+struct SkinImages {
+    groomed: Arc<Groomed>,
+    pack: PackParams,
+}
+
+impl PartialEq for SkinImages {
+    fn eq(&self, other: &Self) -> bool {
+        let (this, that) = (&self.groomed, &other.groomed);
+        self.pack == other.pack && this.colors.images == that.colors.images && this.grooms.images == that.grooms.images
+    }
+}
+
+/// Those images as .ktx2 files.
+#[derive(Clone, Debug)]
+struct SkinFiles {
+    base_colors: Vec<Vec<u8>>,
+    grooms: Vec<Vec<u8>>,
+}
+
+impl SkinFiles {
+    fn encode(SkinImages { groomed, pack }: &SkinImages) -> Result<Self, BakeError> {
+        let all = |images: &[Image], encode: fn(&Image, &PackParams) -> Result<Vec<u8>, BakeError>| {
+            images.iter().map(|image| encode(image, pack)).collect::<Result<Vec<_>, _>>()
+        };
+        Ok(Self {
+            base_colors: all(&groomed.colors.images, textures::encode_base_color)?,
+            grooms: all(&groomed.grooms.images, textures::encode_groom)?,
+        })
+    }
 }
 
 /// How much light reaches the strands.
@@ -459,7 +507,7 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let warnings = atlas.as_ref().and_then(Atlas::warning).into_iter().collect();
     let pattern_size_m = pattern.as_ref().map(Pattern::width_m);
     let roots = roots.map(|roots| roots.info(asides.at));
-    outputs.groomed = Some(self::Groomed {
+    outputs.groomed = Some(Arc::new(self::Groomed {
         surface,
         coat,
         colors,
@@ -469,7 +517,7 @@ fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         bare_margin_m,
         decisions,
         warnings,
-    });
+    }));
     Ok(())
 }
 
@@ -515,7 +563,7 @@ fn fin_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeEr
 
 fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
-    let self::Groomed { surface, .. } = made(&outputs.groomed, Groomed)?;
+    let self::Groomed { surface, .. } = &**made(&outputs.groomed, Groomed)?;
     let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
     let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images: told.images };
     let params = &told.recipe.ink;
@@ -526,10 +574,11 @@ fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
 
 fn ink_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (laid, hair, recipe) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?, told.recipe);
+    let painting = &mut outputs.kept.painting;
     let paint = |skin: &SkinInk| {
         let strokes = laid.furred.contains(&true) && skin.shading.fur > 0.0;
         let strands = strokes.then_some(&hair.strands);
-        ink::textures(&recipe.ink, &recipe.pack, told.images, strands, told.steps)
+        ink::textures_again(&recipe.ink, &recipe.pack, told.images, strands, told.steps, painting)
     };
     outputs.ink_textures = Some(made(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?);
     Ok(())
@@ -538,10 +587,9 @@ fn ink_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeEr
 fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
     let (hair, groomed, recipe) = (made(&outputs.hair, Hair)?, made(&outputs.groomed, Groomed)?, told.recipe);
-    let encode = |images: &[Image], encode: fn(&Image, &PackParams) -> Result<Vec<u8>, BakeError>| {
-        images.iter().map(|image| encode(image, &recipe.pack)).collect::<Result<Vec<_>, _>>()
-    };
-    outputs.skin = Some(pack::skin(&SkinPieces {
+    let images = SkinImages { groomed: groomed.clone(), pack: recipe.pack.clone() };
+    let files = outputs.kept.skin.make(images, SkinFiles::encode)?;
+    let pieces = SkinPieces {
         name: told.name,
         model,
         inputs: &told.images.inputs,
@@ -559,12 +607,13 @@ fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
         strands: laid.filled.strands_in_tile(),
         pattern_size_m: groomed.pattern_size_m,
         roots: groomed.roots.as_ref(),
-        base_colors: &encode(&groomed.colors.images, textures::encode_base_color)?,
-        groom_textures: &encode(&groomed.grooms.images, textures::encode_groom)?,
+        base_colors: &files.base_colors,
+        groom_textures: &files.grooms,
         groom_of_material: &groomed.grooms.of_material,
         simplified: recipe.detail.has_lists(),
         warnings: &[&laid.warnings[..], &groomed.warnings].concat(),
-    }));
+    };
+    outputs.skin = Some(pack::skin(&pieces, &mut outputs.kept.lists));
     Ok(())
 }
 

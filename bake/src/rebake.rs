@@ -2,7 +2,7 @@
 
 use crate::BakeError;
 use crate::mesh::Model;
-use crate::pipeline::{Baked, Output, Outputs, Told, baked, run};
+use crate::pipeline::{Baked, Kept, Output, Outputs, Told, baked, run};
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 
@@ -30,7 +30,10 @@ impl<'a> Rebake<'a> {
     pub fn bake(&mut self, told: &Told<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
         match self.before {
             Some((recipe, images)) if std::ptr::eq(images, told.images) => self.outputs.follow(recipe, told.recipe),
-            Some(_) => self.outputs.forget(Output::Laid),
+            Some(_) => {
+                self.outputs.forget(Output::Laid);
+                self.outputs.kept = Kept::default();
+            }
             None => {}
         }
         self.before = Some((told.recipe, told.images));

@@ -4,6 +4,7 @@ use super::assemble::{Content, NamedTexture, Textures, assemble, carried, lent};
 use crate::BakeError;
 use crate::mesh::Model;
 use crate::recipe::{HairColors, Recipe};
+use crate::remade::Remade;
 use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Coat, Colors, Lengths};
@@ -15,7 +16,7 @@ use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
     Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairGroup,
     InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
-    Shading, StrandsData, VisibilityInfo,
+    Shading, SimplifiedLevel, StrandsData, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -101,8 +102,19 @@ pub struct SkinPieces<'a> {
     pub warnings: &'a [String],
 }
 
-/// The skin in a package's terms.
-pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
+/// What decides about lists of fewer triangles, beside the model's skeleton.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simplifies {
+    mesh: Arc<MeshData>,
+    parts: Vec<Part>,
+    tile_size_m: f32,
+}
+
+/// Lists of fewer triangles, from more to less.
+pub type Lists = Arc<[SimplifiedLevel]>;
+
+/// The skin in a package's terms. `kept`: lists of fewer triangles of the same model.
+pub fn skin(pieces: &SkinPieces<'_>, kept: &mut Remade<Simplifies, Lists>) -> Skin<'static> {
     let SkinPieces { model, surface, .. } = *pieces;
     let mut textures = Vec::new();
     let mut add_all = |prefix: &str, files: &[Vec<u8>]| {
@@ -131,13 +143,19 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
         warnings: pieces.warnings.to_vec(),
         ..Manifest::default()
     };
-    let mesh = mesh_data(pieces);
-    let simplified = pieces.simplified.then(|| simplified(&mesh, &manifest, model.animation.as_ref())).flatten();
+    let mesh = Arc::new(mesh_data(pieces));
+    let lists = pieces.simplified.then(|| {
+        let tile_size_m = manifest.fur.tile_size_m;
+        kept.of(Simplifies { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m }, |of| {
+            simplify::levels(&of.mesh, &of.parts, model.animation.as_ref(), of.tile_size_m).into()
+        })
+    });
+    let simplified = lists.and_then(in_section);
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
     let roots = pieces.roots.map(|info| Content::Roots(info.clone()));
     Skin {
         manifest,
-        sections: [Content::Mesh(Arc::new(mesh))].into_iter().chain(simplified).chain(animation).chain(roots).collect(),
+        sections: [Content::Mesh(mesh)].into_iter().chain(simplified).chain(animation).chain(roots).collect(),
         images: textures,
         lengths: Some(pieces.lengths),
         filled: Some(Box::new(pieces.filled.clone())),
@@ -150,8 +168,11 @@ pub fn skin(pieces: &SkinPieces<'_>) -> Skin<'static> {
 
 /// The lists of fewer triangles over a mesh; `None` where it has none. Of the manifest parts and tile are read.
 pub fn simplified(mesh: &MeshData, manifest: &Manifest, animation: Option<&Animation>) -> Option<Content<'static>> {
-    let levels = simplify::levels(mesh, &manifest.parts, animation, manifest.fur.tile_size_m);
-    (!levels.is_empty()).then(|| Content::Simplified(levels.into()))
+    in_section(simplify::levels(mesh, &manifest.parts, animation, manifest.fur.tile_size_m).into())
+}
+
+fn in_section(lists: Lists) -> Option<Content<'static>> {
+    (!lists.is_empty()).then_some(Content::Simplified(lists))
 }
 
 /// The fins of a model in a package's terms.

@@ -38,40 +38,50 @@ pub fn levels(
     }
     let attributes = attributes(mesh, animation, tile_size_m, size_m);
     let unlocked = vec![false; mesh.geometry.len()];
-    let (mut found, mut before, mut deviation_m) = (Vec::new(), mesh.indices.len(), 0.0f32);
-    let mut wanted = mesh.indices.len() / 3;
-    loop {
-        wanted /= 2;
-        if wanted < FEWEST {
-            return found;
-        }
-        let simpler = simplify_with_attributes_and_locks(
+    let simpler = |triangles: usize| {
+        simplify_with_attributes_and_locks(
             &mesh.indices,
             &vertices,
             &attributes,
             &[1.0; ATTRIBUTES],
             4 * ATTRIBUTES,
             &unlocked,
-            3 * wanted,
+            3 * triangles,
             f32::MAX,
             SimplifyOptions::None,
             // It would say how far positions move, and nothing of all else.
             None,
-        );
-        if simpler.len() as f32 > SHARE * before as f32 || simpler.is_empty() {
-            return found;
+        )
+    };
+    let halves: Vec<usize> =
+        std::iter::successors(Some(mesh.indices.len() / 6), |n| Some(n / 2)).take_while(|n| *n >= FEWEST).collect();
+    let (mut found, mut before, mut deviation_m) = (Vec::new(), mesh.indices.len(), 0.0f32);
+    // Each comes from the whole mesh, so several are made at a time, although the first of them may turn out to be the last that is of use.
+    for some in halves.chunks(rayon::current_num_threads()) {
+        let some: Vec<(Vec<u32>, f32)> = some
+            .par_iter()
+            .map(|triangles| simpler(*triangles))
+            .map(|list| {
+                let measured = if list.is_empty() { 0.0 } else { deviation(mesh, &attributes, &list, size_m) };
+                (list, measured)
+            })
+            .collect();
+        for (list, measured) in some {
+            if list.len() as f32 > SHARE * before as f32 || list.is_empty() {
+                return found;
+            }
+            before = list.len();
+            // A flat sheet loses nothing, and lists are told apart all the same.
+            deviation_m = (size_m * measured).max(deviation_m * 1.01).max(1e-6 * size_m);
+            let mut lists = vec![Vec::new(); parts.len()];
+            for triangle in list.chunks_exact(3) {
+                lists[part_of[triangle[0] as usize] as usize].extend_from_slice(triangle);
+            }
+            let part_counts = lists.iter().map(|list| list.len() as u32).collect();
+            found.push(SimplifiedLevel { deviation_m, part_counts, indices: lists.concat() });
         }
-        before = simpler.len();
-        // A flat sheet loses nothing, and lists are told apart all the same.
-        let measured = size_m * deviation(mesh, &attributes, &simpler, size_m);
-        deviation_m = measured.max(deviation_m * 1.01).max(1e-6 * size_m);
-        let mut lists = vec![Vec::new(); parts.len()];
-        for triangle in simpler.chunks_exact(3) {
-            lists[part_of[triangle[0] as usize] as usize].extend_from_slice(triangle);
-        }
-        let part_counts = lists.iter().map(|list| list.len() as u32).collect();
-        found.push(SimplifiedLevel { deviation_m, part_counts, indices: lists.concat() });
     }
+    found
 }
 
 /// Vertices whose deviation is measured at most: so many tell the share of [`DEVIATING`] within a hundredth.
@@ -99,18 +109,24 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
     let step = gone.len().div_ceil(MEASURED);
     let of = |v: &u32| {
         let numbers = |v: u32| &attributes[ATTRIBUTES * v as usize..][..ATTRIBUTES];
-        let apart = |t: &[u32; 3]| {
-            let weights = closest(place(*v), t.map(place));
+        // Square of how far a triangle is from the vertex in all; `best`, where its place alone is farther.
+        let nearer = |best: f32, t: u32| {
+            let t = &triangles[t as usize];
+            let [a, b, c] = t.map(place);
+            let weights = closest(place(*v), [a, b, c]);
+            let moved = (place(*v) - (weights.x * a + weights.y * b + weights.z * c)).length_squared();
+            if moved >= best {
+                return best;
+            }
             let square = |wanted: f32, found: [f32; 3]| {
                 let apart = Vec3::from(found).dot(weights) - wanted;
                 apart * apart
             };
-            let [a, b, c] = t.map(place);
-            let moved = place(*v) - (weights.x * a + weights.y * b + weights.z * c);
-            let rest = (0..ATTRIBUTES).map(|i| square(numbers(*v)[i], t.map(|v| numbers(v)[i]))).sum::<f32>();
-            moved.length_squared() + rest
+            let corners = t.map(numbers);
+            let rest = (0..ATTRIBUTES).map(|i| square(numbers(*v)[i], corners.map(|of| of[i]))).sum::<f32>();
+            best.min(moved + rest)
         };
-        cells.near(place(*v)).map(|t| apart(&triangles[t as usize])).fold(f32::INFINITY, f32::min).sqrt()
+        cells.near(place(*v)).fold(f32::INFINITY, nearer).sqrt()
     };
     let mut found: Vec<f32> = gone.par_iter().step_by(step).map(of).filter(|d| d.is_finite()).collect();
     found.sort_by(f32::total_cmp);

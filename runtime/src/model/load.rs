@@ -148,10 +148,8 @@ pub(crate) fn load(
     let (ink, ink_bytes) = ink::load(&uploader, package, &mesh)?.unzip();
     gpu_bytes += ink_bytes.unwrap_or(0);
     let varies = Varies::of(&mesh, manifest.fur.height_m);
-    let manifest = manifest.clone();
     let has_skeleton = animation.is_some();
     let resources = Resources {
-        manifest,
         animation,
         geometry,
         attributes,
@@ -169,7 +167,7 @@ pub(crate) fn load(
         ink,
         gpu_bytes,
     };
-    Ok(Model(Arc::new(resources)))
+    Ok(Model { manifest: Arc::new(manifest.clone()), resources: Arc::new(resources) })
 }
 
 /// As [`RootsInfo::uv_per_tile`] has it of a material; 0 in packages that say nothing.

@@ -4,17 +4,20 @@ use super::extent::Extent;
 use super::ink::ModelInk;
 use super::strands::Strands;
 use crate::error::RuntimeError;
-use pelage_formats::{Animation, Clip, Manifest, MeshView};
+use crate::params::check_shading;
+use pelage_formats::{Animation, Clip, Manifest, MeshView, Shading};
 use std::ops::Range;
 use std::sync::Arc;
 
 /// A package on the GPU: vertices, textures, materials. Cheap to clone; the clones share everything.
 #[derive(Clone, Debug)]
-pub struct Model(pub(super) Arc<Resources>);
+pub struct Model {
+    pub(super) manifest: Arc<Manifest>,
+    pub(super) resources: Arc<Resources>,
+}
 
 #[derive(Debug)]
 pub(super) struct Resources {
-    pub(super) manifest: Manifest,
     /// As the package kept it.
     pub(super) animation: Option<Arc<Animation>>,
     pub(super) geometry: wgpu::Buffer,
@@ -90,12 +93,24 @@ pub(crate) struct Part {
 impl Model {
     /// What the package says about itself.
     pub fn manifest(&self) -> &Manifest {
-        &self.0.manifest
+        &self.manifest
+    }
+
+    /// The same model with other constants of the lighting equation than its package has. It shares everything else, and what was made for one of
+    /// them (poses, shadow maps, pipelines) serves the other.
+    ///
+    /// # Errors
+    ///
+    /// [`RuntimeError::Params`] for constants out of their ranges.
+    pub fn with_shading(&self, shading: Shading) -> Result<Self, RuntimeError> {
+        check_shading("Model::with_shading", &shading)?;
+        let manifest = Manifest { shading, ..(*self.manifest).clone() };
+        Ok(Self { manifest: Arc::new(manifest), resources: self.resources.clone() })
     }
 
     /// The model's motions.
     pub fn clips(&self) -> &[Clip] {
-        self.0.animation.as_ref().map_or(&[], |a| &a.clips)
+        self.resources.animation.as_ref().map_or(&[], |a| &a.clips)
     }
 
     /// Index of the first clip of that name, for [`crate::Motion::Clip`].
@@ -105,69 +120,69 @@ impl Model {
 
     /// Bytes of its buffers and textures, shared by all instances.
     pub fn gpu_bytes(&self) -> u64 {
-        self.0.gpu_bytes
+        self.resources.gpu_bytes
     }
 
     /// The skeleton, where the vertices follow one.
     pub fn skeleton(&self) -> Option<&Animation> {
-        self.0.animation.as_deref().filter(|_| self.0.skin.is_some())
+        self.resources.animation.as_deref().filter(|_| self.resources.skin.is_some())
     }
 
     pub(crate) fn geometry(&self) -> &wgpu::Buffer {
-        &self.0.geometry
+        &self.resources.geometry
     }
 
     pub(crate) fn attributes(&self) -> &wgpu::Buffer {
-        &self.0.attributes
+        &self.resources.attributes
     }
 
     pub(crate) fn skin(&self) -> Option<&wgpu::Buffer> {
-        self.0.skin.as_ref()
+        self.resources.skin.as_ref()
     }
 
     pub(crate) fn indices(&self) -> &wgpu::Buffer {
-        &self.0.indices
+        &self.resources.indices
     }
 
     pub(crate) fn fur(&self) -> Option<&wgpu::BindGroup> {
-        self.0.fur.as_ref()
+        self.resources.fur.as_ref()
     }
 
     pub(crate) fn fins(&self) -> Option<&Fins> {
-        self.0.fins.as_ref()
+        self.resources.fins.as_ref()
     }
 
     /// Its strands: those of the coat first where it has some, then groups of hair.
     pub(crate) fn strands(&self) -> &[Strands] {
-        &self.0.strands
+        &self.resources.strands
     }
 
     /// The strands of its coat.
     pub(crate) fn coat_strands(&self) -> Option<&Strands> {
-        self.0.strands.first().filter(|strands| strands.guided().is_none())
+        self.resources.strands.first().filter(|strands| strands.guided().is_none())
     }
 
     /// How far groups of hair reach from the skin, metres.
     pub(crate) fn hair_reach_m(&self) -> f32 {
-        self.0.strands.iter().filter_map(Strands::guided).map(|guided| guided.reach_m).fold(0.0, f32::max)
+        self.resources.strands.iter().filter_map(Strands::guided).map(|guided| guided.reach_m).fold(0.0, f32::max)
     }
 
     pub(crate) fn planar_directions(&self) -> bool {
-        self.0.planar_directions
+        self.resources.planar_directions
     }
 
     /// Whether the package says how much light reaches its hair.
     pub(crate) fn knows_visibility(&self) -> bool {
-        self.0.knows_visibility
+        self.resources.knows_visibility
     }
 
     pub(crate) fn varies(&self) -> Varies {
-        self.0.varies
+        self.resources.varies
     }
 
     /// Fails for a model that has no ink style.
     pub(crate) fn has_ink(&self) -> Result<(), RuntimeError> {
-        if self.0.ink.is_some() {
+        if self.resources.ink.is_some() {
             return Ok(());
         }
         Err(RuntimeError::Content {
@@ -179,30 +194,30 @@ impl Model {
 
     /// Its ink style, where the package has one.
     pub(crate) fn ink(&self) -> Option<&ModelInk> {
-        self.0.ink.as_ref()
+        self.resources.ink.as_ref()
     }
 
     /// How far the skin reaches.
     pub(crate) fn extent(&self) -> &Extent {
-        &self.0.extent
+        &self.resources.extent
     }
 
-    /// Whether the other is a clone of it.
+    /// Whether the other shares all buffers and textures with it.
     pub(crate) fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        Arc::ptr_eq(&self.resources, &other.resources)
     }
 
     pub(crate) fn parts(&self) -> &[Part] {
-        &self.0.parts
+        &self.resources.parts
     }
 
     /// How far the simplified lists deviate from the mesh, metres at rest, rising.
     pub(crate) fn deviations_m(&self) -> &[f32] {
-        &self.0.deviations_m
+        &self.resources.deviations_m
     }
 
     /// Triangles of the mesh, or of one of its simplified lists.
     pub(crate) fn triangles(&self, list: usize) -> u32 {
-        self.0.parts.iter().filter_map(|part| part.indices.get(list)).map(|range| range.len() as u32 / 3).sum()
+        self.resources.parts.iter().filter_map(|part| part.indices.get(list)).map(|range| range.len() as u32 / 3).sum()
     }
 }

@@ -11,6 +11,7 @@ mod study;
 mod style;
 
 pub use detail::Detail;
+pub(crate) use frame::check_shading;
 pub use frame::{FrameParams, MAX_FILL_LIGHTS};
 pub use fur::{FurParams, Hair, SelfShadow, StrandEdges};
 pub use ink::{InkBackground, InkParams, LineWidth};

@@ -2,8 +2,8 @@
 
 use crate::cast::Actor;
 use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, Shot, StageError, Viewpoint};
-use pelage_formats::Package;
 use pelage_formats::meaning::srgb_to_linear;
+use pelage_formats::{Package, Shading};
 use pelage_runtime::{
     Camera, Frame, FrameParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer, RuntimeError, ShadowMaps,
     StyleKind, wgpu,
@@ -131,6 +131,19 @@ impl Stage {
             params.camera = camera(&self.shot.at(time_s), self.aspect);
             params.viewport = [width, height];
         });
+        Ok(())
+    }
+
+    /// Gives all models other constants of the lighting equation than their packages have; everything else stays as it is on the device.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Params`] for constants out of their ranges; the models stay as they were.
+    pub fn reshade(&mut self, shading: Shading) -> Result<(), StageError> {
+        let reshaded = self.instances.iter().map(|instance| instance.model.with_shading(shading));
+        let models: Vec<Model> =
+            reshaded.collect::<Result<_, _>>().map_err(|error| StageError::Params(error.to_string()))?;
+        self.instances.iter_mut().zip(models).for_each(|(instance, model)| instance.model = model);
         Ok(())
     }
 

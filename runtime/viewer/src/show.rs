@@ -109,6 +109,13 @@ impl Show {
     ///
     /// As [`Stage::new`]; what was shown before still is.
     pub fn show(&mut self, subject: Subject, size: (u32, u32)) -> Result<(), StageError> {
+        if let (Some(stage), Some(before)) = (&mut self.stage, &self.subject)
+            && let Some(shading) = before.other_shading(&subject)
+        {
+            stage.reshade(shading)?;
+            (self.subject, self.drawn) = (Some(subject), None);
+            return Ok(());
+        }
         let is_same = self.subject.as_ref().is_some_and(|before| before.name() == subject.name());
         let clips = subject.clips();
         let named = self.clip().map(|clip| clip.name.clone()).filter(|_| is_same);

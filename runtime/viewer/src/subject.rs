@@ -1,5 +1,6 @@
 //! What a window shows: the model of a package, or a scene of several.
 
+use pelage_formats::{Manifest, Package, Shading, Tag};
 use pelage_stage::{Cast, Framing, LoadedScene, NamedPackage, StageError, Viewpoint};
 use std::sync::Arc;
 
@@ -56,8 +57,30 @@ impl Subject {
         self.packages().first().map_or("", |file| &file.name)
     }
 
+    /// The constants of the lighting equation of `other`, where it is this package again and nothing else that is drawn changed.
+    pub fn other_shading(&self, other: &Self) -> Option<Shading> {
+        let (Self::Package(before), Self::Package(after)) = (self, other) else { return None };
+        let (before, after) = (before.open().ok()?, after.open().ok()?);
+        let unshaded = |package: &Package<'_>| Manifest {
+            shading: Shading::default(),
+            recipe: String::new(),
+            inputs: Vec::new(),
+            warnings: Vec::new(),
+            ..package.manifest().clone()
+        };
+        let is_same =
+            self.name() == other.name() && unshaded(&before) == unshaded(&after) && drawn(&before)?.eq(&drawn(&after)?);
+        is_same.then_some(after.manifest().shading)
+    }
+
     /// Bytes of all its packages.
     pub fn bytes(&self) -> u64 {
         self.packages().iter().map(|file| file.bytes.len() as u64).sum()
     }
+}
+
+/// All sections of a package but its manifest; `None` for a damaged one.
+fn drawn<'a>(package: &Package<'a>) -> Option<Vec<(Tag, &'a [u8])>> {
+    let others = (0..).zip(package.sections()).filter(|(_, section)| section.tag != Tag::MANIFEST);
+    others.map(|(i, section)| Some((section.tag, package.section_bytes(i).ok()?))).collect()
 }

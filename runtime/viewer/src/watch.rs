@@ -5,14 +5,14 @@
 //! the file is another one.
 
 use notify_debouncer_mini::notify::{RecommendedWatcher, RecursiveMode};
-use notify_debouncer_mini::{DebounceEventResult, Debouncer, new_debouncer};
+use notify_debouncer_mini::{Config, DebounceEventResult, Debouncer, new_debouncer_opt};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
 /// So long nothing may happen to a file before its change counts.
-const QUIET: Duration = Duration::from_millis(120);
+const QUIET: Duration = Duration::from_millis(80);
 
 /// A file as it is: length and time of change, or that it is not there.
 pub type Stamp = Option<(u64, SystemTime)>;
@@ -55,7 +55,10 @@ impl Watch {
                 changed();
             }
         };
-        let debouncer = new_debouncer(QUIET, handle).map_err(|error| error.to_string())?;
+        // In a batch it would wait up to twice as long.
+        let config = Config::default().with_timeout(QUIET).with_batch_mode(false);
+        let debouncer =
+            new_debouncer_opt::<_, RecommendedWatcher>(config, handle).map_err(|error| error.to_string())?;
         Ok(Self { debouncer, folders: BTreeSet::new(), files })
     }
 

@@ -23,7 +23,7 @@ const RUNTIME: [&[&str]; 12] = [
 /// Floors of bake: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, what runs a part of it, what judges a
 /// bake, and the command. Strands never see who judges by them, and no stage sees either.
 const BAKE: [&[&str]; 11] = [
-    &["error", "decision", "noise", "angle", "steps", "unfinished"],
+    &["error", "decision", "noise", "angle", "steps", "unfinished", "remade"],
     &["mesh", "mask"],
     &["image_file", "sample", "guides"],
     &["picture", "y4m"],

@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use pelage_runtime::formats::{CoatInfo, DetailLevel, InkShading};
+use pelage_runtime::formats::{CoatInfo, DetailLevel, InkShading, Shading};
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
     Camera, CasterPass, Casters, Created, Detail, Frame, FrameParams, FrameReport, Hair, Hooks, InkBackground,
@@ -552,6 +552,25 @@ fn prepared_pipelines_are_all_that_the_first_frame_needs() {
         }
     }
     assert!(levels == [true; 3] && faded > 4, "{levels:?}, {faded} fading");
+}
+
+#[test]
+fn a_model_of_other_shading_shares_what_is_on_the_device() {
+    let Some(gpu) = gpu("a_model_of_other_shading_shares_what_is_on_the_device") else { return };
+    let shiny = Shading { specular: [0.9; 3], ..Shading::default() };
+    let mut stage = Stage::new(gpu);
+    let mut creature = Instance::new(0, &stage.load(&creature())).moving(bend(0.3));
+    let plain = from(Vec3::new(-0.3, 0.35, 1.0));
+    stage.present(&plain.clone().with(|p| p.shading = Some(shiny)), [&creature]);
+    let asked = stage.picture();
+    creature.model = creature.model.with_shading(shiny).unwrap();
+    assert_eq!(creature.model.manifest().shading, shiny);
+    let report = stage.present(&plain, [&creature]);
+    assert!(stage.picture() == asked, "its own shading is drawn as one that is asked for");
+    assert_eq!((report.created.buffers, report.created.pipelines), (0, 0));
+    assert!(!ran(&report, PassId::POSE), "it stands as before");
+    let error = creature.model.with_shading(Shading { ambient_floor: 2.0, ..shiny }).unwrap_err().to_string();
+    assert!(error.contains("Model::with_shading") && error.contains("ambient_floor"), "{error}");
 }
 
 #[test]

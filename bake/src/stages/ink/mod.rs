@@ -29,6 +29,7 @@ pub use wash::wash;
 use crate::BakeError;
 use crate::mesh::{Image, Model};
 use crate::recipe::{ColorParams, FilePath, GroomParams, HairParams, InkParams, PackParams, Recipe, ShellFormat};
+use crate::remade::Remade;
 use crate::stages::assemble::NamedTexture;
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
@@ -112,6 +113,14 @@ pub fn on_skin(params: &InkParams, fur: f32, canvas: &Canvas<'_>) -> Result<Skin
     Ok(SkinInk { grain_size_m, shading, vertices, center: Some(center.into()), warnings })
 }
 
+/// The textures of the ink style that strands have no part in: complete .ktx2 files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Painting {
+    stroke: Vec<u8>,
+    wash: Vec<u8>,
+    paper: Vec<u8>,
+}
+
 /// Paints and encodes the textures. Where there are strands, those of the tile of a furred model, their fur is painted, too. `steps` counts textures
 /// that are painted and such that are encoded.
 ///
@@ -125,52 +134,91 @@ pub fn textures(
     strands: Option<&Strands>,
     steps: &Steps,
 ) -> Result<InkFiles<'static>, BakeError> {
-    use Channel::{Threshold, Value};
+    textures_again(params, pack, images, strands, steps, &mut Remade::default())
+}
+
+/// As [`textures`]; what `painting` kept of the same tables and images is not painted again.
+///
+/// # Errors
+/// As [`textures`].
+pub fn textures_again(
+    params: &InkParams,
+    pack: &PackParams,
+    images: &MapImages,
+    strands: Option<&Strands>,
+    steps: &Steps,
+    painting: &mut Remade<(InkParams, PackParams), Painting>,
+) -> Result<InkFiles<'static>, BakeError> {
     params.validate()?;
     pack.validate()?;
-    let dry = [Value, Value, Value, Threshold];
-    let packed = match pack.shell_format {
-        ShellFormat::Bc7 => TextureFormat::Bc7Unorm,
-        ShellFormat::Rgba8 => TextureFormat::Rgba8Unorm,
-    };
     let strands = strands.filter(|strands| !strands.is_empty());
     steps.begin(2 * (3 + u64::from(strands.is_some())));
-    let encode = |layers: Vec<[Plane; 4]>, channels, alpha, format| {
-        steps.step();
-        let mut encoder = TextureEncoder::new(format, alpha, pack.bc_quality);
-        for planes in layers {
-            let side = planes[0].side as u32;
-            encoder.push_square_layer(side, &levels(planes, channels))?;
-        }
-        let file = encoder.finish();
-        steps.step();
-        file
-    };
+    let packed = packed(pack);
+    let (painting, fur) = rayon::join(
+        || painting.make((params.clone(), pack.clone()), |(params, pack)| paint(params, pack, images, steps)),
+        || {
+            let paint = |strands| fur(strands, params.fur_texels, params.seed).to_vec();
+            let strands = strands
+                .map(|strands| encode(paint(strands), [Channel::Value; 4], (AlphaMode::Straight, packed), pack, steps));
+            strands.transpose()
+        },
+    );
+    let Painting { stroke, wash, paper } = painting?;
+    let named = |name: &'static str, file: Vec<u8>| (name.into(), file.into());
+    Ok(InkFiles {
+        stroke: named("ink_stroke", stroke),
+        wash: named("ink_wash", wash),
+        paper: named("ink_paper", paper),
+        fur: fur?.map(|fur| named("ink_fur", fur)),
+    })
+}
+
+fn packed(pack: &PackParams) -> TextureFormat {
+    match pack.shell_format {
+        ShellFormat::Bc7 => TextureFormat::Bc7Unorm,
+        ShellFormat::Rgba8 => TextureFormat::Rgba8Unorm,
+    }
+}
+
+/// One texture, of layers that are painted.
+fn encode(
+    layers: Vec<[Plane; 4]>,
+    channels: [Channel; 4],
+    (alpha, format): (AlphaMode, TextureFormat),
+    pack: &PackParams,
+    steps: &Steps,
+) -> Result<Vec<u8>, BakeError> {
+    steps.step();
+    let mut encoder = TextureEncoder::new(format, alpha, pack.bc_quality);
+    for planes in layers {
+        let side = planes[0].side as u32;
+        encoder.push_square_layer(side, &levels(planes, channels))?;
+    }
+    let file = encoder.finish();
+    steps.step();
+    file
+}
+
+fn paint(params: &InkParams, pack: &PackParams, images: &MapImages, steps: &Steps) -> Result<Painting, BakeError> {
+    use Channel::{Threshold, Value};
+    let dry = [Value, Value, Value, Threshold];
+    let packed = packed(pack);
+    let encode = |planes, channels, alpha, format| encode(vec![planes], channels, (alpha, format), pack, steps);
     let scan = |path: &Option<FilePath>, read: fn(&str, &Image) -> Result<Plane, BakeError>| {
         path.as_ref().map(|path| read(&path.0, images.get(&path.0)?)).transpose()
     };
     let (band, tile) = (scan(&params.stroke_image, stroke_band)?, scan(&params.wash_image, wash_tile)?);
-    let ((stroke, wash), (paper, fur)) = rayon::join(
+    let (stroke, (wash, paper)) = rayon::join(
+        || encode(stroke(params, band.as_ref()), [Value; 4], AlphaMode::Opaque, packed),
         || {
-            let stroke = encode(vec![stroke(params, band.as_ref())], [Value; 4], AlphaMode::Opaque, packed);
-            (stroke, encode(vec![wash(params, tile.as_ref())], dry, AlphaMode::Straight, packed))
-        },
-        || {
-            // Blocks hold four unrelated components badly: on blank paper their errors are dashes that everyone sees.
-            let paper = encode(vec![paper(params)], dry, AlphaMode::Straight, TextureFormat::Rgba8Unorm);
-            let fur = strands.map(|strands| {
-                encode(fur(strands, params.fur_texels, params.seed).to_vec(), [Value; 4], AlphaMode::Straight, packed)
-            });
-            (paper, fur)
+            rayon::join(
+                || encode(wash(params, tile.as_ref()), dry, AlphaMode::Straight, packed),
+                // Blocks hold four unrelated components badly: on blank paper their errors are dashes that everyone sees.
+                || encode(paper(params), dry, AlphaMode::Straight, TextureFormat::Rgba8Unorm),
+            )
         },
     );
-    let named = |name: &'static str, file: Vec<u8>| (name.into(), file.into());
-    Ok(InkFiles {
-        stroke: named("ink_stroke", stroke?),
-        wash: named("ink_wash", wash?),
-        paper: named("ink_paper", paper?),
-        fur: fur.transpose()?.map(|fur| named("ink_fur", fur)),
-    })
+    Ok(Painting { stroke: stroke?, wash: wash?, paper: paper? })
 }
 
 #[cfg(test)]

@@ -51,7 +51,8 @@ impl App {
         }
         self.mended();
         (self.recipe_base, self.notes, self.stages) = (recipe, notes, stages);
-        self.changed();
+        // On a software device the first sight of it is a small one, so that it comes soon.
+        self.moved();
         let stages: Vec<_> = self.stages.iter().map(|(name, s)| json!({ "name": name, "seconds": s })).collect();
         self.events.tell("made", json!({ "name": name, "seconds": took.as_secs_f64(), "stages": stages }));
     }
