@@ -29,6 +29,11 @@ fn manifests_say_what_a_registry_shows() {
         let readme = std::fs::read_to_string(folder.join(package["readme"].as_str().unwrap())).unwrap();
         assert!(readme.starts_with(&format!("# {name}\n")), "{name}: {}", readme.lines().next().unwrap());
         assert_eq!(package["metadata"]["docs"]["rs"]["all-features"], true, "{name}");
+        // Links to the repository's own; what a registry is sent has their texts.
+        for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
+            let text = |folder: &Path| std::fs::read_to_string(folder.join(licence)).unwrap_or_default();
+            assert!(text(folder) == text(&workspace()) && !text(folder).is_empty(), "{name} has no {licence}");
+        }
     }
 }
 
