@@ -32,7 +32,7 @@ fn manifests_say_what_a_registry_shows() {
         // Links to the repository's own; what a registry is sent has their texts.
         for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
             let text = |folder: &Path| std::fs::read_to_string(folder.join(licence)).unwrap_or_default();
-            assert!(text(folder) == text(&workspace()) && !text(folder).is_empty(), "{name} has no {licence}");
+            assert!(text(folder) == text(workspace()) && !text(folder).is_empty(), "{name} has no {licence}");
         }
     }
 }
