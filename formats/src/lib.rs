@@ -50,7 +50,7 @@ pub use error::FormatError;
 pub use limits::Limits;
 pub use meaning::{Aside, decode_direction, encode_direction};
 pub use package::Package;
-pub use sampling::Pose;
+pub use sampling::{ClipLayer, Pose};
 pub use sections::animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
 pub use sections::fins::{Fin, FinData, FinsView};
 pub use sections::hair::{HairGroup, OnTriangle};

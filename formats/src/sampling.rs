@@ -21,23 +21,28 @@ impl Pose {
     /// Never panics and never gives NaN, whatever the animation: a channel whose counts do not fit leaves the node at rest, a
     /// rotation without direction (0, 0, 0, 0) is no rotation, and a matrix whose numbers overflow f32 is the identity.
     pub fn sample(&mut self, animation: &Animation, clip: Option<usize>, time_s: f32) {
-        let mut locals: Vec<(Vec3, Quat, Vec3)> = animation
-            .nodes
-            .iter()
-            .map(|n| (n.translation.into(), Quat::from_array(n.rotation), n.scale.into()))
-            .collect();
-        let channels = clip.and_then(|c| animation.clips.get(c)).map_or(&[][..], |c| &c.channels);
-        for channel in channels {
-            let Some((translation, rotation, scale)) = locals.get_mut(channel.node as usize) else { continue };
-            let Some(value) = sample_channel(channel, time_s) else { continue };
-            match channel.property {
-                Property::Translation => *translation = value.truncate(),
-                Property::Rotation => *rotation = Quat::from_vec4(value),
-                Property::Scale => *scale = value.truncate(),
+        self.place(animation, locals(animation, clip, time_s));
+    }
+
+    /// Poses the skeleton by several moments, of one clip or of more, one after another: each goes over, by its share, from what those before it come to.
+    /// None at all is the pose at rest. So a character goes from one motion into the next, and into a third before it has arrived.
+    ///
+    /// Nodes go straight from one place and scale to the other and turn the shorter way, each about its parent, so that limbs keep their lengths.
+    /// Else as [`Self::sample`].
+    pub fn blend(&mut self, animation: &Animation, layers: &[ClipLayer]) {
+        let mut all = locals(animation, None, 0.0);
+        for ClipLayer { clip, time_s, share } in layers {
+            let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
+            for (node, other) in all.iter_mut().zip(locals(animation, *clip, *time_s)) {
+                node.go_over(other, share);
             }
         }
+        self.place(animation, all);
+    }
+
+    fn place(&mut self, animation: &Animation, locals: Vec<Local>) {
         self.nodes.clear();
-        for (node, (translation, rotation, scale)) in animation.nodes.iter().zip(locals) {
+        for (node, Local { translation, rotation, scale }) in animation.nodes.iter().zip(locals) {
             let rotation = normalize_or_identity(rotation);
             let local = Mat4::from_scale_rotation_translation(scale, rotation, translation);
             let world = match node.parent.and_then(|p| self.nodes.get(p as usize)) {
@@ -52,6 +57,61 @@ impl Pose {
             finite_or_identity(node * Mat4::from_cols_array(&joint.inverse_bind))
         }));
     }
+}
+
+/// A moment of a clip, and how far a pose goes over to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipLayer {
+    /// Index of the clip; `None`, or one that does not exist, is the pose at rest.
+    pub clip: Option<usize>,
+    /// Seconds.
+    pub time_s: f32,
+    /// Of it, 0..=1, the rest is of what the layers before it come to; outside and for NaN the nearest of these, 0.
+    pub share: f32,
+}
+
+/// Where a node is in its parent's space.
+struct Local {
+    translation: Vec3,
+    rotation: Quat,
+    scale: Vec3,
+}
+
+impl Local {
+    fn go_over(&mut self, other: Self, share: f32) {
+        if share >= 1.0 {
+            // Exactly, whatever was before.
+            *self = other;
+            return;
+        }
+        self.translation = self.translation.lerp(other.translation, share);
+        self.scale = self.scale.lerp(other.scale, share);
+        // glam's slerp takes the shorter arc.
+        #[expect(clippy::disallowed_methods, reason = "a pose is drawn, no package keeps it")]
+        let turned = normalize_or_identity(self.rotation).slerp(normalize_or_identity(other.rotation), share);
+        self.rotation = turned;
+    }
+}
+
+/// One per node.
+fn locals(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<Local> {
+    let at_rest = animation.nodes.iter().map(|node| Local {
+        translation: node.translation.into(),
+        rotation: Quat::from_array(node.rotation),
+        scale: node.scale.into(),
+    });
+    let mut locals: Vec<Local> = at_rest.collect();
+    let channels = clip.and_then(|c| animation.clips.get(c)).map_or(&[][..], |c| &c.channels);
+    for channel in channels {
+        let Some(local) = locals.get_mut(channel.node as usize) else { continue };
+        let Some(value) = sample_channel(channel, time_s) else { continue };
+        match channel.property {
+            Property::Translation => local.translation = value.truncate(),
+            Property::Rotation => local.rotation = Quat::from_vec4(value),
+            Property::Scale => local.scale = value.truncate(),
+        }
+    }
+    locals
 }
 
 fn finite_or_identity(matrix: Mat4) -> Mat4 {

@@ -168,3 +168,58 @@ fn nothing_panics_or_gives_nan() {
     }
     joint(&one_channel(Property::Scale, Interpolation::Step, &[0.0], &[1.0; 3]), Some(12), 0.0);
 }
+
+/// Half way between moments a node has gone half of the way and turned half of the angle, and an arm on it is as long as before.
+#[test]
+fn between_moments_nodes_turn_about_their_parents() {
+    let quarter = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
+    let turn = Channel {
+        node: 0,
+        property: Property::Rotation,
+        interpolation: Interpolation::Step,
+        times: vec![0.0],
+        values: quarter.to_vec(),
+    };
+    let go = Channel {
+        node: 0,
+        property: Property::Translation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![0.0, 0.0, 0.0, 4.0, 0.0, 0.0],
+    };
+    let clip = |channel: Channel| Clip { name: "c".into(), duration_s: 1.0, channels: vec![channel] };
+    let hand = Node { translation: [1.0, 0.0, 0.0], ..node(Some(0)) };
+    let animation = Animation {
+        nodes: vec![node(None), hand],
+        joints: vec![Joint { node: 1, inverse_bind: IDENTITY }],
+        clips: vec![clip(turn), clip(go)],
+    };
+    let layer = |clip, time_s, share| ClipLayer { clip, time_s, share };
+    let hand = |layers: &[ClipLayer]| {
+        let mut pose = Pose::default();
+        pose.blend(&animation, layers);
+        assert!(pose.nodes.iter().chain(&pose.joints).all(glam::Mat4::is_finite), "{layers:?}");
+        pose.joints[0].w_axis.truncate()
+    };
+    let near = |found: glam::Vec3, expected: [f32; 3]| assert!(found.distance(expected.into()) < 1e-5, "{found}");
+    let (half, turned, gone) = (FRAC_1_SQRT_2, layer(Some(0), 0.0, 1.0), layer(Some(1), 1.0, 1.0));
+    near(hand(&[]), [1.0, 0.0, 0.0]);
+    near(hand(&[layer(Some(0), 0.0, 0.5)]), [half, half, 0.0]);
+    near(hand(&[turned, layer(None, 0.0, 0.5)]), [half, half, 0.0]);
+    near(hand(&[layer(Some(1), 1.0, 0.25)]), [2.0, 0.0, 0.0]);
+    near(hand(&[turned, ClipLayer { share: 0.5, ..gone }]), [2.0 + half, half, 0.0]);
+    // A third on its way, before the second has arrived.
+    near(hand(&[turned, ClipLayer { share: 0.5, ..gone }, layer(None, 0.0, 0.5)]), {
+        let (eighth, y) = (std::f32::consts::FRAC_PI_8.cos(), std::f32::consts::FRAC_PI_8.sin());
+        [1.0 + eighth, y, 0.0]
+    });
+    for (share, expected) in [(-1.0, [1.0, 0.0, 0.0]), (f32::NAN, [1.0, 0.0, 0.0]), (7.0, [0.0, 1.0, 0.0])] {
+        near(hand(&[ClipLayer { share, ..turned }]), expected);
+    }
+    // What is there wholly is the clip itself, to the bit.
+    let mut pose = Pose::default();
+    pose.sample(&animation, Some(1), 0.3);
+    assert_eq!(hand(&[turned, layer(Some(1), 0.3, 1.0)]), pose.joints[0].w_axis.truncate());
+    // A clip that does not exist is rest.
+    near(hand(&[turned, layer(Some(9), 0.0, 1.0)]), [1.0, 0.0, 0.0]);
+}

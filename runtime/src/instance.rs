@@ -4,6 +4,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::params::{FrameParams, SelfShadow};
 use glam::{Mat3, Mat4};
+use pelage_formats::{Animation, ClipLayer};
 
 /// How an instance is posed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,11 +19,52 @@ pub enum Motion {
         /// Seconds. Before the first and after the last key the pose holds; looping is the caller's choice.
         time_s: f32,
     },
+    /// Several moments one over another, of one clip or of more: a character that goes from one motion into the next.
+    Blend(
+        /// Each goes over, by its share, from what those before it come to. At most [`Motion::MOST_LAYERS`].
+        Vec<ClipLayer>,
+    ),
     /// The application's own animation.
     Joints(
         /// Mesh space to model space, one per joint of the package's skeleton.
         Vec<Mat4>,
     ),
+}
+
+impl Motion {
+    /// Layers of a [`Motion::Blend`] at most: each is a whole pose.
+    pub const MOST_LAYERS: usize = 16;
+
+    /// What is wrong with it for that skeleton, and what would be right.
+    fn fault(&self, animation: &Animation) -> Option<(String, String)> {
+        let moment = |clip: Option<usize>, time_s: f32| {
+            if !time_s.is_finite() {
+                return Some((format!("{time_s} seconds"), "a finite number".into()));
+            }
+            let clip = clip.filter(|clip| *clip >= animation.clips.len())?;
+            Some((format!("clip {clip}"), format!("less than the {} clips", animation.clips.len())))
+        };
+        let share = |share: f32| {
+            let is_off = !(0.0..=1.0).contains(&share);
+            is_off.then(|| (format!("a share of {share}"), "0 to 1".into()))
+        };
+        match self {
+            Self::Rest => None,
+            Self::Clip { clip, time_s } => moment(Some(*clip), *time_s),
+            Self::Blend(layers) if layers.len() > Self::MOST_LAYERS => {
+                Some((format!("{} layers", layers.len()), format!("at most {}", Self::MOST_LAYERS)))
+            }
+            Self::Blend(layers) => {
+                layers.iter().find_map(|layer| moment(layer.clip, layer.time_s).or_else(|| share(layer.share)))
+            }
+            Self::Joints(joints) => {
+                let of_skeleton = animation.joints.len();
+                let is_off = joints.len() != of_skeleton;
+                is_off
+                    .then(|| (format!("{} joints", joints.len()), format!("the {of_skeleton} joints of the skeleton")))
+            }
+        }
+    }
 }
 
 /// One drawn copy of a model in one frame: whose it is, where it stands and how it is posed. Nothing of the device is in it: it may be kept and
@@ -89,19 +131,9 @@ impl Instance {
             return fail("Instance::transform", found, "a finite, invertible matrix".into());
         }
         let Some(animation) = self.model.skeleton() else { return Ok(()) };
-        match &self.motion {
-            Motion::Clip { time_s, .. } if !time_s.is_finite() => {
-                fail("Instance::motion", format!("{time_s} seconds"), "a finite number".into())
-            }
-            Motion::Clip { clip, .. } if *clip >= animation.clips.len() => {
-                let expected = format!("less than the {} clips", animation.clips.len());
-                fail("Instance::motion", format!("clip {clip}"), expected)
-            }
-            Motion::Joints(joints) if joints.len() != animation.joints.len() => {
-                let expected = format!("the {} joints of the skeleton", animation.joints.len());
-                fail("Instance::motion", format!("{} joints", joints.len()), expected)
-            }
-            _ => Ok(()),
+        match self.motion.fault(animation) {
+            Some((found, expected)) => fail("Instance::motion", found, expected),
+            None => Ok(()),
         }
     }
 }

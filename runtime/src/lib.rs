@@ -90,6 +90,7 @@ pub use report::{Created, FrameReport, InstanceDetail, PassReport};
 
 pub use glam;
 pub use pelage_formats as formats;
+pub use pelage_formats::ClipLayer;
 pub use wgpu;
 
 /// The Rust of the documents, which is compiled with that of these comments.

@@ -111,6 +111,7 @@ impl States {
                 match motion {
                     Motion::Rest => state.pose.sample(animation, None, 0.0),
                     Motion::Clip { clip, time_s } => state.pose.sample(animation, Some(*clip), *time_s),
+                    Motion::Blend(layers) => state.pose.blend(animation, layers),
                     Motion::Joints(joints) => state.pose.joints.clone_from(joints),
                 }
                 joints = Some(state.pose.joints.clone());

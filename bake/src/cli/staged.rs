@@ -36,7 +36,11 @@ pub fn pixels(stage: &Stage) -> Result<RgbaImage, Failure> {
 pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, StageError> {
     let package = file.open()?;
     let framing = (&view.framing, view.look.aspect());
-    Cast::crowd(file, package, view.clip.as_deref(), view.crowd, view.camera, framing)
+    let crowd = Cast::crowd(file, package, view.clip.as_deref(), view.crowd, view.camera, framing)?;
+    match &view.blend {
+        Some(blend) => crowd.over(&blend.clip, blend.share),
+        None => Ok(crowd),
+    }
 }
 
 /// What is drawn of each copy's fur, as JSON.

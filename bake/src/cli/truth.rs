@@ -8,7 +8,7 @@ use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, True
 use pelage_bake::strands::{GroomReport, Skin, grow_groups, grow_on, tile_hair};
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_stage::{KeyLight, Look, LookSelfShadow, LookStyle, NamedPackage, Viewpoint, find_clip, within};
+use pelage_stage::{KeyLight, Look, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -25,9 +25,7 @@ impl Truth {
     pub fn new(file: &NamedPackage<'_>, view: &View) -> Result<Self, Failure> {
         let package = &file.open()?;
         let manifest = package.manifest();
-        let clip = find_clip(file, package, view.clip.as_deref())?;
-        let motion = clip.map(|(clip, duration_s)| (clip, within(view.time_s, duration_s)));
-        let mut skin = Skin::posed(&file.name, package, motion)?;
+        let mut skin = Skin::posed(&file.name, package, &view.layers(file, package)?)?;
         let hair = match view.look.picture.style {
             LookStyle::Bare => None,
             _ => tile_hair(&file.name, manifest)?,
@@ -38,7 +36,7 @@ impl Truth {
         };
         let groups = package.hair_groups().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
         if view.look.picture.style != LookStyle::Bare && !groups.is_empty() {
-            let grown = grow_groups(&groups, &Skin::posed(&file.name, package, None)?, &skin);
+            let grown = grow_groups(&groups, &Skin::posed(&file.name, package, &[])?, &skin);
             report.strands += grown.len() as u64;
             report.points_before += grown.points.len() as u64;
             curves.append(&grown);

@@ -2,10 +2,12 @@
 
 use super::camera_args::CameraArgs;
 use super::exit::Failure;
-use super::view_args::ViewArgs;
+use super::view_args::{Blend, ViewArgs};
 use glam::Vec3;
-use pelage_formats::Package;
-use pelage_stage::{Framing, Look, NamedPackage, Size, StageError, Viewpoint, find_clip, nothing_named, outline};
+use pelage_formats::{ClipLayer, Package};
+use pelage_stage::{
+    Framing, Look, NamedPackage, Playing, Size, StageError, Viewpoint, find_clip, nothing_named, outline,
+};
 
 /// How a package is looked at; what the arguments that `render` and `bench` share come to.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +20,9 @@ pub struct View {
     pub framing: Framing,
     /// Name of the clip; `None` shows the rest pose.
     pub clip: Option<String>,
-    /// Moment of the clip, seconds; clips loop.
+    /// The clip that the pose goes over to from that, and how far.
+    pub blend: Option<Blend>,
+    /// Moment of the clips, seconds; they loop.
     pub time_s: f32,
     /// Copies of the model, at least 1.
     pub crowd: u32,
@@ -26,7 +30,15 @@ pub struct View {
 
 impl Default for View {
     fn default() -> Self {
-        Self { look: Look::default(), camera: None, framing: Framing::default(), clip: None, time_s: 0.0, crowd: 1 }
+        Self {
+            look: Look::default(),
+            camera: None,
+            framing: Framing::default(),
+            clip: None,
+            blend: None,
+            time_s: 0.0,
+            crowd: 1,
+        }
     }
 }
 
@@ -38,7 +50,8 @@ impl View {
     /// A look file that cannot be read or says something wrong.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
-        let view = Self { look, clip: args.clip.clone(), time_s: args.time, crowd: args.crowd, ..Self::default() };
+        let (clip, blend) = (args.clip.clone(), args.blend.clone());
+        let view = Self { look, clip, blend, time_s: args.time, crowd: args.crowd, ..Self::default() };
         Ok(view.seen_from(&args.camera))
     }
 
@@ -66,6 +79,24 @@ impl View {
     /// The view's own camera, or one that frames the `outline` of a model with hair of `height_m`.
     pub fn viewpoint(&self, outline: &[Vec3], height_m: f32) -> Viewpoint {
         self.camera.unwrap_or_else(|| self.framing.view(outline, height_m, self.look.aspect()))
+    }
+
+    /// What the skeleton of a model does; `package` is `file` opened.
+    ///
+    /// # Errors
+    ///
+    /// A clip that is not there, a damaged package.
+    pub fn layers(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<ClipLayer>, StageError> {
+        let layer = |name: Option<&str>, share: f32| {
+            let found = find_clip(file, package, name)?;
+            Ok::<_, StageError>(found.map(|(clip, s)| Playing::looped(clip, s).layer(self.time_s, share)))
+        };
+        let wholly = layer(self.clip.as_deref(), 1.0)?;
+        let over = match &self.blend {
+            Some(Blend { clip, share }) => layer(Some(clip), *share)?,
+            None => None,
+        };
+        Ok(wholly.into_iter().chain(over).collect())
     }
 
     /// What of one model the view frames; `package` is `file` opened.

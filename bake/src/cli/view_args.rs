@@ -2,6 +2,7 @@
 
 use super::camera_args::CameraArgs;
 use super::look_args::LookArgs;
+use std::str::FromStr;
 
 /// Options of `render`, `bench` and `reference`.
 #[derive(Clone, Debug, clap::Args)]
@@ -14,6 +15,9 @@ pub struct ViewArgs {
     /// Clip of the animation, by name; without it the model stands at rest
     #[arg(long, value_name = "NAME")]
     pub clip: Option<String>,
+    /// Another clip that the pose goes over to from --clip, or from rest, and how far, 0 to 1
+    #[arg(long, value_name = "NAME:SHARE")]
+    pub blend: Option<Blend>,
     /// Copies of the model, side by side on a grid
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub crowd: u32,
@@ -22,6 +26,26 @@ pub struct ViewArgs {
     pub frames: Option<u32>,
     #[command(flatten)]
     pub look: LookArgs,
+}
+
+/// A clip that a pose goes over to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Blend {
+    /// Its name.
+    pub clip: String,
+    /// How far, 0..=1.
+    pub share: f32,
+}
+
+impl FromStr for Blend {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.rsplit_once(':').filter(|(clip, _)| !clip.is_empty());
+        let share = parts.and_then(|(_, share)| share.parse().ok()).filter(|share| (0.0..=1.0).contains(share));
+        let both = parts.zip(share).map(|((clip, _), share)| Self { clip: clip.into(), share });
+        both.ok_or("expected the name of a clip and a share of 0 to 1, such as Walk:0.3".into())
+    }
 }
 
 /// A finite number.
@@ -58,12 +82,15 @@ mod tests {
 
     #[test]
     fn every_option_is_read() {
-        let args =
-            parse("--camera -1,2,3.5/0,0,-1/45 --time 0.25 --clip Walk --crowd 100 --frames 3 --layers 8").unwrap();
+        let args = parse(
+            "--camera -1,2,3.5/0,0,-1/45 --time 0.25 --clip Walk --blend A|Run:0.3 --crowd 100 --frames 3 --layers 8",
+        )
+        .unwrap();
         let view = View::new(&args, Look::default()).unwrap();
         let (eye, target) = (Vec3::new(-1.0, 2.0, 3.5), Vec3::new(0.0, 0.0, -1.0));
         assert_eq!(view.camera, Some(Viewpoint { eye, target, fov_deg: 45.0 }));
         assert_eq!((view.time_s, view.clip.as_deref(), view.crowd, args.frames), (0.25, Some("Walk"), 100, Some(3)));
+        assert_eq!(view.blend, Some(Blend { clip: "A|Run".into(), share: 0.3 }));
         assert_eq!(view.look.fur.layers, Some(8));
         let view = View::new(&parse("--orbit -90,20.5,2 --look-at Ey*").unwrap(), Look::default()).unwrap();
         let orbit = Orbit { azimuth_deg: -90.0, elevation_deg: 20.5, zoom: 2.0 };
@@ -86,6 +113,9 @@ mod tests {
             ("--orbit 0,0,0", "zoom: found 0, expected 0.01 to 100"),
             ("--frames 0", "0 is not in 1.."),
             ("--time inf", "number of seconds"),
+            ("--blend Run", "such as Walk:0.3"),
+            ("--blend :0.3", "such as Walk:0.3"),
+            ("--blend Run:1.5", "a share of 0 to 1"),
             ("--crowd 0", "0 is not in 1..=10000"),
         ] {
             let error = parse(line).unwrap_err();

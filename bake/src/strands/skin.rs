@@ -7,7 +7,7 @@ use crate::stages::textures::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{Ground, same_places};
 use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
-use pelage_formats::{FormatError, GeometryVertex, Package, Pose, SkinVertex};
+use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, SkinVertex};
 
 /// A mesh in world space with all that varies over it. Lists of vertices are as long as [`Skin::vertices`], of triangles as [`Skin::triangles`].
 #[derive(Clone, Debug, Default)]
@@ -72,16 +72,16 @@ impl Skin {
     /// Reads the mesh of a package and poses it.
     ///
     /// * `file`: the package as the user named it, for messages
-    /// * `motion`: index of a clip and the time in it, seconds; `None` for the rest pose
+    /// * `layers`: what its skeleton does, as [`Pose::blend`] takes it; none for the rest pose
     ///
     /// # Errors
     /// [`BakeError::Package`] for a damaged section.
-    pub fn posed(file: &str, package: &Package<'_>, motion: Option<(usize, f32)>) -> Result<Self, BakeError> {
+    pub fn posed(file: &str, package: &Package<'_>, layers: &[ClipLayer]) -> Result<Self, BakeError> {
         let fault = |source: FormatError| BakeError::Package { file: file.to_owned(), source };
         let Some(mesh) = package.mesh().map_err(fault)? else { return Ok(Self::default()) };
         let mut pose = Pose::default();
         if let Some(animation) = package.animation().map_err(fault)? {
-            pose.sample(&animation, motion.map(|(clip, _)| clip), motion.map_or(0.0, |(_, time_s)| time_s));
+            pose.blend(&animation, layers);
         }
         let skin: Vec<SkinVertex> = mesh.skin().collect();
         let moved_by = |i: usize| skin.get(i).map(|v| (v.joints, v.weights));

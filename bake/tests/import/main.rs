@@ -8,6 +8,7 @@ mod drawn;
 mod faults;
 mod geometry;
 mod hair;
+mod instances;
 mod io;
 mod motion;
 mod mutation;

@@ -30,7 +30,7 @@ fn a_hare_has_as_many_roots_as_its_tiles() {
             .unwrap()
             .package;
     let package = Package::open(&baked, &Limits::default()).unwrap();
-    let skin = Skin::posed("hare", &package, None).unwrap();
+    let skin = Skin::posed("hare", &package, &[]).unwrap();
     let hair = tile_hair("hare", package.manifest()).unwrap().unwrap();
     let tile_m = f64::from(package.manifest().fur.tile_size_m);
     let (curves, report) = grow_on(&skin, &hair, tile_m).unwrap();

@@ -5,7 +5,7 @@ use crate::framing::{Framing, outermost};
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
 use glam::{Mat3, Mat4, Quat, Vec3};
-use pelage_formats::{Animation, Manifest, Package};
+use pelage_formats::{Animation, ClipLayer, Manifest, Package};
 use std::sync::Arc;
 
 /// Moments between two keys of a path. Its curve may swing past them.
@@ -31,6 +31,8 @@ pub struct Actor {
     pub place: Place,
     /// What it does; `None` at rest.
     pub clip: Option<Playing>,
+    /// What it goes over to from that, and how far it has, 0..=1.
+    pub over: Option<(Playing, f32)>,
 }
 
 /// A place over time.
@@ -76,7 +78,25 @@ impl Place {
     }
 }
 
+impl Actor {
+    /// What its skeleton does at `time_s`: nothing at rest.
+    pub fn layers(&self, time_s: f32) -> Vec<ClipLayer> {
+        let wholly = self.clip.map(|playing| playing.layer(time_s, 1.0));
+        wholly.into_iter().chain(self.over.map(|(playing, share)| playing.layer(time_s, share))).collect()
+    }
+}
+
 impl Playing {
+    /// From its beginning, over and over, as fast as it was made.
+    pub fn looped(clip: usize, duration_s: f32) -> Self {
+        Self { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true }
+    }
+
+    /// As a layer of a pose, by a share.
+    pub fn layer(&self, time_s: f32, share: f32) -> ClipLayer {
+        ClipLayer { clip: Some(self.clip), time_s: self.moment(time_s), share }
+    }
+
     /// The moment of the clip, seconds, at `time_s` of the scene.
     pub fn moment(&self, time_s: f32) -> f32 {
         let time_s = self.start_s + self.speed * time_s;
@@ -101,8 +121,8 @@ impl<'a> Cast<'a> {
         (framing, aspect): (&Framing, f32),
     ) -> Result<Self, StageError> {
         let clip = find_clip(file, &package, clip)?;
-        let clip = clip.map(|(clip, duration_s)| Playing { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true });
-        let actor = |place| Actor { package: 0, place: Place::fixed(place), clip };
+        let clip = clip.map(|(clip, duration_s)| Playing::looped(clip, duration_s));
+        let actor = |place| Actor { package: 0, place: Place::fixed(place), clip, over: None };
         let actors: Vec<Actor> = places(package.manifest(), copies).into_iter().map(actor).collect();
         let packages = vec![(file, Arc::new(package))];
         let camera = match camera {
@@ -110,6 +130,20 @@ impl<'a> Cast<'a> {
             None => framed(&packages, &actors, aspect, framing)?,
         };
         Ok(Self { packages, actors, camera: Shot::fixed(camera) })
+    }
+
+    /// The same with every actor on the way from what it does to the clip of that name, a share of 0..=1 of it done.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Asked`] where a package has no such clip, [`StageError::Package`] for a damaged one.
+    pub fn over(mut self, name: &str, share: f32) -> Result<Self, StageError> {
+        for actor in &mut self.actors {
+            let Some((file, package)) = self.packages.get(actor.package) else { continue };
+            let found = find_clip(file, package, Some(name))?;
+            actor.over = found.map(|(clip, duration_s)| (Playing::looped(clip, duration_s), share));
+        }
+        Ok(self)
     }
 }
 

@@ -5,8 +5,10 @@
 //! Nothing of it knows a GPU, a window or the file system.
 //!
 //! With the feature `draw` there is a device without a window ([`Gpu`]), targets to draw on and read back ([`Canvas`]), a cast on a canvas
-//! ([`Stage`]) and what measures it ([`Meter`]).
+//! ([`Stage`]), what measures it ([`Meter`]), and who goes from one clip to another ([`Animator`]).
 
+#[cfg(feature = "draw")]
+mod animator;
 #[cfg(feature = "draw")]
 mod canvas;
 mod cast;
@@ -26,6 +28,8 @@ mod stage;
 mod track;
 mod viewpoint;
 
+#[cfg(feature = "draw")]
+pub use animator::Animator;
 #[cfg(feature = "draw")]
 pub use canvas::{COLOR_FORMAT, Canvas, CanvasOptions, DEPTH_FORMAT};
 pub use cast::{Actor, Cast, Place, Playing, clip_named, find_clip, framed, within};

@@ -3,7 +3,7 @@
 use crate::cast::Actor;
 use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, Shot, StageError, Viewpoint};
 use pelage_formats::meaning::srgb_to_linear;
-use pelage_formats::{Package, Shading};
+use pelage_formats::{ClipLayer, Package, Shading};
 use pelage_runtime::{
     Camera, Frame, FrameParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer, RuntimeError, ShadowMaps,
     StyleKind, wgpu,
@@ -189,9 +189,7 @@ impl Stage {
     pub fn play(&mut self, time_s: f32) {
         for (instance, actor) in self.instances.iter_mut().zip(&self.actors) {
             instance.transform = actor.place.transform(time_s);
-            if let Some(clip) = &actor.clip {
-                instance.motion = Motion::Clip { clip: clip.clip, time_s: clip.moment(time_s) };
-            }
+            instance.motion = motion(actor.layers(time_s));
         }
     }
 
@@ -264,6 +262,17 @@ impl Stage {
     /// An empty encoder.
     pub fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pelage") })
+    }
+}
+
+/// Layers of a pose as the runtime takes them.
+pub(crate) fn motion(layers: Vec<ClipLayer>) -> Motion {
+    match layers[..] {
+        [] => Motion::Rest,
+        [ClipLayer { clip, time_s, share }] if share >= 1.0 => {
+            clip.map_or(Motion::Rest, |clip| Motion::Clip { clip, time_s })
+        }
+        _ => Motion::Blend(layers),
     }
 }
 

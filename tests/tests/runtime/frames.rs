@@ -6,9 +6,9 @@
 use pelage_runtime::formats::{CoatInfo, DetailLevel, InkShading, Shading};
 use pelage_runtime::glam::{Mat4, Vec3};
 use pelage_runtime::{
-    Camera, CasterPass, Casters, Created, Detail, Frame, FrameParams, FrameReport, Hair, Hooks, InkBackground,
-    InkParams, Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassPlace, Projection, Renderer,
-    RendererOptions, SelfShadow, Sphere, Style, wgpu,
+    Camera, CasterPass, Casters, ClipLayer, Created, Detail, Frame, FrameParams, FrameReport, Hair, Hooks,
+    InkBackground, InkParams, Instance, Light, LightView, LineWidth, Model, Motion, PassId, PassPlace, Projection,
+    Renderer, RendererOptions, SelfShadow, Sphere, Style, wgpu,
 };
 use pelage_stage::{Canvas, Gpu};
 use pelage_tests::gpu::gpu;
@@ -571,6 +571,36 @@ fn a_model_of_other_shading_shares_what_is_on_the_device() {
     assert!(!ran(&report, PassId::POSE), "it stands as before");
     let error = creature.model.with_shading(Shading { ambient_floor: 2.0, ..shiny }).unwrap_err().to_string();
     assert!(error.contains("Model::with_shading") && error.contains("ambient_floor"), "{error}");
+}
+
+#[test]
+fn moments_of_clips_lie_over_each_other_and_faulty_ones_are_refused() {
+    let Some(gpu) = gpu("moments_of_clips_lie_over_each_other_and_faulty_ones_are_refused") else { return };
+    let mut stage = Stage::new(gpu);
+    let creature = Instance::new(0, &stage.load(&creature()));
+    let params = from(Vec3::new(-0.3, 0.35, 1.0));
+    let layer = ClipLayer { clip: Some(0), time_s: 0.3, share: 1.0 };
+    let mut drawn = |motion| {
+        stage.present(&params, [&creature.clone().moving(motion)]);
+        stage.picture()
+    };
+    let (rest, bent) = (drawn(Motion::Rest), drawn(bend(0.3)));
+    assert!(rest != bent);
+    assert!(drawn(Motion::Blend(vec![layer])) == bent && drawn(Motion::Blend(Vec::new())) == rest);
+    let half = drawn(Motion::Blend(vec![ClipLayer { share: 0.5, ..layer }]));
+    assert!(half != rest && half != bent);
+    assert!(drawn(Motion::Blend(vec![layer, ClipLayer { clip: None, ..layer }])) == rest);
+    for (layers, words) in [
+        (vec![ClipLayer { clip: Some(9), ..layer }], "clip 9, expected less than the 1 clips"),
+        (vec![layer, ClipLayer { share: 1.5, ..layer }], "a share of 1.5, expected 0 to 1"),
+        (vec![ClipLayer { time_s: f32::NAN, ..layer }], "NaN seconds, expected a finite number"),
+        (vec![layer; 17], "17 layers, expected at most 16"),
+    ] {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let faulty = creature.clone().moving(Motion::Blend(layers));
+        let error = stage.renderer.prepare(&mut encoder, &params, [&faulty]).unwrap_err().to_string();
+        assert!(error.contains("Instance::motion") && error.contains(words), "{error}");
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ use pelage_bake::judge::truth::{Lens, Sight, TrueCamera};
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::Skin;
 use pelage_needs::data;
+use pelage_runtime::ClipLayer;
 use pelage_runtime::formats::{Limits, Package};
 use pelage_runtime::{
     Anchoring, Camera, FrameParams, InkParams, InkShow, Instance, Motion, PassId, Renderer, RendererOptions, Study,
@@ -197,7 +198,7 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
         let way = vec3(0.0, 0.0, 3.0 * radius * time_s);
         instance.motion = Motion::Clip { clip, time_s };
         instance.transform = Mat4::from_translation(way);
-        let mut skin = Skin::posed("model", &opened, Some((clip, time_s))).unwrap();
+        let mut skin = Skin::posed("model", &opened, &[ClipLayer { clip: Some(clip), time_s, share: 1.0 }]).unwrap();
         skin.vertices.iter_mut().for_each(|v| v.position_ws += way.as_dvec3());
         let sight = Sight::new(skin).unwrap();
         let mut painted = Study::default();

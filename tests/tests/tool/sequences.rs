@@ -56,6 +56,34 @@ fn bytes(sandbox: &Sandbox, name: &str) -> Vec<u8> {
 }
 
 #[test]
+fn a_blend_goes_from_one_clip_to_another() {
+    let Some(_) = gpu("a_blend_goes_from_one_clip_to_another") else { return };
+    let sandbox = sandbox();
+    let seen = ["hare.pelage", "--size", "120x90", "--camera", "0.5,0.6,1.5/0,0.2,0/25", "--time", "0.3"];
+    let drawn = |more: &[&str]| picture(&sandbox, &[&seen[..], more].concat());
+    let [rest, breath, walk] = [&[][..], &["--clip", "EarBreath"], &["--clip", "Walk"]].map(drawn);
+    let half = drawn(&["--clip", "EarBreath", "--blend", "Walk:0.5"]);
+    assert!(half != breath && half != walk, "half way is neither");
+    assert!(drawn(&["--clip", "EarBreath", "--blend", "Walk:0"]) == breath, "nothing of it");
+    assert!(drawn(&["--clip", "EarBreath", "--blend", "Walk:1"]) == walk, "all of it");
+    assert!(drawn(&["--blend", "Walk:0"]) == rest && drawn(&["--blend", "Walk:1"]) == walk, "from rest");
+    // The truth stands as the picture does.
+    let traced = |more: &[&str]| {
+        let run = sandbox.run(&[&["reference", "-o", "true.png", "--spp", "1"], &seen[..], more].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        bytes(&sandbox, "true.png")
+    };
+    let of_half = traced(&["--clip", "EarBreath", "--blend", "Walk:0.5"]);
+    assert!(of_half != traced(&["--clip", "EarBreath"]) && of_half != traced(&["--clip", "Walk"]));
+    assert!(traced(&["--blend", "Walk:1"]) == traced(&["--clip", "Walk"]));
+    for (blend, code, word) in [("Gallop:0.5", 1, "Gallop"), ("Walk", 1, "Walk:0.3"), ("Walk:2", 1, "0 to 1")] {
+        let run = sandbox.run(&["render", "hare.pelage", "-o", "no.png", "--blend", blend]);
+        assert!(run.code == Some(code) && run.stderr.contains(word), "{run:?}");
+    }
+    assert!(!sandbox.path().join("no.png").exists());
+}
+
+#[test]
 fn a_scene_of_one_model_is_the_picture_of_its_package() {
     let Some(_) = gpu("a_scene_of_one_model_is_the_picture_of_its_package") else { return };
     let sandbox = sandbox();
@@ -249,6 +277,7 @@ fn bad_scenes_are_refused() {
         (&["no.toml"], 2, &["no.toml: cannot read"]),
         (&["good.toml", "--crowd", "4"], 1, &["--crowd", "good.toml", "left out"]),
         (&["good.toml", "--clip", "EarBreath"], 1, &["--clip", "good.toml", "left out"]),
+        (&["good.toml", "--blend", "Walk:0.5"], 1, &["--blend", "good.toml", "left out"]),
         (&["good.toml", "--turn-light"], 1, &["--turn-light", "--frames"]),
         (&["hare.pelage", "--turn-light"], 1, &["--turn-light", "--frames"]),
     ] {

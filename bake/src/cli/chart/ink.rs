@@ -91,7 +91,7 @@ impl Shared {
         };
         let opened = file.open()?;
         let rest_points = outline(&file, &opened, None, None)?;
-        let lines = TrueLines::new(Skin::posed(&file.name, &opened, None)?)?;
+        let lines = TrueLines::new(Skin::posed(&file.name, &opened, &[])?)?;
         drop(opened);
         Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })
     }

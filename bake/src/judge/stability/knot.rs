@@ -39,7 +39,7 @@ pub fn grown(density: u32) -> Result<(Curves, Skin), BakeError> {
     let fault = |source| BakeError::Package { file: "stability".into(), source };
     let package = Package::open(&package, &Limits::default()).map_err(fault)?;
     let manifest = package.manifest();
-    let skin = Skin::posed("stability", &package, None)?;
+    let skin = Skin::posed("stability", &package, &[])?;
     let lost = || BakeError::Internal("the knot was baked without hair".into());
     let hair = tile_hair("stability", manifest)?.ok_or_else(lost)?;
     let curves = grow_on(&skin, &hair, f64::from(manifest.fur.tile_size_m))?.0;

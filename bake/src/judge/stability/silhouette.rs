@@ -185,7 +185,7 @@ const FOV_Y_RAD: f32 = 0.6;
 /// What the strands themselves cover.
 fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Coverage, BakeError> {
     let manifest = package.manifest();
-    let skin = Skin::posed("silhouette", package, None)?;
+    let skin = Skin::posed("silhouette", package, &[])?;
     let hair = tile_hair("silhouette", manifest)?;
     let curves = match &hair {
         Some(hair) => grow_on(&skin, hair, f64::from(manifest.fur.tile_size_m))?.0,

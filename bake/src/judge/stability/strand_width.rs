@@ -85,7 +85,7 @@ pub fn strands_of(package: &[u8]) -> Result<TrueScene, BakeError> {
     let fault = |source| BakeError::Package { file: "stability".into(), source };
     let package = Package::open(package, &Limits::default()).map_err(fault)?;
     let manifest = package.manifest();
-    let mut skin = Skin::posed("stability", &package, None)?;
+    let mut skin = Skin::posed("stability", &package, &[])?;
     let lost = || BakeError::Internal("the square was baked without hair".into());
     let hair = tile_hair("stability", manifest)?.ok_or_else(lost)?;
     let curves = grow_on(&skin, &hair, f64::from(manifest.fur.tile_size_m))?.0;

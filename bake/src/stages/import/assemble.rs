@@ -6,7 +6,7 @@ use super::json::At;
 use super::options::ImportOptions;
 use super::orient;
 use super::primitive::{Gathered, MeshUse, Primitive, read_mesh, within_limits};
-use super::scene::{Tree, mirrors};
+use super::scene::{Shows, Tree, mirrors};
 use super::skin::Joints;
 use super::source::Source;
 use crate::BakeError;
@@ -102,7 +102,8 @@ fn named(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPlace> {
         position_ws: world[*node].w_axis.truncate(),
     };
     let is_one = |place: &NamedPlace| !place.name.is_empty() && place.position_ws.is_finite();
-    tree.order.iter().map(place).filter(is_one).collect()
+    let of_document = |node: &&usize| tree.nodes[**node].shows != Shows::Instance;
+    tree.order.iter().filter(of_document).map(place).filter(is_one).collect()
 }
 
 /// Reads the mesh of each node of the scene; one that several nodes show alike is read once.
@@ -117,10 +118,9 @@ fn instances<'a>(
     if tree.nodes.is_empty() {
         return library(source, gathered);
     }
-    for node in &tree.scene {
-        let at = &tree.nodes[*node].at;
+    for node in tree.shown() {
+        let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
-        source.warn_extension(at, "EXT_mesh_gpu_instancing", "the mesh is shown once");
         let (index, mesh_at) = source.root.referred("meshes", &reference)?;
         let skin = at.get("skin").map(|s| joints.skin(source, &s)).transpose()?;
         let weights = at.get("weights");
@@ -141,7 +141,7 @@ fn instances<'a>(
         if let (Some(_), Some(rigid)) = (skin, primitives.iter().find(|p| p.influences.is_none())) {
             source.warn(format!("{} is shown with a skin and has no joints; it follows its node", rigid.label));
         }
-        instances.push(Instance { node: Some(*node), skin, names, primitives });
+        instances.push(Instance { node: Some(node), skin, names, primitives });
     }
     Ok(instances)
 }

@@ -52,11 +52,11 @@ pub(super) fn drawn<'a>(
         return Ok(found);
     }
     let are_joints = joint_nodes(source, tree)?;
-    for node in &tree.scene {
-        let at = &tree.nodes[*node].at;
+    for node in tree.shown() {
+        let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else {
-            if points(at.name()) && !are_joints[*node] && at.get("camera").is_none() {
-                read_empty(source, at, world[*node], &mut found);
+            if points(at.name()) && !are_joints[node] && at.get("camera").is_none() {
+                read_empty(source, at, world[node], &mut found);
             }
             continue;
         };
@@ -70,7 +70,7 @@ pub(super) fn drawn<'a>(
             };
             let place = |v: usize, p: Vec3| match &bound {
                 Some(matrices) => matrices.get(v).map(|matrix| matrix.transform_point3(p)),
-                None => Some(world[*node].transform_point3(p)),
+                None => Some(world[node].transform_point3(p)),
             };
             read_lines(source, &mut counted, &at, name, &mut found, place)?;
         }

@@ -6,6 +6,7 @@ use crate::BakeError;
 
 /// Extensions that are read, or that change nothing about shape, base colour and motion.
 const READABLE: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "KHR_draco_mesh_compression",
     "KHR_mesh_quantization",
@@ -29,7 +30,6 @@ pub(super) fn conversion(name: &str) -> &'static str {
         "KHR_texture_basisu" => "supply the textures as PNG or JPEG: `gltf-transform ktxdecompress in.glb out.glb`",
         "EXT_texture_webp" => "supply the textures as PNG or JPEG: `gltf-transform png in.glb out.glb`",
         "EXT_texture_avif" | "MSFT_texture_dds" => "supply the textures as PNG or JPEG",
-        "EXT_mesh_gpu_instancing" => "write the instances as nodes: `gltf-transform uninstance in.glb out.glb`",
         _ => "export the model without it",
     }
 }
@@ -49,12 +49,5 @@ impl Source<'_, '_> {
         let Some((first, _)) = unreadable.first() else { return Ok(()) };
         let names: Vec<&str> = unreadable.iter().map(|(_, text)| text.as_str()).collect();
         Err(first.fault(format!("the model requires what pelage cannot read: {}", names.join("; "))))
-    }
-
-    /// Warns of an extension under `at` that would change the picture and is left out.
-    pub fn warn_extension(&mut self, at: &At<'_>, name: &str, effect: &str) {
-        if at.get("extensions").is_some_and(|e| e.get(name).is_some()) {
-            self.warn(format!("{}: {name} is left out, {effect}; {}", at.place, conversion(name)));
-        }
     }
 }

@@ -62,13 +62,12 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
             }
         }
     }
-    for node in &tree.scene {
-        let at = &tree.nodes[*node].at;
+    for node in tree.shown() {
+        let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
-        source.warn_extension(at, "EXT_mesh_gpu_instancing", "the lines are there once");
         let (_, mesh) = source.root.referred("meshes", &reference)?;
         // A skin places vertices itself (glTF 2.0, section 3.7.3.3): at rest, mostly where they are.
-        let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[*node] };
+        let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[node] };
         read_mesh(source, &mut found, &mesh, placed)?;
     }
     let Found { mut guides, others, lacks: [no_radii, no_colors], .. } = found;

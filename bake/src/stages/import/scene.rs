@@ -1,5 +1,6 @@
 //! The node tree: parents, order, transforms.
 
+use super::elements::Component;
 use super::json::At;
 use super::source::Source;
 use crate::BakeError;
@@ -14,12 +15,25 @@ pub(super) struct TreeNode<'a> {
     pub local: Mat4,
     /// `local` as translation, rotation and scale; without shear.
     pub trs: (Vec3, Quat, Vec3),
+    /// What of its mesh is seen.
+    pub shows: Shows,
+}
+
+/// What is seen of a node's mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shows {
+    /// The mesh, where the node is.
+    Mesh,
+    /// Nothing here: its instances show it.
+    Instances,
+    /// It is such an instance, a child of the node whose mesh it shows, and no node of the document.
+    Instance,
 }
 
 /// All nodes of the document.
 #[derive(Debug)]
 pub(super) struct Tree<'a> {
-    /// As numbered in the document.
+    /// As numbered in the document; behind those the instances that `EXT_mesh_gpu_instancing` makes of them.
     pub nodes: Vec<TreeNode<'a>>,
     /// All nodes, parents first, siblings in the order of the document.
     pub order: Vec<usize>,
@@ -33,7 +47,7 @@ impl<'a> Tree<'a> {
         if let Some(list) = source.root.get("nodes") {
             for at in list.entries()? {
                 let (local, trs) = transform(&at, source)?;
-                nodes.push(TreeNode { at, parent: None, local, trs });
+                nodes.push(TreeNode { at, parent: None, local, trs, shows: Shows::Mesh });
             }
         }
         let mut children = vec![Vec::new(); nodes.len()];
@@ -49,6 +63,18 @@ impl<'a> Tree<'a> {
                 list.push(child);
             }
         }
+        let of_document = nodes.len();
+        for parent in 0..of_document {
+            let left = MOST_INSTANCES.saturating_sub(nodes.len() - of_document);
+            let Some(instances) = instances(source, &nodes[parent].at, left)? else { continue };
+            nodes[parent].shows = Shows::Instances;
+            for (local, trs) in instances {
+                let at = nodes[parent].at.clone();
+                children[parent].push(nodes.len());
+                children.push(Vec::new());
+                nodes.push(TreeNode { at, parent: Some(parent), local, trs, shows: Shows::Instance });
+            }
+        }
         let roots: Vec<usize> = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
         let order = walk(&roots, &children);
         if order.len() < nodes.len() {
@@ -60,6 +86,11 @@ impl<'a> Tree<'a> {
         }
         let scene = walk(&scene_roots(source, &nodes)?.unwrap_or(roots), &children);
         Ok(Self { nodes, order, scene })
+    }
+
+    /// The nodes of the scene whose mesh is seen, if they have one, parents first.
+    pub fn shown(&self) -> impl Iterator<Item = usize> {
+        self.scene.iter().copied().filter(|node| self.nodes[*node].shows != Shows::Instances)
     }
 
     /// Transforms to world space, one per node, under `root`.
@@ -116,8 +147,73 @@ fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Resul
     Ok(Some(roots))
 }
 
+/// A transform, and the same as translation, rotation and scale without shear.
+type Transform = (Mat4, (Vec3, Quat, Vec3));
+
+/// Copies of meshes in a document at most. Each may follow a joint of its own, of which a skin has no more.
+const MOST_INSTANCES: usize = 1 << 16;
+
+/// Where `EXT_mesh_gpu_instancing` shows the mesh of a node, in the node's space; `None` without it, and where it means nothing. At most
+/// `most` are there.
+fn instances<'a>(source: &mut Source<'a, '_>, node: &At<'a>, most: usize) -> Result<Option<Vec<Transform>>, BakeError> {
+    let Some(at) = node.get("extensions").and_then(|all| all.get("EXT_mesh_gpu_instancing")) else { return Ok(None) };
+    if node.get("mesh").is_none() {
+        return Ok(None);
+    }
+    if node.get("skin").is_some() {
+        source.warn(format!("{}: a mesh with a skin stands where its joints are; it is shown once", at.place));
+        return Ok(None);
+    }
+    let attributes = at.require("attributes")?;
+    // What else there may be, such as `_ID`, is the application's.
+    let [translation, rotation, scale] = ["TRANSLATION", "ROTATION", "SCALE"].map(|name| attributes.get(name));
+    let mut count: Option<(u64, &'static str)> = None;
+    for (reference, name) in [(&translation, "TRANSLATION"), (&rotation, "ROTATION"), (&scale, "SCALE")] {
+        let Some(reference) = reference else { continue };
+        let found = source.accessor_count(reference)?;
+        let (wanted, first) = *count.get_or_insert((found, name));
+        if found != wanted {
+            return Err(reference.fault(format!("has {found} elements, expected {wanted}, as many as {first}")));
+        }
+        if found > most as u64 {
+            let reason = format!("has {found} elements, expected at most {MOST_INSTANCES} instances in a document");
+            return Err(reference.fault(reason));
+        }
+    }
+    let Some((count, _)) = count else {
+        return Err(attributes.fault("has none of TRANSLATION, ROTATION and SCALE, expected at least one"));
+    };
+    let mut read = |reference: Option<At<'a>>, width: usize, components: &[Component], plain: [f32; 4]| {
+        let Some(reference) = reference else { return Ok(vec![plain; count as usize]) };
+        let numbers = source.accessor(&reference, &[width], components)?.reals(false);
+        let vectors = numbers.chunks_exact(width).enumerate().map(|(i, vector)| {
+            let mut all = plain;
+            all[..width].copy_from_slice(vector);
+            let fault = || reference.fault(format!("element {i} is {vector:?}, expected finite numbers"));
+            vector.iter().all(|x| x.is_finite()).then_some(all).ok_or_else(fault)
+        });
+        vectors.collect::<Result<Vec<[f32; 4]>, BakeError>>()
+    };
+    let translations = read(translation, 3, &[Component::F32], [0.0; 4])?;
+    let rotations = read(rotation, 4, &[Component::F32, Component::I8, Component::I16], [0.0, 0.0, 0.0, 1.0])?;
+    let scales = read(scale, 3, &[Component::F32], [1.0; 4])?;
+    let places = translations.iter().zip(&rotations).zip(&scales).map(|((t, r), s)| {
+        let rotation = unit(*r).map_or(Quat::IDENTITY, |(rotation, _)| rotation);
+        let (translation, scale) = (Vec3::new(t[0], t[1], t[2]), Vec3::new(s[0], s[1], s[2]));
+        (Mat4::from_scale_rotation_translation(scale, rotation, translation), (translation, rotation, scale))
+    });
+    Ok(Some(places.collect()))
+}
+
+/// A rotation of length 1, and its length before; `None` for one that turns to nowhere. In double precision: the squares of small numbers vanish in
+/// single.
+fn unit(q: [f32; 4]) -> Option<(Quat, f64)> {
+    let length = q.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
+    (length > 1e-12).then(|| (Quat::from_array(q.map(|x| (f64::from(x) / length) as f32)), length))
+}
+
 /// Reads the transform of a node, as matrix and as translation, rotation, scale.
-fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<(Mat4, (Vec3, Quat, Vec3)), BakeError> {
+fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<Transform, BakeError> {
     if let Some(matrix_at) = at.get("matrix") {
         let matrix = Mat4::from_cols_array(&matrix_at.numbers::<16>()?);
         if matrix.row(3) != glam::Vec4::W {
@@ -134,16 +230,18 @@ fn transform(at: &At<'_>, source: &mut Source<'_, '_>) -> Result<(Mat4, (Vec3, Q
     let scale: Vec3 = at.get("scale").map_or(Ok([1.0; 3]), |v| v.numbers())?.into();
     let mut rotation = Quat::IDENTITY;
     if let Some(rotation_at) = at.get("rotation") {
-        let q = Quat::from_array(rotation_at.numbers()?);
-        // In double precision: the squares of small numbers vanish in single.
-        let length = q.to_array().iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
-        if length <= 1e-12 {
-            source.warn(format!("{} is {q}, which turns to nowhere; taken as no rotation", rotation_at.place));
-        } else {
-            if (length - 1.0).abs() > 1e-2 {
-                source.warn(format!("{} has length {length:.3} and was normalised", rotation_at.place));
+        let q: [f32; 4] = rotation_at.numbers()?;
+        match unit(q) {
+            None => {
+                let q = Quat::from_array(q);
+                source.warn(format!("{} is {q}, which turns to nowhere; taken as no rotation", rotation_at.place));
             }
-            rotation = Quat::from_array(q.to_array().map(|x| (f64::from(x) / length) as f32));
+            Some((turned, length)) => {
+                if (length - 1.0).abs() > 1e-2 {
+                    source.warn(format!("{} has length {length:.3} and was normalised", rotation_at.place));
+                }
+                rotation = turned;
+            }
         }
     }
     Ok((Mat4::from_scale_rotation_translation(scale, rotation, translation), (translation, rotation, scale)))

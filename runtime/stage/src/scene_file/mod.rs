@@ -150,7 +150,7 @@ impl SceneFile {
         let mut actors = Vec::new();
         for (i, ((model, place), package)) in scene.models.iter().zip(places).zip(whose).enumerate() {
             let clip = playing(&source, i, model, &packages[package].name, &animations[package])?;
-            actors.push(Actor { package, place, clip });
+            actors.push(Actor { package, place, clip, over: None });
         }
         Ok(LoadedScene { packages, actors, names, camera })
     }

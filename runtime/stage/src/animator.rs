@@ -1,0 +1,174 @@
+//! Who plays which clip when, of a character that an application moves.
+
+use crate::cast::Playing;
+use crate::stage::motion;
+use pelage_formats::ClipLayer;
+use pelage_runtime::Motion;
+
+/// Plays a clip, and goes over to others. It knows no model: keep one for each character, tell it what to play and how time passes, and give its
+/// [`Animator::motion`] to the character's instance.
+///
+/// What is asked for while a change is still on its way begins from the pose of that moment, so that nothing jumps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animator {
+    /// The last is what was asked for last. Those before count as long as it has not wholly come.
+    layers: Vec<Layer>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Layer {
+    /// `None` is rest.
+    playing: Option<Playing>,
+    /// Seconds since it was asked for.
+    time_s: f32,
+    /// Seconds until it is all that there is.
+    fade_s: f32,
+}
+
+impl Layer {
+    /// How much of it there is, 0..=1: slow at both ends, so that limbs neither start nor stop at once.
+    fn share(&self) -> f32 {
+        if self.time_s >= self.fade_s {
+            return 1.0;
+        }
+        let t = self.time_s / self.fade_s;
+        t * t * (3.0 - 2.0 * t)
+    }
+}
+
+impl Animator {
+    /// At rest.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Goes over to that clip, or to rest, within `fade_s` seconds; 0, what is less and NaN change at once. The clip begins at its `start_s`.
+    pub fn play(&mut self, playing: Option<Playing>, fade_s: f32) {
+        let fade_s = if fade_s.is_nan() { 0.0 } else { fade_s.max(0.0) };
+        self.layers.push(Layer { playing, time_s: 0.0, fade_s });
+        self.tidy();
+    }
+
+    /// Lets time pass, seconds; what is no time (less than 0, NaN, infinite) does nothing.
+    pub fn advance(&mut self, seconds: f32) {
+        if seconds > 0.0 && seconds.is_finite() {
+            self.layers.iter_mut().for_each(|layer| layer.time_s += seconds);
+            self.tidy();
+        }
+    }
+
+    /// What was asked for last; `None` is rest.
+    pub fn playing(&self) -> Option<&Playing> {
+        self.layers.last().and_then(|layer| layer.playing.as_ref())
+    }
+
+    /// Whether it is on its way to another clip.
+    pub fn is_fading(&self) -> bool {
+        self.layers.last().is_some_and(|layer| layer.share() < 1.0)
+    }
+
+    /// Whether a clip that does not loop has come to its end, and has wholly come.
+    pub fn is_over(&self) -> bool {
+        let Some(layer) = self.layers.last() else { return false };
+        let at_end = |playing: &Playing| !playing.looped && playing.moment(layer.time_s) >= playing.duration_s;
+        !self.is_fading() && layer.playing.as_ref().is_some_and(at_end)
+    }
+
+    /// The pose of this moment.
+    pub fn motion(&self) -> Motion {
+        let layer = |layer: &Layer| match &layer.playing {
+            Some(playing) => playing.layer(layer.time_s, layer.share()),
+            None => ClipLayer { clip: None, time_s: 0.0, share: layer.share() },
+        };
+        motion(self.layers.iter().map(layer).collect())
+    }
+
+    /// Forgets what nothing is left of, and of more than a pose may have the oldest.
+    fn tidy(&mut self) {
+        let whole = self.layers.iter().rposition(|layer| layer.share() >= 1.0).unwrap_or(0);
+        let most = self.layers.len().saturating_sub(Motion::MOST_LAYERS);
+        self.layers.drain(..whole.max(most));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WALK: Playing = Playing { clip: 0, duration_s: 1.0, start_s: 0.0, speed: 1.0, looped: true };
+    const RUN: Playing = Playing { clip: 1, duration_s: 0.5, start_s: 0.1, speed: 2.0, looped: true };
+    const LAND: Playing = Playing { clip: 2, duration_s: 0.4, start_s: 0.0, speed: 1.0, looped: false };
+
+    fn layers(animator: &Animator) -> Vec<ClipLayer> {
+        match animator.motion() {
+            Motion::Blend(layers) => layers,
+            other => panic!("{other:?} is no blend"),
+        }
+    }
+
+    #[test]
+    fn one_clip_is_that_clip_and_nothing_is_rest() {
+        let mut animator = Animator::new();
+        assert_eq!(animator.motion(), Motion::Rest);
+        animator.play(Some(WALK), 0.0);
+        animator.advance(1.25);
+        assert_eq!(animator.motion(), Motion::Clip { clip: 0, time_s: 0.25 });
+        animator.play(Some(RUN), 0.0);
+        assert_eq!(animator.motion(), Motion::Clip { clip: 1, time_s: 0.1 });
+    }
+
+    #[test]
+    fn a_change_takes_its_time_and_both_clips_go_on() {
+        let mut animator = Animator::new();
+        animator.play(Some(WALK), 0.0);
+        animator.play(Some(RUN), 0.4);
+        assert!(animator.is_fading() && animator.playing() == Some(&RUN));
+        animator.advance(0.2);
+        let [walk, run] = layers(&animator)[..] else { panic!("{animator:?}") };
+        assert_eq!((walk.clip, walk.time_s, walk.share), (Some(0), 0.2, 1.0));
+        assert_eq!((run.clip, run.share), (Some(1), 0.5));
+        assert!((run.time_s - 0.5).abs() < 1e-6, "0.1 + 2 * 0.2: {run:?}");
+        animator.advance(0.2);
+        assert!(!animator.is_fading());
+        assert!(matches!(animator.motion(), Motion::Clip { clip: 1, .. }), "the walk is forgotten");
+    }
+
+    #[test]
+    fn a_third_clip_begins_where_the_change_to_the_second_was() {
+        let mut animator = Animator::new();
+        animator.play(Some(WALK), 0.0);
+        animator.play(Some(RUN), 0.4);
+        animator.advance(0.1);
+        let before = layers(&animator);
+        animator.play(Some(LAND), 0.3);
+        let after = layers(&animator);
+        assert_eq!((&after[..2], after[2].share), (&before[..], 0.0), "nothing jumps");
+        animator.advance(0.3);
+        assert_eq!(animator.motion(), Motion::Clip { clip: 2, time_s: 0.3 });
+        assert!(!animator.is_over());
+        animator.advance(0.2);
+        assert!(animator.is_over());
+        animator.play(None, 0.2);
+        animator.advance(0.2);
+        assert!(animator.motion() == Motion::Rest && !animator.is_over());
+    }
+
+    #[test]
+    fn no_time_and_impatience_do_no_harm() {
+        let mut animator = Animator::new();
+        for seconds in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            animator.play(Some(WALK), seconds);
+            animator.advance(seconds);
+        }
+        for _ in 0..100 {
+            animator.play(Some(RUN), 1.0);
+            animator.advance(0.001);
+        }
+        let layers = layers(&animator);
+        assert!(layers.len() <= Motion::MOST_LAYERS);
+        assert!(
+            layers.iter().all(|layer| layer.time_s.is_finite() && (0.0..=1.0).contains(&layer.share)),
+            "{layers:?}"
+        );
+    }
+}
