@@ -1,6 +1,5 @@
 //! Which required extensions can be read, and what to do about the others.
 
-use super::json::At;
 use super::source::Source;
 use crate::BakeError;
 
