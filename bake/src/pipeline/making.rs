@@ -1,0 +1,254 @@
+//! What each step does: it takes what it reads, calls its stage, and lays down what that made.
+
+use super::lay::{Laid, lay};
+use super::outputs::{Groomed, Output, Outputs, Packed, Shells, SkinFiles, SkinImages, Told, Visible, made};
+use crate::BakeError;
+use crate::recipe::{ColorParams, HairColors, Recipe, Style};
+use crate::stages::detail;
+use crate::stages::fins;
+use crate::stages::groom::{self, Atlas, BesideBare, Lengths, Pattern, RootAtlas, Rooting, Vertices};
+use crate::stages::hair::{Asides, TileHair};
+use crate::stages::hair_groups;
+use crate::stages::ink::{self, Canvas, SkinInk};
+use crate::stages::pack::{self, Pieces, SkinPieces};
+use crate::stages::strands;
+use crate::stages::surface::Surface;
+use crate::stages::textures;
+use crate::stages::visibility;
+use Output::*;
+use pelage_formats::Shading;
+use std::sync::Arc;
+
+pub(super) fn surface<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
+    let model = made(&outputs.model, Model)?;
+    outputs.laid = Some(lay(told.file, model, told.recipe, told.images)?);
+    Ok(())
+}
+
+pub(super) fn simulate(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let laid = made(&outputs.laid, Laid)?;
+    let HairColors { root, tip, .. } = laid.hair_colors;
+    let color = ColorParams { root: Some(root), tip: Some(tip), ..told.recipe.color.clone() };
+    let recipe = Recipe { color, ..laid.filled.clone() };
+    outputs.hair = Some(TileHair::grow(&recipe, laid.lengths, laid.maps.water())?);
+    Ok(())
+}
+
+pub(super) fn visible(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, params) = (made(&outputs.hair, Hair)?, &told.recipe.visibility);
+    let find = || {
+        let dry = visibility::visibility(&hair.strands, params, None)?;
+        // Where they mix they sink behind one horizon.
+        let wet = |strands| visibility::visibility(strands, params, Some(dry.horizon));
+        let wet = hair.wet.as_ref().map(wet).transpose()?;
+        Ok::<_, BakeError>(self::Visible { dry, wet })
+    };
+    outputs.visible = Some(params.enabled.then(find).transpose()?);
+    Ok(())
+}
+
+pub(super) fn slice(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, recipe) = (made(&outputs.hair, Hair)?, told.recipe);
+    let with_coat = detail::has_coat(recipe);
+    let volumes = 1 + u64::from(hair.wet.is_some());
+    told.steps.begin(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
+    let visible = made(&outputs.visible, Visible)?.as_ref();
+    let slice = |strands, visible| {
+        let on_layer = &mut || told.steps.step();
+        textures::shell_textures(strands, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
+    };
+    let dry = slice(&hair.strands, visible.map(|v| &v.dry))?;
+    let wet = hair.wet.as_ref().map(|strands| slice(strands, visible.and_then(|v| v.wet.as_ref()))).transpose()?;
+    let shells = self::Shells { dry, wet };
+    outputs.shells = Some(shells);
+    Ok(())
+}
+
+pub(super) fn single(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, params) = (made(&outputs.hair, Hair)?, &told.recipe.strands);
+    let visible = made(&outputs.visible, Visible)?.as_ref();
+    let visible = [visible.map(|v| &v.dry), visible.and_then(|v| v.wet.as_ref())];
+    outputs.single = Some(params.enabled.then(|| strands::strands(hair, visible, params.points)));
+    Ok(())
+}
+
+pub(super) fn groom(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid, recipe) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?, told.recipe);
+    let self::Laid { bounds, furred, maps, .. } = laid;
+    let mut surface = laid.surface.clone();
+    let pattern = Pattern::new(&recipe.color, told.images, bounds)?;
+    let asides = Asides::of(&made(&outputs.hair, Hair)?.strands);
+    let rooting = Rooting {
+        furred,
+        pattern: pattern.as_ref(),
+        asides: &asides.mean,
+        reach: asides.reach(),
+        most_side: recipe.color.pattern_texels,
+    };
+    let colored =
+        |surface: &Surface| groom::colors(model, &Vertices::from(surface), maps, furred, recipe.color.base_color);
+    let uncut = colored(&surface)?;
+    let roots = recipe.color.at_root.then(|| RootAtlas::new(&mut surface, &uncut, &rooting)).flatten();
+    let plain = pattern.as_ref().filter(|_| roots.is_none());
+    let atlas = plain.map(|_| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
+    let mut coat = maps.coat(&Vertices::from(&surface))?;
+    let (skin, longest_m) = ((&surface.mesh, &surface.rest), laid.lengths.length_m);
+    let chosen_m = || groom::chosen_margin_m(skin, furred, &coat.length, longest_m, bounds.radius);
+    let bare_margin_m = recipe.groom.bare_margin_m.or_else(chosen_m);
+    if let Some(margin_m) = bare_margin_m.filter(|margin_m| *margin_m > 0.0) {
+        BesideBare::new(skin.0, skin.1, furred, margin_m).shorten(&mut coat.length);
+    }
+    let open = recipe.groom.bare_margin_m.is_none();
+    let decisions = bare_margin_m.filter(|_| open).map(groom::margin_decision).into_iter().collect();
+    let mut colors = colored(&surface)?;
+    let mut grooms = maps.textures()?;
+    if let Some(roots) = &roots {
+        roots.paint(&rooting, &mut surface, &mut colors, &mut grooms);
+    }
+    if let (Some(pattern), Some(atlas)) = (plain, &atlas) {
+        pattern.paint(atlas, furred, &mut surface, &mut colors, &mut grooms);
+    }
+    colors.lighten(furred, laid.hair_colors.gain);
+    let warnings = atlas.as_ref().and_then(Atlas::warning).into_iter().collect();
+    let pattern_size_m = pattern.as_ref().map(Pattern::width_m);
+    let roots = roots.map(|roots| roots.info(asides.at));
+    outputs.groomed = Some(Arc::new(self::Groomed {
+        surface,
+        coat,
+        colors,
+        grooms,
+        pattern_size_m,
+        roots,
+        bare_margin_m,
+        decisions,
+        warnings,
+    }));
+    Ok(())
+}
+
+/// Height of the fur, metres.
+fn height_m(hair: &TileHair, lengths: Lengths) -> f32 {
+    hair.strands.height * lengths.tile_size_m
+}
+
+pub(super) fn guided(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid, groomed) =
+        (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?, made(&outputs.groomed, Groomed)?);
+    let ground = hair_groups::Ground {
+        file: told.file,
+        mesh: &groomed.surface.mesh,
+        rest: &groomed.surface.rest,
+        radius_m: laid.bounds.radius,
+        materials: &model.materials,
+        nodes: &model.nodes,
+        files: told.images,
+    };
+    let mut warnings = Vec::new();
+    let groups = hair_groups::groups(&told.recipe.strands, &ground, &mut warnings)?;
+    outputs.guided = Some((groups, warnings));
+    Ok(())
+}
+
+pub(super) fn fins(_: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (laid, hair) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?);
+    let groomed = made(&outputs.groomed, Groomed)?;
+    let (height_m, tile_size_m) = (height_m(hair, laid.lengths), laid.lengths.tile_size_m);
+    let fins = fins::fins(&groomed.surface, &laid.furred, &groomed.coat, height_m, tile_size_m);
+    outputs.fins = Some(pack::skin_fins(&groomed.surface, &fins));
+    Ok(())
+}
+
+pub(super) fn fin_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (hair, fins, recipe) = (made(&outputs.hair, Hair)?, made(&outputs.fins, Fins)?, told.recipe);
+    let depth = recipe.fins.depth.or(fins.depth).filter(|_| recipe.fins.enabled && fins.section.is_some());
+    let make = |depth| textures::fin_textures(&hair.strands, depth, &recipe.slice, &recipe.pack);
+    outputs.fin_textures = Some(depth.map(make).transpose()?);
+    Ok(())
+}
+
+pub(super) fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
+    let self::Groomed { surface, .. } = &**made(&outputs.groomed, Groomed)?;
+    let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
+    let canvas = Canvas { mesh, rest, radius, materials: &model.materials, images: told.images };
+    let params = &told.recipe.ink;
+    let fur = ink::fur_strength(told.recipe, model, &laid.furred);
+    outputs.ink = Some(params.enabled.then(|| ink::on_skin(params, fur, &canvas)).transpose()?);
+    Ok(())
+}
+
+pub(super) fn ink_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (laid, hair, recipe) = (made(&outputs.laid, Laid)?, made(&outputs.hair, Hair)?, told.recipe);
+    let painting = &mut outputs.kept.painting;
+    let paint = |skin: &SkinInk| {
+        let strokes = laid.furred.contains(&true) && skin.shading.fur > 0.0;
+        let strands = strokes.then_some(&hair.strands);
+        ink::textures_again(&recipe.ink, &recipe.pack, told.images, strands, told.steps, painting)
+    };
+    outputs.ink_textures = Some(made(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?);
+    Ok(())
+}
+
+pub(super) fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
+    let (hair, groomed, recipe) = (made(&outputs.hair, Hair)?, made(&outputs.groomed, Groomed)?, told.recipe);
+    let images = SkinImages { groomed: groomed.clone(), pack: recipe.pack.clone() };
+    let files = outputs.kept.skin.make(images, SkinFiles::encode)?;
+    let pieces = SkinPieces {
+        name: told.name,
+        model,
+        inputs: &told.images.inputs,
+        surface: &groomed.surface,
+        furred: &laid.furred,
+        coat: &groomed.coat,
+        colors: &groomed.colors,
+        bounds: laid.bounds,
+        bare: &laid.bare,
+        bare_margin_m: groomed.bare_margin_m,
+        lengths: laid.lengths,
+        filled: &laid.filled,
+        hair_colors: laid.hair_colors,
+        height_m: height_m(hair, laid.lengths),
+        strands: laid.filled.strands_in_tile(),
+        pattern_size_m: groomed.pattern_size_m,
+        roots: groomed.roots.as_ref(),
+        base_colors: &files.base_colors,
+        groom_textures: &files.grooms,
+        groom_of_material: &groomed.grooms.of_material,
+        simplified: recipe.detail.has_lists(),
+        warnings: &[&laid.warnings[..], &groomed.warnings].concat(),
+    };
+    outputs.skin = Some(pack::skin(&pieces, &mut outputs.kept.lists));
+    Ok(())
+}
+
+pub(super) fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let shells = made(&outputs.shells, Shells)?;
+    let ink = made(&outputs.ink, Ink)?.as_ref().zip(made(&outputs.ink_textures, InkTextures)?.as_ref());
+    let (skin, hair) = (made(&outputs.skin, Skin)?, made(&outputs.hair, Hair)?);
+    let shading = Shading::from(&told.recipe.shading);
+    // Where no coat grows, its strands are of no use.
+    let furred = skin.manifest.materials.iter().any(|material| material.furred);
+    let packed = pack::pack(&Pieces {
+        recipe: told.recipe,
+        shading: if hair.style == Style::Wet { shading.wet() } else { shading },
+        skin,
+        shells: &shells.dry,
+        wet_shells: shells.wet.as_ref(),
+        strands: made(&outputs.single, Single)?.as_ref().filter(|_| furred),
+        hair: made(&outputs.guided, Guided)?,
+        fins: made(&outputs.fins, Fins)?,
+        fin_textures: made(&outputs.fin_textures, FinTextures)?.as_ref(),
+        ink,
+    });
+    let (bytes, warnings) = packed.map_err(|error| match error {
+        BakeError::Params { what, reason } => BakeError::Input {
+            file: told.file.to_owned(),
+            place: "whole model".to_owned(),
+            reason: format!("its size decides {what}: {reason}; say it in the recipe, or see model.unit_m"),
+        },
+        other => other,
+    })?;
+    outputs.package = Some(Packed { bytes, warnings });
+    Ok(())
+}
