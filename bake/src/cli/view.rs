@@ -88,15 +88,12 @@ impl View {
     /// A clip that is not there, a damaged package.
     pub fn layers(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<ClipLayer>, StageError> {
         let layer = |name: Option<&str>, share: f32| {
-            let found = find_clip(file, package, name)?;
-            Ok::<_, StageError>(found.map(|(clip, s)| Playing::looped(clip, s).layer(self.time_s, share)))
+            let playing = Playing::named(file, package, name)?;
+            Ok::<_, StageError>(playing.map(|playing| playing.layer(self.time_s, share)))
         };
         let wholly = layer(self.clip.as_deref(), 1.0)?;
-        let over = match &self.blend {
-            Some(Blend { clip, share }) => layer(Some(clip), *share)?,
-            None => None,
-        };
-        Ok(wholly.into_iter().chain(over).collect())
+        let over = self.blend.as_ref().map(|blend| layer(Some(&blend.clip), blend.share)).transpose()?;
+        Ok(wholly.into_iter().chain(over.flatten()).collect())
     }
 
     /// What of one model the view frames; `package` is `file` opened.

@@ -87,9 +87,18 @@ impl Actor {
 }
 
 impl Playing {
-    /// From its beginning, over and over, as fast as it was made.
-    pub fn looped(clip: usize, duration_s: f32) -> Self {
-        Self { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true }
+    /// The clip of that name from its beginning, over and over, as fast as it was made; `None` without a name. `package` is `file` opened.
+    ///
+    /// # Errors
+    ///
+    /// As [`find_clip`].
+    pub fn named(
+        file: &NamedPackage<'_>,
+        package: &Package<'_>,
+        name: Option<&str>,
+    ) -> Result<Option<Self>, StageError> {
+        let found = find_clip(file, package, name)?;
+        Ok(found.map(|(clip, duration_s)| Self { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true }))
     }
 
     /// As a layer of a pose, by a share.
@@ -120,8 +129,7 @@ impl<'a> Cast<'a> {
         camera: Option<Viewpoint>,
         (framing, aspect): (&Framing, f32),
     ) -> Result<Self, StageError> {
-        let clip = find_clip(file, &package, clip)?;
-        let clip = clip.map(|(clip, duration_s)| Playing::looped(clip, duration_s));
+        let clip = Playing::named(file, &package, clip)?;
         let actor = |place| Actor { package: 0, place: Place::fixed(place), clip, over: None };
         let actors: Vec<Actor> = places(package.manifest(), copies).into_iter().map(actor).collect();
         let packages = vec![(file, Arc::new(package))];
@@ -140,8 +148,7 @@ impl<'a> Cast<'a> {
     pub fn over(mut self, name: &str, share: f32) -> Result<Self, StageError> {
         for actor in &mut self.actors {
             let Some((file, package)) = self.packages.get(actor.package) else { continue };
-            let found = find_clip(file, package, Some(name))?;
-            actor.over = found.map(|(clip, duration_s)| (Playing::looped(clip, duration_s), share));
+            actor.over = Playing::named(file, package, Some(name))?.map(|playing| (playing, share));
         }
         Ok(self)
     }
