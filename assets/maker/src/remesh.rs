@@ -126,7 +126,9 @@ impl<'a> Work<'a> {
                 .clamp(sizing.shortest, sizing.longest)
                 .min((sizing.local)(p))
         };
-        let mut wanted: Vec<f64> = self.positions.iter().map(|&p| curvature_length(p)).collect();
+        // Most vertices of the first mesh are soon collapsed, and nobody asks what they want.
+        let length = |(&p, fan): (&DVec3, &Vec<u32>)| if fan.is_empty() { 0.0 } else { curvature_length(p) };
+        let mut wanted: Vec<f64> = self.positions.iter().zip(&self.fans).map(length).collect();
         for _ in 0..3 {
             wanted = (0..wanted.len())
                 .map(|v| {
@@ -291,8 +293,12 @@ impl<'a> Work<'a> {
             .collect();
         for (v, to) in moved.into_iter().enumerate() {
             let v = v as u32;
-            let before = self.fan_error(v, u32::MAX, self.position(v));
-            if !self.turns(v, u32::MAX, to) && self.fan_error(v, u32::MAX, to) <= before.max(self.tolerance) {
+            if self.turns(v, u32::MAX, to) {
+                continue;
+            }
+            // What it was is asked only where it may excuse what it becomes: few places.
+            let after = self.fan_error(v, u32::MAX, to);
+            if after <= self.tolerance || after <= self.fan_error(v, u32::MAX, self.position(v)) {
                 self.positions[v as usize] = to;
             }
         }
