@@ -19,6 +19,8 @@ pub struct Model {
     pub combs: Vec<DrawnComb>,
     /// Skeleton and clips. Present where anything moves; then every vertex has an entry in [`Mesh::skin`].
     pub animation: Option<Animation>,
+    /// What morph targets do to vertices, of a model whose [`Animation::morphs`] has some.
+    pub morph_rows: MorphRows,
     /// The files that were read, in the order of reading.
     pub inputs: Vec<InputRecord>,
     /// What was repaired, left out or guessed.
@@ -56,6 +58,8 @@ pub struct Mesh {
     pub colors: Vec<[u8; 4]>,
     /// Joints and weights (normalised), or empty.
     pub skin: Vec<SkinVertex>,
+    /// What morph targets do to each vertex: index into [`MorphRows`]. Empty where there are none.
+    pub morph_rows: Vec<u32>,
     /// Corner indices, counter-clockwise seen from outside in the posed rest state.
     pub triangles: Vec<[u32; 3]>,
     /// Runs of triangles with one material, covering `triangles` in order.
@@ -70,8 +74,24 @@ impl Mesh {
         self.uvs.push(self.uvs[v]);
         self.colors.push(self.colors[v]);
         self.skin.extend(self.skin.get(v).copied());
+        self.morph_rows.extend(self.morph_rows.get(v).copied());
         self.positions.len() as u32 - 1
     }
+}
+
+/// What morph targets do to vertices: many vertices may share a row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MorphRows(pub Vec<Vec<RowDelta>>);
+
+/// What a morph target of weight 1 adds to a vertex that it finds at weight 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowDelta {
+    /// Index into the targets of [`Animation::morphs`].
+    pub target: u32,
+    /// In mesh space.
+    pub position: Vec3,
+    /// To a normal of unit length; `None` where the file does not say.
+    pub normal: Option<Vec3>,
 }
 
 /// A run of triangles that came from one primitive.

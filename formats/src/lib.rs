@@ -51,7 +51,9 @@ pub use limits::Limits;
 pub use meaning::{Aside, decode_direction, encode_direction};
 pub use package::Package;
 pub use sampling::{ClipLayer, Pose};
-pub use sections::animation::{Animation, Channel, Clip, Interpolation, Joint, Node, Property};
+pub use sections::animation::{
+    Animation, Channel, Clip, Interpolation, Joint, MorphChannel, MorphMotion, MorphTarget, Node, Property,
+};
 pub use sections::fins::{Fin, FinData, FinsView};
 pub use sections::hair::{HairGroup, OnTriangle};
 pub use sections::ink::{InkData, InkInfo, InkShading, InkTextures, InkVertex, InkView};
@@ -62,6 +64,7 @@ pub use sections::manifest::data::{
 };
 pub use sections::manifest::detail::{CoatInfo, DetailLevel};
 pub use sections::mesh::{AttributeVertex, GeometryVertex, MeshData, MeshView, SkinVertex};
+pub use sections::morphs::{MorphDelta, Morphs};
 pub use sections::roots::{ROOT_HEIGHTS, RootsInfo};
 pub use sections::simplified::{SimplifiedLevel, SimplifiedView};
 pub use sections::strands::{

@@ -1,6 +1,6 @@
 //! What the `ANIM` section means: clip and time to joint matrices. Bake (rest state) and runtime (every frame) share it.
 
-use crate::sections::animation::{Animation, Channel, Interpolation, Property};
+use crate::sections::animation::{Animation, Channel, Interpolation, MorphChannel, Property};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 /// Joint matrices of one moment. Keep it between frames: its buffers are reused.
@@ -10,6 +10,8 @@ pub struct Pose {
     pub joints: Vec<Mat4>,
     /// Node to world, one per node.
     pub nodes: Vec<Mat4>,
+    /// How far the weight of each morph target is from where it rests, one per target.
+    pub shifts: Vec<f32>,
 }
 
 impl Pose {
@@ -22,22 +24,40 @@ impl Pose {
     /// rotation without direction (0, 0, 0, 0) is no rotation, and a matrix whose numbers overflow f32 is the identity.
     pub fn sample(&mut self, animation: &Animation, clip: Option<usize>, time_s: f32) {
         self.place(animation, locals(animation, clip, time_s));
+        self.shifts = shifts(animation, clip, time_s);
     }
 
     /// Poses the skeleton by several moments, of one clip or of more, one after another: each goes over, by its share, from what those before it come to.
     /// None at all is the pose at rest. So a character goes from one motion into the next, and into a third before it has arrived.
     ///
-    /// Nodes go straight from one place and scale to the other and turn the shorter way, each about its parent, so that limbs keep their lengths.
+    /// Nodes go straight from one place and scale to the other and turn the shorter way, each about its parent, so that limbs keep their lengths;
+    /// weights of morph targets go straight.
     /// Else as [`Self::sample`].
     pub fn blend(&mut self, animation: &Animation, layers: &[ClipLayer]) {
         let mut all = locals(animation, None, 0.0);
+        self.shifts = shifts(animation, None, 0.0);
         for ClipLayer { clip, time_s, share } in layers {
             let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
             for (node, other) in all.iter_mut().zip(locals(animation, *clip, *time_s)) {
                 node.go_over(other, share);
             }
+            for (shift, other) in self.shifts.iter_mut().zip(shifts(animation, *clip, *time_s)) {
+                *shift = if share >= 1.0 { other } else { *shift + (other - *shift) * share };
+            }
         }
         self.place(animation, all);
+    }
+
+    /// Puts morph targets at weights of the caller's; the others stay where they are. What there is no such target for is left out, and a weight that is
+    /// not finite is that at rest.
+    pub fn morph(&mut self, animation: &Animation, weights: &[(usize, f32)]) {
+        let targets = &animation.morphs.targets;
+        self.shifts.resize(targets.len(), 0.0);
+        for (target, weight) in weights {
+            if let (Some(shift), Some(target)) = (self.shifts.get_mut(*target), targets.get(*target)) {
+                *shift = Some(weight - target.weight).filter(|shift| shift.is_finite()).unwrap_or_default();
+            }
+        }
     }
 
     fn place(&mut self, animation: &Animation, locals: Vec<Local>) {
@@ -144,19 +164,11 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
     };
     let cubic = channel.interpolation == Interpolation::Cubic;
     let key = |k: usize| if cubic { value(3 * k + 1) } else { value(k) };
-    let times = &channel.times;
-    let next = times.partition_point(|t| *t <= time_s);
-    if next == 0 {
-        return Some(key(0));
-    }
-    if next == times.len() {
-        return Some(key(next - 1));
-    }
-    let before = next - 1;
-    // In f64, where the distance of any two f32 is finite and not zero.
-    let span = f64::from(times[next]) - f64::from(times[before]);
-    let t = ((f64::from(time_s) - f64::from(times[before])) / span) as f32;
-    let span = span as f32;
+    let (before, t, span) = match moment(&channel.times, time_s) {
+        Moment::Key(k) => return Some(key(k)),
+        Moment::Between { before, t, span_s } => (before, t, span_s),
+    };
+    let next = before + 1;
     let rotation = channel.property == Property::Rotation;
     Some(match channel.interpolation {
         Interpolation::Step => key(before),
@@ -169,13 +181,75 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
         }
         Interpolation::Linear => key(before).lerp(key(next), t),
         Interpolation::Cubic => {
-            let (out_tangent, in_tangent) = (value(3 * before + 2) * span, value(3 * next) * span);
-            let (t2, t3) = (t * t, t * t * t);
-            // glTF 2.0, appendix C.5: cubic Hermite with tangents scaled by the key distance.
-            key(before) * (2.0 * t3 - 3.0 * t2 + 1.0)
-                + out_tangent * (t3 - 2.0 * t2 + t)
-                + key(next) * (3.0 * t2 - 2.0 * t3)
-                + in_tangent * (t3 - t2)
+            let [a, out_of_a, b, into_b] = hermite(t, span);
+            key(before) * a + value(3 * before + 2) * out_of_a + key(next) * b + value(3 * next) * into_b
         }
     })
+}
+
+/// How far the weight of each target is from where it rests.
+fn shifts(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<f32> {
+    let motion = &animation.morphs;
+    let mut shifts = vec![0.0; motion.targets.len()];
+    for channel in motion.channels.iter().filter(|channel| Some(channel.clip as usize) == clip) {
+        let first = channel.target as usize;
+        for k in 0..channel.count as usize {
+            let (Some(shift), Some(target)) = (shifts.get_mut(first + k), motion.targets.get(first + k)) else { break };
+            let found = sample_weight(channel, k, time_s).map(|weight| weight - target.weight);
+            *shift = found.filter(|shift| shift.is_finite()).unwrap_or_default();
+        }
+    }
+    shifts
+}
+
+/// The weight of the channel's target number `k`; `None` where its counts do not fit.
+fn sample_weight(channel: &MorphChannel, k: usize, time_s: f32) -> Option<f32> {
+    if channel.times.is_empty() || channel.expected_values() != Some(channel.values.len()) {
+        return None;
+    }
+    let value = |row: usize| channel.values[row * channel.count as usize + k];
+    let cubic = channel.interpolation == Interpolation::Cubic;
+    let key = |k: usize| if cubic { value(3 * k + 1) } else { value(k) };
+    Some(match moment(&channel.times, time_s) {
+        Moment::Key(k) => key(k),
+        Moment::Between { before, t, span_s } => match channel.interpolation {
+            Interpolation::Step => key(before),
+            Interpolation::Linear => key(before) + (key(before + 1) - key(before)) * t,
+            Interpolation::Cubic => {
+                let [a, out_of_a, b, into_b] = hermite(t, span_s);
+                key(before) * a
+                    + value(3 * before + 2) * out_of_a
+                    + key(before + 1) * b
+                    + value(3 * before + 3) * into_b
+            }
+        },
+    })
+}
+
+/// Where a time lies among keys.
+enum Moment {
+    /// Before the first, at the last or after it: it holds.
+    Key(usize),
+    /// Past a key by `t`, 0..1, of the way to the next, which takes `span_s` seconds.
+    Between { before: usize, t: f32, span_s: f32 },
+}
+
+/// `times`, at least one, rise.
+fn moment(times: &[f32], time_s: f32) -> Moment {
+    let next = times.partition_point(|t| *t <= time_s);
+    if next == 0 || next == times.len() {
+        return Moment::Key(next.saturating_sub(1));
+    }
+    let before = next - 1;
+    // In f64, where the distance of any two f32 is finite and not zero.
+    let span = f64::from(times[next]) - f64::from(times[before]);
+    let t = ((f64::from(time_s) - f64::from(times[before])) / span) as f32;
+    Moment::Between { before, t, span_s: span as f32 }
+}
+
+/// Factors of a key's value, its out-tangent, the next key's value and its in-tangent, `t` of the way between them (glTF 2.0, appendix C.5: cubic Hermite
+/// with tangents scaled by the key distance).
+fn hermite(t: f32, span_s: f32) -> [f32; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [2.0 * t3 - 3.0 * t2 + 1.0, (t3 - 2.0 * t2 + t) * span_s, 3.0 * t2 - 2.0 * t3, (t3 - t2) * span_s]
 }

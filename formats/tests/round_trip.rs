@@ -87,6 +87,7 @@ fn animation() -> impl Strategy<Value = Animation> {
             nodes: nodes.clone(),
             joints: joints.clone(),
             clips: clips.into_iter().map(|(name, duration_s, channels)| Clip { name, duration_s, channels }).collect(),
+            ..Animation::default()
         })
     })
 }

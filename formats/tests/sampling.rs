@@ -17,6 +17,7 @@ fn one_channel(property: Property, interpolation: Interpolation, times: &[f32], 
         nodes: vec![node(None)],
         joints: vec![Joint { node: 0, inverse_bind: IDENTITY }],
         clips: vec![Clip { name: "c".into(), duration_s: *times.last().unwrap_or(&0.0), channels: vec![channel] }],
+        ..Animation::default()
     }
 }
 
@@ -121,7 +122,7 @@ fn mirrored_and_zero_scale_stay_exact() {
     let mut animation = Animation {
         nodes: vec![node(None), node(Some(0))],
         joints: vec![Joint { node: 1, inverse_bind: IDENTITY }],
-        clips: Vec::new(),
+        ..Animation::default()
     };
     animation.nodes[0].scale = [-2.0, 1.0, 1.0];
     animation.nodes[0].translation = [1.0, 0.0, 0.0];
@@ -193,6 +194,7 @@ fn between_moments_nodes_turn_about_their_parents() {
         nodes: vec![node(None), hand],
         joints: vec![Joint { node: 1, inverse_bind: IDENTITY }],
         clips: vec![clip(turn), clip(go)],
+        ..Animation::default()
     };
     let layer = |clip, time_s, share| ClipLayer { clip, time_s, share };
     let hand = |layers: &[ClipLayer]| {

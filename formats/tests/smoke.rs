@@ -1,4 +1,4 @@
-//! The fuzz targets' bodies over mutations of the golden packages, on stable, bounded, the same on every machine.
+//! The fuzz targets' bodies over mutations of the golden packages and of one with morph targets, on stable, bounded, the same on every machine.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 #[path = "../fuzz/src/bodies.rs"]
@@ -9,6 +9,12 @@ use common::random::Random;
 
 const GOLDEN: [&[u8]; 3] =
     [include_bytes!("golden/v1.pelage"), include_bytes!("golden/v2.pelage"), include_bytes!("golden/v3.pelage")];
+
+/// The golden packages, and one with morph targets.
+fn bases() -> Vec<Vec<u8>> {
+    let morphed = common::morphed_package(&common::sample_morphs()).unwrap();
+    GOLDEN.iter().map(|golden| golden.to_vec()).chain([morphed]).collect()
+}
 
 /// One to four changes of the kinds that a fuzzer makes.
 fn mutate(golden: &[u8], random: &mut Random) -> Vec<u8> {
@@ -58,13 +64,14 @@ fn mutate(golden: &[u8], random: &mut Random) -> Vec<u8> {
 
 #[test]
 fn twenty_thousand_mutations() {
-    for golden in GOLDEN {
-        assert!(bodies::open(golden) && bodies::round_trip(golden), "the golden package itself is valid");
+    let bases = bases();
+    for base in &bases {
+        assert!(bodies::open(base) && bodies::round_trip(base), "the package itself is valid");
     }
     let mut random = Random(0x70656c616765);
     let (mut valid, mut refused) = (0, 0);
     for i in 0..20_000 {
-        let mut bytes = mutate(GOLDEN[i % GOLDEN.len()], &mut random);
+        let mut bytes = mutate(&bases[i % bases.len()], &mut random);
         bodies::open(&bytes);
         bodies::reseal(&mut bytes);
         if bodies::round_trip(&bytes) {

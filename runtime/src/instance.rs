@@ -84,6 +84,9 @@ pub struct Instance {
     pub transform: Mat4,
     /// How it is posed; without effect for models without skeleton.
     pub motion: Motion,
+    /// Morph targets that the application moves itself, a face that speaks for one: index into [`Model::morph_targets`], and weight. The others follow the
+    /// motion. Where one stands twice, the last counts.
+    pub morphs: Vec<(usize, f32)>,
 }
 
 impl Instance {
@@ -92,7 +95,7 @@ impl Instance {
 
     /// A copy at the origin, at rest.
     pub fn new(owner: u64, model: &Model) -> Self {
-        Self { owner, model: model.clone(), transform: Mat4::IDENTITY, motion: Motion::Rest }
+        Self { owner, model: model.clone(), transform: Mat4::IDENTITY, motion: Motion::Rest, morphs: Vec::new() }
     }
 
     /// The same at another place.
@@ -103,6 +106,11 @@ impl Instance {
     /// The same in another pose.
     pub fn moving(self, motion: Motion) -> Self {
         Self { motion, ..self }
+    }
+
+    /// The same with morph targets at these weights ([`Instance::morphs`]).
+    pub fn morphing(self, morphs: Vec<(usize, f32)>) -> Self {
+        Self { morphs, ..self }
     }
 
     /// Whether a frame reads from its package how hair shadows hair.
@@ -131,6 +139,12 @@ impl Instance {
             return fail("Instance::transform", found, "a finite, invertible matrix".into());
         }
         let Some(animation) = self.model.skeleton() else { return Ok(()) };
+        let targets = animation.morphs.targets.len();
+        if let Some((target, weight)) = self.morphs.iter().find(|(t, w)| *t >= targets || !w.is_finite()) {
+            let found = format!("morph target {target} of weight {weight}");
+            let expected = format!("a target less than {targets} and a finite weight");
+            return fail("Instance::morphs", found, expected);
+        }
         match self.motion.fault(animation) {
             Some((found, expected)) => fail("Instance::motion", found, expected),
             None => Ok(()),

@@ -16,7 +16,7 @@ use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform,
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
 use pelage_formats::meaning::{FIN_CORNERS, LEANING_ROWS};
-use pelage_formats::{AttributeVertex, Fin, GeometryVertex, SkinVertex};
+use pelage_formats::{AttributeVertex, Fin, GeometryVertex, MorphDelta, SkinVertex};
 use std::collections::BTreeMap;
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
@@ -363,6 +363,24 @@ fn storage_structs_agree() {
     assert_eq!(offset("joints_zw"), Some(offset_of!(SkinVertex, joints) + 4));
     for (k, name) in ["weight_x", "weight_y", "weight_z", "weight_w"].into_iter().enumerate() {
         assert_eq!(offset(name), Some(offset_of!(SkinVertex, weights) + 4 * k));
+    }
+}
+
+#[test]
+fn morph_deltas_are_words_without_gaps() {
+    let (members, size) = members(&pose::MORPHED.wgsl(), "MorphDelta");
+    assert_eq!(size as usize, size_of::<MorphDelta>());
+    let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);
+    assert_eq!(offset("morph"), Some(offset_of!(MorphDelta, target)));
+    let vectors = [
+        ("position", offset_of!(MorphDelta, position)),
+        ("normal", offset_of!(MorphDelta, normal)),
+        ("tangent", offset_of!(MorphDelta, tangent)),
+    ];
+    for (name, first) in vectors {
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            assert_eq!(offset(&format!("{name}_{axis}")), Some(first + 4 * k), "{name}_{axis}");
+        }
     }
 }
 

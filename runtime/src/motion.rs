@@ -17,8 +17,8 @@ struct State {
     model: Model,
     /// Posed vertices, where the model has a skeleton.
     posed: Option<wgpu::Buffer>,
-    /// What they are of.
-    motion: Option<Motion>,
+    /// What they are of: the motion, and weights of morph targets.
+    motion: Option<(Motion, Vec<(usize, f32)>)>,
     pose: Pose,
     /// Another number whenever the shape in model space is another, and never one that any owner had before.
     revision: u64,
@@ -40,11 +40,20 @@ pub(crate) struct States {
 pub(crate) struct Moved {
     /// The first vertex stream: posed where the model has a skeleton.
     pub(crate) geometry: wgpu::Buffer,
-    /// The joint matrices, where the posed vertices are not of them yet.
-    pub(crate) joints: Option<Vec<Mat4>>,
+    /// Where its parts are, where the posed vertices are not of it yet.
+    pub(crate) pose: Option<Moves>,
     pub(crate) revision: u64,
     /// The posed skin with its fur, in world space.
     pub(crate) hull: Hull,
+}
+
+/// What moves the vertices of an instance.
+#[derive(Clone, Debug)]
+pub(crate) struct Moves {
+    /// Mesh space to model space, one per joint.
+    pub(crate) joints: Vec<Mat4>,
+    /// How far the weight of each morph target is from where it rests.
+    pub(crate) shifts: Vec<f32>,
 }
 
 /// A set of strands on the posed skin.
@@ -100,30 +109,37 @@ impl States {
             last_frame: frame,
         });
         state.last_frame = frame;
-        let mut joints = None;
+        let mut pose = None;
         // Without skeleton nothing moves.
-        let motion = model.skeleton().map_or(&Motion::Rest, |_| &instance.motion);
-        if state.motion.as_ref() != Some(motion) {
+        let (motion, morphs) = match model.skeleton() {
+            Some(_) => (&instance.motion, &instance.morphs[..]),
+            None => (&Motion::Rest, &[][..]),
+        };
+        if state.motion.as_ref().is_none_or(|(of, with)| (of, &with[..]) != (motion, morphs)) {
             self.revisions += 1;
             state.revision = self.revisions;
-            state.motion = Some(motion.clone());
+            state.motion = Some((motion.clone(), morphs.to_vec()));
             if let Some(animation) = model.skeleton() {
                 match motion {
                     Motion::Rest => state.pose.sample(animation, None, 0.0),
                     Motion::Clip { clip, time_s } => state.pose.sample(animation, Some(*clip), *time_s),
                     Motion::Blend(layers) => state.pose.blend(animation, layers),
-                    Motion::Joints(joints) => state.pose.joints.clone_from(joints),
+                    Motion::Joints(joints) => {
+                        state.pose.joints.clone_from(joints);
+                        state.pose.shifts.clear();
+                    }
                 }
-                joints = Some(state.pose.joints.clone());
+                state.pose.morph(animation, morphs);
+                pose = Some(Moves { joints: state.pose.joints.clone(), shifts: state.pose.shifts.clone() });
             }
         }
         let mut hull = Hull::default();
         // Leaning hair reaches farther than its height.
         let fur_m = std::f32::consts::SQRT_2 * model.manifest().fur.height_m;
-        model.extent().add_to(&mut hull, &state.pose.joints, instance.transform, fur_m);
+        model.extent().add_to(&mut hull, &state.pose, instance.transform, fur_m);
         let geometry = state.posed.as_ref().unwrap_or(model.geometry()).clone();
         let revision = state.revision;
-        Moved { geometry, joints, revision, hull }
+        Moved { geometry, pose, revision, hull }
     }
 
     /// Where a set of an instance's strands is posed, of which this frame draws a share at that revision of its shape.

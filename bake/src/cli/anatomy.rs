@@ -8,7 +8,7 @@ use pelage_formats::meaning::{linear_to_srgb, posed_vertices, srgb_to_linear};
 use pelage_formats::{FormatError, Package, Pose};
 use serde_json::{Value, json};
 
-/// Says of a package's model: `size_m`, `materials`, `joint_names`, `clips`.
+/// Says of a package's model: `size_m`, `materials`, `joint_names`, `clips`, `morphs`.
 ///
 /// # Errors
 ///
@@ -21,7 +21,8 @@ pub fn anatomy(package: &Package<'_>) -> Result<Value, FormatError> {
         pose.sample(animation, None, 0.0);
     }
     let mesh = package.mesh()?;
-    let positions: Vec<Vec3> = mesh.iter().flat_map(|m| posed_vertices(m, &pose)).map(|v| v.position.into()).collect();
+    let positions: Vec<Vec3> =
+        mesh.iter().flat_map(|m| posed_vertices(m, None, &pose)).map(|v| v.position.into()).collect();
     let indices: Vec<u32> = mesh.iter().flat_map(pelage_formats::MeshView::indices).collect();
     let mut found: Vec<Found> = manifest.materials.iter().map(|_| Found::default()).collect();
     for part in &manifest.parts {
@@ -48,11 +49,13 @@ pub fn anatomy(package: &Package<'_>) -> Result<Value, FormatError> {
     }
     let joints = animation.iter().flat_map(|a| a.joints.iter().map(|joint| a.nodes[joint.node as usize].name.as_str()));
     let clips = animation.iter().flat_map(|a| &a.clips);
+    let morphs = animation.iter().flat_map(|a| &a.morphs.targets);
     Ok(json!({
         "size_m": size::sides_m(&manifest.bounds),
         "materials": materials,
         "joint_names": joints.collect::<Vec<_>>(),
         "clips": clips.map(|clip| json!({ "name": clip.name, "seconds": clip.duration_s })).collect::<Vec<_>>(),
+        "morphs": morphs.map(|morph| json!({ "name": morph.name, "weight": morph.weight })).collect::<Vec<_>>(),
     }))
 }
 
@@ -124,5 +127,8 @@ pub fn rows(anatomy: &Value, row: &mut dyn FnMut(&str, String)) {
     }
     for clip in list("clips") {
         row("clip", format!("{:?}, {:.3} s", text(&clip["name"]), number(&clip["seconds"])));
+    }
+    for morph in list("morphs") {
+        row("morph target", format!("{:?}, at {} at rest", text(&morph["name"]), number(&morph["weight"])));
     }
 }

@@ -87,6 +87,7 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
         "joints": anatomy["joint_names"].as_array().map_or(0, Vec::len),
         "joint_names": anatomy["joint_names"].take(),
         "clips": anatomy["clips"].take(),
+        "morphs": anatomy["morphs"].take(),
         "materials": anatomy["materials"].take(),
         "gpu_bytes": gpu_bytes,
         "coat": manifest.coat,

@@ -65,9 +65,12 @@ pub struct RenderArgs {
 
 /// Refuses arguments that make no sense beside a scene.
 fn refuse_beside(file: &str, args: &ViewArgs) -> Result<(), Failure> {
-    for (name, given) in
-        [("--clip", args.clip.is_some()), ("--blend", args.blend.is_some()), ("--crowd", args.crowd != 1)]
-    {
+    for (name, given) in [
+        ("--clip", args.clip.is_some()),
+        ("--blend", args.blend.is_some()),
+        ("--morph", !args.morph.is_empty()),
+        ("--crowd", args.crowd != 1),
+    ] {
         if given {
             let text = format!("{name}: {file} says what stands in the picture, expected it to be left out");
             return Err(Failure::Usage(text));

@@ -37,10 +37,11 @@ pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, St
     let package = file.open()?;
     let framing = (&view.framing, view.look.aspect());
     let crowd = Cast::crowd(file, package, view.clip.as_deref(), view.crowd, view.camera, framing)?;
-    match &view.blend {
-        Some(blend) => crowd.over(&blend.clip, blend.share),
-        None => Ok(crowd),
-    }
+    let crowd = match &view.blend {
+        Some(blend) => crowd.over(&blend.clip, blend.share)?,
+        None => crowd,
+    };
+    view.morphs.iter().try_fold(crowd, |crowd, morph| crowd.morphing(&morph.target, morph.weight))
 }
 
 /// What is drawn of each copy's fur, as JSON.

@@ -25,7 +25,8 @@ impl Truth {
     pub fn new(file: &NamedPackage<'_>, view: &View) -> Result<Self, Failure> {
         let package = &file.open()?;
         let manifest = package.manifest();
-        let mut skin = Skin::posed(&file.name, package, &view.layers(file, package)?)?;
+        let morphs = view.morph_weights(file, package)?;
+        let mut skin = Skin::morphed(&file.name, package, &view.layers(file, package)?, &morphs)?;
         let hair = match view.look.picture.style {
             LookStyle::Bare => None,
             _ => tile_hair(&file.name, manifest)?,

@@ -2,11 +2,11 @@
 
 use super::camera_args::CameraArgs;
 use super::exit::Failure;
-use super::view_args::{Blend, ViewArgs};
+use super::view_args::{Blend, MorphWeight, ViewArgs};
 use glam::Vec3;
 use pelage_formats::{ClipLayer, Package};
 use pelage_stage::{
-    Framing, Look, NamedPackage, Playing, Size, StageError, Viewpoint, find_clip, nothing_named, outline,
+    Framing, Look, NamedPackage, Playing, Size, StageError, Viewpoint, find_clip, find_morph, nothing_named, outline,
 };
 
 /// How a package is looked at; what the arguments that `render` and `bench` share come to.
@@ -22,6 +22,8 @@ pub struct View {
     pub clip: Option<String>,
     /// The clip that the pose goes over to from that, and how far.
     pub blend: Option<Blend>,
+    /// Morph targets that are at weights of their own.
+    pub morphs: Vec<MorphWeight>,
     /// Moment of the clips, seconds; they loop.
     pub time_s: f32,
     /// Copies of the model, at least 1.
@@ -36,6 +38,7 @@ impl Default for View {
             framing: Framing::default(),
             clip: None,
             blend: None,
+            morphs: Vec::new(),
             time_s: 0.0,
             crowd: 1,
         }
@@ -50,8 +53,8 @@ impl View {
     /// A look file that cannot be read or says something wrong.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
-        let (clip, blend) = (args.clip.clone(), args.blend.clone());
-        let view = Self { look, clip, blend, time_s: args.time, crowd: args.crowd, ..Self::default() };
+        let (clip, blend, morphs) = (args.clip.clone(), args.blend.clone(), args.morph.clone());
+        let view = Self { look, clip, blend, morphs, time_s: args.time, crowd: args.crowd, ..Self::default() };
         Ok(view.seen_from(&args.camera))
     }
 
@@ -94,6 +97,20 @@ impl View {
         let wholly = layer(self.clip.as_deref(), 1.0)?;
         let over = self.blend.as_ref().map(|blend| layer(Some(&blend.clip), blend.share)).transpose()?;
         Ok(wholly.into_iter().chain(over.flatten()).collect())
+    }
+
+    /// Morph targets of a model that are at weights of their own; `package` is `file` opened.
+    ///
+    /// # Errors
+    ///
+    /// A target that is not there, a damaged package.
+    pub fn morph_weights(
+        &self,
+        file: &NamedPackage<'_>,
+        package: &Package<'_>,
+    ) -> Result<Vec<(usize, f32)>, StageError> {
+        let found = |morph: &MorphWeight| Ok((find_morph(file, package, &morph.target)?, morph.weight));
+        self.morphs.iter().map(found).collect()
     }
 
     /// What of one model the view frames; `package` is `file` opened.

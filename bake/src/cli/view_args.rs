@@ -18,6 +18,9 @@ pub struct ViewArgs {
     /// Another clip that the pose goes over to from --clip, or from rest, and how far, 0 to 1
     #[arg(long, value_name = "NAME:SHARE")]
     pub blend: Option<Blend>,
+    /// A morph target that is at this weight whatever the clips do; may be given several times
+    #[arg(long, value_name = "NAME:WEIGHT", allow_hyphen_values = true)]
+    pub morph: Vec<MorphWeight>,
     /// Copies of the model, side by side on a grid
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub crowd: u32,
@@ -45,6 +48,26 @@ impl FromStr for Blend {
         let share = parts.and_then(|(_, share)| share.parse().ok()).filter(|share| (0.0..=1.0).contains(share));
         let both = parts.zip(share).map(|((clip, _), share)| Self { clip: clip.into(), share });
         both.ok_or("expected the name of a clip and a share of 0 to 1, such as Walk:0.3".into())
+    }
+}
+
+/// A morph target and its weight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MorphWeight {
+    /// Its name.
+    pub target: String,
+    /// Finite.
+    pub weight: f32,
+}
+
+impl FromStr for MorphWeight {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.rsplit_once(':').filter(|(target, _)| !target.is_empty());
+        let weight = parts.and_then(|(_, weight)| weight.parse().ok()).filter(|weight: &f32| weight.is_finite());
+        let both = parts.zip(weight).map(|((target, _), weight)| Self { target: target.into(), weight });
+        both.ok_or("expected the name of a morph target and a weight, such as smile:0.7".into())
     }
 }
 
@@ -83,7 +106,8 @@ mod tests {
     #[test]
     fn every_option_is_read() {
         let args = parse(
-            "--camera -1,2,3.5/0,0,-1/45 --time 0.25 --clip Walk --blend A|Run:0.3 --crowd 100 --frames 3 --layers 8",
+            "--camera -1,2,3.5/0,0,-1/45 --time 0.25 --clip Walk --blend A|Run:0.3 --morph a:b:-0.5 \
+             --morph smile:2 --crowd 100 --frames 3 --layers 8",
         )
         .unwrap();
         let view = View::new(&args, Look::default()).unwrap();
@@ -91,6 +115,8 @@ mod tests {
         assert_eq!(view.camera, Some(Viewpoint { eye, target, fov_deg: 45.0 }));
         assert_eq!((view.time_s, view.clip.as_deref(), view.crowd, args.frames), (0.25, Some("Walk"), 100, Some(3)));
         assert_eq!(view.blend, Some(Blend { clip: "A|Run".into(), share: 0.3 }));
+        let morph = |target: &str, weight| MorphWeight { target: target.into(), weight };
+        assert_eq!(view.morphs, [morph("a:b", -0.5), morph("smile", 2.0)]);
         assert_eq!(view.look.fur.layers, Some(8));
         let view = View::new(&parse("--orbit -90,20.5,2 --look-at Ey*").unwrap(), Look::default()).unwrap();
         let orbit = Orbit { azimuth_deg: -90.0, elevation_deg: 20.5, zoom: 2.0 };
@@ -116,6 +142,8 @@ mod tests {
             ("--blend Run", "such as Walk:0.3"),
             ("--blend :0.3", "such as Walk:0.3"),
             ("--blend Run:1.5", "a share of 0 to 1"),
+            ("--morph smile", "such as smile:0.7"),
+            ("--morph smile:nan", "such as smile:0.7"),
             ("--crowd 0", "0 is not in 1..=10000"),
         ] {
             let error = parse(line).unwrap_err();

@@ -2,7 +2,7 @@
 
 use super::textures::ShellTextures;
 use pelage_formats::{
-    Animation, FinData, FormatError, HairGroup, InkData, Manifest, MeshData, Package, PackageWriter, RootsInfo,
+    Animation, FinData, FormatError, HairGroup, InkData, Manifest, MeshData, Morphs, Package, PackageWriter, RootsInfo,
     SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
@@ -15,6 +15,8 @@ pub enum Content<'a> {
     Mesh(Arc<MeshData>),
     /// Skeleton and clips.
     Animation(Arc<Animation>),
+    /// Morph targets.
+    Morphs(Arc<Morphs>),
     /// The fins.
     Fins(FinData),
     /// The ink style.
@@ -61,6 +63,7 @@ pub fn assemble<'a>(
     let add = |writer: PackageWriter<'a>, content| match content {
         Content::Mesh(mesh) => writer.mesh(&mesh),
         Content::Animation(animation) => writer.animation(&animation),
+        Content::Morphs(morphs) => writer.morphs(&morphs),
         Content::Fins(fins) => writer.fins(&fins),
         Content::Ink(ink) => writer.ink(&ink),
         Content::Simplified(levels) => writer.simplified(&levels),

@@ -13,6 +13,7 @@ pub mod hair_groups;
 pub mod import;
 pub mod ink;
 pub mod metric;
+pub mod morphs;
 pub mod pack;
 mod reach;
 pub mod simplify;

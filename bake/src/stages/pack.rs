@@ -9,6 +9,7 @@ use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Coat, Colors, Lengths};
 use crate::stages::ink::{InkFiles, SkinInk};
+use crate::stages::morphs;
 use crate::stages::simplify;
 use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
@@ -151,11 +152,19 @@ pub fn skin(pieces: &SkinPieces<'_>, kept: &mut Remade<Simplifies, Lists>) -> Sk
         })
     });
     let simplified = lists.and_then(in_section);
+    let morphs =
+        morphs::of_mesh(&mesh, &surface.mesh.morph_rows, model).map(|morphs| Content::Morphs(Arc::new(morphs)));
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
     let roots = pieces.roots.map(|info| Content::Roots(info.clone()));
     Skin {
         manifest,
-        sections: [Content::Mesh(mesh)].into_iter().chain(simplified).chain(animation).chain(roots).collect(),
+        sections: [Content::Mesh(mesh)]
+            .into_iter()
+            .chain(simplified)
+            .chain(animation)
+            .chain(morphs)
+            .chain(roots)
+            .collect(),
         images: textures,
         lengths: Some(pieces.lengths),
         filled: Some(Box::new(pieces.filled.clone())),

@@ -77,17 +77,32 @@ impl Skin {
     /// # Errors
     /// [`BakeError::Package`] for a damaged section.
     pub fn posed(file: &str, package: &Package<'_>, layers: &[ClipLayer]) -> Result<Self, BakeError> {
+        Self::morphed(file, package, layers, &[])
+    }
+
+    /// The same with morph targets at weights of the caller's, as [`Pose::morph`] takes them.
+    ///
+    /// # Errors
+    /// As [`Skin::posed`].
+    pub fn morphed(
+        file: &str,
+        package: &Package<'_>,
+        layers: &[ClipLayer],
+        weights: &[(usize, f32)],
+    ) -> Result<Self, BakeError> {
         let fault = |source: FormatError| BakeError::Package { file: file.to_owned(), source };
         let Some(mesh) = package.mesh().map_err(fault)? else { return Ok(Self::default()) };
         let mut pose = Pose::default();
         if let Some(animation) = package.animation().map_err(fault)? {
             pose.blend(&animation, layers);
+            pose.morph(&animation, weights);
         }
         let skin: Vec<SkinVertex> = mesh.skin().collect();
         let moved_by = |i: usize| skin.get(i).map(|v| (v.joints, v.weights));
         let stored = mesh.geometry().enumerate().map(|(i, v)| (v.position, moved_by(i)));
         let mut out = Self { same_place: same_places(stored), ..Self::default() };
-        for (posed, attributes) in posed_vertices(&mesh, &pose).zip(mesh.attributes()) {
+        let morphs = package.morphs().map_err(fault)?;
+        for (posed, attributes) in posed_vertices(&mesh, morphs.as_deref(), &pose).zip(mesh.attributes()) {
             let share = |byte: u8| f32::from(byte) / 255.0;
             out.vertices.push(SkinPoint {
                 tile_uv: Vec2::from(attributes.tile_uv).as_dvec2(),

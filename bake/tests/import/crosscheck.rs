@@ -2,11 +2,16 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::support::*;
-use glam::{Mat4, Vec2, Vec3};
+use glam::{DMat4, DVec3, Mat4, Vec2, Vec3};
 use gltf::animation::util::ReadOutputs;
 use pelage_bake::io::{Reach, read_model};
+use pelage_bake::pipeline::{Told, bake};
+use pelage_bake::recipe::Recipe;
+use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::ImportOptions;
-use pelage_formats::Property;
+use pelage_formats::meaning::posed_vertices;
+use pelage_formats::{Limits, Package, Pose, Property};
+use std::path::Path;
 
 #[derive(Default)]
 struct Seen {
@@ -127,4 +132,106 @@ fn both_readers_see_the_same_keys() {
         }
     }
     assert!(compared > 500, "{compared} channels compared");
+}
+
+const MORPHED: [&str; 2] = ["morph/AnimatedMorphCube/AnimatedMorphCube.gltf", "morph/MorphStressTest.gltf"];
+
+/// The buffers that a `.gltf` file names.
+fn buffers(gltf: &gltf::Gltf, folder: &Path) -> Vec<Vec<u8>> {
+    let bytes = |uri: &str| match uri.split_once("base64,") {
+        Some((_, text)) => base64::Engine::decode(&base64::engine::general_purpose::STANDARD, text).unwrap(),
+        None => std::fs::read(folder.join(uri)).unwrap(),
+    };
+    gltf.buffers()
+        .map(|buffer| match buffer.source() {
+            gltf::buffer::Source::Uri(uri) => bytes(uri),
+            gltf::buffer::Source::Bin => panic!("no .glb is read here"),
+        })
+        .collect()
+}
+
+/// Weights of a node's morph targets at a moment of a clip, by straight lines between its keys.
+fn weights_at(node: &gltf::Node<'_>, clip: &gltf::Animation<'_>, time_s: f64, buffers: &[Vec<u8>]) -> Vec<f64> {
+    let own = node.weights().or(node.mesh().and_then(|mesh| mesh.weights())).unwrap_or_default();
+    let mut weights: Vec<f64> = own.iter().map(|w| f64::from(*w)).collect();
+    for channel in clip.channels().filter(|channel| channel.target().node().index() == node.index()) {
+        let reader = channel.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
+        let Some(ReadOutputs::MorphTargetWeights(values)) = reader.read_outputs() else { continue };
+        assert_eq!(channel.sampler().interpolation(), gltf::animation::Interpolation::Linear);
+        let times: Vec<f64> = reader.read_inputs().unwrap().map(f64::from).collect();
+        let values: Vec<f64> = values.into_f32().map(f64::from).collect();
+        let count = values.len() / times.len();
+        let time_s = time_s.clamp(times[0], times[times.len() - 1]);
+        let from = times.iter().rposition(|key| *key <= time_s).unwrap().min(times.len() - 2);
+        let share = (time_s - times[from]) / (times[from + 1] - times[from]);
+        let at = |key: usize, target: usize| values[key * count + target];
+        weights = (0..count).map(|t| at(from, t) * (1.0 - share) + at(from + 1, t) * share).collect();
+    }
+    weights
+}
+
+/// Where a file puts its vertices, evaluated in double precision.
+fn morphed(
+    node: &gltf::Node<'_>,
+    parent: DMat4,
+    weights: &dyn Fn(&gltf::Node<'_>) -> Vec<f64>,
+    buffers: &[Vec<u8>],
+) -> Vec<DVec3> {
+    let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix()).as_dmat4();
+    let mut found = Vec::new();
+    let weights_here = weights(node);
+    for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
+        let reader = primitive.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
+        let vector = |v: [f32; 3]| Vec3::from(v).as_dvec3();
+        let mut positions: Vec<DVec3> = reader.read_positions().unwrap().map(vector).collect();
+        for ((moves, _, _), weight) in reader.read_morph_targets().zip(&weights_here) {
+            positions.iter_mut().zip(moves.unwrap()).for_each(|(p, d)| *p += vector(d) * weight);
+        }
+        found.extend(positions.iter().map(|p| world.transform_point3(*p)));
+    }
+    found.extend(node.children().flat_map(|child| morphed(&child, world, weights, buffers)));
+    found
+}
+
+/// A package poses what morphs as the file does in double precision: every vertex of one is one of the other. Normals are the coat's own, which is
+/// closed over hard edges.
+#[test]
+fn a_package_morphs_as_the_file_says() {
+    let Some(data) = data("a_package_morphs_as_the_file_says") else { return };
+    let mut worst: f64 = 0.0;
+    for name in MORPHED {
+        let path = data.join("meshes").join(name);
+        let model = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
+        let text = "[hair]\ncoat = \"natural\"\nstyle = \"straight\"\ndensity = 10\n";
+        let recipe = Recipe::recorded("test", text).unwrap();
+        let baked = bake(&Told::new(name, name, &recipe, &MapImages::default()), &model, &mut |_| ()).unwrap();
+        let package = Package::open(&baked.package, &Limits::default()).unwrap();
+        let (mesh, animation) = (package.mesh().unwrap().unwrap(), package.animation().unwrap().unwrap());
+        let morphs = package.morphs().unwrap().unwrap();
+        let gltf = gltf::Gltf::from_slice_without_validation(&std::fs::read(&path).unwrap()).unwrap();
+        let buffers = buffers(&gltf, path.parent().unwrap());
+        for (number, clip) in gltf.animations().enumerate() {
+            for step in 0..4 {
+                let time_s = animation.clips[number].duration_s * (0.1 + 0.25 * step as f32);
+                let mut pose = Pose::default();
+                pose.sample(&animation, Some(number), time_s);
+                let weights = |node: &gltf::Node<'_>| weights_at(node, &clip, f64::from(time_s), &buffers);
+                let roots = gltf.default_scene().unwrap().nodes();
+                let expected: Vec<DVec3> =
+                    roots.flat_map(|node| morphed(&node, DMat4::IDENTITY, &weights, &buffers)).collect();
+                let size = expected.iter().fold(0.0_f64, |all, p| all.max(p.length()));
+                let posed: Vec<DVec3> = posed_vertices(&mesh, Some(&morphs), &pose)
+                    .inspect(|v| assert!((Vec3::from(v.normal).length() - 1.0).abs() < 1e-4, "{name}: {v:?}"))
+                    .map(|v| Vec3::from(v.position).as_dvec3())
+                    .collect();
+                for (of, among) in [(&posed, &expected), (&expected, &posed)] {
+                    let nearest = |a: &DVec3| among.iter().map(|b| a.distance(*b)).fold(f64::INFINITY, f64::min);
+                    let off = of.iter().map(nearest).fold(0.0, f64::max) / size;
+                    assert!(off < 1e-5, "{name}, clip {number} at {time_s} s: {off} of the size");
+                    worst = worst.max(off);
+                }
+            }
+        }
+    }
+    println!("vertices are off by {worst:.1e} of the size at most");
 }

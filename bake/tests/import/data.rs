@@ -54,8 +54,8 @@ const READABLE: &[Row] = &[
     ("compressed/2CylinderEngine_draco/2CylinderEngine.gltf", 110_336, [743.4, 273.0, 268.0], 0, 0, 0),
     // A skin of 43 joints and a rigid weapon; posed, the character has its arms down.
     ("compressed/quaternius_RedPandaAstronaut_draco.glb", 8032, [3.4, 3.147, 1.244], 1, 44, 18),
-    ("morph/AnimatedMorphCube/AnimatedMorphCube.gltf", 12, [2.0, 2.0, 2.0], 0, 0, 0),
-    ("morph/MorphStressTest.gltf", 2412, [4.0, 0.6, 1.0], 2, 0, 0),
+    ("morph/AnimatedMorphCube/AnimatedMorphCube.gltf", 12, [2.0, 2.0, 2.0], 0, 1, 1),
+    ("morph/MorphStressTest.gltf", 2412, [4.0, 0.6, 1.0], 2, 1, 3),
     ("gltf-asset-generator/Mesh_PrimitiveMode_04.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),
     ("gltf-asset-generator/Mesh_PrimitiveMode_06.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),
     ("gltf-asset-generator/Mesh_PrimitiveMode_12.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),

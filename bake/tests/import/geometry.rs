@@ -435,5 +435,56 @@ fn morph_targets_rest_at_their_default_weights() {
     doc.json["nodes"][node]["weights"] = json!([0, 3]);
     let model = doc.model();
     assert_eq!(model.mesh.positions[0], Vec3::X * 3.0, "the node's weights go before the mesh's");
-    assert_warns(&model, "morph animation is left out");
+    assert_eq!(model.warnings, [""; 0]);
+    let targets = &model.animation.as_ref().unwrap().morphs.targets;
+    assert_eq!(targets.iter().map(|t| (t.name.as_str(), t.weight)).collect::<Vec<_>>(), [("", 0.0), ("", 3.0)]);
+    let row = &model.morph_rows.0[model.mesh.morph_rows[0] as usize];
+    let moved: Vec<_> = row.iter().map(|d| (d.target, d.position, d.normal)).collect();
+    assert_eq!(moved, [(0, Vec3::Z * 2.0, None), (1, Vec3::X, None)]);
+    assert_eq!(model.mesh.morph_rows, [1, 1, 1], "vertices that move alike share a row");
+}
+
+/// Two nodes show one mesh: each has targets of its own.
+#[test]
+fn morph_targets_have_names_and_belong_to_nodes() {
+    let mut doc = Doc::new();
+    let position = doc.triangle();
+    let normal = doc.floats(&[0., 0., 1., 0., 0., 1., 0., 0., 1.], "VEC3");
+    let up = doc.floats(&[0., 0., 2., 0., 0., 0., 0., 0., 0.], "VEC3");
+    let tilt = doc.floats(&[1., 0., 0., 0., 0., 0., 0., 0., 0.], "VEC3");
+    let attributes = json!({"POSITION": position, "NORMAL": normal});
+    let primitive = json!({"attributes": attributes, "targets": [{"POSITION": up, "NORMAL": tilt}]});
+    doc.show(primitive);
+    doc.json["meshes"][0]["extras"] = json!({"targetNames": ["smile"]});
+    let other = doc.push("nodes", json!({"mesh": 0, "translation": [5, 0, 0], "weights": [0.75]}));
+    let input = doc.floats(&[0., 1.], "SCALAR");
+    let output = doc.floats(&[0., 1.], "SCALAR");
+    let sampler = json!([{"input": input, "output": output}]);
+    let channel = json!([{"sampler": 0, "target": {"node": other, "path": "weights"}}]);
+    doc.push("animations", json!({"name": "talk", "samplers": sampler, "channels": channel}));
+    let model = doc.model();
+    let animation = model.animation.as_ref().unwrap();
+    let targets = &animation.morphs.targets;
+    assert_eq!(
+        targets.iter().map(|t| (t.name.as_str(), t.weight)).collect::<Vec<_>>(),
+        [("smile", 0.0), ("smile", 0.75)]
+    );
+    assert_ne!(targets[0].node, targets[1].node);
+    let [channel] = &animation.morphs.channels[..] else { panic!("{:?}", animation.morphs.channels) };
+    assert_eq!((channel.clip, channel.target, channel.count), (0, 1, 1));
+    assert_eq!((animation.clips[0].name.as_str(), animation.clips[0].duration_s), ("talk", 1.0));
+    let row = |v: usize| &model.morph_rows.0[model.mesh.morph_rows[v] as usize];
+    assert_eq!((row(0)[0].normal, row(0)[0].target, row(3)[0].target), (Some(Vec3::X), 0, 1));
+    assert!(row(1).is_empty());
+    // The normal at rest is (0.75, 0, 1) made unit length; what a weight adds shrinks alike.
+    let length = model.mesh.normals[3].distance(Vec3::new(0.6, 0.0, 0.8));
+    assert!(length < 1e-6 && (row(3)[0].normal.unwrap().x - 0.8).abs() < 1e-6, "{:?}", row(3));
+
+    doc.json["animations"][0]["samplers"][0]["output"] = json!(position);
+    assert_eq!(doc.fault().0, "/animations/0/samplers/0/output");
+    let many = vec![json!({}); 5000];
+    doc.json["meshes"][0]["primitives"][0]["targets"] = json!(many);
+    let (place, reason) = doc.fault();
+    assert_eq!(place, "/meshes/0/primitives/0/targets");
+    assert!(reason.contains("holds 5000 morph targets, expected at most 4096"), "{reason}");
 }

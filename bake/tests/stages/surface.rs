@@ -14,7 +14,6 @@ fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
         normals: vec![normal; n],
         uvs: corners.iter().map(|c| c.1).collect(),
         colors: vec![[255; 4]; n],
-        skin: Vec::new(),
         triangles: (0..n as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
         parts: vec![MeshPart {
             source: "mesh 0 \"body\", primitive 0".into(),
@@ -24,6 +23,7 @@ fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
             triangle_count: n / 3,
             has_uvs: true,
         }],
+        ..Mesh::default()
     };
     let material = Material { name: "Coat".into(), ..Material::default() };
     Model { mesh, materials: vec![material], ..Model::default() }

@@ -71,6 +71,12 @@ pub fn open(bytes: &[u8]) -> bool {
             }
         }
     }
+    if let (Ok(Some(morphs)), Ok(Some(mesh))) = (package.morphs(), package.mesh()) {
+        let targets = morphs.motion.targets.len();
+        let deltas = (0..mesh.vertex_count as usize).flat_map(|v| morphs.of_vertex(v));
+        assert!(deltas.clone().all(|delta| (delta.target as usize) < targets));
+        assert_eq!(deltas.count(), morphs.deltas.len());
+    }
     for index in 0..=package.manifest().textures.len() as u32 {
         if let Ok(texture) = package.texture(index) {
             for level in 0..=texture.levels {
@@ -103,6 +109,10 @@ fn rewrite(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
         writer = match (section.tag, package.mesh()?, package.animation()?, package.fins()?) {
             (Tag::MESH, Some(mesh), ..) => writer.mesh(&mesh.to_data()),
             (Tag::ANIMATION, _, Some(animation), _) => writer.animation(&animation),
+            (Tag::MORPHS, ..) => match package.morphs()? {
+                Some(morphs) => writer.morphs(&morphs),
+                None => writer,
+            },
             (Tag::FINS, _, _, Some(fins)) => writer.fins(&fins.to_data()),
             (Tag::TEXTURE, ..) => writer.texture(package.section_bytes(index)?),
             _ => writer.section(section.tag, package.section_bytes(index)?),

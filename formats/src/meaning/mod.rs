@@ -30,7 +30,7 @@ pub use layers::{
 };
 pub use root::{Aside, root_aside};
 pub use skinning::{
-    blend, handedness_of, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,
+    blend, handedness_of, morphed, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,
 };
 pub use srgb::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
 pub use tile_frame::{TileFrame, any_perpendicular, orthonormal_tangent, tile_axes_f64, tile_frame, to_tile};

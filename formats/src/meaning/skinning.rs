@@ -2,6 +2,7 @@
 
 use crate::sampling::Pose;
 use crate::sections::mesh::{GeometryVertex, MeshView, SkinVertex};
+use crate::sections::morphs::{MorphDelta, Morphs};
 use glam::{Mat3, Mat4, Vec3, Vec4};
 
 /// One joint's share of a vertex's matrix. A joint of weight 0 counts for nothing, even where its matrix is not finite.
@@ -61,11 +62,44 @@ pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
     }
 }
 
-/// The vertices of a mesh in a pose ([`posed`]); those of a mesh without joints as they are stored.
-pub fn posed_vertices(mesh: &MeshView<'_>, pose: &Pose) -> impl Iterator<Item = GeometryVertex> {
+/// A stored vertex as its morph targets have it, of whose weights `shifts` says how far each is from where it rests ([`Pose::shifts`]). The tangent is
+/// neither unit nor perpendicular to the normal any more, as in [`posed`]. One that no weight moves is as it was stored, bit for bit.
+pub fn morphed(vertex: &GeometryVertex, deltas: &[MorphDelta], shifts: &[f32]) -> GeometryVertex {
+    let [x, y, z, handedness] = vertex.tangent;
+    let stored = [vertex.position.into(), Vec3::from(vertex.normal), Vec3::new(x, y, z)];
+    let ([mut position, mut normal, mut tangent], mut moves) = (stored, false);
+    for delta in deltas {
+        let shift = shifts.get(delta.target as usize).copied().unwrap_or_default();
+        if shift != 0.0 {
+            moves = true;
+            position += Vec3::from(delta.position) * shift;
+            normal += Vec3::from(delta.normal) * shift;
+            tangent += Vec3::from(delta.tangent) * shift;
+        }
+    }
+    if !moves {
+        return *vertex;
+    }
+    GeometryVertex {
+        position: position.into(),
+        normal: normalize_or(normal, vertex.normal.into()).into(),
+        tangent: tangent.extend(handedness).into(),
+        ..*vertex
+    }
+}
+
+/// The vertices of a mesh in a pose ([`morphed`], then [`posed`]); those of a mesh without joints as they are stored.
+pub fn posed_vertices(
+    mesh: &MeshView<'_>,
+    morphs: Option<&Morphs>,
+    pose: &Pose,
+) -> impl Iterator<Item = GeometryVertex> {
     let mut skin = mesh.skin();
-    mesh.geometry().map(move |vertex| match skin.next() {
-        Some(joints) => posed(&vertex, skin_matrix(pose, &joints)),
+    mesh.geometry().enumerate().map(move |(i, vertex)| match skin.next() {
+        Some(joints) => {
+            let vertex = morphed(&vertex, morphs.map_or(&[][..], |m| m.of_vertex(i)), &pose.shifts);
+            posed(&vertex, skin_matrix(pose, &joints))
+        }
         None => vertex,
     })
 }
@@ -82,7 +116,7 @@ mod tests {
         assert_eq!(blend(moved, moved, moved, moved, Vec4::ZERO), Mat4::IDENTITY);
         let half = blend(moved, Mat4::IDENTITY, broken, broken, Vec4::new(0.5, 0.5, 0.0, 0.0));
         assert_eq!(half.transform_point3(Vec3::ZERO), 0.5 * Vec3::X);
-        let pose = Pose { joints: vec![moved], nodes: Vec::new() };
+        let pose = Pose { joints: vec![moved], ..Pose::default() };
         let of = |joint, weights| skin_matrix(&pose, &SkinVertex { joints: [joint, 9, 9, 9], weights });
         assert_eq!(of(0, [1.0, 0.0, 0.0, 0.0]), moved);
         assert_eq!(of(7, [1.0, 0.0, 0.0, 0.0]), Mat4::IDENTITY, "a joint that is not there");

@@ -18,14 +18,14 @@ pub(crate) const KIND: Kind = Kind {
     tag: Tag::ANIMATION,
     since: 1,
     count: Count::AtMostOne,
-    check: |package, _| package.animation().map(drop),
+    check: |package, _| package.skeleton().map(drop),
     check_use: USES_NOTHING,
     row: Row { what: "[skeleton and clips](#anim-skeleton-and-clips)", how_many: "at most one", place: "any" },
 };
 
 impl Package<'_> {
-    /// Skeleton and clips; `None` for a package without. Decoded and checked once, then kept.
-    pub fn animation(&self) -> Result<Option<Arc<Animation>>, FormatError> {
+    /// What the section itself holds.
+    pub(super) fn skeleton(&self) -> Result<Option<Arc<Animation>>, FormatError> {
         let Some((index, section)) = self.find(Tag::ANIMATION, 0) else { return Ok(None) };
         let kept = self.keep(index, || {
             section.check_length("animation length", self.limits().animation_bytes)?;
@@ -39,7 +39,7 @@ impl Package<'_> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds skeleton and clips.
+    /// Adds skeleton and clips. What moves morph targets belongs to their own section: [`PackageWriter::morphs`].
     pub fn animation(self, animation: &Animation) -> Self {
         self.encoded(Tag::ANIMATION, encode_section(Tag::ANIMATION, animation))
     }
@@ -56,6 +56,9 @@ pub struct Animation {
     pub joints: Vec<Joint>,
     /// Named motions.
     pub clips: Vec<Clip>,
+    /// Which morph targets there are, and how clips move their weights: what the section `MRPH` says of it, no part of `ANIM`.
+    #[serde(skip)]
+    pub morphs: MorphMotion,
 }
 
 /// A node of the tree with its transform at rest.
@@ -104,6 +107,44 @@ pub enum Property {
     Scale,
 }
 
+/// Which morph targets there are, and how clips move their weights.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MorphMotion {
+    /// The targets, those of one node together.
+    pub targets: Vec<MorphTarget>,
+    /// Curves of weights; targets without one keep their weight at rest.
+    pub channels: Vec<MorphChannel>,
+}
+
+/// A shape.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MorphTarget {
+    /// Name in the model, may be empty.
+    pub name: String,
+    /// Index into [`Animation::nodes`]: whose mesh it is of.
+    pub node: u32,
+    /// Its weight at rest. The vertices of the package are stored with all targets at these weights.
+    pub weight: f32,
+}
+
+/// A curve of the weights of neighbouring targets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MorphChannel {
+    /// Index into [`Animation::clips`].
+    pub clip: u32,
+    /// First of the targets that it moves.
+    pub target: u32,
+    /// How many it moves, at least one.
+    pub count: u32,
+    /// How it runs between keys.
+    pub interpolation: Interpolation,
+    /// Key times, seconds, strictly rising, at least one.
+    pub times: Vec<f32>,
+    /// `times.len() * count` weights, three times as many for [`Interpolation::Cubic`]: the in-tangents of all targets, their values, their
+    /// out-tangents.
+    pub values: Vec<f32>,
+}
+
 impl Property {
     /// Numbers in one value.
     pub fn components(self) -> usize {
@@ -125,6 +166,16 @@ pub enum Interpolation {
     Cubic,
 }
 
+impl Interpolation {
+    /// Values that a key holds.
+    pub(crate) fn values_per_key(self) -> usize {
+        match self {
+            Self::Cubic => 3,
+            Self::Step | Self::Linear => 1,
+        }
+    }
+}
+
 /// One curve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
@@ -138,6 +189,27 @@ pub struct Channel {
     pub times: Vec<f32>,
     /// `times.len() * property.components()` numbers, three times as many for [`Interpolation::Cubic`].
     pub values: Vec<f32>,
+}
+
+impl MorphChannel {
+    /// Numbers that `values` must hold for its keys; `None` where there are too many to count.
+    pub(crate) fn expected_values(&self) -> Option<usize> {
+        let width = self.interpolation.values_per_key().checked_mul(self.count as usize)?;
+        self.times.len().checked_mul(width)
+    }
+
+    pub(super) fn check(&self, animation: &Animation, targets: usize) -> Result<(), String> {
+        let clips = animation.clips.len();
+        if self.clip as usize >= clips {
+            return Err(format!(".clip is {}, expected less than {clips}", self.clip));
+        }
+        let end = u64::from(self.target) + u64::from(self.count);
+        if self.count == 0 || end > targets as u64 {
+            let (first, count) = (self.target, self.count);
+            return Err(format!(" moves {count} targets from {first} on, expected at least one of the {targets}"));
+        }
+        check_keys(&self.times, &self.values, self.expected_values())
+    }
 }
 
 impl Animation {
@@ -180,34 +252,35 @@ impl Animation {
 impl Channel {
     /// Numbers that `values` must hold for its keys; `None` where there are no keys, or too many to count.
     pub(crate) fn expected_values(&self) -> Option<usize> {
-        let per_key = match self.interpolation {
-            Interpolation::Cubic => 3,
-            Interpolation::Step | Interpolation::Linear => 1,
-        };
         let keys = Some(self.times.len()).filter(|keys| *keys > 0)?;
-        keys.checked_mul(self.property.components() * per_key)
+        keys.checked_mul(self.property.components() * self.interpolation.values_per_key())
     }
 
     fn check(&self, nodes: usize) -> Result<(), String> {
         if self.node as usize >= nodes {
             return Err(format!(".node is {}, expected less than {nodes}", self.node));
         }
-        let expected = self.expected_values().unwrap_or(0);
-        if self.times.is_empty() || self.values.len() != expected {
-            let (k, v) = (self.times.len(), self.values.len());
-            return Err(format!(" has {k} keys and {v} numbers, expected at least one key and {expected} numbers"));
+        check_keys(&self.times, &self.values, self.expected_values())
+    }
+}
+
+/// Whether a curve has keys that rise, and `expected` finite numbers for them. Returns the fault, to go behind the curve's path.
+pub(super) fn check_keys(times: &[f32], values: &[f32], expected: Option<usize>) -> Result<(), String> {
+    let expected = expected.unwrap_or(0);
+    if times.is_empty() || values.len() != expected {
+        let (k, v) = (times.len(), values.len());
+        return Err(format!(" has {k} keys and {v} numbers, expected at least one key and {expected} numbers"));
+    }
+    for (what, numbers) in [("times", times), ("values", values)] {
+        if let Some(k) = numbers.iter().position(|v| !v.is_finite()) {
+            return Err(format!(".{what}[{k}] is {}, expected a finite number", numbers[k]));
         }
-        for (what, numbers) in [("times", &self.times), ("values", &self.values)] {
-            if let Some(k) = numbers.iter().position(|v| !v.is_finite()) {
-                return Err(format!(".{what}[{k}] is {}, expected a finite number", numbers[k]));
-            }
+    }
+    match times.windows(2).position(|w| w[0] >= w[1]) {
+        Some(k) => {
+            let (a, b) = (times[k], times[k + 1]);
+            Err(format!(".times[{}] is {b}, expected more than the key before, {a}", k + 1))
         }
-        match self.times.windows(2).position(|w| w[0] >= w[1]) {
-            Some(k) => {
-                let (a, b) = (self.times[k], self.times[k + 1]);
-                Err(format!(".times[{}] is {b}, expected more than the key before, {a}", k + 1))
-            }
-            None => Ok(()),
-        }
+        None => Ok(()),
     }
 }

@@ -58,7 +58,7 @@ impl<'a> Package<'a> {
             let n = view.index_count;
             return Err(fail(format!("{n} indices, expected the {covered} that the manifest's parts cover")));
         }
-        let joints = self.animation()?.map_or(0, |a| a.joints.len());
+        let joints = self.skeleton()?.map_or(0, |a| a.joints.len());
         if view.skin.is_empty() {
             if joints > 0 && view.vertex_count > 0 {
                 return Err(fail(format!(

@@ -10,6 +10,7 @@ pub(crate) mod ink;
 pub(crate) mod kind;
 pub(crate) mod manifest;
 pub(crate) mod mesh;
+pub(crate) mod morphs;
 #[cfg(test)]
 mod probe;
 pub(crate) mod roots;
@@ -26,6 +27,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &manifest::KIND,
     &mesh::KIND,
     &animation::KIND,
+    &morphs::KIND,
     &fins::KIND,
     &ink::KIND,
     &visibility::KIND,

@@ -104,6 +104,7 @@ pub fn sample_animation() -> Animation {
                 channel(Property::Scale, Interpolation::Cubic, (0..18).map(|i| i as f32 * 0.25).collect()),
             ],
         }],
+        ..Animation::default()
     }
 }
 
@@ -265,6 +266,47 @@ pub fn sample_package_v2() -> Vec<u8> {
 /// textures.
 pub fn sample_package() -> Vec<u8> {
     all_sections(PackageWriter::new(sample_manifest()).mesh(&sample_mesh(true)), 3).finish().unwrap()
+}
+
+/// Two targets of the sample's five vertices, the first at 0.5 at rest; a curve of both, and one of the second alone.
+pub fn sample_morphs() -> Morphs {
+    let delta = |target, position, normal| MorphDelta { target, position, normal, tangent: [0.0, 0.25, 0.0] };
+    let target = |name: &str, weight| MorphTarget { name: name.into(), node: 1, weight };
+    let channel = |clip, target, count, interpolation, values: &[f32]| MorphChannel {
+        clip,
+        target,
+        count,
+        interpolation,
+        times: vec![1.0, 2.0],
+        values: values.to_vec(),
+    };
+    Morphs {
+        motion: MorphMotion {
+            targets: vec![target("smile", 0.5), target("blink", 0.0)],
+            channels: vec![
+                channel(0, 0, 2, Interpolation::Linear, &[0.5, 0.0, 1.5, 1.0]),
+                channel(0, 1, 1, Interpolation::Step, &[0.25, 0.75]),
+            ],
+        },
+        first: vec![0, 2, 2, 3, 3, 3],
+        deltas: vec![
+            delta(0, [1.0, 0.0, 0.0], [0.0; 3]),
+            delta(1, [0.0, 2.0, 0.0], [1.0, 0.0, 0.0]),
+            delta(1, [0.0, 0.0, -1.0], [0.0; 3]),
+        ],
+    }
+}
+
+/// A package of version 3 with those morph targets.
+pub fn morphed_package(morphs: &Morphs) -> Result<Vec<u8>, FormatError> {
+    let mut manifest = sample_manifest();
+    // Without fur, so that no texture is asked for.
+    (manifest.fur, manifest.coat) = (FurInfo::default(), None);
+    manifest.detail.clear();
+    manifest.materials.iter_mut().for_each(|m| m.furred = false);
+    manifest.textures.clear();
+    manifest.materials.iter_mut().for_each(|m| (m.base_color_texture, m.groom_texture) = (None, None));
+    PackageWriter::new(manifest).mesh(&sample_mesh(true)).animation(&sample_animation()).morphs(morphs).finish()
 }
 
 fn all_sections(writer: PackageWriter<'_>, shell_layers: u32) -> PackageWriter<'_> {

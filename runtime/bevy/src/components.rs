@@ -76,6 +76,12 @@ impl PelageClip {
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct PelageJoints(pub Vec<Mat4>);
 
+/// Morph targets at weights of the application's own, by their names, whatever the clip does with them: a face that speaks, a blink.
+///
+/// Where the model has none of a name the log says so.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct PelageMorphs(pub Vec<(String, f32)>);
+
 /// A mesh that throws its shadow on fur: put it on entities with `Mesh3d` that may stand between a sun and an animal.
 ///
 /// Fur has shadow maps of its own. Leave out grounds, on which Bevy's own maps show the animals' shadows: the maps' depth covers all that

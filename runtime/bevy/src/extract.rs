@@ -1,6 +1,6 @@
 //! What the render world sees of the main world in a frame: plain data.
 
-use crate::components::{ClipPlace, Pelage, PelageClip, PelageJoints, PelageShadows, ShadesPelage};
+use crate::components::{ClipPlace, Pelage, PelageClip, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage};
 use crate::lights::{Ambient, Sun};
 use crate::model::PelageModel;
 use bevy_asset::{AssetEvent, AssetId, Assets};
@@ -25,6 +25,7 @@ pub(crate) struct Animal {
     pub(crate) model: AssetId<PelageModel>,
     pub(crate) transform: Mat4,
     pub(crate) motion: Motion,
+    pub(crate) morphs: PelageMorphs,
     pub(crate) style: Style,
     /// Whether it throws a shadow on Bevy's meshes.
     pub(crate) throws_shadow: bool,
@@ -76,7 +77,7 @@ type AnimalParts = (
     &'static GlobalTransform,
     &'static InheritedVisibility,
     Option<(&'static PelageClip, &'static ClipPlace)>,
-    Option<&'static PelageJoints>,
+    (Option<&'static PelageJoints>, Option<&'static PelageMorphs>),
     Option<&'static RenderLayers>,
     Has<NotShadowCaster>,
 );
@@ -88,11 +89,12 @@ pub(crate) fn animals(
     models: Extract<Res<Assets<PelageModel>>>,
 ) {
     scene.animals.clear();
-    scene.animals.extend(animals.iter().map(|(entity, pelage, transform, visible, clip, joints, layers, dark)| {
+    scene.animals.extend(animals.iter().map(|(entity, pelage, transform, visible, clip, (joints, morphs), layers, dark)| {
         let animal = Animal {
             model: pelage.model.id(),
             transform: transform.to_matrix(),
             motion: motion(clip, joints),
+            morphs: morphs.cloned().unwrap_or_default(),
             style: pelage.style.clone(),
             throws_shadow: visible.get() && !dark,
             layers: layers.cloned().unwrap_or_default(),

@@ -13,7 +13,7 @@ mod reach;
 mod renderers;
 mod view;
 
-pub use components::{Pelage, PelageClip, PelageJoints, PelageShadows, ShadesPelage};
+pub use components::{Pelage, PelageClip, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage};
 pub use model::{PelageLoadError, PelageModel, PelageModelLoader};
 pub use pelage_runtime as runtime;
 pub use renderers::PelageRenderers;

@@ -183,7 +183,18 @@ impl Drawing<'_> {
             self.said.error(format!("{}: PelageJoints has {found} matrices, expected {expected}", package.name));
             return None;
         }
+        let mut morphs = Vec::new();
+        for (name, weight) in &animal.morphs.0 {
+            match model.morph_index(name).filter(|_| weight.is_finite()) {
+                Some(index) => morphs.push((index, *weight)),
+                None => self.said.error(format!(
+                    "{}: PelageMorphs has {name:?} at {weight}, expected one of its targets at a finite weight",
+                    package.name
+                )),
+            }
+        }
         let instance = Instance::new(entity.to_bits(), model).at(animal.transform).moving(animal.motion.clone());
+        let instance = instance.morphing(morphs);
         there.then_some(instance)
     }
 

@@ -271,6 +271,7 @@ fn skeleton() -> Animation {
                 values: turns.iter().flat_map(Quat::to_array).collect(),
             }],
         }],
+        ..Animation::default()
     }
 }
 

@@ -2,16 +2,25 @@
 
 use crate::bounds::Hull;
 use glam::{Mat4, Vec3};
-use pelage_formats::MeshView;
+use pelage_formats::{MeshView, MorphDelta, Morphs, Pose};
 
 /// Extent of a model's skin before its joints move it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Extent {
     /// Without skeleton: a box.
     Rigid(Box),
-    /// With a skeleton: for each joint the box of the vertices that follow it, in mesh space, empty where none does. A blended vertex lies
-    /// between where its joints put it, so the boxes, moved by their joints, hold it.
-    Jointed(Vec<Box>),
+    /// With a skeleton: of each joint what follows it. A blended vertex lies between where its joints put it, so the boxes, moved by their joints,
+    /// hold it.
+    Jointed(Vec<Follows>),
+}
+
+/// What follows a joint, in mesh space.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Follows {
+    /// Its vertices, with morph targets at rest; empty where there are none.
+    vertices: Box,
+    /// By target, rising, how far one of weight 1 moves any of them. It holds the origin: others stay.
+    moves: Vec<(u32, Box)>,
 }
 
 /// An axis-aligned box.
@@ -36,36 +45,63 @@ impl Box {
     }
 }
 
+impl Follows {
+    const NOTHING: Self = Self { vertices: Box::EMPTY, moves: Vec::new() };
+
+    fn add(&mut self, point: Vec3, deltas: &[MorphDelta]) {
+        self.vertices = self.vertices.with(point);
+        for delta in deltas {
+            let at = self.moves.binary_search_by_key(&delta.target, |(target, _)| *target).unwrap_or_else(|at| {
+                self.moves.insert(at, (delta.target, Box::EMPTY.with(Vec3::ZERO)));
+                at
+            });
+            self.moves[at].1 = self.moves[at].1.with(delta.position.into());
+        }
+    }
+
+    /// The box of its vertices, morph targets as far from their rest as `shifts` says; without any of those it is that at rest.
+    fn shifted(&self, shifts: &[f32]) -> Box {
+        let shift_of = |target: u32| shifts.get(target as usize).copied().unwrap_or(0.0);
+        self.moves.iter().fold(self.vertices, |all, (target, reach)| {
+            let ends = [reach.min, reach.max].map(|end| end * shift_of(*target));
+            Box { min: all.min + ends[0].min(ends[1]), max: all.max + ends[0].max(ends[1]) }
+        })
+    }
+}
+
 impl Extent {
-    /// Of a mesh; `jointed` where it follows a skeleton.
-    pub(crate) fn of(mesh: &MeshView<'_>, jointed: bool) -> Self {
+    /// Of a mesh and its morph targets; `jointed` where it follows a skeleton.
+    pub(crate) fn of(mesh: &MeshView<'_>, morphs: Option<&Morphs>, jointed: bool) -> Self {
         let points = || mesh.geometry().map(|v| Vec3::from(v.position));
         if !jointed {
             return Self::Rigid(points().fold(Box::EMPTY, Box::with));
         }
-        let mut boxes = Vec::new();
-        for (point, skin) in points().zip(mesh.skin()) {
+        let mut joints: Vec<Follows> = Vec::new();
+        for (vertex, (point, skin)) in points().zip(mesh.skin()).enumerate() {
+            let deltas = morphs.map_or(&[][..], |morphs| morphs.of_vertex(vertex));
             for (joint, _) in skin.joints.into_iter().zip(skin.weights).filter(|(_, weight)| *weight > 0.0) {
                 let joint = usize::from(joint);
-                boxes.resize(boxes.len().max(joint + 1), Box::EMPTY);
-                boxes[joint] = boxes[joint].with(point);
+                joints.resize(joints.len().max(joint + 1), Follows::NOTHING);
+                joints[joint].add(point, deltas);
             }
         }
-        Self::Jointed(boxes)
+        Self::Jointed(joints)
     }
 
     /// Adds the posed skin in world space to `hull`, grown by `margin_m` of model space.
-    pub(crate) fn add_to(&self, hull: &mut Hull, joints: &[Mat4], world_from_model: Mat4, margin_m: f32) {
+    pub(crate) fn add_to(&self, hull: &mut Hull, pose: &Pose, world_from_model: Mat4, margin_m: f32) {
         let axes = [world_from_model.x_axis, world_from_model.y_axis, world_from_model.z_axis];
         let scale = axes.map(|axis| axis.truncate().length()).into_iter().fold(0.0, f32::max);
-        let mut add = |matrix: Mat4, bounds: &Box| {
+        let mut add = |matrix: Mat4, bounds: Box| {
             let corners = bounds.corners().map(|corner| (world_from_model * matrix).transform_point3(corner));
             // An empty box has no corners; of a joint that is not finite nothing is drawn either.
             hull.0.extend(corners.into_iter().filter(|c| c.is_finite()).map(|c| (c, margin_m * scale)));
         };
         match self {
-            Self::Rigid(bounds) => add(Mat4::IDENTITY, bounds),
-            Self::Jointed(boxes) => joints.iter().zip(boxes).for_each(|(matrix, bounds)| add(*matrix, bounds)),
+            Self::Rigid(bounds) => add(Mat4::IDENTITY, *bounds),
+            Self::Jointed(joints) => {
+                pose.joints.iter().zip(joints).for_each(|(matrix, joint)| add(*matrix, joint.shifted(&pose.shifts)));
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::extent::Extent;
 use super::ink;
-use super::resources::{Fins, Model, Part, Resources, Varies};
+use super::resources::{Fins, Model, MorphBuffers, Part, Resources, Varies};
 use super::strands;
 use super::upload::Uploader;
 use crate::error::RuntimeError;
@@ -40,11 +40,20 @@ pub(crate) fn load(
         uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | read(skinned || fins.is_some() || single))?;
     let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX | read(fins.is_some()))?;
     let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
+    let morphs = package.morphs()?.filter(|morphs| skinned && !morphs.deltas.is_empty());
+    let morph_buffers = match &morphs {
+        Some(morphs) => Some(MorphBuffers {
+            first: uploader.buffer("morph targets", bytemuck::cast_slice(&morphs.first), Usage::STORAGE)?,
+            deltas: uploader.buffer("morph deltas", bytemuck::cast_slice(&morphs.deltas), Usage::STORAGE)?,
+        }),
+        None => None,
+    };
     let simplified = package.simplified()?;
     let lists = [mesh.indices, simplified.map_or(&[][..], |lists| lists.indices)].concat();
     let indices = uploader.buffer("indices", &lists, Usage::INDEX)?;
-    let buffers = [Some(&geometry), Some(&attributes), skin.as_ref(), Some(&indices)];
-    let mut gpu_bytes: u64 = buffers.into_iter().flatten().map(wgpu::Buffer::size).sum();
+    let of_morphs = morph_buffers.iter().flat_map(|m| [&m.first, &m.deltas]).map(Some);
+    let buffers = [Some(&geometry), Some(&attributes), skin.as_ref(), Some(&indices)].into_iter().chain(of_morphs);
+    let mut gpu_bytes: u64 = buffers.flatten().map(wgpu::Buffer::size).sum();
 
     let sampler = |label, v, anisotropy| {
         let sampling = Sampling::new(label, wgpu::AddressMode::Repeat);
@@ -154,6 +163,7 @@ pub(crate) fn load(
         geometry,
         attributes,
         skin,
+        morphs: morph_buffers,
         indices,
         fur,
         fins: fin_resources,
@@ -161,7 +171,7 @@ pub(crate) fn load(
         planar_directions,
         knows_visibility,
         varies,
-        extent: Extent::of(&mesh, skinned && has_skeleton),
+        extent: Extent::of(&mesh, morphs.as_deref(), skinned && has_skeleton),
         parts,
         deviations_m: simplified.iter().flat_map(SimplifiedView::deviations).collect(),
         ink,

@@ -5,7 +5,7 @@ use super::ink::ModelInk;
 use super::strands::Strands;
 use crate::error::RuntimeError;
 use crate::params::check_shading;
-use pelage_formats::{Animation, Clip, Manifest, MeshView, Shading};
+use pelage_formats::{Animation, Clip, Manifest, MeshView, MorphTarget, Shading};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -23,6 +23,7 @@ pub(super) struct Resources {
     pub(super) geometry: wgpu::Buffer,
     pub(super) attributes: wgpu::Buffer,
     pub(super) skin: Option<wgpu::Buffer>,
+    pub(super) morphs: Option<MorphBuffers>,
     pub(super) indices: wgpu::Buffer,
     pub(super) fur: Option<wgpu::BindGroup>,
     pub(super) fins: Option<Fins>,
@@ -35,6 +36,14 @@ pub(super) struct Resources {
     pub(super) extent: Extent,
     pub(super) ink: Option<ModelInk>,
     pub(super) gpu_bytes: u64,
+}
+
+/// What morph targets do to the vertices of a model.
+#[derive(Debug)]
+pub(crate) struct MorphBuffers {
+    /// For each vertex where its deltas begin, and the end.
+    pub(crate) first: wgpu::Buffer,
+    pub(crate) deltas: wgpu::Buffer,
 }
 
 /// Fins of a model.
@@ -118,6 +127,16 @@ impl Model {
         self.clips().iter().position(|c| c.name == name)
     }
 
+    /// The shapes that it goes over to by weights, such as expressions of a face: for [`crate::Instance::morphs`].
+    pub fn morph_targets(&self) -> &[MorphTarget] {
+        self.resources.animation.as_ref().map_or(&[], |a| &a.morphs.targets)
+    }
+
+    /// Index of the first morph target of that name.
+    pub fn morph_index(&self, name: &str) -> Option<usize> {
+        self.morph_targets().iter().position(|target| target.name == name)
+    }
+
     /// Bytes of its buffers and textures, shared by all instances.
     pub fn gpu_bytes(&self) -> u64 {
         self.resources.gpu_bytes
@@ -138,6 +157,10 @@ impl Model {
 
     pub(crate) fn skin(&self) -> Option<&wgpu::Buffer> {
         self.resources.skin.as_ref()
+    }
+
+    pub(crate) fn morphs(&self) -> Option<&MorphBuffers> {
+        self.resources.morphs.as_ref()
     }
 
     pub(crate) fn indices(&self) -> &wgpu::Buffer {

@@ -33,6 +33,8 @@ pub struct Actor {
     pub clip: Option<Playing>,
     /// What it goes over to from that, and how far it has, 0..=1.
     pub over: Option<(Playing, f32)>,
+    /// Morph targets that are at weights of their own, whatever the clips do: index and weight.
+    pub morphs: Vec<(usize, f32)>,
 }
 
 /// A place over time.
@@ -130,7 +132,7 @@ impl<'a> Cast<'a> {
         (framing, aspect): (&Framing, f32),
     ) -> Result<Self, StageError> {
         let clip = Playing::named(file, &package, clip)?;
-        let actor = |place| Actor { package: 0, place: Place::fixed(place), clip, over: None };
+        let actor = |place| Actor { package: 0, place: Place::fixed(place), clip, over: None, morphs: Vec::new() };
         let actors: Vec<Actor> = places(package.manifest(), copies).into_iter().map(actor).collect();
         let packages = vec![(file, Arc::new(package))];
         let camera = match camera {
@@ -149,6 +151,19 @@ impl<'a> Cast<'a> {
         for actor in &mut self.actors {
             let Some((file, package)) = self.packages.get(actor.package) else { continue };
             actor.over = Playing::named(file, package, Some(name))?.map(|playing| (playing, share));
+        }
+        Ok(self)
+    }
+
+    /// The same with every actor's morph target of that name at a weight.
+    ///
+    /// # Errors
+    ///
+    /// As [`find_morph`].
+    pub fn morphing(mut self, name: &str, weight: f32) -> Result<Self, StageError> {
+        for actor in &mut self.actors {
+            let Some((file, package)) = self.packages.get(actor.package) else { continue };
+            actor.morphs.push((find_morph(file, package, name)?, weight));
         }
         Ok(self)
     }
@@ -171,6 +186,28 @@ pub fn find_clip(
     clip_named(&animation, name).map(Some).map_err(|has| StageError::Asked {
         what: format!("clip {name}"),
         reason: format!("no such clip; {} {has}", file.name),
+    })
+}
+
+/// Index of the first morph target of that name.
+///
+/// # Errors
+///
+/// [`StageError::Asked`] where a package has none of that name, [`StageError::Package`] for a damaged one.
+pub fn find_morph(file: &NamedPackage<'_>, package: &Package<'_>, name: &str) -> Result<usize, StageError> {
+    let animation = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default();
+    morph_named(&animation, name).map_err(|has| {
+        let (what, reason) = (format!("morph target {name}"), format!("no such target; {} {has}", file.name));
+        StageError::Asked { what, reason }
+    })
+}
+
+/// Index of the first morph target of that name, or what targets there are, in words.
+pub(crate) fn morph_named(animation: &Animation, name: &str) -> Result<usize, String> {
+    let targets = &animation.morphs.targets;
+    targets.iter().position(|target| target.name == name).ok_or_else(|| {
+        let names: Vec<_> = targets.iter().map(|target| target.name.as_str()).collect();
+        if names.is_empty() { "has none".into() } else { format!("has {}", names.join(", ")) }
     })
 }
 

@@ -4,7 +4,7 @@ use crate::framing::outermost;
 use crate::{NamedPackage, StageError};
 use glam::Vec3;
 use pelage_formats::meaning::hair_groups::triangle_frame;
-use pelage_formats::meaning::{posed, skin_matrix};
+use pelage_formats::meaning::{morphed, posed, skin_matrix};
 use pelage_formats::{Animation, GeometryVertex, HairGroup, MeshView, OnTriangle, Package, Pose, SkinVertex};
 use pelage_params::glob;
 
@@ -39,13 +39,17 @@ pub fn outline(
     let kept = look_at.map(|pattern| belonging(package, &mesh, &animation, pattern));
     let is_kept = |i: usize| kept.as_ref().is_none_or(|kept| kept.get(i).is_some_and(|kept| *kept));
     let mut pose = Pose::default();
+    let morphs = package.morphs().map_err(|error| file.fault(error))?;
     let mut skin = mesh.skin();
-    let all: Vec<_> = mesh.geometry().map(|vertex| (vertex, skin.next())).collect();
+    let all: Vec<_> = mesh.geometry().enumerate().map(|(i, vertex)| (i, vertex, skin.next())).collect();
     let vertices: Vec<_> = all.iter().enumerate().filter(|(i, _)| is_kept(*i)).map(|(_, vertex)| *vertex).collect();
     let mut tips = guide_tips(&package.hair_groups().map_err(|error| file.fault(error))?, &mesh);
     tips.retain(|tip| tip.corners.iter().all(|v| is_kept(*v as usize)));
-    let place = |pose: &Pose, (vertex, skin): &(GeometryVertex, Option<SkinVertex>)| match skin {
-        Some(skin) => Vec3::from(posed(vertex, skin_matrix(pose, skin)).position),
+    let place = |pose: &Pose, (i, vertex, skin): &Outlined| match skin {
+        Some(skin) => {
+            let deltas = morphs.as_ref().map_or(&[][..], |morphs| morphs.of_vertex(*i));
+            Vec3::from(posed(&morphed(vertex, deltas, &pose.shifts), skin_matrix(pose, skin)).position)
+        }
         None => Vec3::from(vertex.position),
     };
     let Some((clip, duration_s)) = clip.filter(|_| mesh.skin().next().is_some()) else {
@@ -63,6 +67,9 @@ pub fn outline(
     }
     Ok(points)
 }
+
+/// A vertex with its number, and what it follows.
+type Outlined = (usize, GeometryVertex, Option<SkinVertex>);
 
 /// Guides of a group that are looked at, at most.
 const TIPS: usize = 64;
@@ -100,9 +107,9 @@ fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
 }
 
 /// Of the vertices that each joint moves most, those that lie outermost as the mesh is stored, in 26 directions.
-fn outer_of_joints(vertices: &[(GeometryVertex, Option<SkinVertex>)], joints: usize) -> Vec<usize> {
+fn outer_of_joints(vertices: &[Outlined], joints: usize) -> Vec<usize> {
     let mut of_joint = vec![Vec::new(); joints + 1];
-    for (i, (_, skin)) in vertices.iter().enumerate() {
+    for (i, (_, _, skin)) in vertices.iter().enumerate() {
         let first = |skin: &SkinVertex| (0..4).max_by(|a, b| skin.weights[*a].total_cmp(&skin.weights[*b]));
         let joint = skin.as_ref().and_then(|skin| first(skin).map(|k| usize::from(skin.joints[k])));
         of_joint[joint.unwrap_or(joints).min(joints)].push(i);
@@ -111,7 +118,7 @@ fn outer_of_joints(vertices: &[(GeometryVertex, Option<SkinVertex>)], joints: us
     let directions: Vec<Vec3> = (0..27).map(|i| Vec3::new(sides[i / 9], sides[i / 3 % 3], sides[i % 3])).collect();
     let mut outer = Vec::new();
     for owned in of_joint {
-        let points: Vec<Vec3> = owned.iter().map(|i| Vec3::from(vertices[*i].0.position)).collect();
+        let points: Vec<Vec3> = owned.iter().map(|i| Vec3::from(vertices[*i].1.position)).collect();
         outer.extend(outermost(&points, directions.iter().copied()).into_iter().map(|k| owned[k]));
     }
     outer

@@ -172,7 +172,10 @@ impl Stage {
             self.renderer.forget(owner as u64);
         }
         let of_actors = cast.actors.iter().map(|actor| &models[actor.package]);
-        self.instances = (0..).zip(of_actors).map(|(owner, model)| Instance::new(owner, model)).collect();
+        let instance = |(owner, (model, actor)): (u64, (&Model, &Actor))| {
+            Instance::new(owner, model).morphing(actor.morphs.clone())
+        };
+        self.instances = (0..).zip(of_actors.zip(&cast.actors)).map(instance).collect();
         self.actors = cast.actors.clone();
         self.shot = cast.camera.clone();
         self.set_time(time_s);

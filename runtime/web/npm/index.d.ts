@@ -66,6 +66,8 @@ export interface PackageInfo {
   readonly furHeightM: number;
   /** Whether `style` may be "ink". */
   readonly hasInk: boolean;
+  /** Names of its morph targets. */
+  readonly morphs: readonly string[];
   readonly clips: readonly ClipInfo[];
 }
 
@@ -201,6 +203,8 @@ export class Pelage extends EventTarget {
   seek(timeS: number): void;
   /** Seconds of the clip in a second; below 0 it runs backwards. */
   speed: number;
+  /** Holds the morph target of that name at a weight whatever the clip does; `null` leaves it to the clip again. */
+  setMorph(name: string, weight: number | null): void;
 
   /** Draws now. */
   frame(): void;

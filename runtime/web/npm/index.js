@@ -208,6 +208,10 @@ export class Pelage extends EventTarget {
     this.#do((viewer) => viewer.seek(timeS));
   }
 
+  setMorph(name, weight) {
+    this.#do((viewer) => viewer.set_morph(name, weight ?? undefined));
+  }
+
   get speed() {
     return this.playback.speed;
   }

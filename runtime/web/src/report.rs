@@ -33,6 +33,10 @@ pub(crate) fn package(name: &str, bytes: usize, model: &Model, has_ink: bool) ->
         ("max", numbers(manifest.bounds.max)),
         ("furHeightM", manifest.fur.height_m.into()),
         ("hasInk", has_ink.into()),
+        (
+            "morphs",
+            model.morph_targets().iter().map(|target| JsValue::from(target.name.as_str())).collect::<Array>().into(),
+        ),
         ("clips", model.clips().iter().map(clip).collect::<Array>().into()),
     ])
 }

@@ -6,7 +6,9 @@ use crate::report::{self, object};
 use crate::thrown::{asked, fault, thrown};
 use glam::{Vec2, Vec3};
 use pelage_runtime::{FrameParams, Light};
-use pelage_stage::{Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, Stage, Viewpoint, find_clip};
+use pelage_stage::{
+    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, Stage, Viewpoint, find_clip, find_morph,
+};
 use wasm_bindgen::prelude::*;
 
 /// Any view: there is nothing to see until a package is loaded.
@@ -182,6 +184,26 @@ impl Viewer {
             }
         };
         self.player = Player { clip, time_s: 0.0, playing: false, ..self.player };
+        Ok(())
+    }
+
+    /// Holds the morph target of that name at a weight whatever the clip does, or, at `undefined`, leaves it to the clip again.
+    ///
+    /// # Errors
+    ///
+    /// `asked` for a target that is not there, with the names there are, and for a weight that is no finite number.
+    pub fn set_morph(&mut self, name: &str, weight: Option<f32>) -> Result<(), JsValue> {
+        let Some(shown) = &mut self.shown else {
+            return Err(asked("morph: found no package, expected one to be loaded first"));
+        };
+        if weight.is_some_and(|weight| !weight.is_finite()) {
+            return Err(asked("morph: found a weight that is infinite or no number, expected a finite one"));
+        }
+        let package = shown.file.open().map_err(fault)?;
+        let index = find_morph(&shown.file, &package, name).map_err(fault)?;
+        let morphs = &mut shown.stage.instances[0].morphs;
+        morphs.retain(|(other, _)| *other != index);
+        morphs.extend(weight.map(|weight| (index, weight)));
         Ok(())
     }
 

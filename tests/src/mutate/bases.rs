@@ -380,6 +380,7 @@ fn model(png: &[u8], jpg: &[u8]) -> (Value, Vec<u8>) {
     let bind = floats(&[identity, identity].concat(), "MAT4", 16, None);
     let times = floats(&[0.0, 1.0], "SCALAR", 1, None);
     let moves = floats(&[0.0, 0.0, 0.0, 1.0, 0.5, 0.0], "VEC3", 3, None);
+    let blends = floats(&[0.0, 1.0], "SCALAR", 1, None);
     let turn = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
     let turns = floats(&[turn, turn].concat(), "VEC4", 4, None);
     let colors: Vec<u8> = (0..8_u8).flat_map(|i| [255, 200 - 10 * i, 128, 255 - 16 * i]).collect();
@@ -442,10 +443,12 @@ fn model(png: &[u8], jpg: &[u8]) -> (Value, Vec<u8>) {
             "samplers": [
                 { "input": times, "output": moves },
                 { "input": times, "output": turns, "interpolation": "CUBICSPLINE" },
+                { "input": times, "output": blends },
             ],
             "channels": [
                 { "sampler": 0, "target": { "node": 1, "path": "translation" } },
                 { "sampler": 1, "target": { "node": 0, "path": "rotation" } },
+                { "sampler": 2, "target": { "node": 2, "path": "weights" } },
             ],
         }],
         "accessors": buffer.layout.accessors,

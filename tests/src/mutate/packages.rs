@@ -5,7 +5,7 @@ use super::case::{Case, Entry, Step, Then};
 use super::change;
 use super::lay_out::{lay_out, reseal, sections};
 use super::random::Random;
-use pelage_formats::{Animation, HairGroup, Limits, Manifest, Package, Tag};
+use pelage_formats::{Animation, HairGroup, Limits, Manifest, Morphs, Package, Tag};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -107,15 +107,17 @@ fn table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     (how, lay_out(version, &list))
 }
 
-/// A field of the manifest, of the animation or of hair on guides, with a value of its type that need not make sense.
+/// A field of the manifest, of the animation, of morph targets or of hair on guides, with a value of its type that need not make sense.
 fn fields(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
     let (version, mut list) = sections(base);
     let package = Package::open(base, &Limits::default());
     // The manifests of older versions have other fields.
     let Some(package) = package.ok().filter(|package| package.version() == 3) else { return contents(base, random) };
     let animation = package.animation().ok().flatten().filter(|_| random.below(4) == 0);
+    let morphs = package.morphs().ok().flatten().filter(|_| random.below(8) == 0);
     let groups = package.hair_groups().unwrap_or_default();
     let (tag, changed) = match animation {
+        _ if morphs.is_some() => (Tag::MORPHS, morphs.and_then(|morphs| field::<Morphs>(&morphs, turn, random))),
         Some(animation) => (Tag::ANIMATION, field::<Animation>(&animation, turn, random)),
         None if !groups.is_empty() && random.below(2) == 0 => {
             (Tag::HAIR, field::<Vec<HairGroup>>(&groups.to_vec(), turn, random))

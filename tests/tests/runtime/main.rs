@@ -11,6 +11,7 @@ mod ink;
 mod ink_lines;
 mod ink_specks;
 mod inside_your_pass;
+mod morphs;
 mod pictures;
 mod shadows;
 mod shadows_on_your_ground;

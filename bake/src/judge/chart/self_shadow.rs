@@ -507,7 +507,6 @@ fn sheet_model(width_m: f32, tiles: f32) -> Model {
         normals: vec![Vec3::Y; 4],
         uvs: corners.map(|c: Vec2| 0.5 + (c - 0.5) * tiles).to_vec(),
         colors: vec![[255; 4]; 4],
-        skin: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         parts: vec![MeshPart {
             source: "sheet".into(),
@@ -517,6 +516,7 @@ fn sheet_model(width_m: f32, tiles: f32) -> Model {
             triangle_count: 2,
             has_uvs: true,
         }],
+        ..Mesh::default()
     };
     Model { mesh, materials: vec![Material { name: "Sheet".into(), ..Material::default() }], ..Model::default() }
 }

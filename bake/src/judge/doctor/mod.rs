@@ -227,7 +227,7 @@ fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> 
             lean: v.lean,
         }
     };
-    Ok(posed_vertices(&mesh, &pose).map(vertex).collect())
+    Ok(posed_vertices(&mesh, None, &pose).map(vertex).collect())
 }
 
 /// Fins as the runtime shows them, by the angle they are seen at: what they cover, and their quads.
@@ -329,7 +329,9 @@ fn memory(
             memory.strands = planted_bytes(package.manifest(), &m, &strands);
         }
         if skinned {
-            memory.buffers += m.skin.len() as u64;
+            let morphs = package.morphs().map_err(fault)?;
+            let morphs = morphs.map_or(0, |m| size_of_val(&m.first[..]) + size_of_val(&m.deltas[..]));
+            memory.buffers += (m.skin.len() + morphs) as u64;
             memory.posed = m.geometry.len() as u64 * u64::from(view.instances);
         }
     }

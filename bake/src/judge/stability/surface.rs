@@ -31,7 +31,6 @@ pub fn model(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Model {
         positions,
         uvs: vec![Vec2::ZERO; n],
         colors: vec![[255; 4]; n],
-        skin: Vec::new(),
         parts: vec![MeshPart {
             source: "mesh 0".into(),
             names: Vec::new(),
@@ -41,6 +40,7 @@ pub fn model(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Model {
             has_uvs: false,
         }],
         triangles,
+        ..Mesh::default()
     };
     let material = Material { name: "Coat".into(), ..Material::default() };
     Model { mesh, materials: vec![material], ..Model::default() }

@@ -21,7 +21,7 @@ fn rig() -> Animation {
         node("Ear.R", Some(2)),
     ];
     let joints = (1..5).map(|node| Joint { node, inverse_bind: [0.0; 16] }).collect();
-    Animation { nodes, joints, clips: Vec::new() }
+    Animation { nodes, joints, ..Animation::default() }
 }
 
 fn values(tables: &str) -> (JointValues, Vec<String>) {

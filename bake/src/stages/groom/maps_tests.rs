@@ -156,7 +156,7 @@ fn tables_for_joints_win_over_maps_and_body() {
     };
     let other = pelage_formats::Node { name: "Back".into(), ..node.clone() };
     let joints = [0, 1].map(|node| pelage_formats::Joint { node, inverse_bind: [0.0; 16] }).to_vec();
-    let animation = pelage_formats::Animation { nodes: vec![node, other], joints, clips: Vec::new() };
+    let animation = pelage_formats::Animation { nodes: vec![node, other], joints, ..Default::default() };
     let follow =
         |weight: f32| pelage_formats::SkinVertex { joints: [0, 1, 0, 0], weights: [weight, 1.0 - weight, 0.0, 0.0] };
     mesh.skin = [0.0, 0.5, 1.0, 0.0].map(follow).to_vec();

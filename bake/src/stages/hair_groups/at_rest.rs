@@ -33,7 +33,7 @@ impl RestSkin {
             pose.sample(&animation, None, 0.0);
         }
         let (positions, normals) =
-            posed_vertices(&mesh, &pose).map(|v| (Vec3::from(v.position), Vec3::from(v.normal))).unzip();
+            posed_vertices(&mesh, None, &pose).map(|v| (Vec3::from(v.position), Vec3::from(v.normal))).unzip();
         let indices: Vec<u32> = mesh.indices().collect();
         Ok(Self { triangles: indices.as_chunks::<3>().0.to_vec(), positions, normals })
     }

@@ -3,6 +3,7 @@
 use super::clips;
 use super::drawn;
 use super::json::At;
+use super::morphs;
 use super::options::ImportOptions;
 use super::orient;
 use super::primitive::{Gathered, MeshUse, Primitive, read_mesh, within_limits};
@@ -13,7 +14,7 @@ use crate::BakeError;
 use crate::mesh::{Mesh, MeshPart, Model, NamedPlace, RestPose};
 use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::meaning::transform_normal;
-use pelage_formats::{Animation, Joint, Node, SkinVertex};
+use pelage_formats::{Animation, Joint, MorphMotion, Node, SkinVertex};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::rc::Rc;
@@ -27,6 +28,27 @@ struct Instance<'a> {
     /// Names of node and mesh, without empty ones.
     names: Vec<String>,
     primitives: Rc<Vec<Primitive<'a>>>,
+}
+
+impl Instance<'_> {
+    /// Adds its morph targets to those of the model, and says which of them is its first. Without node, as without targets, it has none.
+    fn first_target(
+        &self,
+        tree: &Tree<'_>,
+        morphed: &mut morphs::Gathered,
+        number: impl Fn(usize) -> u32,
+    ) -> Result<Option<u32>, BakeError> {
+        let first = self.primitives.iter().find_map(|p| p.morph.as_ref());
+        let (Some(node), Some(morph)) = (self.node, first) else { return Ok(None) };
+        if let Some(other) = self.primitives.iter().find(|p| p.morph.as_ref().is_some_and(|m| m.count != morph.count)) {
+            let (found, expected) = (other.morph.as_ref().map_or(0, |m| m.count), morph.count);
+            let at = other.at.get("targets").unwrap_or_else(|| other.at.clone());
+            return Err(
+                at.fault(format!("holds {found} morph targets, expected {expected} as the mesh's other primitives"))
+            );
+        }
+        morphed.add_node(&tree.nodes[node].at, node, number(node), morph).map(Some)
+    }
 }
 
 /// Reads the scene.
@@ -54,15 +76,19 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         }
     }
     let (numbers, nodes) = number_nodes(&tree, &joints, options);
-    let clips = clips::read(source, &numbers)?;
+    let number = |node: usize| numbers.get(node).copied().flatten().unwrap_or_default();
+    let mut morphed = morphs::Gathered::new();
+    let first_targets = instances.iter().map(|instance| instance.first_target(&tree, &mut morphed, number));
+    let first_targets = first_targets.collect::<Result<Vec<_>, _>>()?;
+    let (clips, channels) = clips::read(source, &numbers, &morphed.of_nodes)?;
     let skinned = instances.iter().any(|i| i.skin.is_some() && i.primitives.iter().any(|p| p.influences.is_some()));
-    let moving = skinned || !clips.is_empty();
+    let moving = skinned || !clips.is_empty() || !morphed.targets.is_empty();
 
     let world = tree.world(root);
     let combs = drawn::drawn(source, &tree, &world, root, &mut joints)?;
     let mut builder = Builder { mesh: Mesh::default(), places: Vec::new(), authored: Vec::new() };
     let mut followed = followed.into_iter();
-    for instance in &instances {
+    for (instance, first_target) in instances.iter().zip(first_targets) {
         for primitive in instance.primitives.iter() {
             let (first, count) = followed.next().unwrap_or_default();
             let placed = if moving {
@@ -71,14 +97,16 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
                 Placed::At(instance.node.map_or(root, |n| world[n]))
             };
             builder.add(primitive, &instance.names, placed)?;
+            let morph = primitive.morph.as_ref().zip(first_target);
+            morphed.add_rows(morph, primitive.positions.len(), &mut builder.mesh);
         }
     }
     let Builder { mut mesh, places, authored } = builder;
+    let (targets, morph_rows) = morphed.finish(&mut mesh);
     let animation = moving.then(|| {
-        let number = |node: usize| numbers.get(node).copied().flatten().unwrap_or_default();
         let joints =
             joints.list.iter().map(|(node, bind)| Joint { node: number(*node), inverse_bind: *bind }).collect();
-        Animation { nodes, joints, clips }
+        Animation { nodes, joints, clips, morphs: MorphMotion { targets, channels } }
     });
     let rest = RestPose::of(&mesh, animation.as_ref());
     check_finite(&rest, &places)?;
@@ -90,6 +118,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         nodes: named(&tree, &world),
         combs,
         animation,
+        morph_rows,
         inputs: Vec::new(),
         warnings: Vec::new(),
     })

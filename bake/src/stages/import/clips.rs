@@ -4,16 +4,23 @@ use super::elements::{Component, REAL};
 use super::json::{At, shorten};
 use super::source::Source;
 use crate::BakeError;
-use pelage_formats::{Channel, Clip, Interpolation, Limits, Property};
+use pelage_formats::{Channel, Clip, Interpolation, Limits, MorphChannel, Property};
 use std::collections::BTreeMap;
 
-/// Reads all clips. Only channels that move a node with a number in `numbers` (from the document's nodes to the package's) are
-/// kept, and only clips with such a channel.
-pub(super) fn read<'a>(source: &mut Source<'a, '_>, numbers: &[Option<u32>]) -> Result<Vec<Clip>, BakeError> {
-    let Some(list) = source.root.get("animations") else { return Ok(Vec::new()) };
+/// Clips, and the curves in them that move morph targets.
+pub(super) type Clips = (Vec<Clip>, Vec<MorphChannel>);
+
+/// Reads all clips. Only channels that move a node with a number in `numbers` (from the document's nodes to the package's), or the weights of a node with
+/// morph targets (its number in the document, the first of them and how many), are kept, and only clips with such a channel.
+pub(super) fn read<'a>(
+    source: &mut Source<'a, '_>,
+    numbers: &[Option<u32>],
+    morphed: &[(usize, u32, u32)],
+) -> Result<Clips, BakeError> {
+    let Some(list) = source.root.get("animations") else { return Ok(Clips::default()) };
     // Channels may share accessors, so a small file can unfold into any number of curves.
     let mut budget = Limits::default().animation_bytes;
-    let mut clips = Vec::new();
+    let (mut clips, mut morphs) = (Vec::new(), Vec::new());
     for (index, at) in list.entries()?.enumerate() {
         let name = match at.name() {
             "" => format!("clip_{index}"),
@@ -21,52 +28,94 @@ pub(super) fn read<'a>(source: &mut Source<'a, '_>, numbers: &[Option<u32>]) -> 
         };
         let mut channels: Vec<Channel> = Vec::new();
         let mut driven: BTreeMap<(u32, usize), usize> = BTreeMap::new();
+        let mut weights: BTreeMap<u32, MorphChannel> = BTreeMap::new();
         let samplers = at.require("samplers")?;
         for channel_at in at.require("channels")?.entries()? {
-            let Some((node, property)) = target(source, &channel_at, &name)? else { continue };
+            let Some((node, moves)) = target(source, &channel_at, &name)? else { continue };
+            let mut charge = |curve: &Curve| {
+                let bytes = 4 * (curve.times.len() + curve.values.len()) as u64;
+                budget = budget.checked_sub(bytes).ok_or_else(|| {
+                    let limit = Limits::default().animation_bytes >> 20;
+                    channel_at.fault(format!("takes the animation past {limit} MiB"))
+                })?;
+                Ok::<_, BakeError>(())
+            };
+            let property = match moves {
+                Moves::Node(property) => property,
+                Moves::Weights => {
+                    let Some((_, first, count)) = morphed.iter().copied().find(|(of, ..)| *of == node) else {
+                        continue;
+                    };
+                    let curve = read_curve(source, &channel_at, &samplers, Width::Weights(count as usize))?;
+                    charge(&curve)?;
+                    let Curve { interpolation, times, values } = curve;
+                    let clip = clips.len() as u32;
+                    let channel = MorphChannel { clip, target: first, count, interpolation, times, values };
+                    if weights.insert(first, channel).is_some() {
+                        source.warn(replaces(&channel_at));
+                    }
+                    continue;
+                }
+            };
             let Some(node) = numbers.get(node).copied().flatten() else { continue };
-            let channel = read_channel(source, &channel_at, &samplers, node, property)?;
-            let bytes = 4 * (channel.times.len() + channel.values.len()) as u64;
-            budget = budget.checked_sub(bytes).ok_or_else(|| {
-                let limit = Limits::default().animation_bytes >> 20;
-                channel_at.fault(format!("takes the animation past {limit} MiB"))
-            })?;
+            let curve = read_curve(source, &channel_at, &samplers, Width::Property(property))?;
+            charge(&curve)?;
+            let Curve { interpolation, times, values } = curve;
+            let channel = Channel { node, property, interpolation, times, values };
             let key = (node, property as usize);
             if let Some(same) = driven.get(&key).and_then(|i| channels.get_mut(*i)) {
-                source.warn(format!(
-                    "{} moves the same property as a channel before; it replaces that",
-                    channel_at.place
-                ));
+                source.warn(replaces(&channel_at));
                 *same = channel;
             } else {
                 driven.insert(key, channels.len());
                 channels.push(channel);
             }
         }
-        if !channels.is_empty() {
-            let duration_s = channels.iter().filter_map(|c| c.times.last()).fold(0.0_f32, |a, b| a.max(*b));
+        if !(channels.is_empty() && weights.is_empty()) {
+            let times = channels.iter().map(|c| &c.times).chain(weights.values().map(|c| &c.times));
+            let duration_s = times.filter_map(|times| times.last()).fold(0.0_f32, |a, b| a.max(*b));
             clips.push(Clip { name, duration_s, channels });
+            morphs.extend(weights.into_values());
         }
     }
-    Ok(clips)
+    Ok((clips, morphs))
 }
 
-/// Node and property that a channel drives, or `None` for one that is left out.
-fn target<'a>(
-    source: &mut Source<'a, '_>,
-    channel: &At<'a>,
-    clip: &str,
-) -> Result<Option<(usize, Property)>, BakeError> {
+fn replaces(channel: &At<'_>) -> String {
+    format!("{} moves the same property as a channel before; it replaces that", channel.place)
+}
+
+/// What a channel moves.
+enum Moves {
+    Node(Property),
+    /// The weights of its node's morph targets.
+    Weights,
+}
+
+/// How many numbers a value of a curve has.
+#[derive(Clone, Copy)]
+enum Width {
+    Property(Property),
+    /// One for each of so many morph targets, each an element of its own.
+    Weights(usize),
+}
+
+/// Keys and what lies between them.
+struct Curve {
+    interpolation: Interpolation,
+    times: Vec<f32>,
+    values: Vec<f32>,
+}
+
+/// Node of the document and what of it a channel moves, or `None` for one that is left out.
+fn target<'a>(source: &mut Source<'a, '_>, channel: &At<'a>, clip: &str) -> Result<Option<(usize, Moves)>, BakeError> {
     let target = channel.require("target")?;
     let path = target.require("path")?;
-    let property = match path.string()? {
-        "translation" => Property::Translation,
-        "rotation" => Property::Rotation,
-        "scale" => Property::Scale,
-        "weights" => {
-            source.warn(format!("clip \"{}\" moves morph weights; morph animation is left out", shorten(clip)));
-            return Ok(None);
-        }
+    let moves = match path.string()? {
+        "translation" => Moves::Node(Property::Translation),
+        "rotation" => Moves::Node(Property::Rotation),
+        "scale" => Moves::Node(Property::Scale),
+        "weights" => Moves::Weights,
         other => {
             let (clip, other) = (shorten(clip), shorten(other));
             source.warn(format!("clip \"{clip}\" moves \"{other}\", which pelage does not know; left out"));
@@ -75,16 +124,15 @@ fn target<'a>(
     };
     // "When node isn't defined, channel SHOULD be ignored."
     let Some(reference) = target.get("node") else { return Ok(None) };
-    Ok(Some((source.root.referred("nodes", &reference)?.0, property)))
+    Ok(Some((source.root.referred("nodes", &reference)?.0, moves)))
 }
 
-fn read_channel<'a>(
+fn read_curve<'a>(
     source: &mut Source<'a, '_>,
     channel: &At<'a>,
     samplers: &At<'a>,
-    node: u32,
-    property: Property,
-) -> Result<Channel, BakeError> {
+    width: Width,
+) -> Result<Curve, BakeError> {
     let reference = channel.require("sampler")?;
     let index = reference.unsigned()?;
     let sampler = usize::try_from(index).ok().and_then(|i| samplers.entry(i));
@@ -112,20 +160,23 @@ fn read_channel<'a>(
         source.warn(format!("{} begins before 0 s; what lies before is not played", input.place));
     }
     let output = sampler.require("output")?;
-    let width = property.components();
+    let (width, elements_of_one, fractions) = match width {
+        Width::Property(property) => (property.components(), 1, property == Property::Rotation),
+        Width::Weights(count) => (1, count, true),
+    };
     let elements = source.accessor(&output, &[width], REAL)?;
-    let per_key = if interpolation == Interpolation::Cubic { 3 } else { 1 };
+    let per_key = elements_of_one * if interpolation == Interpolation::Cubic { 3 } else { 1 };
     if elements.count != times.len() * per_key {
         let (found, expected) = (elements.count, times.len() * per_key);
         return Err(output.fault(format!("has {found} elements, expected {expected} for {} keys", times.len())));
     }
-    // Rotations in integers are fractions of 1 by definition; other integers only where the accessor says so.
-    let values = elements.reals(property == Property::Rotation && elements.component != Component::F32);
+    // Rotations and weights in integers are fractions of 1 by definition; other integers only where the accessor says so.
+    let values = elements.reals(fractions && elements.component != Component::F32);
     if let Some(i) = values.iter().position(|v| !v.is_finite()) {
         return Err(output.fault(format!("element {} is not finite, expected finite numbers", i / width)));
     }
     let (times, values) = rising(source, &input, times, values, width * per_key);
-    Ok(Channel { node, property, interpolation, times, values })
+    Ok(Curve { interpolation, times, values })
 }
 
 /// Drops keys that do not come after the key before them.

@@ -12,7 +12,8 @@
 //! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, say how hair is combed ([`crate::mesh::DrawnComb`]);
 //!   other lines are left out.
 //! * Bare parts that share a material with furred ones get one of their own ([`Feature`](crate::mesh::Feature)).
-//! * Morph targets are applied at their default weights; their animation is left out.
+//! * Morph targets are applied at their default weights, and what each adds from there is kept ([`crate::mesh::MorphRows`]); then every vertex has
+//!   joints. In a document without nodes they rest.
 //!
 //! All that is repaired, left out or guessed is told in [`Model::warnings`]. What cannot be is an error that names the place as
 //! a byte offset, a JSON pointer or a line, with what was found and what was expected. No number of the file is trusted before it is
@@ -31,6 +32,7 @@ mod json;
 mod lines;
 mod material;
 mod meshopt;
+mod morphs;
 mod normals;
 mod notes;
 mod obj;

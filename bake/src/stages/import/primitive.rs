@@ -5,7 +5,7 @@ use super::elements::{Component, REAL, WHOLE, grouped};
 use super::json::{At, shorten};
 use super::material::{Materials, TextureCoords};
 use super::source::Source;
-use super::{compressed, normals, weights};
+use super::{compressed, morphs, normals, weights};
 use crate::BakeError;
 use glam::{Vec2, Vec3};
 use pelage_formats::Limits;
@@ -30,6 +30,8 @@ pub(super) struct Primitive<'a> {
     /// Four joints of the skin and their weights; `None` for a primitive that follows its node.
     pub influences: Option<Vec<weights::Influence>>,
     pub triangles: Vec<[u32; 3]>,
+    /// What its morph targets add from there; `None` for one without.
+    pub morph: Option<morphs::Morph>,
 }
 
 /// The mesh of a node.
@@ -51,6 +53,8 @@ pub(super) struct Gathered {
     pub skipped: usize,
     vertices: u64,
     indices: u64,
+    /// Entries of morph targets.
+    morphed: u64,
 }
 
 impl Gathered {
@@ -86,11 +90,7 @@ pub(super) fn read_mesh<'a>(
     gathered: &mut Gathered,
     mesh: &MeshUse<'a>,
 ) -> Result<Vec<Primitive<'a>>, BakeError> {
-    let morph = mesh.weights.clone().or_else(|| mesh.at.get("weights"));
-    let morph_weights = match &morph {
-        Some(list) => list.entries()?.map(|w| w.number()).collect::<Result<Vec<f32>, _>>()?,
-        None => Vec::new(),
-    };
+    let targets = morphs::Targets::of(&mesh.at, mesh.weights.as_ref())?;
     let name = mesh.at.name();
     let name = if name.is_empty() { String::new() } else { format!(" \"{}\"", shorten(name)) };
     for at in mesh.at.require("primitives")?.entries()? {
@@ -102,7 +102,7 @@ pub(super) fn read_mesh<'a>(
         if mesh.combs && are_lines(at.unsigned_or("mode", 4)?) {
             continue;
         }
-        match read_primitive(source, &mut gathered.materials, &at, label, &morph_weights, mesh.skinned)? {
+        match read_primitive(source, gathered, &at, label, &targets, mesh.skinned)? {
             Some(primitive) => primitives.push(primitive),
             None => gathered.skipped += 1,
         }
@@ -119,10 +119,10 @@ pub(super) fn read_mesh<'a>(
 
 fn read_primitive<'a>(
     source: &mut Source<'a, '_>,
-    materials: &mut Materials,
+    gathered: &mut Gathered,
     at: &At<'a>,
     label: String,
-    morph_weights: &[f32],
+    targets: &morphs::Targets,
     skinned: bool,
 ) -> Result<Option<Primitive<'a>>, BakeError> {
     let mode = at.unsigned_or("mode", 4)?;
@@ -163,11 +163,12 @@ fn read_primitive<'a>(
         Some(reference) => Some(vectors(&same_count(source, &reference, &[3], positions.len(), false)?)),
         None => None,
     };
-    morph(source, at, &label, morph_weights, &mut positions, normals.as_deref_mut())?;
+    let entries = &mut gathered.morphed;
+    let morph = morphs::read(source, at, &label, targets, &mut positions, normals.as_deref_mut(), entries)?;
     if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
         return Err(position_at.fault(format!("element {i} is {}, expected finite numbers", positions[i])));
     }
-    let (material, coords) = materials.read(source, at.get("material").as_ref())?;
+    let (material, coords) = gathered.materials.read(source, at.get("material").as_ref())?;
     let uvs = read_uvs(source, &attributes, &label, &coords, positions.len())?;
     let colors = read_colors(source, &attributes, positions.len())?;
     let influences = if skinned { weights::read(source, &attributes, &label, positions.len())? } else { None };
@@ -183,6 +184,7 @@ fn read_primitive<'a>(
         influences,
         triangles,
         positions,
+        morph,
     }))
 }
 
@@ -227,47 +229,6 @@ fn triangulate(mode: u64, indices: &[u32]) -> Vec<[u32; 3]> {
         }
         _ => indices.as_chunks::<3>().0.to_vec(),
     }
-}
-
-/// Adds the morph targets at their default weights.
-fn morph<'a>(
-    source: &mut Source<'a, '_>,
-    at: &At<'a>,
-    label: &str,
-    weights: &[f32],
-    positions: &mut [Vec3],
-    mut normals: Option<&mut [Vec3]>,
-) -> Result<(), BakeError> {
-    let Some(targets) = at.get("targets") else { return Ok(()) };
-    let count = targets.len()?;
-    if count == 0 {
-        return Ok(());
-    }
-    source.warn(format!(
-        "{label} has {count} morph targets: the default weights are applied, morph animation is left out"
-    ));
-    if !weights.is_empty() && weights.len() != count {
-        source
-            .warn(format!("{label} has {count} morph targets and {} weights; missing ones count as 0", weights.len()));
-    }
-    for (target, weight) in targets.entries()?.zip(weights) {
-        if *weight == 0.0 {
-            continue;
-        }
-        let mut add = |key: &str, onto: &mut [Vec3]| -> Result<(), BakeError> {
-            let Some(reference) = target.get(key) else { return Ok(()) };
-            let deltas = same_count(source, &reference, &[3], onto.len(), false)?;
-            for (v, d) in onto.iter_mut().zip(grouped::<3>(&deltas)) {
-                *v += Vec3::from(d) * *weight;
-            }
-            Ok(())
-        };
-        add("POSITION", positions)?;
-        if let Some(normals) = normals.as_deref_mut() {
-            add("NORMAL", normals)?;
-        }
-    }
-    Ok(())
 }
 
 /// The texture coordinates that the material uses, transformed; without a texture the first set there is.

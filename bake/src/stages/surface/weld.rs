@@ -9,7 +9,7 @@ fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
     values.map(|v| (v + 0.0).to_bits())
 }
 
-/// Joins vertices of one material that agree in position, normal, texture coordinates, colour and skin, bit for bit.
+/// Joins vertices of one material that agree in position, normal, texture coordinates, colour, skin and morph targets, bit for bit.
 ///
 /// Files without indices hold every corner of every triangle; only joined can corners share a tile frame. The first of equal
 /// vertices stays, so the order does not depend on the hash map. Vertices of no triangle vanish.
@@ -30,6 +30,7 @@ pub(super) fn join_equal_vertices(mesh: &Mesh) -> (Mesh, Vec<u32>) {
                     bits(mesh.uvs[i].to_array()),
                     mesh.colors[i],
                     skin.map(|s| (s.joints, bits(s.weights))),
+                    mesh.morph_rows.get(i),
                 );
                 *seen.entry(key).or_insert_with(|| {
                     out.positions.push(mesh.positions[i]);
@@ -37,6 +38,7 @@ pub(super) fn join_equal_vertices(mesh: &Mesh) -> (Mesh, Vec<u32>) {
                     out.uvs.push(mesh.uvs[i]);
                     out.colors.push(mesh.colors[i]);
                     out.skin.extend(skin);
+                    out.morph_rows.extend(mesh.morph_rows.get(i));
                     origin.push(corner);
                     out.positions.len() as u32 - 1
                 })

@@ -38,7 +38,7 @@ pub(super) fn load(
     let indices: Vec<u32> = mesh.indices().collect();
     let part = |part: &pelage_formats::Part| part.first_index / 3..(part.first_index + part.index_count) / 3;
     let rest = Rest {
-        positions: posed_vertices(mesh, &pose).map(|v| Vec3::from(v.position)).collect(),
+        positions: posed_vertices(mesh, None, &pose).map(|v| Vec3::from(v.position)).collect(),
         triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
         parts: package.manifest().parts.iter().map(part).collect(),
     };

@@ -1,22 +1,35 @@
 //! `pose`: skins the base mesh, once per changed pose; later passes read the posed vertices.
 //!
-//! Reads the rest vertices, the joint weights and the joint matrices; writes a vertex buffer of the same layout and size as the
+//! Reads the rest vertices, what morph targets add to them, the joint weights and the joint matrices; writes a vertex buffer of the same layout and size as the
 //! rest vertices. Packages without a skeleton skip it and draw their rest vertices.
 
 use super::{Outcome, Pass, PassId, PassPlace};
 use crate::gpu::{Bound, ComputeSpec, Group, Place, Shader, storage_in};
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, Seen, record_dispatches};
-use glam::Mat4;
-use pelage_formats::{GeometryVertex, SkinVertex};
+use bytemuck::Pod;
+use pelage_formats::{GeometryVertex, MorphDelta, SkinVertex};
 
-/// The shader.
+/// The shader, for models whose morph targets rest.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage pose",
     parts: &[
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
+        include_str!("still.wgsl"),
+        include_str!("pose.wgsl"),
+    ],
+};
+
+/// The same for those whose targets do not.
+pub(crate) const MORPHED: Shader = Shader {
+    name: "pelage pose with morph targets",
+    parts: &[
+        include_str!("../../shared/skinning.wgsl"),
+        include_str!("../../shared/tile_frame.wgsl"),
+        include_str!("../../surface/geometry.wgsl"),
+        include_str!("morphed.wgsl"),
         include_str!("pose.wgsl"),
     ],
 };
@@ -31,9 +44,9 @@ pub(crate) const PASS: Pass = Pass {
     name: "pose",
     place: PassPlace::Before,
     styles: &[StyleKind::Fur, StyleKind::Bare, StyleKind::Ink],
-    does: "compute: skins the base mesh once for all later passes",
+    does: "compute: morphs and skins the base mesh once for all later passes",
     runs_when: "the package has a skeleton and the pose changed",
-    shaders: &[SHADER],
+    shaders: &[SHADER, MORPHED],
     targets: &[],
     run,
 };
@@ -44,26 +57,63 @@ fn storage_entry(binding: u32, ty: wgpu::BufferBindingType, dynamic: bool) -> wg
     wgpu::BindGroupLayoutEntry { ty, ..storage_in::<GeometryVertex>(binding) }
 }
 
-fn dispatch(
+/// Layouts of what the shaders read and write.
+struct Layouts {
+    joints: wgpu::BindGroupLayout,
+    vertices: wgpu::BindGroupLayout,
+    deltas: wgpu::BindGroupLayout,
+    shifts: wgpu::BindGroupLayout,
+}
+
+impl Layouts {
+    fn of(frame: &mut Recording<'_>) -> Self {
+        let [read, write] = [true, false].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
+        let layouts = &mut frame.cache.layouts;
+        Self {
+            joints: layouts.get(frame.gpu, "pelage joints", || vec![storage_entry(0, read, true)]),
+            vertices: layouts.get(frame.gpu, "pelage pose", || {
+                vec![storage_entry(0, read, false), storage_in::<SkinVertex>(1), storage_entry(2, write, false)]
+            }),
+            deltas: layouts
+                .get(frame.gpu, "pelage morph deltas", || vec![storage_in::<u32>(0), storage_in::<MorphDelta>(1)]),
+            shifts: layouts.get(frame.gpu, "pelage morph shifts", || vec![storage_entry(0, read, true)]),
+        }
+    }
+}
+
+/// Numbers of this frame for one instance, with where they begin.
+fn numbers<T: Pod>(
     frame: &mut Recording<'_>,
-    pipeline: &wgpu::ComputePipeline,
-    layouts: [&wgpu::BindGroupLayout; 2],
-    seen: &Seen,
-) -> Option<Dispatch> {
-    let (model, joints) = (&seen.model, seen.moved.joints.as_ref()?);
-    let Place { buffer, offset, .. } = frame.uniforms.put_array(frame.gpu, joints);
-    let size = (joints.len() * size_of::<Mat4>()) as u64;
+    label: &'static str,
+    layout: &wgpu::BindGroupLayout,
+    values: &[T],
+) -> (wgpu::BindGroup, u64) {
+    let Place { buffer, offset, .. } = frame.uniforms.put_array(frame.gpu, values);
+    let size = size_of_val(values) as u64;
     let groups = &mut frame.cache.bind_groups;
-    let joints =
-        groups.get(frame.gpu, "pelage joints", layouts[0], vec![(0, Bound::Bytes { buffer, offset: 0, size })]);
+    (groups.get(frame.gpu, label, layout, vec![(0, Bound::Bytes { buffer, offset: 0, size })]), offset)
+}
+
+fn dispatch(frame: &mut Recording<'_>, layouts: &Layouts, seen: &Seen) -> Option<Dispatch> {
+    let (model, moves) = (&seen.model, seen.moved.pose.as_ref()?);
     let buffers = [model.geometry(), model.skin()?, &seen.moved.geometry];
-    let vertices = groups.get(frame.gpu, "pelage pose", layouts[1], (0..).zip(buffers.map(Bound::all)).collect());
+    let joints = numbers(frame, "pelage joints", &layouts.joints, &moves.joints);
+    let entries = (0..).zip(buffers.map(Bound::all)).collect();
+    let vertices = frame.cache.bind_groups.get(frame.gpu, "pelage pose", &layouts.vertices, entries);
+    let mut groups = vec![Group::at(&joints.0, joints.1), Group::of(&vertices)];
+    let mut bound = vec![layouts.joints.clone(), layouts.vertices.clone()];
+    let morphs = model.morphs().filter(|_| moves.shifts.iter().any(|shift| *shift != 0.0));
+    if let Some(morphs) = morphs {
+        let entries = (0..).zip([&morphs.first, &morphs.deltas].map(Bound::all)).collect();
+        let deltas = frame.cache.bind_groups.get(frame.gpu, "pelage morph deltas", &layouts.deltas, entries);
+        let shifts = numbers(frame, "pelage morph shifts", &layouts.shifts, &moves.shifts);
+        groups.extend([Group::of(&deltas), Group::at(&shifts.0, shifts.1)]);
+        bound.extend([layouts.deltas.clone(), layouts.shifts.clone()]);
+    }
+    let shader = if morphs.is_some() { MORPHED } else { SHADER };
+    let pipeline = frame.compute_pipeline(ComputeSpec { shader, entry: "pose", groups: bound, constants: Vec::new() });
     let threads = (model.geometry().size() / size_of::<GeometryVertex>() as u64) as u32;
-    Some(Dispatch {
-        pipeline: pipeline.clone(),
-        groups: vec![Group::at(&joints, offset), Group::of(&vertices)],
-        threads,
-    })
+    Some(Dispatch { pipeline, groups, threads })
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
@@ -72,17 +122,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if skinned == 0 {
         return Outcome::Skipped("no instance has a skeleton");
     }
-    let [read, write] = [true, false].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
-    let layouts = &mut frame.cache.layouts;
-    let joints = layouts.get(frame.gpu, "pelage joints", || vec![storage_entry(0, read, true)]);
-    let vertices = layouts.get(frame.gpu, "pelage pose", || {
-        vec![storage_entry(0, read, false), storage_in::<SkinVertex>(1), storage_entry(2, write, false)]
-    });
-    let groups = vec![joints.clone(), vertices.clone()];
-    let spec = ComputeSpec { shader: SHADER, entry: "pose", groups, constants: Vec::new() };
-    let pipeline = frame.compute_pipeline(spec);
-    let dispatches: Vec<_> =
-        instances.iter().filter_map(|seen| dispatch(frame, &pipeline, [&joints, &vertices], seen)).collect();
+    let layouts = Layouts::of(frame);
+    let dispatches: Vec<_> = instances.iter().filter_map(|seen| dispatch(frame, &layouts, seen)).collect();
     if dispatches.is_empty() {
         return Outcome::Skipped("no pose changed");
     }

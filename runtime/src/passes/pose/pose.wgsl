@@ -21,7 +21,7 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     if index >= arrayLength(&posed) {
         return;
     }
-    let v = rest[index];
+    let v = morphed(index, rest[index]);
     let s = skin[index];
     let weights = vec4(s.weight_x, s.weight_y, s.weight_z, s.weight_w);
     let m = blend(

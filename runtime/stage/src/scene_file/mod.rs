@@ -19,13 +19,14 @@
 //! | `clip` | at rest | what it plays, by name |
 //! | `speed`, `start_s` | 1, 0 | seconds of the clip in a second, and its moment at time 0 |
 //! | `loop` | true | whether the clip begins anew at its end, or holds there |
+//! | `morphs` | | morph targets at weights of their own whatever the clip does: `morphs = { smile = 0.7 }` |
 //!
 //! [`SceneFile::parse`] reads one, [`SceneFile::load`] its packages; between them its words can be changed.
 
 mod look;
 mod text;
 
-use crate::cast::{Actor, Cast, Place, Playing, clip_named, framed};
+use crate::cast::{Actor, Cast, Place, Playing, clip_named, framed, morph_named};
 use crate::framing::{FOV_DEG, Framing};
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
@@ -150,7 +151,8 @@ impl SceneFile {
         let mut actors = Vec::new();
         for (i, ((model, place), package)) in scene.models.iter().zip(places).zip(whose).enumerate() {
             let clip = playing(&source, i, model, &packages[package].name, &animations[package])?;
-            actors.push(Actor { package, place, clip, over: None });
+            let morphs = weights(&source, i, model, &packages[package].name, &animations[package])?;
+            actors.push(Actor { package, place, clip, over: None, morphs });
         }
         Ok(LoadedScene { packages, actors, names, camera })
     }
@@ -310,6 +312,24 @@ fn playing(
         speed: model.speed.map_or(1.0, |speed| speed.0),
         looped: model.looped.unwrap_or(true),
     }))
+}
+
+/// Index and weight of the morph targets that a model holds.
+fn weights(
+    source: &Source<'_>,
+    i: usize,
+    model: &SceneModel,
+    package: &str,
+    animation: &Animation,
+) -> Result<Vec<(usize, f32)>, StageError> {
+    let found = |(name, weight): (&String, &Number)| match morph_named(animation, name) {
+        Ok(target) => Ok((target, weight.0)),
+        Err(has) => {
+            let reason = format!("found {name:?}, expected a morph target of {package}, which {has}");
+            Err(source.fault(&format!("model[{i}].morphs.{name}"), reason))
+        }
+    };
+    model.morphs.iter().map(found).collect()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use crate::StageError;
 use crate::track::{LEAST_STEP_S, Track, Value};
 use glam::Vec3;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
 /// Largest coordinate, metres, and largest time, seconds.
@@ -127,6 +128,9 @@ pub struct SceneModel {
     /// Whether the clip begins anew at its end, or holds there.
     #[serde(rename = "loop")]
     pub looped: Option<bool>,
+    /// Morph targets by name, at weights of their own whatever the clip does.
+    #[serde(default)]
+    pub morphs: BTreeMap<String, Number>,
 }
 
 /// A moment of a model's path.

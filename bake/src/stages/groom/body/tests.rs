@@ -81,7 +81,7 @@ fn rig(nodes: &[(&str, Option<u32>)]) -> Animation {
     Animation {
         nodes: nodes.iter().map(|(name, parent)| node(name, *parent)).collect(),
         joints: (0..nodes.len() as u32).map(|node| Joint { node, inverse_bind: [0.0; 16] }).collect(),
-        clips: Vec::new(),
+        ..Animation::default()
     }
 }
 

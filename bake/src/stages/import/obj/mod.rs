@@ -86,7 +86,7 @@ pub(super) fn read(
     orient::face_outward(&mut notes, &mut mesh, None, &rest, &authored);
     let (warnings, inputs) = notes.finish();
     let (materials, images) = (library.used, library.images);
-    Ok(Model { mesh, materials, images, nodes: Vec::new(), combs: Vec::new(), animation: None, inputs, warnings })
+    Ok(Model { mesh, materials, images, inputs, warnings, ..Model::default() })
 }
 
 /// The triangles of one part, with vertices of their own.

@@ -1,0 +1,187 @@
+//! Morph targets (glTF 2.0, section 3.7.2.2): at their default weights in the vertices, and what each weight adds.
+
+use super::counts::same_count;
+use super::json::{At, shorten};
+use super::source::Source;
+use crate::BakeError;
+use crate::mesh::{Mesh, MorphRows, RowDelta};
+use glam::Vec3;
+use pelage_formats::{MorphDelta, MorphTarget};
+use std::collections::BTreeMap;
+
+/// Most targets of a model: what a package holds.
+const MOST_TARGETS: usize = 1 << 12;
+/// Most entries of all targets: as many as a section holds.
+const MOST_ENTRIES: u64 = (256 << 20) / size_of::<MorphDelta>() as u64;
+
+/// The targets of a mesh as a node shows it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Targets {
+    names: Vec<String>,
+    weights: Vec<f32>,
+}
+
+impl Targets {
+    /// Of a mesh, with the weights of its node where it has some.
+    pub(super) fn of(mesh: &At<'_>, node_weights: Option<&At<'_>>) -> Result<Self, BakeError> {
+        let list = node_weights.cloned().or_else(|| mesh.get("weights"));
+        let weights = match &list {
+            Some(list) => list.entries()?.map(|w| w.number()).collect::<Result<Vec<f32>, _>>()?,
+            None => Vec::new(),
+        };
+        // No part of glTF itself, but what all exporters write.
+        let names = mesh.get("extras").and_then(|extras| extras.get("targetNames"));
+        let names =
+            names.and_then(|list| Some(list.entries().ok()?.map(|name| name.string().unwrap_or_default().to_owned())));
+        Ok(Self { names: names.into_iter().flatten().collect(), weights })
+    }
+}
+
+/// What the targets of a primitive do to its vertices.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Morph {
+    pub(super) targets: Targets,
+    /// Number of targets.
+    pub(super) count: usize,
+    /// One per vertex; targets are numbered as in the mesh.
+    rows: Vec<Vec<RowDelta>>,
+}
+
+/// Adds the morph targets of a primitive at their default weights, and says what each does from there. `entries` counts those of the whole model.
+pub(super) fn read<'a>(
+    source: &mut Source<'a, '_>,
+    at: &At<'a>,
+    label: &str,
+    targets: &Targets,
+    positions: &mut [Vec3],
+    mut normals: Option<&mut [Vec3]>,
+    entries: &mut u64,
+) -> Result<Option<Morph>, BakeError> {
+    let Some(list) = at.get("targets") else { return Ok(None) };
+    let count = list.len()?;
+    if count == 0 {
+        return Ok(None);
+    }
+    if count > MOST_TARGETS {
+        return Err(list.fault(format!("holds {count} morph targets, expected at most {MOST_TARGETS}")));
+    }
+    let weights = &targets.weights;
+    if !weights.is_empty() && weights.len() != count {
+        source
+            .warn(format!("{label} has {count} morph targets and {} weights; missing ones count as 0", weights.len()));
+    }
+    let mut rows: Vec<Vec<RowDelta>> = vec![Vec::new(); positions.len()];
+    for (number, target) in list.entries()?.enumerate() {
+        let mut deltas = |key: &str, wanted: bool| -> Result<Option<Vec<f32>>, BakeError> {
+            let Some(reference) = target.get(key).filter(|_| wanted) else { return Ok(None) };
+            let deltas = same_count(source, &reference, &[3], positions.len(), false)?;
+            match deltas.iter().position(|x| !x.is_finite()) {
+                Some(i) => Err(reference.fault(format!("element {} is not finite, expected finite numbers", i / 3))),
+                None => Ok(Some(deltas)),
+            }
+        };
+        let (position, normal) = (deltas("POSITION", true)?, deltas("NORMAL", normals.is_some())?);
+        let at = |deltas: &Option<Vec<f32>>, v: usize| {
+            deltas.as_ref().and_then(|deltas| Some(Vec3::from_slice(deltas.get(3 * v..3 * v + 3)?)))
+        };
+        for (v, row) in rows.iter_mut().enumerate() {
+            let (position, normal) = (at(&position, v).unwrap_or_default(), at(&normal, v));
+            if position != Vec3::ZERO || normal.is_some_and(|n| n != Vec3::ZERO) {
+                row.push(RowDelta { target: number as u32, position, normal });
+                *entries += 1;
+            }
+        }
+        if *entries > MOST_ENTRIES {
+            return Err(target.fault(format!("takes the morph targets past {MOST_ENTRIES} vertices that they move")));
+        }
+    }
+    for (v, row) in rows.iter_mut().enumerate() {
+        for delta in &*row {
+            let weight = weights.get(delta.target as usize).copied().unwrap_or_default();
+            positions[v] += delta.position * weight;
+            if let (Some(normals), Some(normal)) = (normals.as_deref_mut(), delta.normal) {
+                normals[v] += normal * weight;
+            }
+        }
+        // Normals are made unit length, and what is added to them shrinks with them.
+        let length = normals.as_deref().map_or(1.0, |normals| normals[v].length());
+        if length > 0.0 && length.is_finite() {
+            row.iter_mut().for_each(|delta| delta.normal = delta.normal.map(|normal| normal / length));
+        }
+    }
+    let known = |list: usize| list.min(count);
+    let (mut names, mut weights) = (targets.names[..known(targets.names.len())].to_vec(), weights.clone());
+    names.resize(count, String::new());
+    weights.resize(count, 0.0);
+    Ok(Some(Morph { targets: Targets { names, weights }, count, rows }))
+}
+
+/// The targets of a whole model.
+#[derive(Debug)]
+pub(super) struct Gathered {
+    /// In the order of the package.
+    pub(super) targets: Vec<MorphTarget>,
+    rows: MorphRows,
+    /// Rows that are there already, by their bits.
+    known: BTreeMap<Vec<u32>, u32>,
+    /// Node of the document, first of its targets and their number.
+    pub(super) of_nodes: Vec<(usize, u32, u32)>,
+}
+
+impl Gathered {
+    /// None yet. Row 0 is that of a vertex that no target moves.
+    pub(super) fn new() -> Self {
+        let known = BTreeMap::from([(Vec::new(), 0)]);
+        Self { targets: Vec::new(), rows: MorphRows(vec![Vec::new()]), known, of_nodes: Vec::new() }
+    }
+
+    /// Adds the targets of a node, number `node` of the document and `number` of the package; says which is the first.
+    pub(super) fn add_node(&mut self, at: &At<'_>, node: usize, number: u32, morph: &Morph) -> Result<u32, BakeError> {
+        let first = self.targets.len();
+        if first + morph.count > MOST_TARGETS {
+            let (name, total) = (shorten(at.name()), first + morph.count);
+            return Err(at.fault(format!(
+                "\"{name}\" takes the model to {total} morph targets, expected at most {MOST_TARGETS}"
+            )));
+        }
+        let named = morph.targets.names.iter().zip(&morph.targets.weights);
+        self.targets.extend(named.map(|(name, weight)| MorphTarget {
+            name: name.clone(),
+            node: number,
+            weight: *weight,
+        }));
+        self.of_nodes.push((node, first as u32, morph.count as u32));
+        Ok(first as u32)
+    }
+
+    /// Appends the rows of a primitive's vertices, whose targets begin at `first`.
+    pub(super) fn add_rows(&mut self, morph: Option<(&Morph, u32)>, vertices: usize, mesh: &mut Mesh) {
+        let Some((morph, first)) = morph else {
+            mesh.morph_rows.extend(std::iter::repeat_n(0, vertices));
+            return;
+        };
+        for row in &morph.rows {
+            let moved: Vec<RowDelta> = row.iter().map(|d| RowDelta { target: d.target + first, ..*d }).collect();
+            let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+            let key = moved.iter().flat_map(|d| {
+                let normal = d.normal.map_or([u32::MAX; 3], bits);
+                [d.target].into_iter().chain(bits(d.position)).chain(normal)
+            });
+            let rows = &mut self.rows.0;
+            let number = *self.known.entry(key.collect()).or_insert_with(|| {
+                rows.push(moved);
+                rows.len() as u32 - 1
+            });
+            mesh.morph_rows.push(number);
+        }
+    }
+
+    /// What all of it comes to; the mesh has no rows where there are no targets.
+    pub(super) fn finish(self, mesh: &mut Mesh) -> (Vec<MorphTarget>, MorphRows) {
+        if self.targets.is_empty() {
+            mesh.morph_rows = Vec::new();
+            return Default::default();
+        }
+        (self.targets, self.rows)
+    }
+}

@@ -1,0 +1,207 @@
+//! What morph targets do to the vertices of a package: where they go, and how normals and the tile's axes turn with the skin.
+
+use crate::mesh::Model;
+use glam::{DMat3, DVec3, Vec3};
+use pelage_formats::{MeshData, MorphDelta, Morphs};
+use std::collections::{BTreeMap, HashMap};
+
+/// What moves a normal or a direction by less is left out: nobody sees it.
+const LEAST: f32 = 1e-6;
+
+/// What one target does around one place.
+#[derive(Clone, Copy, Debug)]
+struct Around {
+    /// By how much the normals of its triangles change, each as long as twice its triangle's area.
+    normals: DVec3,
+    /// Change of a direction on the skin, times twice the area.
+    gradient: DMat3,
+    /// Sum and count of what the file says of normals.
+    authored: DVec3,
+    authored_count: u32,
+}
+
+impl Around {
+    /// Nothing changes. A matrix's own default is the identity.
+    const NOTHING: Self =
+        Self { normals: DVec3::ZERO, gradient: DMat3::ZERO, authored: DVec3::ZERO, authored_count: 0 };
+}
+
+/// The morph targets of a model over the vertices of its package, `rows` telling each vertex's row of [`Model::morph_rows`]; `None` for a model
+/// without.
+///
+/// Vertices that share place and normal share what is added to the normal, so that a coat stays closed over the seams of its patches. It is what the
+/// file says where it says something; else the triangles tell. The tile's axes go with the skin.
+pub fn of_mesh(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
+    let motion =
+        model.animation.as_ref().map(|animation| &animation.morphs).filter(|motion| !motion.targets.is_empty())?;
+    let row_of = |v: usize| {
+        let row = rows.get(v).and_then(|row| model.morph_rows.0.get(*row as usize));
+        row.map_or(&[][..], Vec::as_slice)
+    };
+    let mut groups: HashMap<[u32; 6], u32> = HashMap::new();
+    let group_of: Vec<u32> = mesh
+        .geometry
+        .iter()
+        .map(|vertex| {
+            let [[a, b, c], [d, e, f]] = [vertex.position, vertex.normal].map(|v| v.map(|x| (x + 0.0).to_bits()));
+            let next = groups.len() as u32;
+            *groups.entry([a, b, c, d, e, f]).or_insert(next)
+        })
+        .collect();
+    let mut around: BTreeMap<(u32, u32), Around> = BTreeMap::new();
+    let mut still = vec![(DVec3::ZERO, 0.0); groups.len()];
+    for triangle in mesh.indices.chunks_exact(3) {
+        let corners = [triangle[0] as usize, triangle[1] as usize, triangle[2] as usize];
+        let [p, q, r] = corners.map(|v| Vec3::from(mesh.geometry[v].position).as_dvec3());
+        let (e1, e2) = (q - p, r - p);
+        let cross = e1.cross(e2);
+        let (Some(normal), double) = (cross.try_normalize(), cross.length()) else { continue };
+        for v in corners {
+            let (sum, area) = &mut still[group_of[v] as usize];
+            *sum += cross;
+            *area += double;
+        }
+        let mut targets: Vec<u32> = corners.iter().flat_map(|v| row_of(*v)).map(|delta| delta.target).collect();
+        targets.sort_unstable();
+        targets.dedup();
+        for target in targets {
+            let moved =
+                |v: usize| row_of(v).iter().find(|d| d.target == target).map_or(DVec3::ZERO, |d| d.position.as_dvec3());
+            let [a, b, c] = corners.map(moved);
+            let (d1, d2) = (b - a, c - a);
+            let change = (e1 + d1).cross(e2 + d2) - cross;
+            let (along_1, along_2) = (e2.cross(normal), normal.cross(e1));
+            let outer = |u: DVec3, v: DVec3| DMat3::from_cols(u * v.x, u * v.y, u * v.z);
+            let gradient = outer(d1, along_1) + outer(d2, along_2);
+            for v in corners {
+                let entry = around.entry((group_of[v], target)).or_insert(Around::NOTHING);
+                entry.normals += change;
+                entry.gradient += gradient;
+            }
+        }
+    }
+    for (v, group) in group_of.iter().enumerate() {
+        for delta in row_of(v) {
+            let entry = around.entry((*group, delta.target)).or_insert(Around::NOTHING);
+            if let Some(normal) = delta.normal {
+                entry.authored += normal.as_dvec3();
+                entry.authored_count += 1;
+            }
+        }
+    }
+    let mut morphs = Morphs { motion: motion.clone(), first: vec![0], deltas: Vec::new() };
+    for (v, (vertex, group)) in mesh.geometry.iter().zip(&group_of).enumerate() {
+        let (sum, area) = still[*group as usize];
+        let [x, y, z, _] = vertex.tangent;
+        for ((_, target), entry) in around.range((*group, 0)..=(*group, u32::MAX)) {
+            let position = row_of(v).iter().find(|d| d.target == *target).map_or(Vec3::ZERO, |d| d.position);
+            let normal = if entry.authored_count > 0 {
+                (entry.authored / f64::from(entry.authored_count)).as_vec3()
+            } else {
+                // A joint that mirrors makes the mesh's own space wind the other way.
+                let outward = if sum.dot(Vec3::from(vertex.normal).as_dvec3()) < 0.0 { -1.0 } else { 1.0 };
+                let turned = (sum + entry.normals).normalize_or_zero() - sum.normalize_or_zero();
+                (turned * outward).as_vec3()
+            };
+            let tangent = entry.gradient * Vec3::new(x, y, z).as_dvec3() / f64::max(area, f64::MIN_POSITIVE);
+            let tangent = if area > 0.0 { tangent.as_vec3() } else { Vec3::ZERO };
+            if position != Vec3::ZERO || normal.length() > LEAST || tangent.length() > LEAST {
+                morphs.deltas.push(MorphDelta {
+                    target: *target,
+                    position: position.into(),
+                    normal: normal.into(),
+                    tangent: tangent.into(),
+                });
+            }
+        }
+        morphs.first.push(morphs.deltas.len() as u32);
+    }
+    Some(morphs)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    use super::*;
+    use crate::mesh::{MorphRows, RowDelta};
+    use pelage_formats::{Animation, AttributeVertex, GeometryVertex, MorphMotion, MorphTarget, SkinVertex};
+
+    /// A square of 4 * 4 places in the plane z = 0, torn along the middle column, and what one target does to each vertex.
+    fn square(row: impl Fn(Vec3) -> Option<RowDelta>) -> Morphs {
+        let mut mesh = MeshData::default();
+        let halves = [0..3u8, 2..5];
+        for xs in halves {
+            let (first, width) = (mesh.geometry.len() as u32, xs.len() as u32);
+            for y in 0..5u8 {
+                for x in xs.clone() {
+                    mesh.geometry.push(GeometryVertex {
+                        position: [f32::from(x), f32::from(y), 0.0],
+                        normal: [0.0, 0.0, 1.0],
+                        tangent: if first == 0 { [1.0, 0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0, 1.0] },
+                        fur_height: 0.1,
+                        lean: 0.0,
+                    });
+                }
+            }
+            for cell in 0..4 * (width - 1) {
+                let a = first + cell / (width - 1) * width + cell % (width - 1);
+                mesh.indices.extend([a, a + 1, a + width, a + 1, a + width + 1, a + width]);
+            }
+        }
+        mesh.attributes = vec![AttributeVertex::default(); mesh.geometry.len()];
+        mesh.skin = vec![SkinVertex::default(); mesh.geometry.len()];
+        let rows = mesh.geometry.iter().map(|v| row(v.position.into()).into_iter().collect()).collect();
+        let target = MorphTarget { name: "tilt".into(), node: 0, weight: 0.0 };
+        let morphs = MorphMotion { targets: vec![target], channels: Vec::new() };
+        let model = Model {
+            animation: Some(Animation { morphs, ..Animation::default() }),
+            morph_rows: MorphRows(rows),
+            ..Model::default()
+        };
+        let rows: Vec<u32> = (0..mesh.geometry.len() as u32).collect();
+        of_mesh(&mesh, &rows, &model).unwrap()
+    }
+
+    fn near(found: [f32; 3], expected: Vec3) {
+        assert!(Vec3::from(found).distance(expected) < 1e-5, "{found:?}, expected {expected}");
+    }
+
+    #[test]
+    fn normals_and_tangents_turn_with_the_skin() {
+        let lift = |p: Vec3| Some(RowDelta { target: 0, position: Vec3::Z * p.x, normal: None });
+        let morphs = square(lift);
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let found: Vec<_> = (0..30).map(|v| morphs.of_vertex(v)[0]).collect();
+        for (v, delta) in found.iter().enumerate() {
+            // The plane z = 0 becomes z = x, on both sides of the tear.
+            near(delta.normal, Vec3::new(-half, 0.0, half - 1.0));
+            near(delta.tangent, if v < 15 { Vec3::Z } else { Vec3::ZERO });
+        }
+    }
+
+    #[test]
+    fn a_seam_has_one_normal_and_far_vertices_none() {
+        // One place of the tear is lifted.
+        let lifted = Vec3::new(2.0, 2.0, 0.0);
+        let position = |p: Vec3| if p == lifted { Vec3::Z } else { Vec3::ZERO };
+        let plain = square(|p| Some(RowDelta { target: 0, position: position(p), normal: None }));
+        let at = |morphs: &Morphs, p: [f32; 2]| {
+            // Vertices of the left half are in rows of three, those of the right too, from column 2 on.
+            let (x, y) = (p[0] as usize, p[1] as usize);
+            let side = [(x <= 2).then_some(3 * y + x), (x >= 2).then(|| 15 + 3 * y + x - 2)];
+            side.into_iter().flatten().map(|v| morphs.of_vertex(v).first().copied()).collect::<Vec<_>>()
+        };
+        let copies = at(&plain, [2.0, 2.0]);
+        assert_eq!(copies[0].unwrap().normal, copies[1].unwrap().normal, "both sides see all triangles");
+        assert!(at(&plain, [1.0, 2.0])[0].unwrap().normal[0] < -0.1, "its neighbours turn away from it");
+        assert_eq!(at(&plain, [0.0, 0.0]), [None], "what is far does not turn");
+        let authored =
+            square(|p| Some(RowDelta { target: 0, position: position(p), normal: (p == lifted).then_some(Vec3::X) }));
+        assert!(at(&authored, [2.0, 2.0]).iter().all(|delta| delta.unwrap().normal == [1.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn a_model_without_targets_has_none() {
+        assert_eq!(of_mesh(&MeshData::default(), &[], &Model::default()), None);
+    }
+}
