@@ -56,6 +56,7 @@ pub use sections::animation::{
 };
 pub use sections::fins::{Fin, FinData, FinsView};
 pub use sections::hair::{HairGroup, OnTriangle};
+pub use sections::hair_motion::{BodyCollider, GroupMotion, HairMotion};
 pub use sections::ink::{InkData, InkInfo, InkShading, InkTextures, InkVertex, InkView};
 pub use sections::manifest::choice::{Choice, ChoiceLimits, Trial};
 pub use sections::manifest::data::{

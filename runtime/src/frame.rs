@@ -16,6 +16,7 @@ use std::sync::Arc;
 pub(crate) const PASSES: &[&Pass] = &[
     &pose::PASS,
     &strand_pose::PASS,
+    &hair_motion::PASS,
     &hair_pose::PASS,
     &strand_shadow::PASS,
     &layer_shadow::PASS,

@@ -4,6 +4,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::params::{FrameParams, SelfShadow};
 use glam::{Mat3, Mat4};
+use pelage_formats::meaning::hair_motion::Capsule;
 use pelage_formats::{Animation, ClipLayer};
 
 /// How an instance is posed.
@@ -87,15 +88,31 @@ pub struct Instance {
     /// Morph targets that the application moves itself, a face that speaks for one: index into [`Model::morph_targets`], and weight. The others follow the
     /// motion. Where one stands twice, the last counts.
     pub morphs: Vec<(usize, f32)>,
+    /// Whatever number, the same from frame to frame; with another one its hair begins as it was groomed, in place of being dragged along: set it on where
+    /// it was put elsewhere, or a shot begins.
+    pub cut: u32,
+    /// What its hair does not go into beside its own body, in world space: as many in every frame, or its hair begins anew. At most
+    /// [`Instance::MOST_COLLIDERS`].
+    pub colliders: Vec<Capsule>,
 }
 
 impl Instance {
     /// The number that no owner has.
     pub const NOBODY: u64 = u64::MAX;
+    /// Colliders of the application at most: each point of each guide looks at all.
+    pub const MOST_COLLIDERS: usize = 64;
 
     /// A copy at the origin, at rest.
     pub fn new(owner: u64, model: &Model) -> Self {
-        Self { owner, model: model.clone(), transform: Mat4::IDENTITY, motion: Motion::Rest, morphs: Vec::new() }
+        Self {
+            owner,
+            model: model.clone(),
+            transform: Mat4::IDENTITY,
+            motion: Motion::Rest,
+            morphs: Vec::new(),
+            cut: 0,
+            colliders: Vec::new(),
+        }
     }
 
     /// The same at another place.
@@ -137,6 +154,14 @@ impl Instance {
         if !(self.transform.is_finite() && Mat3::from_mat4(self.transform).determinant() != 0.0) {
             let found = format!("{:?}", self.transform);
             return fail("Instance::transform", found, "a finite, invertible matrix".into());
+        }
+        if self.colliders.len() > Self::MOST_COLLIDERS {
+            let found = format!("{} colliders", self.colliders.len());
+            return fail("Instance::colliders", found, format!("at most {}", Self::MOST_COLLIDERS));
+        }
+        let sane = |c: &Capsule| c.from.is_finite() && c.to.is_finite() && c.radius_m.is_finite() && c.radius_m >= 0.0;
+        if let Some(found) = self.colliders.iter().find(|collider| !sane(collider)) {
+            return fail("Instance::colliders", format!("{found:?}"), "finite numbers, a radius of at least 0".into());
         }
         let Some(animation) = self.model.skeleton() else { return Ok(()) };
         let targets = animation.morphs.targets.len();

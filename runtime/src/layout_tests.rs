@@ -4,9 +4,10 @@ use crate::frame::PASSES;
 use crate::gpu::WORKGROUP;
 use crate::ink::{InkFrame, InkModel};
 use crate::model::{Stand, Strand, StrandConstants};
+use crate::passes::hair_motion::HairMotion;
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{
-    fins, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_blend, strand_gather,
+    fins, hair_motion, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_blend, strand_gather,
     strand_light, strand_pose, strand_shadow, strands,
 };
 use crate::scene::{NEAREST, NearestHair, TILE};
@@ -364,6 +365,41 @@ fn storage_structs_agree() {
     for (k, name) in ["weight_x", "weight_y", "weight_z", "weight_w"].into_iter().enumerate() {
         assert_eq!(offset(name), Some(offset_of!(SkinVertex, weights) + 4 * k));
     }
+}
+
+#[test]
+fn hair_motion_is_as_rust_has_it() {
+    let (members, size) = members(&hair_motion::SHADER.wgsl(), "HairMotion");
+    assert_eq!(size as usize, size_of::<HairMotion>());
+    let expected = [
+        ("world_from_model", offset_of!(HairMotion, world_from_model)),
+        ("model_from_world", offset_of!(HairMotion, model_from_world)),
+        ("origin", offset_of!(HairMotion, origin)),
+        ("points", offset_of!(HairMotion, points)),
+        ("went", offset_of!(HairMotion, went)),
+        ("steps", offset_of!(HairMotion, steps)),
+        ("gravity", offset_of!(HairMotion, gravity)),
+        ("step_s", offset_of!(HairMotion, step_s)),
+        ("wind", offset_of!(HairMotion, wind)),
+        ("before_s", offset_of!(HairMotion, before_s)),
+        ("gust", offset_of!(HairMotion, gust)),
+        ("gust_s", offset_of!(HairMotion, gust_s)),
+        ("turbulence", offset_of!(HairMotion, turbulence)),
+        ("eddy_m", offset_of!(HairMotion, eddy_m)),
+        ("time_s", offset_of!(HairMotion, time_s)),
+        ("held", offset_of!(HairMotion, held)),
+        ("free", offset_of!(HairMotion, free)),
+        ("drag_per_s", offset_of!(HairMotion, drag_per_s)),
+        ("shape_hz", offset_of!(HairMotion, shape_hz)),
+        ("bend_hz", offset_of!(HairMotion, bend_hz)),
+        ("friction", offset_of!(HairMotion, friction)),
+        ("colliders", offset_of!(HairMotion, colliders)),
+        ("guides", offset_of!(HairMotion, guides)),
+        ("fresh", offset_of!(HairMotion, fresh)),
+        ("reserved", offset_of!(HairMotion, reserved)),
+    ];
+    let found: Vec<_> = members.iter().map(|m| (m.0.as_str(), m.1 as usize)).collect();
+    assert_eq!(found, expected);
 }
 
 #[test]

@@ -57,6 +57,7 @@ pub mod shared;
 #[cfg_attr(not(feature = "study"), path = "study/off.rs")]
 mod study;
 mod surface;
+mod swing;
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests")]
@@ -67,6 +68,9 @@ mod layout_tests;
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests")]
 mod light_tests;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod swing_tests;
 
 pub use bounds::Sphere;
 pub use camera::{Camera, Light, Projection};
@@ -81,8 +85,8 @@ pub use params::{
     Anchoring, FeatureRule, FurShow, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
 };
 pub use params::{
-    Detail, FrameParams, FurParams, Hair, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions,
-    SelfShadow, ShadowParams, StrandEdges, Style, StyleKind,
+    Detail, FrameParams, FurParams, Hair, HairMotionParams, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS,
+    RendererOptions, SelfShadow, ShadowParams, StrandEdges, Style, StyleKind, Wind,
 };
 pub use passes::{PassId, PassPlace};
 pub use renderer::Renderer;
@@ -91,6 +95,7 @@ pub use report::{Created, FrameReport, InstanceDetail, PassReport};
 pub use glam;
 pub use pelage_formats as formats;
 pub use pelage_formats::ClipLayer;
+pub use pelage_formats::meaning::hair_motion::Capsule;
 pub use wgpu;
 
 /// The Rust of the documents, which is compiled with that of these comments.

@@ -3,7 +3,9 @@
 use crate::bounds::Hull;
 use crate::gpu::Gpu;
 use crate::instance::{Instance, Motion};
-use crate::model::{Model, Strands};
+use crate::model::{Guided, Model, Strands};
+use crate::params::FrameParams;
+use crate::swing::{Past, Swing, swing};
 use glam::Mat4;
 use pelage_formats::Pose;
 use std::collections::HashMap;
@@ -20,6 +22,8 @@ struct State {
     /// What they are of: the motion, and weights of morph targets.
     motion: Option<(Motion, Vec<(usize, f32)>)>,
     pose: Pose,
+    /// Of its hair, where that moves.
+    past: Option<Past>,
     /// Another number whenever the shape in model space is another, and never one that any owner had before.
     revision: u64,
     last_frame: u64,
@@ -43,6 +47,8 @@ pub(crate) struct Moved {
     /// Where its parts are, where the posed vertices are not of it yet.
     pub(crate) pose: Option<Moves>,
     pub(crate) revision: u64,
+    /// How its hair moves, where frames move it.
+    pub(crate) swing: Option<Swing>,
     /// The posed skin with its fur, in world space.
     pub(crate) hull: Hull,
 }
@@ -62,6 +68,9 @@ struct StrandState {
     points: wgpu::Buffer,
     /// Points of its guides, where it follows some.
     guides: Option<wgpu::Buffer>,
+    /// Their pearls, where they may move, and the frame that they are of.
+    pearls: Option<wgpu::Buffer>,
+    swung: u64,
     /// The revision that both are of; 0 where they hold nothing yet.
     revision: u64,
     /// Share of them that is posed.
@@ -75,23 +84,35 @@ pub(crate) struct PosedStrands {
     pub(crate) buffer: wgpu::Buffer,
     /// Points of their guides, where they follow some: relative to their roots.
     pub(crate) guides: Option<wgpu::Buffer>,
+    /// The pearls of those, where they may move.
+    pub(crate) pearls: Option<wgpu::Buffer>,
+    /// The pearls are not of the frame before: hair begins as it was groomed.
+    pub(crate) is_fresh: bool,
     /// They are of another pose, or too few.
     pub(crate) stale: bool,
     /// Share of them that is posed.
     pub(crate) share: f32,
 }
 
+impl PosedStrands {
+    /// Whether its guides are where they swung to: else they are as they were groomed.
+    pub(crate) fn swings(&self, moved: &Moved, guided: &Guided) -> bool {
+        let swing = moved.swing.as_ref().filter(|_| guided.motion.is_some());
+        swing.is_some_and(|swing| !swing.is_fresh && !self.is_fresh)
+    }
+}
+
 impl States {
     /// Moves the owners of instances that passed their check to where this frame has them.
-    pub(crate) fn move_to(&mut self, gpu: &Gpu, instances: &[&Instance]) -> Vec<Moved> {
+    pub(crate) fn move_to(&mut self, gpu: &Gpu, params: &FrameParams, instances: &[&Instance]) -> Vec<Moved> {
         self.frame += 1;
         let oldest = self.frame.saturating_sub(FORGOTTEN_AFTER);
         self.owners.retain(|_, state| state.last_frame >= oldest);
         self.strands.retain(|_, state| state.last_frame >= oldest);
-        instances.iter().map(|instance| self.moved(gpu, instance)).collect()
+        instances.iter().map(|instance| self.moved(gpu, params, instance)).collect()
     }
 
-    fn moved(&mut self, gpu: &Gpu, instance: &Instance) -> Moved {
+    fn moved(&mut self, gpu: &Gpu, params: &FrameParams, instance: &Instance) -> Moved {
         let model = &instance.model;
         let frame = self.frame;
         if self.owners.get(&instance.owner).is_some_and(|state| !state.model.is(model)) {
@@ -105,6 +126,7 @@ impl States {
             }),
             motion: None,
             pose: Pose::default(),
+            past: None,
             revision: 0,
             last_frame: frame,
         });
@@ -133,13 +155,22 @@ impl States {
                 pose = Some(Moves { joints: state.pose.joints.clone(), shifts: state.pose.shifts.clone() });
             }
         }
+        let moves = swing(state.past.as_ref(), instance, params, &state.pose, pose.is_some());
+        let (swing, past) = moves.unzip();
+        // Hair that begins to move, moves, or ceases to, has another shape.
+        let is_other = swing.as_ref().map_or(state.past.is_some(), |swing| !swing.is_at_rest);
+        state.past = past;
+        if is_other {
+            self.revisions += 1;
+            state.revision = self.revisions;
+        }
         let mut hull = Hull::default();
         // Leaning hair reaches farther than its height.
         let fur_m = std::f32::consts::SQRT_2 * model.manifest().fur.height_m;
         model.extent().add_to(&mut hull, &state.pose, instance.transform, fur_m);
         let geometry = state.posed.as_ref().unwrap_or(model.geometry()).clone();
         let revision = state.revision;
-        Moved { geometry, pose, revision, hull }
+        Moved { geometry, pose, revision, swing, hull }
     }
 
     /// Where a set of an instance's strands is posed, of which this frame draws a share at that revision of its shape.
@@ -155,17 +186,38 @@ impl States {
         let made = || StrandState::new(gpu, strands);
         let state = self.strands.entry((instance.owner, set)).or_insert_with(made);
         state.last_frame = self.frame;
+        let is_fresh = state.swung + 1 < self.frame;
+        state.swung = self.frame;
         let wanted = share.max(strands.shadow_share());
         let stale = state.revision != revision || state.share < wanted;
         if stale {
             (state.revision, state.share) = (revision, wanted);
         }
-        PosedStrands { buffer: state.points.clone(), guides: state.guides.clone(), stale, share: state.share }
+        PosedStrands {
+            buffer: state.points.clone(),
+            guides: state.guides.clone(),
+            pearls: state.pearls.clone(),
+            is_fresh,
+            stale,
+            share: state.share,
+        }
+    }
+
+    /// The buffer of an owner's guides.
+    #[cfg(test)]
+    pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
+        self.strands.get(&(owner, set))?.guides.as_ref()
     }
 
     /// Forgets all poses, so that they are computed anew.
     pub(crate) fn invalidate(&mut self) {
         self.owners.values_mut().for_each(|state| state.motion = None);
+    }
+
+    /// Forgets them with how hair swings, where the device may not have seen the last of it.
+    pub(crate) fn lose(&mut self) {
+        self.invalidate();
+        self.owners.values_mut().for_each(|state| state.past = None);
     }
 
     /// Forgets an owner.
@@ -183,10 +235,14 @@ impl States {
 
 impl StrandState {
     fn new(gpu: &Gpu, strands: &Strands) -> Self {
-        let buffer = |label, bytes| gpu.buffer(label, bytes, wgpu::BufferUsages::STORAGE);
+        // Tests read it.
+        let read = if cfg!(test) { wgpu::BufferUsages::COPY_SRC } else { wgpu::BufferUsages::empty() };
+        let buffer = |label, bytes| gpu.buffer(label, bytes, wgpu::BufferUsages::STORAGE | read);
         Self {
             points: buffer("pelage posed strands", strands.posed_bytes()),
             guides: strands.guided().map(|guided| buffer("pelage posed guides", guided.guides.size())),
+            pearls: strands.pearl_bytes().map(|bytes| buffer("pelage pearls", bytes)),
+            swung: 0,
             revision: 0,
             share: 0.0,
             last_frame: 0,
@@ -194,6 +250,7 @@ impl StrandState {
     }
 
     fn gpu_bytes(&self) -> u64 {
-        self.points.size() + self.guides.as_ref().map_or(0, wgpu::Buffer::size)
+        let more = [&self.guides, &self.pearls].into_iter().flatten();
+        self.points.size() + more.map(wgpu::Buffer::size).sum::<u64>()
     }
 }

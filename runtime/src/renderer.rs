@@ -86,6 +86,7 @@ impl Renderer {
         }
         if self.kept.ring.lost_work() {
             self.invalidate();
+            self.kept.states.lose();
         }
         // What these frames leave behind is dropped with them.
         let shadows = std::mem::take(&mut self.kept.shadows);
@@ -153,6 +154,12 @@ impl Renderer {
         let instances: Vec<&Instance> = instances.iter().map(AsRef::as_ref).collect();
         instances.iter().try_for_each(|instance| instance.check_owner())?;
         frame::prepare(&mut self.kept, encoder, params, &instances, hooks)
+    }
+
+    /// The buffer of an owner's guides.
+    #[cfg(test)]
+    pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
+        self.kept.states.posed_guides(owner, set)
     }
 
     /// Forgets poses and shadow maps, so that the next frame makes them anew, and gives the maps' memory back. An encoder that a frame was

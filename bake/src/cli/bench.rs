@@ -41,7 +41,7 @@ pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
     for index in 0..WARM_UP + frames {
         output.progress(&format!("frame {index} of {}", WARM_UP + frames));
         // A clip plays at 60 frames a second, so that every frame poses anew, as it would in an application.
-        scene.set_time(view.time_s + index as f32 / 60.0);
+        scene.advance(view.time_s + index as f32 / 60.0, 1.0 / 60.0, view.look.hair_motion());
         let frame = meter.measure(&mut scene)?;
         if index >= WARM_UP {
             times.push(frame);

@@ -162,7 +162,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if view.camera.is_none() {
         output.note(&format!("camera: --camera={}", shot.at(view.time_s)));
     }
-    let mut shoot = Shoot { scene: stage, view, shot, light, count, fps, turn_light, auto_rotate };
+    let mut shoot = Shoot { scene: stage, view, shot, light, count, fps, turn_light, auto_rotate, lived: None };
     let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
     if sink == Sink::Stdout {

@@ -16,6 +16,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
 
+/// Moments a second that what swings lives through at least.
+const LIVED_PER_S: u32 = 30;
+
 /// What a picture turned out to be.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Picture {
@@ -49,6 +52,8 @@ pub struct Shoot {
     pub count: usize,
     /// Of them a second.
     pub fps: u32,
+    /// The last moment that hair lived through; `None` where it has lived through none.
+    pub lived: Option<i64>,
 }
 
 impl Shoot {
@@ -69,8 +74,12 @@ impl Shoot {
         } else {
             output.progress("drawing");
         }
-        let time_s = self.view.time_s + index as f32 / self.fps as f32;
-        self.scene.set_time(time_s);
+        let time_s = self.time_s(index as i64 * self.moments());
+        if self.count > 1 {
+            self.live_until(index)?;
+        } else {
+            self.scene.set_time(time_s);
+        }
         let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
         if self.auto_rotate {
             self.scene.look_from(self.shot.at(time_s).turned(angle_rad));
@@ -82,6 +91,33 @@ impl Shoot {
         // A long sequence of a large crowd would fill memory and journal with what nobody is told.
         let told = if index == 0 { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
         Ok((told, pixels))
+    }
+
+    /// Moments from one picture to the next: what swings lives through thirty a second and more, however few pictures there are.
+    fn moments(&self) -> i64 {
+        i64::from(LIVED_PER_S.div_ceil(self.fps))
+    }
+
+    /// The time of a moment; those before the first picture are below 0.
+    fn time_s(&self, moment: i64) -> f32 {
+        self.view.time_s + moment as f32 / (self.moments() as f32 * self.fps as f32)
+    }
+
+    /// Goes to picture `index`: hair lives through a second before the first, and through all that come before this one, also where those are drawn already.
+    fn live_until(&mut self, index: usize) -> Result<(), Failure> {
+        let motion = self.view.look.hair_motion().filter(|_| self.scene.has_moving_hair());
+        let seconds = 1.0 / (self.moments() as f32 * self.fps as f32);
+        let now = index as i64 * self.moments();
+        if motion.is_some() {
+            let first = self.lived.map_or(-self.moments() * i64::from(self.fps), |last| last + 1);
+            for earlier in first..now {
+                self.scene.advance(self.time_s(earlier), seconds, motion);
+                self.scene.pass_by()?;
+            }
+        }
+        self.scene.advance(self.time_s(now), seconds, motion);
+        self.lived = Some(now);
+        Ok(())
     }
 
     /// Stands for everything that a picture depends on beside its number and what is drawn.

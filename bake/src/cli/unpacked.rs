@@ -274,8 +274,9 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         fail(file, "contents", reason)
     };
     if let Some((index, described, found)) = guides {
-        // Guides stand on the skin at rest, which the package without them has.
-        let without = assemble(version, manifest.clone(), sections.iter().map(Content::lent)).map_err(faulty)?;
+        // Guides stand on the skin at rest, which the package without them has. How they move says nothing without them.
+        let skin = sections.iter().filter(|section| !matches!(section, Content::Bytes(Tag::HAIR_MOTION, _)));
+        let without = assemble(version, manifest.clone(), skin.map(Content::lent)).map_err(faulty)?;
         let skin = Package::open(&without, &Limits::default()).and_then(|package| RestSkin::of(&package));
         let groups = hair::read(&described, &found, &skin.map_err(faulty)?)?;
         sections.insert(index, Content::Hair(groups));

@@ -75,6 +75,18 @@ named_table! {
         lock_hairs: u32, in 1..=1_000_000;
         /// How far the tips of stray hairs are aside, over their length (0.1).
         stray: f32, in SHARE;
+        /// Share of the hair from its root on that the skin holds; 1: it does not move of itself (0).
+        held: f32, in SHARE;
+        /// Share of the hair from its root on beyond which it moves freely, not below `held` (0.3).
+        free: f32, in SHARE;
+        /// How fast the air takes it along, and stops it where it is still, 1/s (2).
+        drag_per_s: f32, in 0.0..=1000.0;
+        /// How often a second it swings back to where it was groomed; 0: it hangs (0.5).
+        swing_hz: f32, in 0.0..=100.0;
+        /// How often a second its pieces swing back to the shape that they were groomed in; 0: it is limp (1.2).
+        bend_hz: f32, in 0.0..=100.0;
+        /// Share of its speed along the body that it loses in 1/120 s where it touches (0.2).
+        friction: f32, in SHARE;
         /// Another number is another chance (1).
         seed: u32, in 0..=4_000_000_000;
     }

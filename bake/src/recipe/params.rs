@@ -423,6 +423,8 @@ params! {
         group: Vec<HairGroupParams> = Vec::new();
         /// A few thick hairs at a place: `[[strands.tuft]]` with a `name`, for whiskers, lashes and brows. They are there whether or not `enabled` is.
         tuft: Vec<TuftParams> = Vec::new();
+        /// Whether hair on guides that moves stays out of the body: a capsule for each joint is fitted to the skin.
+        colliders: bool = true;
     }
 }
 

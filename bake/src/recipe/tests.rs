@@ -462,6 +462,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
                 points: slice.0.clamp(2, 33),
                 group: vec![some_group(slice.0, shading.2); slice.1 as usize % 3],
                 tuft: vec![some_tuft(slice.0, shading.2); slice.1 as usize % 2],
+                colliders: color.3,
             },
             fins: FinParams { enabled: fins.0, depth: fins.1 },
             detail: DetailParams {

@@ -2,8 +2,8 @@
 
 use super::textures::ShellTextures;
 use pelage_formats::{
-    Animation, FinData, FormatError, HairGroup, InkData, Manifest, MeshData, Morphs, Package, PackageWriter, RootsInfo,
-    SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
+    Animation, FinData, FormatError, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs, Package,
+    PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -29,6 +29,8 @@ pub enum Content<'a> {
     StoredStrands(StoredStrands),
     /// Hair on guides.
     Hair(Vec<HairGroup>),
+    /// How that moves.
+    HairMotion(Arc<HairMotion>),
     /// Which textures say how much light reaches the hair.
     Visibility(VisibilityInfo),
     /// How far hair lies aside of its root.
@@ -70,6 +72,7 @@ pub fn assemble<'a>(
         Content::Strands(strands) => writer.strands(&strands),
         Content::StoredStrands(strands) => writer.stored_strands(&strands),
         Content::Hair(groups) => writer.hair_groups(&groups),
+        Content::HairMotion(motion) => writer.hair_motion(&motion),
         Content::Visibility(info) => writer.visibility(&info),
         Content::Roots(info) => writer.roots(&info),
         Content::Texture(file) => writer.texture(file),

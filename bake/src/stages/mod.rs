@@ -10,6 +10,7 @@ pub mod fins;
 pub mod groom;
 pub mod hair;
 pub mod hair_groups;
+pub mod hair_motion;
 pub mod import;
 pub mod ink;
 pub mod metric;

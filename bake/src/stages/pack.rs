@@ -8,6 +8,7 @@ use crate::remade::Remade;
 use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Coat, Colors, Lengths};
+use crate::stages::hair_motion;
 use crate::stages::ink::{InkFiles, SkinInk};
 use crate::stages::morphs;
 use crate::stages::simplify;
@@ -16,8 +17,8 @@ use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTextu
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
     Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairGroup,
-    InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
-    Shading, SimplifiedLevel, StrandsData, VisibilityInfo,
+    HairMotion, InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure,
+    RootsInfo, Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -268,8 +269,16 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     // What the model's size decides may lie where no recipe may.
     let recorded = resolved(pieces);
     recorded.validate()?;
+    let moves = hair_motion(pieces);
+    let mut quality = skin.manifest.quality.clone();
+    quality.extend(moves.iter().flat_map(|(_, fitted)| {
+        let figure = |name: &str, value, unit: &str| QualityFigure { name: name.into(), value, unit: unit.into() };
+        let count = fitted.colliders.len() as f64;
+        [figure("hair_colliders", count, "capsules"), figure("hair_collider_gap", fitted.gap_m.into(), "m")]
+    }));
     let manifest = Manifest {
         recipe: recorded.to_toml(),
+        quality,
         shading: pieces.shading,
         fur: FurInfo {
             layers: recipe.slice.layers,
@@ -289,12 +298,26 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
         ..skin.manifest.clone()
     };
     let fins = fins.map(|(_, section)| section);
-    let sections = skin.sections.iter().cloned().chain(files).chain(fins).chain(ink.map(Content::Ink));
+    // How hair moves, of a package whose skin is kept, has its place behind the hair.
+    let is_motion = |section: &&Content<'_>| matches!(section, Content::Bytes(Tag::HAIR_MOTION, _));
+    let kept_motion = skin.sections.iter().filter(is_motion).cloned();
+    let sections = skin.sections.iter().filter(|section| !is_motion(section)).cloned();
+    let sections = sections.chain(files).chain(fins).chain(ink.map(Content::Ink));
     let strands = pieces.strands.cloned().map(Content::Strands);
     let hair = (!pieces.hair.0.is_empty()).then(|| Content::Hair(pieces.hair.0.clone()));
-    let sections = sections.chain(visibility.map(Content::Visibility)).chain(strands).chain(hair);
+    let motion = moves.map(|(motion, _)| Content::HairMotion(Arc::new(motion)));
+    let sections =
+        sections.chain(visibility.map(Content::Visibility)).chain(strands).chain(hair).chain(motion).chain(kept_motion);
     let fault = |fault| BakeError::Internal(format!("the package does not read back: {fault}"));
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
+}
+
+/// How hair on guides moves; `None` where none does, and where the skin comes from another package, which has said it.
+fn hair_motion(pieces: &Pieces<'_>) -> Option<(HairMotion, hair_motion::Fitted)> {
+    let sections = &pieces.skin.sections;
+    let mesh = sections.iter().find_map(|s| if let Content::Mesh(mesh) = s { Some(mesh) } else { None })?;
+    let animation = sections.iter().find_map(|s| if let Content::Animation(a) = s { Some(&**a) } else { None });
+    hair_motion::of_groups(&pieces.recipe.strands, &pieces.hair.0, mesh, animation)
 }
 
 /// The recipe with everything that was left open filled in.

@@ -4,7 +4,7 @@
 use pelage_bake::BakeError;
 use pelage_bake::mesh::Model;
 use pelage_bake::pipeline::{self, Baked, Output, Outputs, STAGES, STEPS, Told};
-use pelage_bake::recipe::{Recipe, StrandParams};
+use pelage_bake::recipe::{HairGroupParams, Recipe, StrandParams};
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, import};
@@ -322,7 +322,10 @@ fn the_groom_says_how_dense_and_which_way_hair_lies() {
 #[test]
 fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
     // Ink keeps its place in the package of one of them: it takes most of a bake.
-    for (name, recipe) in [("hare", fur("hare")), ("torus", recipe("torus"))] {
+    let mut tufted = fur("torus");
+    let tuft = HairGroupParams { name: "mop".into(), hairs: Some(40), guides: Some(8), ..HairGroupParams::default() };
+    tufted.strands.group.push(tuft);
+    for (name, recipe) in [("hare", fur("hare")), ("torus", recipe("torus")), ("torus", tufted)] {
         let first = bake(name, &recipe).unwrap().package;
         let package = Package::open(&first, &Limits::default()).unwrap();
         let mut other = Recipe::parse("resolved", &package.manifest().recipe).unwrap();

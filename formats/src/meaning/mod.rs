@@ -9,6 +9,7 @@ mod direction;
 mod fins;
 mod groom;
 pub mod hair_groups;
+pub mod hair_motion;
 mod hair_point;
 mod layers;
 pub mod planting;

@@ -6,6 +6,7 @@
 pub(crate) mod animation;
 pub(crate) mod fins;
 pub(crate) mod hair;
+pub(crate) mod hair_motion;
 pub(crate) mod ink;
 pub(crate) mod kind;
 pub(crate) mod manifest;
@@ -35,6 +36,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &simplified::KIND,
     &strands::KIND,
     &hair::KIND,
+    &hair_motion::KIND,
     &textures::KIND,
     #[cfg(test)]
     &probe::KIND,

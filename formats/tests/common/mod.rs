@@ -297,16 +297,23 @@ pub fn sample_morphs() -> Morphs {
     }
 }
 
-/// A package of version 3 with those morph targets.
-pub fn morphed_package(morphs: &Morphs) -> Result<Vec<u8>, FormatError> {
+/// As [`sample_manifest`], without fur and textures.
+pub fn furless_manifest() -> Manifest {
     let mut manifest = sample_manifest();
-    // Without fur, so that no texture is asked for.
     (manifest.fur, manifest.coat) = (FurInfo::default(), None);
     manifest.detail.clear();
-    manifest.materials.iter_mut().for_each(|m| m.furred = false);
     manifest.textures.clear();
-    manifest.materials.iter_mut().for_each(|m| (m.base_color_texture, m.groom_texture) = (None, None));
-    PackageWriter::new(manifest).mesh(&sample_mesh(true)).animation(&sample_animation()).morphs(morphs).finish()
+    for material in &mut manifest.materials {
+        material.furred = false;
+        (material.base_color_texture, material.groom_texture) = (None, None);
+    }
+    manifest
+}
+
+/// A package of version 3 with those morph targets.
+pub fn morphed_package(morphs: &Morphs) -> Result<Vec<u8>, FormatError> {
+    let writer = PackageWriter::new(furless_manifest()).mesh(&sample_mesh(true)).animation(&sample_animation());
+    writer.morphs(morphs).finish()
 }
 
 fn all_sections(writer: PackageWriter<'_>, shell_layers: u32) -> PackageWriter<'_> {

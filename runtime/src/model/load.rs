@@ -168,6 +168,7 @@ pub(crate) fn load(
         fur,
         fins: fin_resources,
         strands,
+        colliders: package.hair_motion()?.map_or_else(Vec::new, |motion| motion.colliders.clone()),
         planar_directions,
         knows_visibility,
         varies,

@@ -11,4 +11,4 @@ pub(crate) use ink::ModelInk;
 pub(crate) use load::load;
 pub use resources::Model;
 pub(crate) use resources::Part;
-pub(crate) use strands::{CORNER_BYTES, Growth, HairRoot, Stand, Strand, StrandConstants, Strands};
+pub(crate) use strands::{CORNER_BYTES, Growth, Guided, HairRoot, Stand, Strand, StrandConstants, Strands};

@@ -5,7 +5,8 @@ use super::ink::ModelInk;
 use super::strands::Strands;
 use crate::error::RuntimeError;
 use crate::params::check_shading;
-use pelage_formats::{Animation, Clip, Manifest, MeshView, MorphTarget, Shading};
+use pelage_formats::meaning::hair_motion::rest_s;
+use pelage_formats::{Animation, BodyCollider, Clip, Manifest, MeshView, MorphTarget, Shading};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -28,6 +29,8 @@ pub(super) struct Resources {
     pub(super) fur: Option<wgpu::BindGroup>,
     pub(super) fins: Option<Fins>,
     pub(super) strands: Vec<Strands>,
+    /// What of the body hair does not go into.
+    pub(super) colliders: Vec<BodyCollider>,
     pub(super) planar_directions: bool,
     pub(super) knows_visibility: bool,
     pub(super) varies: Varies,
@@ -145,6 +148,21 @@ impl Model {
     /// The skeleton, where the vertices follow one.
     pub fn skeleton(&self) -> Option<&Animation> {
         self.resources.animation.as_deref().filter(|_| self.resources.skin.is_some())
+    }
+
+    /// Whether any of its hair swings where frames let it ([`crate::FrameParams::hair_motion`]).
+    pub fn has_moving_hair(&self) -> bool {
+        self.hair_rest_s().is_some()
+    }
+
+    /// Seconds after which its hair has come to rest where nothing moves it; `None` where no hair moves.
+    pub(crate) fn hair_rest_s(&self) -> Option<f32> {
+        let moves = self.resources.strands.iter().filter_map(|set| set.guided()?.motion);
+        moves.map(|motion| rest_s(&motion)).reduce(f32::max)
+    }
+
+    pub(crate) fn colliders(&self) -> &[BodyCollider] {
+        &self.resources.colliders
     }
 
     pub(crate) fn geometry(&self) -> &wgpu::Buffer {

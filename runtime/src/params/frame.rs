@@ -1,6 +1,7 @@
 //! What is set per frame.
 
 use super::fur::{FurParams, SelfShadow};
+use super::hair_motion::HairMotionParams;
 use super::ink::InkParams;
 use super::shadows::ShadowParams;
 #[cfg(feature = "study")]
@@ -20,9 +21,11 @@ pub struct FrameParams {
     /// Width and height of the part of the target that the frame is drawn to, pixels, at least 1 each. The application's pass has a
     /// viewport of that size; for [`Style::Ink`] it begins at the target's upper left corner.
     pub viewport: [u32; 2],
-    /// Seconds since the last frame, 0 or more (default 0: time stands still). For what moves of itself, which nothing does yet: poses are set
-    /// by [`crate::Instance::motion`].
+    /// Seconds since the last frame, 0 or more (default 0: time stands still). For what moves of itself: hair. Poses are
+    /// set by [`crate::Instance::motion`].
     pub time_step_s: f32,
+    /// What moves hair on guides (default `None`: it stays as it was groomed).
+    pub hair_motion: Option<HairMotionParams>,
     /// The key light: the one that throws shadows.
     pub light: Light,
     /// Other lights, without shadows: at most [`MAX_FILL_LIGHTS`] (default none). Each costs about as much as the key light.
@@ -50,6 +53,7 @@ impl FrameParams {
             camera,
             viewport,
             time_step_s: 0.0,
+            hair_motion: None,
             light: Light::default(),
             fill_lights: Vec::new(),
             ambient: Vec3::ONE,
@@ -107,6 +111,7 @@ impl FrameParams {
         if !(self.time_step_s.is_finite() && self.time_step_s >= 0.0) {
             return fail("FrameParams::time_step_s", self.time_step_s.to_string(), "a finite number, at least 0");
         }
+        self.hair_motion.iter().try_for_each(HairMotionParams::check)?;
         self.shadows.check(limits)?;
         match &self.style {
             Style::Fur(fur) => fur.check()?,

@@ -3,6 +3,7 @@
 mod detail;
 mod frame;
 mod fur;
+mod hair_motion;
 mod ink;
 mod renderer;
 mod shadows;
@@ -14,6 +15,7 @@ pub use detail::Detail;
 pub(crate) use frame::check_shading;
 pub use frame::{FrameParams, MAX_FILL_LIGHTS};
 pub use fur::{FurParams, Hair, SelfShadow, StrandEdges};
+pub use hair_motion::{HairMotionParams, Wind};
 pub use ink::{InkBackground, InkParams, LineWidth};
 pub use renderer::RendererOptions;
 pub use shadows::ShadowParams;

@@ -2,6 +2,7 @@
 //! `frame.rs`.
 
 pub(crate) mod fins;
+pub(crate) mod hair_motion;
 pub(crate) mod hair_pose;
 pub(crate) mod ink_composite;
 pub(crate) mod ink_dilate;

@@ -61,7 +61,7 @@ pub(crate) fn begin<'f>(
         });
     }
     if kept.ring.lost_work() {
-        kept.states.invalidate();
+        kept.states.lose();
         kept.shadows = Shelf::default();
     }
 
@@ -73,7 +73,7 @@ pub(crate) fn begin<'f>(
     kept.nearest.next_frame();
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
-    let moved = kept.states.move_to(gpu, instances);
+    let moved = kept.states.move_to(gpu, params, instances);
     let hulls: Vec<Hull> = instances.iter().zip(&moved).map(|(instance, moved)| on_screen(instance, moved)).collect();
     let limits = kept.gpu.device.limits();
     let params_drawn = drawable(params, &limits, || {

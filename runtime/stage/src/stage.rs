@@ -5,8 +5,8 @@ use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, Shot, StageError, Vi
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{ClipLayer, Package, Shading};
 use pelage_runtime::{
-    Camera, Frame, FrameParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer, RuntimeError, ShadowMaps,
-    StyleKind, wgpu,
+    Camera, Frame, FrameParams, HairMotionParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer,
+    RuntimeError, ShadowMaps, StyleKind, wgpu,
 };
 use std::time::Duration;
 use web_time::Instant;
@@ -184,8 +184,29 @@ impl Stage {
 
     /// Places and poses the models and the camera as they are at that time.
     pub fn set_time(&mut self, time_s: f32) {
+        (self.params.time_step_s, self.params.hair_motion) = (0.0, None);
         self.play(time_s);
         self.params.camera = camera(&self.shot.at(time_s), self.aspect);
+    }
+
+    /// Goes on to that time, `seconds` after the frame before: as [`Stage::set_time`], and hair lives through them as `motion` says. With
+    /// [`Stage::set_time`], and where `motion` is `None`, hair is as it was groomed.
+    pub fn advance(&mut self, time_s: f32, seconds: f32, motion: Option<HairMotionParams>) {
+        self.set_time(time_s);
+        self.params.time_step_s = seconds;
+        self.params.hair_motion = motion.map(|motion| motion.with(|motion| motion.wind.time_s = time_s));
+    }
+
+    /// Prepares and submits a frame that nobody looks at: poses and hair are then those of it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stage::prepare`].
+    pub fn pass_by(&mut self) -> Result<(), StageError> {
+        let mut encoder = self.encoder();
+        self.prepare(&mut encoder)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        Ok(())
     }
 
     /// Plays the clips of the models at that time, and leaves the camera where it is.
@@ -235,6 +256,11 @@ impl Stage {
     /// The model; of several the first.
     pub fn model(&self) -> &Model {
         &self.instances[0].model
+    }
+
+    /// Whether any model has hair that moves of itself.
+    pub fn has_moving_hair(&self) -> bool {
+        self.instances.iter().any(|instance| instance.model.has_moving_hair())
     }
 
     /// Bytes on the device of what belongs to the models' copies.

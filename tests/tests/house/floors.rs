@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Floors of the runtime from the lowest up: a room is a file or a folder of `runtime/src`. runtime/docs/house.md says what each is for.
-const RUNTIME: [&[&str]; 12] = [
+const RUNTIME: [&[&str]; 13] = [
     &["error", "report", "shared", "bounds"],
     &["camera", "gpu"],
     &["params"],
     &["study", "surface"],
     &["model", "light"],
     &["instance", "ink"],
+    &["swing"],
     &["motion", "hair"],
     &["scene"],
     &["passes"],

@@ -7,6 +7,7 @@ mod false_colors;
 mod fins;
 mod frames;
 mod groom;
+mod hair_motion;
 mod ink;
 mod ink_lines;
 mod ink_specks;

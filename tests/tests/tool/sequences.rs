@@ -349,6 +349,56 @@ fn videos_hold_the_pictures() {
     assert!(both.code == Some(1) && both.stderr.contains("--json") && both.stdout.contains("exit_code"), "{both:?}");
 }
 
+/// Mean difference of two pictures' channels, 0..=255.
+fn difference(sandbox: &Sandbox, a: &str, b: &str) -> f64 {
+    let [a, b] = [a, b].map(|name| image::load_from_memory(&bytes(sandbox, name)).unwrap().to_rgba8());
+    let off = a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| f64::from(a.abs_diff(*b)));
+    off.sum::<f64>() / a.as_raw().len() as f64
+}
+
+/// Manes and tails live through the time of a sequence, however many pictures it has, and wherever it was interrupted.
+#[test]
+fn hair_swings_in_sequences() {
+    let Some(_) = gpu("hair_swings_in_sequences") else { return };
+    let sandbox = Sandbox::new();
+    let [model, recipe] = ["models/pony.glb", "recipes/pony.toml"].map(|name| workspace().join("assets").join(name));
+    let [model, recipe] = [&model, &recipe].map(|path| path.to_str().unwrap());
+    let run = sandbox.run(&[&["bake", model, "--recipe", recipe, "-o", "pony.pelage"], &SMALL[..]].concat());
+    assert_eq!(run.code, Some(0), "{run:?}");
+    for folder in ["a", "b", "c", "d"] {
+        std::fs::create_dir(sandbox.path().join(folder)).unwrap();
+    }
+    let view = ["pony.pelage", "--clip", "Walk", "--size", "240x200", "--samples", "1", "--look", "motion.wind=3,0,-2"];
+    let shot = |more: &[&str]| rendered(&sandbox, &[&view[..], more].concat());
+    shot(&["--frames", "4", "--fps", "12", "-o", "a/%d.png"]);
+    shot(&["--frames", "7", "--fps", "24", "-o", "b/%d.png"]);
+    shot(&["--frames", "4", "--fps", "12", "--look", "motion.hair=false", "-o", "c/%d.png"]);
+    let (rate, swing) = (difference(&sandbox, "a/3.png", "b/6.png"), difference(&sandbox, "a/3.png", "c/3.png"));
+    assert!(swing > 0.5 && rate < 0.15 * swing, "another rate differs by {rate}, stiff hair by {swing}");
+    // One picture stands still.
+    rendered(&sandbox, &[&view[..], &["--time", "0.25", "-o", "still.png"]].concat());
+    assert_eq!(difference(&sandbox, "still.png", "c/3.png"), 0.0);
+
+    let more = ["--frames", "4", "--fps", "12", "-o", "d/%d.png"];
+    let journal = sandbox.path().join("d/%d.png.pictures.jsonl");
+    let mut child = sandbox
+        .command(&[&["render"], &view[..], &more[..]].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while std::fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count()) < 2 {
+        assert_eq!(child.try_wait().unwrap(), None, "it ended before it could be killed");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(shot(&more).0["skipped"].as_u64().unwrap() > 0);
+    for i in 0..4 {
+        assert!(bytes(&sandbox, &format!("a/{i}.png")) == bytes(&sandbox, &format!("d/{i}.png")), "picture {i}");
+    }
+}
+
 #[test]
 fn a_sequence_that_was_interrupted_goes_on() {
     let Some(_) = gpu("a_sequence_that_was_interrupted_goes_on") else { return };

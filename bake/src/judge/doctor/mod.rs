@@ -417,6 +417,7 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
     vec![
         pass("pose", w.skinned, yes_or(w.skinned, "whenever the pose changes".into(), "no skeleton"), w.vertices, None),
         of_strands("strand_pose"),
+        of_strands("hair_motion"),
         of_strands("hair_pose"),
         of_strands("strand_shadow"),
         pass(

@@ -5,9 +5,11 @@ use crate::error::RuntimeError;
 use crate::gpu::{WORKGROUP, largest_buffer};
 use crate::model::upload::Uploader;
 use glam::{Vec3, Vec4};
-use pelage_formats::meaning::hair_groups::{HAIR_COLORS, Hair, Planted, hair_color, hair_radius};
+use pelage_formats::meaning::hair_groups::{HAIR_COLORS, Hair, Planted, hair_color, hair_radius, triangle_frame};
+use pelage_formats::meaning::hair_motion::ballast;
 use pelage_formats::meaning::{encode_visibility, linear_to_srgb, posed_vertices};
-use pelage_formats::{HairGroup, MeshView, Package, Pose};
+use pelage_formats::{GroupMotion, HairGroup, MeshView, Package, Pose};
+use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
 /// Hairs that say how far all bend.
@@ -42,10 +44,17 @@ pub(super) fn load(
         triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
         parts: package.manifest().parts.iter().map(part).collect(),
     };
-    groups.iter().map(|group| grown(uploader, group, &rest)).collect()
+    let motion = package.hair_motion()?;
+    let moves = |number: usize| motion.as_ref().and_then(|motion| motion.groups.get(number)).filter(|m| m.held < 1.0);
+    groups.iter().enumerate().map(|(number, group)| grown(uploader, group, moves(number).copied(), &rest)).collect()
 }
 
-fn grown(uploader: &Uploader<'_>, group: &HairGroup, rest: &Rest) -> Result<Strands, RuntimeError> {
+fn grown(
+    uploader: &Uploader<'_>,
+    group: &HairGroup,
+    motion: Option<GroupMotion>,
+    rest: &Rest,
+) -> Result<Strands, RuntimeError> {
     use wgpu::BufferUsages as Usage;
     let points = group.points;
     let of_buffer = largest_buffer(&uploader.gpu.device.limits()) / (u64::from(points + 2) * 16);
@@ -83,12 +92,22 @@ fn grown(uploader: &Uploader<'_>, group: &HairGroup, rest: &Rest) -> Result<Stra
         .take(MEASURED)
         .map(|hair| hair.points(corners(hair.root.triangle), &at_rest).collect())
         .collect();
-    let bent = |step: u32| mean_bent(measured.iter().map(Vec::as_slice), step as usize);
-    let triangle = |triangle: &u32| {
-        let [a, b, c] = rest.triangles[*triangle as usize];
-        [a, b, c, 0]
+    let length = |points: &Vec<Vec3>| points.windows(2).map(|ends| ends[0].distance(ends[1])).sum::<f32>();
+    let as_groomed = |step: u32| mean_bent(measured.iter().map(Vec::as_slice), step as usize);
+    // Straight hair that swings does not stay straight: a piece is as far from an arc of a quarter turn as its share of it, squared.
+    let longest = planted.guides.iter().map(length).fold(0.0, f32::max);
+    let swinging = |step: u32| longest * FRAC_PI_2 / 8.0 * (step as f32 / (points - 1) as f32).powi(2);
+    let bent = |step: u32| as_groomed(step).max(if motion.is_some() { swinging(step) } else { 0.0 });
+    let triangle = |(triangle, (_, [b, c])): (&u32, &(u32, [u16; 2]))| {
+        let [v, w, x] = rest.triangles[*triangle as usize];
+        [v, w, x, u32::from(*b) | u32::from(*c) << 16]
     };
-    let triangles: Vec<[u32; 4]> = planted.guide_triangles.iter().map(triangle).collect();
+    let triangles: Vec<[u32; 4]> = planted.guide_triangles.iter().zip(&group.guide_roots).map(triangle).collect();
+    let held_up = |(triangle, points): (&u32, &Vec<Vec3>)| ballast(points, triangle_frame(corners(*triangle)));
+    let in_rest = planted.guide_triangles.iter().zip(&planted.guides).flat_map(held_up);
+    let in_rest: Vec<[f32; 4]> = in_rest.map(|p| p.extend(0.0).to_array()).collect();
+    // Hair that swings may be stretched out.
+    let reach_m = if motion.is_some() { group.reach().max(longest * (1.0 + group.stray)) } else { group.reach() };
     let guides: Vec<[f32; 4]> = planted.guides.iter().flatten().map(|p| p.extend(0.0).to_array()).collect();
     let profiles = profiles(group);
     let mean_radius_m = (0..points).map(|k| hair_radius(group, share(k, points))).sum::<f32>() / points as f32;
@@ -97,7 +116,9 @@ fn grown(uploader: &Uploader<'_>, group: &HairGroup, rest: &Rest) -> Result<Stra
         guides: uploader.buffer("guides", bytemuck::cast_slice(&guides), Usage::STORAGE)?,
         guide_count: planted.guides.len() as u32,
         hairs: uploader.buffer("hair roots", bytemuck::cast_slice(&roots), Usage::STORAGE)?,
-        reach_m: group.reach(),
+        ballast: uploader.buffer("guides' ballast", bytemuck::cast_slice(&in_rest), Usage::STORAGE)?,
+        motion,
+        reach_m,
     };
     Ok(Strands {
         strands: uploader.buffer("hairs", bytemuck::cast_slice(&strands), Usage::STORAGE)?,

@@ -4,7 +4,7 @@ mod coat;
 mod groups;
 mod set;
 
-pub(crate) use set::{CORNER_BYTES, Growth, HairRoot, Stand, Strand, StrandConstants, Strands};
+pub(crate) use set::{CORNER_BYTES, Growth, Guided, HairRoot, Stand, Strand, StrandConstants, Strands};
 
 use super::upload::Uploader;
 use crate::error::RuntimeError;

@@ -3,6 +3,7 @@
 use crate::gpu::WORKGROUP;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use pelage_formats::GroupMotion;
 use std::ops::Range;
 
 /// Most strands of a coat that are drawn into the shadow map of strands.
@@ -50,10 +51,14 @@ pub(crate) enum Growth {
 /// Hair on guides.
 #[derive(Debug)]
 pub(crate) struct Guided {
-    /// Corners of the triangle of each guide, four numbers of which the last is 0.
+    /// Of each guide the corners of its triangle, and the weights of the second and the third of its root, unorm.
     pub(crate) triangles: wgpu::Buffer,
     /// Points of the guides at rest, relative to their roots in the frames of those triangles.
     pub(crate) guides: wgpu::Buffer,
+    /// What holds them up at rest, in those frames.
+    pub(crate) ballast: wgpu::Buffer,
+    /// How they move; `None` where they do not.
+    pub(crate) motion: Option<GroupMotion>,
     /// How many guides there are.
     pub(crate) guide_count: u32,
     /// What each hair follows, [`HairRoot`].
@@ -121,6 +126,12 @@ impl Strands {
         part.start..(part.start + count * WORKGROUP).min(part.end)
     }
 
+    /// Bytes of the pearls of guides that may move: two vectors for each of their points, and four for their frames.
+    pub(crate) fn pearl_bytes(&self) -> Option<u64> {
+        let guided = self.guided().filter(|guided| guided.motion.is_some())?;
+        Some(u64::from(guided.guide_count) * u64::from(2 * self.points + 4) * 16)
+    }
+
     /// Bytes of their posed points: two vectors of the skin's frame, then the points.
     pub(crate) fn posed_bytes(&self) -> u64 {
         u64::from(self.count) * u64::from(self.points + 2) * 16
@@ -150,7 +161,9 @@ impl Strands {
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let growth = match &self.growth {
             Growth::Coat { stands } => stands.size(),
-            Growth::Guided(guided) => guided.triangles.size() + guided.guides.size() + guided.hairs.size(),
+            Growth::Guided(guided) => {
+                guided.triangles.size() + guided.guides.size() + guided.ballast.size() + guided.hairs.size()
+            }
         };
         self.strands.size() + growth + self.tile.size()
     }

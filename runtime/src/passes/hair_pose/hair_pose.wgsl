@@ -30,16 +30,6 @@ struct HairRoot {
 @group(0) @binding(5) var<storage, read_write> posed: array<vec4<f32>>;
 @group(0) @binding(6) var<uniform> constants: StrandConstants;
 
-// Along the first edge, aside of that, and along the normal; of a triangle without area the axes of the space.
-fn triangle_frame(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> mat3x3<f32> {
-    let along = normalize_or(b - a, vec3(0.0));
-    let normal = normalize_or(cross(b - a, c - a), vec3(0.0));
-    if dot(along, along) == 0.0 || dot(normal, normal) == 0.0 {
-        return mat3x3(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0));
-    }
-    return mat3x3(along, cross(normal, along), normal);
-}
-
 // Thread for thread a point of a guide.
 @compute @workgroup_size(64)
 fn pose_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {

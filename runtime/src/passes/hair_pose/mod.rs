@@ -14,6 +14,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../hair/constants.wgsl"),
+        include_str!("../../hair/triangle_frame.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
         include_str!("hair_pose.wgsl"),
     ],
@@ -77,7 +78,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
                 let spec = ComputeSpec { shader: SHADER, entry, groups, constants: Vec::new() };
                 Dispatch { pipeline: frame.compute_pipeline(spec), groups: vec![Group::of(&group)], threads }
             };
-            if number == 0 {
+            // Guides that move are where `hair_motion` has them.
+            if number == 0 && !set.posed.swings(&seen.moved, guided) {
                 // All of them at once, whatever part they root in.
                 guides.push(dispatch("pose_guides", set.strands.points * guided.guide_count));
             }

@@ -9,8 +9,9 @@ use crate::{Picture, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    Anchoring, Detail, FeatureRule, FrameParams, FurParams, FurShow, Hair, InkBackground, InkParams, InkShow, Light,
-    Lighting, LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, StrandEdges, Study, Style,
+    Anchoring, Detail, FeatureRule, FrameParams, FurParams, FurShow, Hair, HairMotionParams, InkBackground, InkParams,
+    InkShow, Light, Lighting, LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, StrandEdges,
+    Study, Style,
 };
 
 /// Any view: a stage sets its own.
@@ -41,6 +42,19 @@ impl Look {
             params.soft_shadow = self.shadow.soft_shadow;
             params.shadows = self.shadow_params();
             params.study = self.study();
+        })
+    }
+
+    /// What moves hair while time passes; `None` where it stays as it was groomed.
+    pub fn hair_motion(&self) -> Option<HairMotionParams> {
+        let motion = &self.motion;
+        motion.hair.then(|| {
+            HairMotionParams::default().with(|params| {
+                params.gravity *= motion.gravity;
+                params.wind.velocity = motion.wind.into();
+                (params.wind.gust, params.wind.gust_s) = (motion.gust, motion.gust_s);
+                (params.wind.turbulence, params.wind.eddy_m) = (motion.turbulence, motion.eddy_m);
+            })
         })
     }
 

@@ -25,7 +25,7 @@ pub use kinds::{
     Size,
 };
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
-pub use tables::{KeyLight, Look, LookFur, LookInk, LookLight, LookPicture, LookShadow};
+pub use tables::{KeyLight, Look, LookFur, LookInk, LookLight, LookMotion, LookPicture, LookShadow};
 
 #[cfg(test)]
 mod tests;

@@ -87,6 +87,26 @@ params! {
 }
 
 params! {
+    /// `[motion]`: what moves of itself while time passes: hair on guides, where packages say how.
+    LookMotion in motion {
+        /// Whether such hair swings in sequences, and wherever else time passes.
+        hair: bool = true;
+        /// The wind, x,y,z in metres a second.
+        wind: [f32; 3] = [0.0; 3], in -100.0..=100.0;
+        /// By how much of that the wind swells and falls.
+        gust: f32 = 0.4, in 0.0..=10.0;
+        /// Seconds between gusts.
+        gust_s: f32 = 3.0, in 0.01..=1000.0;
+        /// By how much of it the air at one place differs from that at another.
+        turbulence: f32 = 0.3, in 0.0..=10.0;
+        /// How large eddies are, metres.
+        eddy_m: f32 = 0.5, in 0.001..=1000.0;
+        /// Share of the earth's gravity.
+        gravity: f32 = 1.0, in 0.0..=100.0;
+    }
+}
+
+params! {
     /// `[ink]`: how the style `ink` is drawn, after Fang 2006.
     LookInk in ink {
         /// T1 of Fang 2006, §2: where neighbouring normals' dot is lower, there is a line. The default is the cosine of 50°.
@@ -141,6 +161,8 @@ tables! {
         shadow: LookShadow,
         /// How fur is drawn.
         fur: LookFur,
+        /// What moves of itself.
+        motion: LookMotion,
         /// How the style `ink` is drawn.
         ink: LookInk,
     }

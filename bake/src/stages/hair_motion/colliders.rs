@@ -1,0 +1,101 @@
+//! Capsules in the place of a body.
+
+use glam::{Mat3, Mat4, Vec3};
+use pelage_formats::{BodyCollider, MeshData, Pose};
+
+/// Vertices that follow a joint, without which it has no capsule.
+const FEWEST: usize = 8;
+/// Share of them that is nearer to the axis than the capsule's surface: what sticks out is skin, and hair may lie in it, but not through it.
+const INSIDE: f32 = 0.35;
+/// Share of them beyond each end.
+const BEYOND: f32 = 0.05;
+/// A capsule that hair at rest makes thinner than this share of what it was is left out: hair grows through it.
+const THINNEST: f32 = 0.25;
+/// How near hair must be to a capsule, over its own length.
+const NEAR: f32 = 1.5;
+/// Capsules that are kept: the largest.
+const MOST: usize = 24;
+
+/// Capsules, and how well they are a body.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fitted {
+    /// The capsules.
+    pub colliders: Vec<BodyCollider>,
+    /// How far from the nearest capsule of its joint the skin lies at most, metres.
+    pub gap_m: f32,
+}
+
+/// Fits a capsule to the vertices that follow each joint, thin enough for the hair at rest to lie outside.
+///
+/// * `pose`: at rest; without a skeleton one matrix
+/// * `guides`: points of each guide that may move, in model space
+pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
+    let mut of_joint: Vec<Vec<Vec3>> = vec![Vec::new(); pose.joints.len()];
+    for (v, vertex) in mesh.geometry.iter().enumerate() {
+        let joint = mesh.skin.get(v).map_or(0, |skin| {
+            let most = (0..4).max_by(|a, b| skin.weights[*a].total_cmp(&skin.weights[*b])).unwrap_or(0);
+            skin.joints[most] as usize
+        });
+        if let Some(points) = of_joint.get_mut(joint) {
+            points.push(vertex.position.into());
+        }
+    }
+    let length = |guide: &Vec<Vec3>| guide.windows(2).map(|ends| ends[0].distance(ends[1])).sum::<f32>();
+    let longest = guides.iter().map(length).fold(0.0, f32::max);
+    let mut made: Vec<(f32, f32, BodyCollider)> = Vec::new();
+    for (joint, points) in of_joint.iter().enumerate().filter(|(_, points)| points.len() >= FEWEST) {
+        let to_model = pose.joints[joint];
+        let volume = Mat3::from_mat4(to_model).determinant().abs();
+        let scale = libm::cbrtf(volume);
+        let (from, to, radius) = capsule(points);
+        let clear = guides.iter().flatten().map(|p| apart(to_model, from, to, *p)).fold(f32::INFINITY, f32::min);
+        let thin = radius.min(0.98 * clear / scale.max(f32::MIN_POSITIVE));
+        let is_near = clear - radius * scale <= NEAR * longest;
+        if thin.is_finite() && thin > 0.0 && thin >= THINNEST * radius && is_near {
+            let gap = points.iter().map(|p| nearest(from, to, *p).distance(*p) - thin).fold(0.0, f32::max);
+            let size = thin * thin * (thin + from.distance(to)) * volume;
+            let collider = BodyCollider { joint: joint as u32, from: from.into(), to: to.into(), radius: thin };
+            made.push((size, gap * scale, collider));
+        }
+    }
+    made.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.joint.cmp(&b.2.joint)));
+    made.truncate(MOST);
+    let gap_m = made.iter().map(|(_, gap, _)| *gap).fold(0.0, f32::max);
+    Fitted { colliders: made.into_iter().map(|(.., collider)| collider).collect(), gap_m }
+}
+
+/// Distance in model space between a place there and the axis of a capsule in mesh space.
+fn apart(to_model: Mat4, from: Vec3, to: Vec3, place: Vec3) -> f32 {
+    let [from, to] = [from, to].map(|end| to_model.transform_point3(end));
+    nearest(from, to, place).distance(place)
+}
+
+fn nearest(from: Vec3, to: Vec3, place: Vec3) -> Vec3 {
+    let along = to - from;
+    from + along * ((place - from).dot(along) / along.length_squared().max(1e-20)).clamp(0.0, 1.0)
+}
+
+/// Both ends of the axis, and the radius.
+fn capsule(points: &[Vec3]) -> (Vec3, Vec3, f32) {
+    let middle = points.iter().sum::<Vec3>() / points.len() as f32;
+    let axis = longest_axis(points, middle);
+    let mut along: Vec<f32> = points.iter().map(|p| (*p - middle).dot(axis)).collect();
+    let mut aside: Vec<f32> = points.iter().map(|p| (*p - middle).reject_from_normalized(axis).length()).collect();
+    along.sort_by(f32::total_cmp);
+    aside.sort_by(f32::total_cmp);
+    let at = |sorted: &[f32], share: f32| sorted[((sorted.len() - 1) as f32 * share).round() as usize];
+    let radius = at(&aside, INSIDE);
+    let (low, high) = (at(&along, BEYOND) + radius, at(&along, 1.0 - BEYOND) - radius);
+    let [low, high] = if low <= high { [low, high] } else { [0.5 * (low + high); 2] };
+    (middle + axis * low, middle + axis * high, radius)
+}
+
+/// The direction in which points lie farthest apart, by the power method on their covariance.
+fn longest_axis(points: &[Vec3], middle: Vec3) -> Vec3 {
+    let outer = |p: Vec3| Mat3::from_cols(p * p.x, p * p.y, p * p.z);
+    let covariance = points.iter().fold(Mat3::ZERO, |sum, p| sum + outer(*p - middle));
+    // Of three beginnings one is not across.
+    let begin = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| covariance * axis);
+    let begin = begin.into_iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(Vec3::Y);
+    (0..64).fold(begin.normalize_or(Vec3::Y), |axis, _| (covariance * axis).normalize_or(axis))
+}

@@ -1,0 +1,76 @@
+//! How hair on guides moves, and what of the body it stays out of: what a recipe says of its groups, and capsules that are fitted to the skin.
+
+mod colliders;
+
+pub use colliders::{Fitted, fit};
+
+use crate::recipe::{HairGroupParams, StrandParams};
+use glam::{Mat4, Vec3};
+use pelage_formats::meaning::hair_groups::triangle_frame;
+use pelage_formats::meaning::{posed, skin_matrix};
+use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, OnTriangle, Pose};
+
+/// How the groups of a recipe move, made of what it says and of the body; `None` where none does.
+///
+/// * `groups`: those of the recipe in its order, then its tufts, which are stiff
+pub fn of_groups(
+    params: &StrandParams,
+    groups: &[HairGroup],
+    mesh: &MeshData,
+    animation: Option<&Animation>,
+) -> Option<(HairMotion, Fitted)> {
+    let motions: Vec<GroupMotion> =
+        groups.iter().enumerate().map(|(i, _)| params.group.get(i).map_or(GroupMotion::STIFF, motion)).collect();
+    if motions.iter().all(|motion| motion.held >= 1.0) {
+        return None;
+    }
+    let mut pose = Pose::default();
+    if let Some(animation) = animation {
+        pose.sample(animation, None, 0.0);
+    }
+    if pose.joints.is_empty() {
+        pose.joints.push(Mat4::IDENTITY);
+    }
+    let guides: Vec<Vec<Vec3>> = groups
+        .iter()
+        .zip(&motions)
+        .filter(|(_, motion)| motion.held < 1.0)
+        .flat_map(|(group, motion)| at_rest(group, motion, mesh, &pose))
+        .collect();
+    let fitted = if params.colliders { fit(mesh, &pose, &guides) } else { Fitted::default() };
+    Some((HairMotion { groups: motions, colliders: fitted.colliders.clone() }, fitted))
+}
+
+fn motion(group: &HairGroupParams) -> GroupMotion {
+    let default = GroupMotion::default();
+    let held = group.held.unwrap_or(default.held);
+    GroupMotion {
+        held,
+        free: group.free.unwrap_or(default.free).max(held),
+        drag_per_s: group.drag_per_s.unwrap_or(default.drag_per_s),
+        shape_hz: group.swing_hz.unwrap_or(default.shape_hz),
+        bend_hz: group.bend_hz.unwrap_or(default.bend_hz),
+        friction: group.friction.unwrap_or(default.friction),
+    }
+}
+
+/// Where the points of a group's guides that may move are at rest, in model space.
+fn at_rest(group: &HairGroup, motion: &GroupMotion, mesh: &MeshData, pose: &Pose) -> Vec<Vec<Vec3>> {
+    let place = |vertex: u32| {
+        let (stored, skin) = (&mesh.geometry[vertex as usize], mesh.skin.get(vertex as usize));
+        skin.map_or(stored.position, |skin| posed(stored, skin_matrix(pose, skin)).position).into()
+    };
+    let guide = |(number, root): (usize, OnTriangle)| {
+        let first = 3 * root.triangle as usize;
+        let corners: [Vec3; 3] = [0, 1, 2].map(|k| place(mesh.indices[first + k]));
+        let (at, frame) = (root.place(corners), triangle_frame(corners));
+        let points = group.guide(number);
+        let last = (points.len() - 1) as f32;
+        let free = points.iter().enumerate().filter(|(k, _)| motion.freedom(*k as f32 / last) > 0.0);
+        free.map(|(_, point)| at + frame * *point).collect()
+    };
+    group.roots().enumerate().map(guide).collect()
+}
+
+#[cfg(test)]
+mod tests;

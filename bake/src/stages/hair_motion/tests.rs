@@ -1,0 +1,63 @@
+#![allow(clippy::unwrap_used, reason = "tests")]
+use super::*;
+use pelage_formats::{GeometryVertex, SkinVertex};
+
+/// A rod along x from -1 to 1, of radius 0.2, whose left half follows joint 0 and whose right half follows joint 1.
+fn rod() -> (MeshData, Pose) {
+    let mut mesh = MeshData::default();
+    for ring in 0..=40u16 {
+        for side in 0..16u8 {
+            let (x, turn) = (f32::from(ring) / 20.0 - 1.0, std::f32::consts::TAU * f32::from(side) / 16.0);
+            let position = [x, 0.2 * turn.cos(), 0.2 * turn.sin()];
+            mesh.geometry.push(GeometryVertex { position, ..GeometryVertex::default() });
+            let joint = u16::from(x > 0.0);
+            mesh.skin.push(SkinVertex { joints: [joint, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] });
+        }
+    }
+    // The right half is stored elsewhere than it is at rest.
+    let away = Mat4::from_translation(Vec3::Z * 5.0);
+    mesh.geometry.iter_mut().filter(|v| v.position[0] > 0.0).for_each(|v| v.position[2] -= 5.0);
+    (mesh, Pose { joints: vec![Mat4::IDENTITY, away], ..Pose::default() })
+}
+
+#[test]
+fn a_rod_has_a_capsule_for_each_joint() {
+    let (mesh, pose) = rod();
+    let hair = vec![(0..8u8).map(|k| Vec3::new(0.0, 0.25, 0.1 * f32::from(k))).collect()];
+    let fitted = fit(&mesh, &pose, &hair);
+    assert_eq!(fitted.colliders.len(), 2);
+    for collider in &fitted.colliders {
+        assert!((collider.radius - 0.2).abs() < 0.005, "{collider:?}");
+        let ends =
+            [collider.from, collider.to].map(|end| pose.joints[collider.joint as usize].transform_point3(end.into()));
+        assert!(ends.iter().all(|end| end.y.abs() < 0.01 && end.z.abs() < 0.01), "{ends:?}");
+        assert!(ends[0].distance(ends[1]) > 0.4, "{ends:?}");
+    }
+    assert!(fitted.gap_m > 0.0 && fitted.gap_m < 0.2, "corners of the ends stick out: {}", fitted.gap_m);
+    // Hair that lies closer makes them thinner, and hair that grows through leaves none.
+    let near = vec![vec![Vec3::new(0.5, 0.15, 0.0), Vec3::new(0.5, 0.15, 0.5)]];
+    let thinner = fit(&mesh, &pose, &near);
+    assert!(thinner.colliders.iter().any(|collider| collider.joint == 1 && collider.radius < 0.15));
+    let through = vec![vec![Vec3::new(0.5, 0.01, 0.0), Vec3::new(0.5, 0.01, 0.5)]];
+    assert!(fit(&mesh, &pose, &through).colliders.iter().all(|collider| collider.joint == 0));
+    // Far from all hair none is needed.
+    let far = vec![vec![Vec3::Y * 50.0, Vec3::Y * 50.1]];
+    assert_eq!(fit(&mesh, &pose, &far), Fitted::default());
+    assert_eq!(fit(&MeshData::default(), &pose, &hair), Fitted::default());
+}
+
+#[test]
+fn tufts_are_stiff_and_groups_move() {
+    let (mut mesh, pose) = rod();
+    mesh.indices = vec![0, 1, 16];
+    let group = HairGroup { guide_roots: vec![(0, [0, 0])], guide_points: 2, points: 2, ..HairGroup::default() };
+    let group = HairGroup { guide_offsets: vec![[0, 0, 32767]], reach_m: 0.1, ..group };
+    let named =
+        HairGroupParams { name: "mane".into(), swing_hz: Some(2.0), held: Some(0.5), ..HairGroupParams::default() };
+    let params = StrandParams { group: vec![named], ..StrandParams::default() };
+    let (found, _) = of_groups(&params, &[group.clone(), group.clone()], &mesh, None).unwrap();
+    assert_eq!(found.groups[1], GroupMotion::STIFF);
+    assert_eq!((found.groups[0].shape_hz, found.groups[0].held, found.groups[0].free), (2.0, 0.5, 0.5));
+    assert_eq!(of_groups(&StrandParams::default(), &[group], &mesh, None), None);
+    assert!(pose.joints.len() == 2);
+}

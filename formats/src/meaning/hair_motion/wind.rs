@@ -1,0 +1,55 @@
+//! What the air does.
+
+use glam::Vec3;
+
+/// Moving air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wind {
+    /// On the whole, metres a second.
+    pub velocity: Vec3,
+    /// By how much of that it swells and falls, 0 or more (default 0).
+    pub gust: f32,
+    /// Seconds between gusts (default 3).
+    pub gust_s: f32,
+    /// By how much of it the air at one place differs from that at another, 0 or more (default 0).
+    pub turbulence: f32,
+    /// How large eddies are, metres (default 0.5).
+    pub eddy_m: f32,
+    /// The moment, seconds.
+    pub time_s: f32,
+}
+
+impl Default for Wind {
+    fn default() -> Self {
+        Self { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5, time_s: 0.0 }
+    }
+}
+
+/// Much as the sine of so many turns, but of whole numbers of operations: the same on every machine.
+fn wave(turns: f32) -> f32 {
+    let part = turns - (turns + 0.5).floor();
+    8.0 * part * (1.0 - 2.0 * part.abs())
+}
+
+impl Wind {
+    /// Still air.
+    pub fn is_still(&self) -> bool {
+        self.velocity == Vec3::ZERO
+    }
+
+    /// Velocity of the air at a place of the world, metres a second.
+    ///
+    /// Gusts are two waves whose lengths never meet; eddies are waves that the wind carries along.
+    pub fn at(&self, place: Vec3) -> Vec3 {
+        let speed = self.velocity.length();
+        let moment = self.time_s / self.gust_s.max(1e-3);
+        let swell = 0.6 * wave(moment) + 0.4 * wave(2.618 * moment + 0.3);
+        let carried = (place - self.velocity * self.time_s) / self.eddy_m.max(1e-3);
+        let eddy = Vec3::new(
+            wave(carried.dot(Vec3::new(0.31, 0.83, 0.47)) + 0.1) + wave(carried.dot(Vec3::new(-1.1, 0.4, 1.6)) + 0.7),
+            wave(carried.dot(Vec3::new(0.79, -0.29, 0.53)) + 0.4) + wave(carried.dot(Vec3::new(0.9, 1.7, -0.6)) + 0.2),
+            wave(carried.dot(Vec3::new(-0.41, 0.57, 0.71)) + 0.8) + wave(carried.dot(Vec3::new(1.5, -0.7, 1.0)) + 0.5),
+        );
+        self.velocity * (1.0 + self.gust * swell) + eddy * (0.5 * self.turbulence * speed)
+    }
+}

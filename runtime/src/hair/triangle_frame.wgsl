@@ -1,0 +1,9 @@
+// Along the first edge, aside of that, and along the normal; of a triangle without area the axes of the space.
+fn triangle_frame(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> mat3x3<f32> {
+    let along = normalize_or(b - a, vec3(0.0));
+    let normal = normalize_or(cross(b - a, c - a), vec3(0.0));
+    if dot(along, along) == 0.0 || dot(normal, normal) == 0.0 {
+        return mat3x3(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0));
+    }
+    return mat3x3(along, cross(normal, along), normal);
+}

@@ -1,0 +1,378 @@
+// How hair on guides moves: each guide a string of pearls whose root goes with the skin. The twin of formats/src/meaning/hair_motion/mod.rs, which
+// says why it is as it is.
+
+// What the guides of a group have in common in a frame.
+struct HairMotion {
+    // Directions.
+    world_from_model: mat3x3<f32>,
+    model_from_world: mat3x3<f32>,
+    // Where the model's origin is in the world.
+    origin: vec3<f32>,
+    points: u32,
+    // How far it went in this frame.
+    went: vec3<f32>,
+    steps: u32,
+    gravity: vec3<f32>,
+    step_s: f32,
+    wind: vec3<f32>,
+    // Of the frame before.
+    before_s: f32,
+    gust: f32,
+    gust_s: f32,
+    turbulence: f32,
+    eddy_m: f32,
+    // At the end of the frame.
+    time_s: f32,
+    held: f32,
+    free: f32,
+    drag_per_s: f32,
+    shape_hz: f32,
+    bend_hz: f32,
+    friction: f32,
+    colliders: u32,
+    guides: u32,
+    // Hair begins as it was groomed.
+    fresh: u32,
+    reserved: vec2<u32>,
+}
+
+@group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
+// Corners of the triangle of each guide; weights of the second and the third of its root, unorm.
+@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
+// Points of each guide, in the frame of its triangle, and what holds them there at rest.
+@group(0) @binding(2) var<storage, read> groomed: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> ballast: array<vec4<f32>>;
+// Of each guide: place and velocity of each pearl, then frame and root as they were.
+@group(0) @binding(4) var<storage, read_write> pearls: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read_write> posed_guides: array<vec4<f32>>;
+// Of each both ends before and both ends now, relative to the model's origin now; radii are the fourth numbers of first ends.
+@group(0) @binding(6) var<storage, read> colliders: array<vec4<f32>>;
+@group(0) @binding(7) var<uniform> motion: HairMotion;
+
+const MOST_POINTS: u32 = 65u;
+const STEPS_PER_S: f32 = 120.0;
+const SOLVED: u32 = 3u;
+const PUSHED: u32 = 3u;
+const LEAST_TURN: f32 = 0.995;
+const DAMPED: f32 = 0.3;
+const FASTEST: f32 = 25.0;
+const GRAVITY: f32 = 9.81;
+const TAU: f32 = 6.2831853;
+
+// What a guide's thread works on.
+var<private> first_pearl: u32;
+var<private> first_point: u32;
+var<private> left: array<f32, MOST_POINTS>;
+var<private> right: array<f32, MOST_POINTS>;
+var<private> lengths: array<f32, MOST_POINTS>;
+// A bit for each collider that the guide may reach in this frame.
+var<private> near: array<u32, 4>;
+
+// Finds those. What is left out is farther than its radius, the guide's length, and what both move.
+fn find_near(root: vec3<f32>, old_root: vec3<f32>) {
+    var reach = distance(root, old_root);
+    for (var k = 1u; k < motion.points; k++) {
+        reach += lengths[k];
+    }
+    near = array<u32, 4>();
+    for (var c = 0u; c < motion.colliders; c++) {
+        let from_end = colliders[4u * c + 2u];
+        let to_end = colliders[4u * c + 3u].xyz;
+        let moved = max(distance(from_end.xyz, colliders[4u * c].xyz), distance(to_end, colliders[4u * c + 1u].xyz));
+        let axis = to_end - from_end.xyz;
+        let on_axis = clamp(dot(root - from_end.xyz, axis) / max(dot(axis, axis), 1e-20), 0.0, 1.0);
+        let off = distance(root, from_end.xyz + axis * on_axis);
+        if off <= 1.001 * (max(from_end.w, colliders[4u * c].w) + reach + moved) {
+            near[c >> 5u] |= 1u << (c & 31u);
+        }
+    }
+}
+
+fn place(k: u32) -> vec3<f32> {
+    return pearls[first_pearl + 2u * k].xyz;
+}
+
+fn set_place(k: u32, value: vec3<f32>) {
+    pearls[first_pearl + 2u * k] = vec4(value, 0.0);
+}
+
+fn velocity(k: u32) -> vec3<f32> {
+    return pearls[first_pearl + 2u * k + 1u].xyz;
+}
+
+fn set_velocity(k: u32, value: vec3<f32>) {
+    pearls[first_pearl + 2u * k + 1u] = vec4(value, 0.0);
+}
+
+// Within a step the place at its beginning stands where the velocity does between steps.
+fn started(k: u32) -> vec3<f32> {
+    return velocity(k);
+}
+
+fn freedom(k: u32) -> f32 {
+    let share = f32(k) / f32(motion.points - 1u);
+    if share <= motion.held {
+        return 0.0;
+    }
+    let way = clamp((share - motion.held) / max(motion.free - motion.held, 1e-6), 0.0, 1.0);
+    return way * way * (3.0 - 2.0 * way);
+}
+
+fn direction(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
+    let size = length(v);
+    if size > 1e-9 {
+        return v / size;
+    }
+    return other;
+}
+
+fn piece(frame: mat3x3<f32>, k: u32) -> vec3<f32> {
+    return frame * groomed[first_point + k].xyz - frame * groomed[first_point + k - 1u].xyz;
+}
+
+const UP: vec3<f32> = vec3(0.0, 1.0, 0.0);
+
+// The least turn from one direction to another, a quaternion.
+fn turned(from_way: vec3<f32>, to_way: vec3<f32>) -> vec4<f32> {
+    let a = direction(from_way, UP);
+    let b = direction(to_way, UP);
+    let half = 1.0 + dot(a, b);
+    if half < 1e-6 {
+        return vec4(0.0, 0.0, 0.0, 1.0);
+    }
+    return normalize(vec4(cross(a, b), half));
+}
+
+fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
+    return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
+}
+
+fn after(second: vec4<f32>, first: vec4<f32>) -> vec4<f32> {
+    return vec4(second.w * first.xyz + first.w * second.xyz + cross(second.xyz, first.xyz), second.w * first.w - dot(second.xyz, first.xyz));
+}
+
+fn now_along(k: u32) -> vec3<f32> {
+    return direction(place(k) - place(k - 1u), UP);
+}
+
+fn then_along(k: u32) -> vec3<f32> {
+    return direction(started(k) - started(k - 1u), UP);
+}
+
+fn along(k: u32, has_turned: bool) -> vec3<f32> {
+    if has_turned {
+        return now_along(k);
+    }
+    return then_along(k);
+}
+
+// One step of Newton's method for the tensions that give all pieces their lengths.
+fn hold_lengths(held: u32) {
+    var has_turned = false;
+    for (var k = held + 1u; k < motion.points; k++) {
+        has_turned = has_turned || dot(now_along(k), then_along(k)) < LEAST_TURN;
+    }
+    var before = vec3(0.0);
+    left[held] = 0.0;
+    right[held] = 0.0;
+    for (var k = held + 1u; k < motion.points; k++) {
+        let here = now_along(k);
+        let own = along(k, has_turned);
+        let neighbour = -dot(here, before);
+        let masses = select(2.0, 1.0, k == held + 1u);
+        let pivot = masses * dot(here, own) - neighbour * left[k - 1u];
+        var next = 0.0;
+        if k + 1u < motion.points {
+            next = -dot(here, along(k + 1u, has_turned));
+        }
+        let off = distance(place(k), place(k - 1u)) - lengths[k];
+        left[k] = next / pivot;
+        right[k] = (off - neighbour * right[k - 1u]) / pivot;
+        before = own;
+    }
+    var tension = 0.0;
+    var pull = vec3(0.0);
+    for (var k = motion.points - 1u; k > held; k--) {
+        let own = along(k, has_turned);
+        tension = right[k] - left[k] * tension;
+        set_place(k, place(k) + (pull - own * tension));
+        pull = own * tension;
+    }
+}
+
+// The place nearest to `at` that is `size` from `parent` and `radius` from `center`; where there is none, straight away from `center`.
+fn outside(parent: vec3<f32>, size: f32, at: vec3<f32>, center: vec3<f32>, radius: f32) -> vec3<f32> {
+    let to_center = center - parent;
+    let apart = length(to_center);
+    let axis = direction(to_center, direction(parent - at, UP));
+    let on_axis = (size * size - radius * radius + apart * apart) / (2.0 * max(apart, 1e-9));
+    let squared = size * size - on_axis * on_axis;
+    if squared <= 0.0 || apart <= 1e-9 {
+        return parent - axis * size;
+    }
+    let off = (at - parent) - axis * dot(at - parent, axis);
+    let other = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), abs(axis.x) > 0.7);
+    let beside = direction(off, normalize(cross(axis, other)));
+    return parent + axis * on_axis + beside * sqrt(squared);
+}
+
+fn advance(old_frame: mat3x3<f32>, old_root: vec3<f32>, frame: mat3x3<f32>, root: vec3<f32>, share: f32, before_s: f32, time_s: f32) {
+    let h = motion.step_s;
+    let went = root - old_root;
+    let per_s = select(0.0, 1.0 / h, h > 0.0);
+    let shape_square = TAU * motion.shape_hz * TAU * motion.shape_hz;
+    let shape = shape_square / (1.0 + shape_square * h * h);
+    let kept_of_air = exp(-motion.drag_per_s * h);
+    let kept_of_shape = exp(-2.0 * DAMPED * TAU * motion.shape_hz * h);
+    let scale = pow(abs(determinant(motion.world_from_model)), 1.0 / 3.0);
+    let weight = length(motion.gravity) / (GRAVITY * max(scale, 1e-9));
+    var whole = 0.0;
+    for (var k = 1u; k < motion.points; k++) {
+        whole += lengths[k];
+    }
+
+    var held = 0u;
+    for (var k = 0u; k < motion.points; k++) {
+        let goal = frame * groomed[first_point + k].xyz;
+        let begins = place(k) - went;
+        let free = freedom(k);
+        if free <= 0.0 || k == 0u {
+            set_place(k, goal);
+            held = k;
+        } else {
+            let air = wind_at(motion.origin + root + begins, time_s);
+            var speed = air + (velocity(k) - air) * kept_of_air;
+            let with_skin = (went + goal - old_frame * groomed[first_point + k].xyz) * per_s;
+            let beside = (speed - with_skin) * kept_of_shape;
+            speed = with_skin + beside * min(FASTEST * whole / max(length(beside), 1e-9), 1.0);
+            let pulled = motion.gravity + frame * ballast[first_point + k].xyz * weight + (goal - begins) * shape;
+            set_place(k, begins + speed * h + pulled * (0.5 * h * (h + before_s)));
+        }
+        if h > 0.0 {
+            set_velocity(k, begins);
+        }
+    }
+    if h <= 0.0 {
+        settle(frame, root, share, held);
+        return;
+    }
+
+    let bend_square = TAU * motion.bend_hz * TAU * motion.bend_hz * h * h;
+    let bend = bend_square / (1.0 + bend_square);
+    var turn = vec4(0.0, 0.0, 0.0, 1.0);
+    var aside = vec3(0.0);
+    for (var k = 1u; k < motion.points; k++) {
+        let wanted = rotate(turn, piece(frame, k));
+        let found = started(k) - started(k - 1u);
+        if k > held {
+            aside += (wanted - found) * bend;
+            set_place(k, place(k) + aside);
+        }
+        turn = after(turned(wanted, found), turn);
+    }
+
+    for (var i = 0u; i < SOLVED; i++) {
+        hold_lengths(held);
+    }
+    settle(frame, root, share, held);
+}
+
+// What is left, from root to tip, and around what is in the way.
+fn settle(frame: mat3x3<f32>, root: vec3<f32>, share: f32, held: u32) {
+    let h = motion.step_s;
+    for (var k = 0u; k < motion.points; k++) {
+        var touched = vec3(0.0);
+        if k > held {
+            let goal = frame * groomed[first_point + k].xyz;
+            let nearer = goal + (place(k) - goal) * pow(freedom(k), STEPS_PER_S * h);
+            let parent = place(k - 1u);
+            let way = direction(nearer - parent, direction(piece(frame, k), UP));
+            var at = parent + way * lengths[k];
+            for (var i = 0u; i < PUSHED; i++) {
+                for (var c = 0u; c < motion.colliders; c++) {
+                    if (near[c >> 5u] & (1u << (c & 31u))) == 0u {
+                        continue;
+                    }
+                    let from_end = mix(colliders[4u * c], colliders[4u * c + 2u], share);
+                    let to_end = mix(colliders[4u * c + 1u].xyz, colliders[4u * c + 3u].xyz, share);
+                    let axis = to_end - from_end.xyz;
+                    let on_axis = clamp(dot(root + at - from_end.xyz, axis) / max(dot(axis, axis), 1e-20), 0.0, 1.0);
+                    let center = from_end.xyz + axis * on_axis - root;
+                    let off = at - center;
+                    if dot(off, off) < from_end.w * from_end.w {
+                        at = outside(parent, lengths[k], at, center, from_end.w);
+                        touched = direction(at - center, UP);
+                    }
+                }
+            }
+            set_place(k, at);
+        }
+        if h > 0.0 {
+            let speed = (place(k) - started(k)) / h;
+            let slide = speed - touched * dot(speed, touched);
+            let lost = select(0.0, 1.0 - pow(1.0 - motion.friction, STEPS_PER_S * h), dot(touched, touched) > 0.0);
+            set_velocity(k, speed - slide * lost);
+        }
+    }
+}
+
+fn between(a: mat3x3<f32>, b: mat3x3<f32>, share: f32) -> mat3x3<f32> {
+    return mat3x3(a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share, a[2] + (b[2] - a[2]) * share);
+}
+
+// Thread for thread a guide.
+@compute @workgroup_size(64)
+fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let guide = id.y * groups.x * 64u + id.x;
+    if guide >= motion.guides {
+        return;
+    }
+    let points = motion.points;
+    first_point = guide * points;
+    first_pearl = guide * (2u * points + 4u);
+    let last = first_pearl + 2u * points;
+    let t = triangles[guide];
+    let a = vertices[t.x].position;
+    let b = vertices[t.y].position;
+    let c = vertices[t.z].position;
+    let w = unpack2x16unorm(t.w);
+    let frame = motion.world_from_model * triangle_frame(a, b, c);
+    let root = motion.world_from_model * (a * (1.0 - w.x - w.y) + b * w.x + c * w.y);
+    if motion.fresh != 0u {
+        for (var k = 0u; k < points; k++) {
+            set_place(k, frame * groomed[first_point + k].xyz);
+            set_velocity(k, vec3(0.0));
+        }
+    } else {
+        let old_frame = mat3x3(pearls[last].xyz, pearls[last + 1u].xyz, pearls[last + 2u].xyz);
+        // From where the model's origin is now.
+        let old_root = pearls[last + 3u].xyz - motion.went;
+        lengths[0] = 0.0;
+        for (var k = 1u; k < points; k++) {
+            lengths[k] = length(frame * (groomed[first_point + k].xyz - groomed[first_point + k - 1u].xyz));
+        }
+        find_near(root, old_root);
+        for (var number = 1u; number <= motion.steps; number++) {
+            let begins = f32(number - 1u) / f32(motion.steps);
+            let ends = f32(number) / f32(motion.steps);
+            let before_s = select(motion.step_s, motion.before_s, number == 1u);
+            let time_s = motion.time_s - f32(motion.steps - number) * motion.step_s;
+            advance(
+                between(old_frame, frame, begins),
+                old_root + (root - old_root) * begins,
+                between(old_frame, frame, ends),
+                old_root + (root - old_root) * ends,
+                ends,
+                before_s,
+                time_s,
+            );
+        }
+    }
+    pearls[last] = vec4(frame[0], 0.0);
+    pearls[last + 1u] = vec4(frame[1], 0.0);
+    pearls[last + 2u] = vec4(frame[2], 0.0);
+    pearls[last + 3u] = vec4(root, 0.0);
+    for (var k = 0u; k < points; k++) {
+        posed_guides[first_point + k] = vec4(motion.model_from_world * place(k), 0.0);
+    }
+}

@@ -1,0 +1,170 @@
+//! `hair_motion`: lets hair on guides swing, once per instance and frame.
+//!
+//! Reads the posed skin, the guides as they were groomed and the pearls of the frame before; writes the pearls and, in place of what `hair_pose` makes of guides
+//! that do not move, where guides are.
+
+use super::{Outcome, Pass, PassId, PassPlace};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, in_compute, storage_in, storage_out, uniform};
+use crate::model::Growth;
+use crate::params::StyleKind;
+use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
+use bytemuck::{Pod, Zeroable};
+use glam::Mat3;
+use pelage_formats::GeometryVertex;
+
+/// The shader.
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage hair motion",
+    parts: &[
+        include_str!("../../shared/skinning.wgsl"),
+        include_str!("../../hair/triangle_frame.wgsl"),
+        include_str!("../../surface/geometry.wgsl"),
+        include_str!("wind.wgsl"),
+        include_str!("hair_motion.wgsl"),
+    ],
+};
+
+impl PassId {
+    /// Compute: lets hair on guides swing.
+    pub const HAIR_MOTION: Self = Self(&PASS);
+}
+
+/// The pass.
+pub(crate) const PASS: Pass = Pass {
+    name: "hair_motion",
+    place: PassPlace::Before,
+    styles: &[StyleKind::Fur],
+    does: "compute: lets hair on guides swing: Verlet with lengths that hold, and colliders",
+    runs_when: "hair on guides is drawn, frames move it, and it is not at rest",
+    shaders: &[SHADER],
+    targets: &[],
+    run,
+};
+
+/// What the guides of a group have in common in a frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct HairMotion {
+    pub(crate) world_from_model: [[f32; 4]; 3],
+    pub(crate) model_from_world: [[f32; 4]; 3],
+    pub(crate) origin: [f32; 3],
+    pub(crate) points: u32,
+    pub(crate) went: [f32; 3],
+    pub(crate) steps: u32,
+    pub(crate) gravity: [f32; 3],
+    pub(crate) step_s: f32,
+    pub(crate) wind: [f32; 3],
+    pub(crate) before_s: f32,
+    pub(crate) gust: f32,
+    pub(crate) gust_s: f32,
+    pub(crate) turbulence: f32,
+    pub(crate) eddy_m: f32,
+    pub(crate) time_s: f32,
+    pub(crate) held: f32,
+    pub(crate) free: f32,
+    pub(crate) drag_per_s: f32,
+    pub(crate) shape_hz: f32,
+    pub(crate) bend_hz: f32,
+    pub(crate) friction: f32,
+    pub(crate) colliders: u32,
+    pub(crate) guides: u32,
+    pub(crate) fresh: u32,
+    pub(crate) reserved: [u32; 2],
+}
+
+fn columns(m: Mat3) -> [[f32; 4]; 3] {
+    [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.extend(0.0).to_array())
+}
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let nothing = Outcome::Skipped("no hair on guides moves, or all is at rest");
+    // A device that cannot draw hair cannot make this layout.
+    if !frame.instances.iter().any(|seen| seen.look.strands && seen.moved.swing.is_some()) {
+        return nothing;
+    }
+    let instances = frame.instances.clone();
+    let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
+        vec![
+            storage_in::<GeometryVertex>(0),
+            storage_in::<[u32; 4]>(1),
+            storage_in::<[f32; 4]>(2),
+            storage_in::<[f32; 4]>(3),
+            storage_out::<[f32; 4]>(4),
+            storage_out::<[f32; 4]>(5),
+            storage_in::<[f32; 4]>(6),
+            in_compute(uniform::<HairMotion>(7, false)),
+        ]
+    });
+    let (mut dispatches, mut count) = (Vec::new(), 0);
+    for (seen, set) in strand_sets(&instances) {
+        let (Growth::Guided(guided), Some(swing)) = (&set.strands.growth, &seen.moved.swing) else { continue };
+        let (Some(motion), Some(guides), Some(pearls)) = (&guided.motion, &set.posed.guides, &set.posed.pearls) else {
+            continue;
+        };
+        let is_fresh = swing.is_fresh || set.posed.is_fresh;
+        if swing.is_at_rest && !is_fresh {
+            continue;
+        }
+        let wind = swing.params.wind;
+        let block = HairMotion {
+            world_from_model: columns(swing.world_from_model),
+            model_from_world: columns(swing.world_from_model.inverse()),
+            origin: swing.origin.to_array(),
+            points: set.strands.points,
+            went: swing.went.to_array(),
+            steps: swing.steps,
+            gravity: swing.params.gravity.to_array(),
+            step_s: swing.step_s,
+            wind: wind.velocity.to_array(),
+            before_s: swing.before_s,
+            gust: wind.gust,
+            gust_s: wind.gust_s,
+            turbulence: wind.turbulence,
+            eddy_m: wind.eddy_m,
+            time_s: wind.time_s,
+            held: motion.held,
+            free: motion.free,
+            drag_per_s: motion.drag_per_s,
+            shape_hz: motion.shape_hz,
+            bend_hz: motion.bend_hz,
+            friction: motion.friction,
+            colliders: swing.colliders.len() as u32,
+            guides: guided.guide_count,
+            fresh: u32::from(is_fresh),
+            reserved: [0; 2],
+        };
+        let end = |c: &pelage_formats::meaning::hair_motion::Capsule| {
+            [c.from.extend(c.radius_m).to_array(), c.to.extend(0.0).to_array()]
+        };
+        let mut colliders: Vec<[f32; 4]> = swing.colliders.iter().flatten().flat_map(end).collect();
+        if colliders.is_empty() {
+            // A binding cannot be empty.
+            colliders.push([0.0; 4]);
+        }
+        let size = size_of_val(&colliders[..]) as u64;
+        let place = frame.uniforms.put_array(frame.gpu, &colliders);
+        let colliders = Bound::Bytes { buffer: place.buffer, offset: place.offset, size };
+        let place = frame.uniforms.put(frame.gpu, &[block]);
+        let entries = vec![
+            (0, Bound::all(&seen.moved.geometry)),
+            (1, Bound::all(&guided.triangles)),
+            (2, Bound::all(&guided.guides)),
+            (3, Bound::all(&guided.ballast)),
+            (4, Bound::all(pearls)),
+            (5, Bound::all(guides)),
+            (6, colliders),
+            (7, Bound::block::<HairMotion>(&place.buffer, place.offset)),
+        ];
+        let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
+        let groups = vec![layout.clone()];
+        let spec = ComputeSpec { shader: SHADER, entry: "move_guides", groups, constants: Vec::new() };
+        let pipeline = frame.compute_pipeline(spec);
+        dispatches.push(Dispatch { pipeline, groups: vec![Group::of(&group)], threads: guided.guide_count });
+        count += guided.guide_count;
+    }
+    if dispatches.is_empty() {
+        return nothing;
+    }
+    record_dispatches(frame.encoder, SHADER.name, &dispatches);
+    Outcome::recorded(format!("{count} guides"))
+}
