@@ -89,18 +89,20 @@ pub(crate) fn animals(
     models: Extract<Res<Assets<PelageModel>>>,
 ) {
     scene.animals.clear();
-    scene.animals.extend(animals.iter().map(|(entity, pelage, transform, visible, clip, (joints, morphs), layers, dark)| {
-        let animal = Animal {
-            model: pelage.model.id(),
-            transform: transform.to_matrix(),
-            motion: motion(clip, joints),
-            morphs: morphs.cloned().unwrap_or_default(),
-            style: pelage.style.clone(),
-            throws_shadow: visible.get() && !dark,
-            layers: layers.cloned().unwrap_or_default(),
-        };
-        (MainEntity::from(entity), animal)
-    }));
+    scene.animals.extend(animals.iter().map(
+        |(entity, pelage, transform, visible, clip, (joints, morphs), layers, dark)| {
+            let animal = Animal {
+                model: pelage.model.id(),
+                transform: transform.to_matrix(),
+                motion: motion(clip, joints),
+                morphs: morphs.cloned().unwrap_or_default(),
+                style: pelage.style.clone(),
+                throws_shadow: visible.get() && !dark,
+                layers: layers.cloned().unwrap_or_default(),
+            };
+            (MainEntity::from(entity), animal)
+        },
+    ));
     scene.packages.clear();
     scene.packages.extend(models.iter().map(|(id, model)| (id, model.package.clone())));
 }
