@@ -58,8 +58,7 @@ pub(crate) fn swing(
     pose: &Pose,
     is_posed: bool,
 ) -> Option<(Swing, Past)> {
-    let moved = params.hair_motion.filter(|_| instance.model.hair_rest_s().is_some())?;
-    let rest_s = instance.model.hair_rest_s().unwrap_or_default();
+    let (moved, rest_s) = (params.hair_motion?, instance.model.hair_rest_s()?);
     let now = colliders(instance, pose);
     let (steps, step_s) = steps(params.time_step_s);
     let is_fresh = past.is_none_or(|past| past.cut != instance.cut || past.colliders.len() != now.len());

@@ -1,6 +1,7 @@
 //! Capsules in the place of a body.
 
-use glam::{Mat3, Mat4, Vec3};
+use glam::{Mat3, Vec3};
+use pelage_formats::meaning::hair_motion::Capsule;
 use pelage_formats::{BodyCollider, MeshData, Pose};
 
 /// Vertices that follow a joint, without which it has no capsule.
@@ -47,12 +48,16 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
         let to_model = pose.joints[joint];
         let volume = Mat3::from_mat4(to_model).determinant().abs();
         let scale = libm::cbrtf(volume);
-        let (from, to, radius) = capsule(points);
-        let clear = guides.iter().flatten().map(|p| apart(to_model, from, to, *p)).fold(f32::INFINITY, f32::min);
+        let fitted = capsule(points);
+        let Capsule { from, to, radius_m: radius } = fitted;
+        // In model space, where the guides are.
+        let [there_from, there_to] = [from, to].map(|end| to_model.transform_point3(end));
+        let there = Capsule { from: there_from, to: there_to, radius_m: radius * scale };
+        let clear = guides.iter().flatten().map(|p| there.nearest(*p).distance(*p)).fold(f32::INFINITY, f32::min);
         let thin = radius.min(0.98 * clear / scale.max(f32::MIN_POSITIVE));
-        let is_near = clear - radius * scale <= NEAR * longest;
+        let is_near = clear - there.radius_m <= NEAR * longest;
         if thin.is_finite() && thin > 0.0 && thin >= THINNEST * radius && is_near {
-            let gap = points.iter().map(|p| nearest(from, to, *p).distance(*p) - thin).fold(0.0, f32::max);
+            let gap = points.iter().map(|p| fitted.nearest(*p).distance(*p) - thin).fold(0.0, f32::max);
             let size = thin * thin * (thin + from.distance(to)) * volume;
             let collider = BodyCollider { joint: joint as u32, from: from.into(), to: to.into(), radius: thin };
             made.push((size, gap * scale, collider));
@@ -64,19 +69,8 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
     Fitted { colliders: made.into_iter().map(|(.., collider)| collider).collect(), gap_m }
 }
 
-/// Distance in model space between a place there and the axis of a capsule in mesh space.
-fn apart(to_model: Mat4, from: Vec3, to: Vec3, place: Vec3) -> f32 {
-    let [from, to] = [from, to].map(|end| to_model.transform_point3(end));
-    nearest(from, to, place).distance(place)
-}
-
-fn nearest(from: Vec3, to: Vec3, place: Vec3) -> Vec3 {
-    let along = to - from;
-    from + along * ((place - from).dot(along) / along.length_squared().max(1e-20)).clamp(0.0, 1.0)
-}
-
-/// Both ends of the axis, and the radius.
-fn capsule(points: &[Vec3]) -> (Vec3, Vec3, f32) {
+/// The capsule about points, in their own space.
+fn capsule(points: &[Vec3]) -> Capsule {
     let middle = points.iter().sum::<Vec3>() / points.len() as f32;
     let axis = longest_axis(points, middle);
     let mut along: Vec<f32> = points.iter().map(|p| (*p - middle).dot(axis)).collect();
@@ -87,7 +81,7 @@ fn capsule(points: &[Vec3]) -> (Vec3, Vec3, f32) {
     let radius = at(&aside, INSIDE);
     let (low, high) = (at(&along, BEYOND) + radius, at(&along, 1.0 - BEYOND) - radius);
     let [low, high] = if low <= high { [low, high] } else { [0.5 * (low + high); 2] };
-    (middle + axis * low, middle + axis * high, radius)
+    Capsule { from: middle + axis * low, to: middle + axis * high, radius_m: radius }
 }
 
 /// The direction in which points lie farthest apart, by the power method on their covariance.
