@@ -42,7 +42,8 @@ fn main() {
                     seconds: to - from,
                     before_s: steps(1.0 / FPS).1,
                     gravity: Vec3::NEG_Y * GRAVITY,
-                    wind: Wind { time_s: to, ..Wind::default() },
+                    wind: Wind::default(),
+                    time_s: to,
                     colliders: &moving,
                 };
                 let began = Instant::now();

@@ -27,6 +27,17 @@ impl Hull {
         along.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), (x, m)| (min.min(x - m), max.max(x + m)))
     }
 
+    /// Pixels on screen that a metre has, seen from the side, at the nearest point; infinite where the eye is within.
+    pub(crate) fn px_per_m(&self, clip_from_view: Mat4, clip_from_world: Mat4, height_px: u32) -> f32 {
+        let w = clip_from_world.row(3);
+        // Of clip space's w, which is the depth of a perspective view and 1 of a parallel one.
+        let reach = w.truncate().length();
+        let ahead = self.0.iter().map(|(p, margin)| w.dot(p.extend(1.0)) - reach * margin);
+        let nearest = ahead.fold(f32::INFINITY, f32::min);
+        let px_per_m = 0.5 * height_px as f32 * clip_from_view.y_axis.y.abs() / nearest;
+        if nearest > 0.0 { px_per_m } else { f32::INFINITY }
+    }
+
     /// A sphere that holds all: about the box that does. `None` of nothing.
     pub(crate) fn sphere(&self) -> Option<Sphere> {
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| self.range(Vec3::ZERO, axis));

@@ -15,6 +15,7 @@ use std::sync::Arc;
 /// The passes of a frame, in their order. A line is a folder of `passes/`.
 pub(crate) const PASSES: &[&Pass] = &[
     &pose::PASS,
+    &fur_motion::PASS,
     &strand_pose::PASS,
     &hair_motion::PASS,
     &hair_pose::PASS,
@@ -102,7 +103,8 @@ pub(crate) fn prepare(
     let uploaded_bytes = recording.uniforms.uploaded();
     let nearest = recording.nearest.clone();
     let target_bytes = targets.gpu_bytes() + nearest.as_ref().map_or(0, |nearest| nearest.lists.gpu_bytes());
-    let report = FrameReport { passes, instances, created, uploaded_bytes, target_bytes };
+    let hair_moves = seen.iter().any(Seen::moves_by_itself);
+    let report = FrameReport { passes, instances, hair_moves, created, uploaded_bytes, target_bytes };
     Ok(Frame {
         draws,
         shadows,

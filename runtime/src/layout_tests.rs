@@ -4,16 +4,18 @@ use crate::frame::PASSES;
 use crate::gpu::WORKGROUP;
 use crate::ink::{InkFrame, InkModel};
 use crate::model::{Stand, Strand, StrandConstants};
+use crate::passes::fur_motion::FurMotion;
 use crate::passes::hair_motion::HairMotion;
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{
-    fins, hair_motion, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_blend, strand_gather,
-    strand_light, strand_pose, strand_shadow, strands,
+    fins, fur_motion, hair_motion, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_blend,
+    strand_gather, strand_light, strand_pose, strand_shadow, strands,
 };
 use crate::scene::{NEAREST, NearestHair, TILE};
 use crate::shared::deep_opacity::{self, DeepOpacity};
 use crate::shared::{frame, receiver, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform, SCAN_WORKGROUP};
+use crate::swing::WindBlock;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
 use pelage_formats::meaning::{FIN_CORNERS, LEANING_ROWS};
@@ -382,11 +384,6 @@ fn hair_motion_is_as_rust_has_it() {
         ("step_s", offset_of!(HairMotion, step_s)),
         ("wind", offset_of!(HairMotion, wind)),
         ("before_s", offset_of!(HairMotion, before_s)),
-        ("gust", offset_of!(HairMotion, gust)),
-        ("gust_s", offset_of!(HairMotion, gust_s)),
-        ("turbulence", offset_of!(HairMotion, turbulence)),
-        ("eddy_m", offset_of!(HairMotion, eddy_m)),
-        ("time_s", offset_of!(HairMotion, time_s)),
         ("held", offset_of!(HairMotion, held)),
         ("free", offset_of!(HairMotion, free)),
         ("drag_per_s", offset_of!(HairMotion, drag_per_s)),
@@ -397,6 +394,42 @@ fn hair_motion_is_as_rust_has_it() {
         ("guides", offset_of!(HairMotion, guides)),
         ("fresh", offset_of!(HairMotion, fresh)),
         ("reserved", offset_of!(HairMotion, reserved)),
+    ];
+    let found: Vec<_> = members.iter().map(|m| (m.0.as_str(), m.1 as usize)).collect();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn wind_is_as_rust_has_it() {
+    let (members, size) = members(&fur_motion::SHADER.wgsl(), "Wind");
+    assert_eq!(size as usize, size_of::<WindBlock>());
+    let expected = [
+        ("velocity", offset_of!(WindBlock, velocity)),
+        ("gust", offset_of!(WindBlock, gust)),
+        ("gust_s", offset_of!(WindBlock, gust_s)),
+        ("turbulence", offset_of!(WindBlock, turbulence)),
+        ("eddy_m", offset_of!(WindBlock, eddy_m)),
+        ("time_s", offset_of!(WindBlock, time_s)),
+    ];
+    let found: Vec<_> = members.iter().map(|m| (m.0.as_str(), m.1 as usize)).collect();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn fur_motion_is_as_rust_has_it() {
+    let (members, size) = members(&fur_motion::SHADER.wgsl(), "FurMotion");
+    assert_eq!(size as usize, size_of::<FurMotion>());
+    let expected = [
+        ("world_from_model", offset_of!(FurMotion, world_from_model)),
+        ("origin", offset_of!(FurMotion, origin)),
+        ("vertices", offset_of!(FurMotion, vertices)),
+        ("went", offset_of!(FurMotion, went)),
+        ("seconds", offset_of!(FurMotion, seconds)),
+        ("wind", offset_of!(FurMotion, wind)),
+        ("before_s", offset_of!(FurMotion, before_s)),
+        ("scale", offset_of!(FurMotion, scale)),
+        ("strength", offset_of!(FurMotion, strength)),
+        ("begins", offset_of!(FurMotion, begins)),
     ];
     let found: Vec<_> = members.iter().map(|m| (m.0.as_str(), m.1 as usize)).collect();
     assert_eq!(found, expected);

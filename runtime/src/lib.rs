@@ -45,6 +45,7 @@ mod hair;
 mod hooks;
 mod ink;
 mod instance;
+mod lean;
 mod light;
 mod model;
 mod motion;
@@ -65,6 +66,9 @@ mod frame_tests;
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests")]
 mod layout_tests;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod lean_tests;
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests")]
 mod light_tests;

@@ -3,11 +3,13 @@
 use crate::bounds::Hull;
 use crate::gpu::Gpu;
 use crate::instance::{Instance, Motion};
+use crate::lean::{self, Fur, Lean};
 use crate::model::{Guided, Model, Strands};
-use crate::params::FrameParams;
+use crate::params::{FrameParams, HairMotionParams, StyleKind};
 use crate::swing::{Past, Swing, swing};
 use glam::Mat4;
 use pelage_formats::Pose;
+use pelage_formats::meaning::fur_motion;
 use std::collections::HashMap;
 
 /// Frames after which an owner that none of them named is forgotten.
@@ -24,6 +26,9 @@ struct State {
     pose: Pose,
     /// Of its hair, where that moves.
     past: Option<Past>,
+    /// Its fur, where that leaned once, and whether it does.
+    fur: Option<Fur>,
+    is_leaning: bool,
     /// Another number whenever the shape in model space is another, and never one that any owner had before.
     revision: u64,
     last_frame: u64,
@@ -37,13 +42,19 @@ pub(crate) struct States {
     strands: HashMap<(u64, usize), StrandState>,
     frame: u64,
     revisions: u64,
+    /// Lives of hair that began so far.
+    lives: u64,
 }
 
 /// An instance as it is in this frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Moved {
-    /// The first vertex stream: posed where the model has a skeleton.
+    /// The first vertex stream as it is drawn: posed where the model has a skeleton, and leaned where fur leans.
     pub(crate) geometry: wgpu::Buffer,
+    /// The same without leaning.
+    pub(crate) posed: wgpu::Buffer,
+    /// How its fur moves, where it does in this frame.
+    pub(crate) lean: Option<Lean>,
     /// Where its parts are, where the posed vertices are not of it yet.
     pub(crate) pose: Option<Moves>,
     pub(crate) revision: u64,
@@ -68,9 +79,9 @@ struct StrandState {
     points: wgpu::Buffer,
     /// Points of its guides, where it follows some.
     guides: Option<wgpu::Buffer>,
-    /// Their pearls, where they may move, and the frame that they are of.
+    /// Their pearls, where they may move, and the life that they went through last.
     pearls: Option<wgpu::Buffer>,
-    swung: u64,
+    life: Option<u64>,
     /// The revision that both are of; 0 where they hold nothing yet.
     revision: u64,
     /// Share of them that is posed.
@@ -86,8 +97,10 @@ pub(crate) struct PosedStrands {
     pub(crate) guides: Option<wgpu::Buffer>,
     /// The pearls of those, where they may move.
     pub(crate) pearls: Option<wgpu::Buffer>,
-    /// The pearls are not of the frame before: hair begins as it was groomed.
+    /// The pearls are not of the life before: hair begins as it was groomed.
     pub(crate) is_fresh: bool,
+    /// They went through this life in an earlier frame of its moment.
+    pub(crate) has_lived: bool,
     /// They are of another pose, or too few.
     pub(crate) stale: bool,
     /// Share of them that is posed.
@@ -104,15 +117,21 @@ impl PosedStrands {
 
 impl States {
     /// Moves the owners of instances that passed their check to where this frame has them.
-    pub(crate) fn move_to(&mut self, gpu: &Gpu, params: &FrameParams, instances: &[&Instance]) -> Vec<Moved> {
+    pub(crate) fn move_to(
+        &mut self,
+        gpu: &Gpu,
+        params: &FrameParams,
+        clip_from_view: Mat4,
+        instances: &[&Instance],
+    ) -> Vec<Moved> {
         self.frame += 1;
         let oldest = self.frame.saturating_sub(FORGOTTEN_AFTER);
         self.owners.retain(|_, state| state.last_frame >= oldest);
         self.strands.retain(|_, state| state.last_frame >= oldest);
-        instances.iter().map(|instance| self.moved(gpu, params, instance)).collect()
+        instances.iter().map(|instance| self.moved(gpu, params, clip_from_view, instance)).collect()
     }
 
-    fn moved(&mut self, gpu: &Gpu, params: &FrameParams, instance: &Instance) -> Moved {
+    fn moved(&mut self, gpu: &Gpu, params: &FrameParams, clip_from_view: Mat4, instance: &Instance) -> Moved {
         let model = &instance.model;
         let frame = self.frame;
         if self.owners.get(&instance.owner).is_some_and(|state| !state.model.is(model)) {
@@ -127,6 +146,8 @@ impl States {
             motion: None,
             pose: Pose::default(),
             past: None,
+            fur: None,
+            is_leaning: false,
             revision: 0,
             last_frame: frame,
         });
@@ -155,30 +176,63 @@ impl States {
                 pose = Some(Moves { joints: state.pose.joints.clone(), shifts: state.pose.shifts.clone() });
             }
         }
-        let moves = swing(state.past.as_ref(), instance, params, &state.pose, pose.is_some());
-        let (swing, past) = moves.unzip();
-        // Hair that begins to move, moves, or ceases to, has another shape.
-        let is_other = swing.as_ref().map_or(state.past.is_some(), |swing| !swing.is_at_rest);
-        state.past = past;
-        if is_other {
-            self.revisions += 1;
-            state.revision = self.revisions;
-        }
         let mut hull = Hull::default();
         // Leaning hair reaches farther than its height.
         let fur_m = std::f32::consts::SQRT_2 * model.manifest().fur.height_m;
         model.extent().add_to(&mut hull, &state.pose, instance.transform, fur_m);
-        let geometry = state.posed.as_ref().unwrap_or(model.geometry()).clone();
-        let revision = state.revision;
-        Moved { geometry, pose, revision, swing, hull }
+        let leans = |moved: &HairMotionParams| {
+            moved.fur > 0.0 && model.has_leaning_fur() && params.style.kind() != StyleKind::Bare
+        };
+        let leaning = params.hair_motion.filter(leans);
+        let fur_rest_s = leaning.map(|_| fur_motion::rest_s(model.manifest().fur.height_m * instance.scale()));
+        let rest_s = fur_rest_s.into_iter().chain(model.hair_rest_s()).reduce(f32::max);
+        self.lives += 1;
+        let lives = params.hair_motion.zip(rest_s).map(|(moved, rest_s)| {
+            let moment = (moved, params.time_s);
+            swing(state.past.as_ref(), instance, moment, rest_s, &state.pose, pose.is_some(), self.lives)
+        });
+        let (swing, past) = lives.unzip();
+        // Hair that begins to move, moves, or ceases to, has another shape.
+        let mut is_other = match &swing {
+            Some(swing) => swing.life == self.lives && !swing.is_at_rest,
+            None => state.past.is_some(),
+        };
+        state.past = past;
+        let posed = state.posed.as_ref().unwrap_or(model.geometry()).clone();
+        let (mut geometry, mut lean) = (posed.clone(), None);
+        let wanted = leaning.map_or(0.0, |moved| {
+            let clip_from_world = clip_from_view * params.camera.view_from_world;
+            let px_per_m = instance.scale() * hull.px_per_m(clip_from_view, clip_from_world, params.viewport[1]);
+            lean::strength(moved.fur, model.manifest().fur.height_m * px_per_m)
+        });
+        let mut is_leaning = false;
+        if let (Some(swing), Some(_)) = (&swing, leaning) {
+            if wanted > 0.0 && state.fur.is_none() {
+                state.fur = Some(Fur::new(gpu, &posed));
+            }
+            if let Some(fur) = &mut state.fur
+                && fur.is_seen(swing, wanted)
+            {
+                lean = fur.lean(swing, wanted);
+                geometry = fur.leaned().clone();
+                is_leaning = true;
+            }
+        }
+        is_other |= lean.is_some() || is_leaning != state.is_leaning;
+        state.is_leaning = is_leaning;
+        if is_other {
+            self.revisions += 1;
+            state.revision = self.revisions;
+        }
+        Moved { geometry, posed, lean, pose, revision: state.revision, swing, hull }
     }
 
-    /// Where a set of an instance's strands is posed, of which this frame draws a share at that revision of its shape.
+    /// Where a set of an instance's strands is posed, of which this frame draws a share as it was moved.
     pub(crate) fn pose_strands(
         &mut self,
         gpu: &Gpu,
         instance: &Instance,
-        revision: u64,
+        moved: &Moved,
         set: usize,
         share: f32,
     ) -> PosedStrands {
@@ -186,18 +240,21 @@ impl States {
         let made = || StrandState::new(gpu, strands);
         let state = self.strands.entry((instance.owner, set)).or_insert_with(made);
         state.last_frame = self.frame;
-        let is_fresh = state.swung + 1 < self.frame;
-        state.swung = self.frame;
+        let swing = moved.swing.as_ref();
+        let has_lived = swing.is_some_and(|swing| state.life == Some(swing.life));
+        let is_fresh = !has_lived && swing.is_none_or(|swing| swing.follows.is_none() || state.life != swing.follows);
+        state.life = swing.map(|swing| swing.life);
         let wanted = share.max(strands.shadow_share());
-        let stale = state.revision != revision || state.share < wanted;
+        let stale = state.revision != moved.revision || state.share < wanted;
         if stale {
-            (state.revision, state.share) = (revision, wanted);
+            (state.revision, state.share) = (moved.revision, wanted);
         }
         PosedStrands {
             buffer: state.points.clone(),
             guides: state.guides.clone(),
             pearls: state.pearls.clone(),
             is_fresh,
+            has_lived,
             stale,
             share: state.share,
         }
@@ -207,6 +264,12 @@ impl States {
     #[cfg(test)]
     pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
         self.strands.get(&(owner, set))?.guides.as_ref()
+    }
+
+    /// The buffer of an owner's leaned vertices.
+    #[cfg(test)]
+    pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
+        Some(self.owners.get(&owner)?.fur.as_ref()?.leaned())
     }
 
     /// Forgets all poses, so that they are computed anew.
@@ -228,8 +291,10 @@ impl States {
 
     /// Bytes on the GPU.
     pub(crate) fn gpu_bytes(&self) -> u64 {
-        let posed = self.owners.values().filter_map(|state| state.posed.as_ref().map(wgpu::Buffer::size));
-        posed.sum::<u64>() + self.strands.values().map(StrandState::gpu_bytes).sum::<u64>()
+        let of_skin = |state: &State| {
+            state.posed.as_ref().map_or(0, wgpu::Buffer::size) + state.fur.as_ref().map_or(0, Fur::gpu_bytes)
+        };
+        self.owners.values().map(of_skin).sum::<u64>() + self.strands.values().map(StrandState::gpu_bytes).sum::<u64>()
     }
 }
 
@@ -242,7 +307,7 @@ impl StrandState {
             points: buffer("pelage posed strands", strands.posed_bytes()),
             guides: strands.guided().map(|guided| buffer("pelage posed guides", guided.guides.size())),
             pearls: strands.pearl_bytes().map(|bytes| buffer("pelage pearls", bytes)),
-            swung: 0,
+            life: None,
             revision: 0,
             share: 0.0,
             last_frame: 0,

@@ -162,6 +162,12 @@ impl Renderer {
         self.kept.states.posed_guides(owner, set)
     }
 
+    /// The buffer of an owner's leaned vertices.
+    #[cfg(test)]
+    pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
+        self.kept.states.leaned(owner)
+    }
+
     /// Forgets poses and shadow maps, so that the next frame makes them anew, and gives the maps' memory back. An encoder that a frame was
     /// prepared into and that was dropped instead of submitted is noticed without this.
     pub fn invalidate(&mut self) {

@@ -8,6 +8,8 @@ pub struct FrameReport {
     pub passes: Vec<PassReport>,
     /// One entry per instance, in the order given.
     pub instances: Vec<InstanceDetail>,
+    /// Whether hair moves by itself: the next moment has another picture, although nobody moves anything.
+    pub hair_moves: bool,
     /// What had to be made for the frame.
     pub created: Created,
     /// Bytes of uniforms and storage that the queue was given: none where all is as in a frame before.

@@ -19,8 +19,18 @@ use pelage_stage::Gpu;
 const POINTS: usize = 9;
 const MOTION: GroupMotion =
     GroupMotion { held: 0.1, free: 0.5, drag_per_s: 1.5, shape_hz: 0.8, bend_hz: 1.5, friction: 0.3 };
-const WIND: Wind =
-    Wind { velocity: Vec3::new(2.0, 0.0, -1.0), gust: 0.5, gust_s: 0.7, turbulence: 0.4, eddy_m: 0.3, time_s: 0.0 };
+const WIND: Wind = Wind { velocity: Vec3::new(2.0, 0.0, -1.0), gust: 0.5, gust_s: 0.7, turbulence: 0.4, eddy_m: 0.3 };
+
+/// What a buffer of the device has.
+pub fn read<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<T> {
+    let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+    let copy = wgpu::BufferDescriptor { label: None, size: buffer.size(), usage, mapped_at_creation: false };
+    let copy = gpu.device.create_buffer(&copy);
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+    gpu.queue.submit([encoder.finish()]);
+    bytemuck::pod_collect_to_vec(&gpu.read_buffer(&copy).unwrap())
+}
 
 /// An octahedron whose every side has a guide.
 struct Scene {
@@ -111,7 +121,8 @@ impl Scene {
                     seconds: 1.0 / fps,
                     before_s: steps(1.0 / fps).1,
                     gravity: Vec3::NEG_Y * GRAVITY,
-                    wind: Wind { time_s: frame as f32 / fps, ..wind },
+                    wind,
+                    time_s: frame as f32 / fps,
                     colliders: &colliders,
                 };
                 let [before, now] = [frame - 1, frame].map(|frame| self.rooted(side, at(frame).0));
@@ -140,23 +151,16 @@ impl Scene {
             let mut instance = Instance::new(1, &model).at(transform);
             // The first is the body's own.
             instance.colliders = colliders[1..].to_vec();
-            let blown = HairMotionParams::default().with(|p| p.wind = Wind { time_s: frame as f32 / fps, ..wind });
-            let params =
-                FrameParams::new(camera, [64, 64]).with(|p| (p.time_step_s, p.hair_motion) = (1.0 / fps, Some(blown)));
+            let blown = HairMotionParams::default().with(|p| p.wind = wind);
+            let time_s = f64::from(frame) / f64::from(fps);
+            let params = FrameParams::new(camera, [64, 64]).with(|p| (p.time_s, p.hair_motion) = (time_s, Some(blown)));
             let params = params.with(|p| p.soft_shadow = false).with_fur(|fur| fur.self_shadow = SelfShadow::Off);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
             gpu.queue.submit([encoder.finish()]);
         }
         let guides = renderer.posed_guides(1, 0).unwrap();
-        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let copy = wgpu::BufferDescriptor { label: None, size: guides.size(), usage, mapped_at_creation: false };
-        let copy = gpu.device.create_buffer(&copy);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(guides, 0, &copy, 0, guides.size());
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = gpu.read_buffer(&copy).unwrap();
-        let numbers: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let numbers: Vec<[f32; 4]> = read(gpu, guides);
         numbers.iter().map(|[x, y, z, _]| Vec3::new(*x, *y, *z)).collect()
     }
 }

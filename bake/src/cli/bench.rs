@@ -41,7 +41,8 @@ pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
     for index in 0..WARM_UP + frames {
         output.progress(&format!("frame {index} of {}", WARM_UP + frames));
         // A clip plays at 60 frames a second, so that every frame poses anew, as it would in an application.
-        scene.advance(view.time_s + index as f32 / 60.0, 1.0 / 60.0, view.look.hair_motion());
+        let clock_s = scene.params.time_s + Meter::FRAME_S;
+        scene.advance(view.time_s + index as f32 / 60.0, clock_s, view.look.hair_motion());
         let frame = meter.measure(&mut scene)?;
         if index >= WARM_UP {
             times.push(frame);

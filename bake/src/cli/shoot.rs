@@ -105,17 +105,19 @@ impl Shoot {
 
     /// Goes to picture `index`: hair lives through a second before the first, and through all that come before this one, also where those are drawn already.
     fn live_until(&mut self, index: usize) -> Result<(), Failure> {
-        let motion = self.view.look.hair_motion().filter(|_| self.scene.has_moving_hair());
-        let seconds = 1.0 / (self.moments() as f32 * self.fps as f32);
+        let motion = self.view.look.hair_motion().filter(|motion| self.scene.may_move_hair(motion));
+        let begins_s = f64::from(self.view.time_s);
+        let fps = (self.moments() * i64::from(self.fps)) as f64;
+        let clock_s = move |moment: i64| begins_s + moment as f64 / fps;
         let now = index as i64 * self.moments();
         if motion.is_some() {
             let first = self.lived.map_or(-self.moments() * i64::from(self.fps), |last| last + 1);
             for earlier in first..now {
-                self.scene.advance(self.time_s(earlier), seconds, motion);
+                self.scene.advance(self.time_s(earlier), clock_s(earlier), motion);
                 self.scene.pass_by()?;
             }
         }
-        self.scene.advance(self.time_s(now), seconds, motion);
+        self.scene.advance(self.time_s(now), clock_s(now), motion);
         self.lived = Some(now);
         Ok(())
     }

@@ -7,6 +7,7 @@
 mod coat;
 mod direction;
 mod fins;
+pub mod fur_motion;
 mod groom;
 pub mod hair_groups;
 pub mod hair_motion;

@@ -110,6 +110,7 @@ fn prepare(
                 params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
                 params.soft_shadow = false;
                 params.style = style.clone();
+                scene.move_hair(params);
             });
             let frame = drawing.renderer.prepare(encoder, &params, &instances);
             let frame = drawing.or_say(frame).filter(|frame| frame.report().instances.iter().any(|i| i.in_picture));

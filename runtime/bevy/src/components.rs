@@ -6,7 +6,7 @@ use bevy_camera::visibility::{self, NoFrustumCulling, Visibility, VisibilityClas
 use bevy_ecs::prelude::*;
 use bevy_math::Mat4;
 use bevy_transform::components::Transform;
-use pelage_runtime::{FurParams, InkBackground, InkParams, ShadowParams, Style};
+use pelage_runtime::{FurParams, HairMotionParams, InkBackground, InkParams, ShadowParams, Style};
 
 /// An animal: the model of a package, drawn in a style where the entity stands.
 ///
@@ -94,6 +94,17 @@ pub struct ShadesPelage;
 /// in a picture, maps have up to four times as many texels a side.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct PelageShadows(pub ShadowParams);
+
+/// What moves hair on guides, manes and tails: gravity and wind, for all animals (default gravity, and air that stands still). `None` leaves it as it was
+/// groomed. Hair lives as Bevy's `Time` passes.
+#[derive(Resource, Clone, Debug)]
+pub struct PelageHair(pub Option<HairMotionParams>);
+
+impl Default for PelageHair {
+    fn default() -> Self {
+        Self(Some(HairMotionParams::default()))
+    }
+}
 
 /// What a [`PelageClip`] was found to be in the model of its entity.
 #[derive(Component, Clone, Debug, Default)]

@@ -85,6 +85,7 @@ pub(crate) fn prepare(
             lights::light(params, &scene.suns, ambient, camera.exposure, &layers);
             params.shadows = reach::maps_of(scene.shadows, &reaches, device.limits().max_texture_dimension_2d);
             params.style = group.style.clone();
+            scene.move_hair(params);
         });
         let frame =
             casters.prepare(&mut drawing, &scene, &device, ctx.command_encoder(), &params, &group.instances, &reaches);

@@ -1,6 +1,8 @@
 //! What the render world sees of the main world in a frame: plain data.
 
-use crate::components::{ClipPlace, Pelage, PelageClip, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage};
+use crate::components::{
+    ClipPlace, Pelage, PelageClip, PelageHair, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage,
+};
 use crate::lights::{Ambient, Sun};
 use crate::model::PelageModel;
 use bevy_asset::{AssetEvent, AssetId, Assets};
@@ -12,8 +14,9 @@ use bevy_math::Mat4;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_render::Extract;
 use bevy_render::sync_world::MainEntity;
+use bevy_time::Time;
 use bevy_transform::components::GlobalTransform;
-use pelage_runtime::{Motion, ShadowParams, Sphere, Style};
+use pelage_runtime::{FrameParams, HairMotionParams, Motion, ShadowParams, Sphere, Style};
 use pelage_stage::NamedPackage;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -54,9 +57,19 @@ pub(crate) struct Scene {
     /// Of cameras that have one, by the entity in the main world.
     pub(crate) ambients: HashMap<MainEntity, Ambient>,
     pub(crate) shadows: ShadowParams,
+    pub(crate) hair_motion: Option<HairMotionParams>,
+    /// Of Bevy's clock, seconds.
+    pub(crate) time_s: f64,
     pub(crate) casters: Vec<Caster>,
     /// Another number whenever a mesh was changed in place.
     pub(crate) meshes_changed: u64,
+}
+
+impl Scene {
+    /// Has hair live to the moment of the scene.
+    pub(crate) fn move_hair(&self, params: &mut FrameParams) {
+        (params.time_s, params.hair_motion) = (self.time_s, self.hair_motion);
+    }
 }
 
 /// How an animal is posed.
@@ -131,6 +144,11 @@ pub(crate) fn lights(
     };
     scene.ambients.extend(ambients.iter().map(own));
     scene.shadows = shadows.0;
+}
+
+/// What moves hair, and the moment.
+pub(crate) fn hair(mut scene: ResMut<Scene>, hair: Extract<Res<PelageHair>>, time: Extract<Res<Time>>) {
+    (scene.hair_motion, scene.time_s) = (hair.0, time.elapsed_secs_f64());
 }
 
 /// The meshes that throw shadows on fur.

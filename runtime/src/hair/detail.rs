@@ -74,7 +74,8 @@ impl Drawing {
         samples: u32,
         clip_from_view: Mat4,
     ) -> Self {
-        let px_per_m = px_per_m(instance, hull, params, clip_from_view);
+        let clip_from_world = clip_from_view * params.camera.view_from_world;
+        let px_per_m = instance.scale() * hull.px_per_m(clip_from_view, clip_from_world, params.viewport[1]);
         let detail = params.style.fur().map_or(1.0, |fur| bias(fur.detail));
         let most_pieces = crate::study::strand_pieces(params);
         let drawing = Self { px_per_m: px_per_m * detail, most_pieces, ..Self::layered(instance, px_per_m, params) };
@@ -290,17 +291,6 @@ fn texel_level(fur: &FurInfo, px: f32) -> f32 {
     let texel_px = px * fur.tile_size_m / (fur.height_m * fur.tile_texels.max(1) as f32);
     let level = -texel_px.log2();
     if level.is_finite() { level.ceil().clamp(0.0, fur.tile_texels.max(1).ilog2() as f32) } else { 0.0 }
-}
-
-/// Pixels on screen that a metre of the model at rest has, seen from the side, at the nearest point of the model; infinite where the eye is
-/// within its bounds.
-fn px_per_m(instance: &Instance, hull: &Hull, params: &FrameParams, clip_from_view: Mat4) -> f32 {
-    let w = (clip_from_view * params.camera.view_from_world).row(3);
-    // Of clip space's w, which is the depth of a perspective view and 1 of a parallel one.
-    let reach = w.truncate().length();
-    let nearest = hull.0.iter().map(|(p, margin)| w.dot(p.extend(1.0)) - reach * margin).fold(f32::INFINITY, f32::min);
-    let px_per_m = instance.scale() * 0.5 * params.viewport[1] as f32 * clip_from_view.y_axis.y.abs() / nearest;
-    if nearest > 0.0 { px_per_m } else { f32::INFINITY }
 }
 
 #[cfg(test)]

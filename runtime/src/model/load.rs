@@ -35,10 +35,9 @@ pub(crate) fn load(
     use wgpu::BufferUsages as Usage;
     let fins = package.fins()?.filter(|fins| fins.count > 0 && surfaces.fins.is_some());
     let single = surfaces.strands && (package.strands()?.is_some() || !package.hair_groups()?.is_empty());
-    let read = |by_shader| if by_shader { Usage::STORAGE } else { Usage::empty() };
-    let geometry =
-        uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | read(skinned || fins.is_some() || single))?;
-    let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX | read(fins.is_some()))?;
+    // Compute shaders read both: where skin is posed, where fur leans, where hair roots.
+    let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | Usage::STORAGE)?;
+    let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX | Usage::STORAGE)?;
     let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
     let morphs = package.morphs()?.filter(|morphs| skinned && !morphs.deltas.is_empty());
     let morph_buffers = match &morphs {

@@ -5,6 +5,7 @@ use super::ink::ModelInk;
 use super::strands::Strands;
 use crate::error::RuntimeError;
 use crate::params::check_shading;
+use pelage_formats::meaning::fur_motion;
 use pelage_formats::meaning::hair_motion::rest_s;
 use pelage_formats::{Animation, BodyCollider, Clip, Manifest, MeshView, MorphTarget, Shading};
 use std::ops::Range;
@@ -150,12 +151,17 @@ impl Model {
         self.resources.animation.as_deref().filter(|_| self.resources.skin.is_some())
     }
 
-    /// Whether any of its hair swings where frames let it ([`crate::FrameParams::hair_motion`]).
+    /// Whether any of its hair on guides swings where frames let it ([`crate::FrameParams::hair_motion`]).
     pub fn has_moving_hair(&self) -> bool {
         self.hair_rest_s().is_some()
     }
 
-    /// Seconds after which its hair has come to rest where nothing moves it; `None` where no hair moves.
+    /// Whether it has fur, which leans where frames let it.
+    pub fn has_leaning_fur(&self) -> bool {
+        self.manifest().fur.height_m > fur_motion::SHORTEST_M
+    }
+
+    /// Seconds after which its hair on guides has come to rest where nothing moves it; `None` where none moves.
     pub(crate) fn hair_rest_s(&self) -> Option<f32> {
         let moves = self.resources.strands.iter().filter_map(|set| set.guided()?.motion);
         moves.map(|motion| rest_s(&motion)).reduce(f32::max)

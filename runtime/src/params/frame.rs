@@ -21,9 +21,9 @@ pub struct FrameParams {
     /// Width and height of the part of the target that the frame is drawn to, pixels, at least 1 each. The application's pass has a
     /// viewport of that size; for [`Style::Ink`] it begins at the target's upper left corner.
     pub viewport: [u32; 2],
-    /// Seconds since the last frame, 0 or more (default 0: time stands still). For what moves of itself: hair. Poses are
-    /// set by [`crate::Instance::motion`].
-    pub time_step_s: f32,
+    /// The moment by the application's clock, seconds (default 0). What moves of itself, which is hair, lives from the moment of one frame of an
+    /// owner to that of the next; frames of one moment, for two cameras say, have the same. Poses are set by [`crate::Instance::motion`].
+    pub time_s: f64,
     /// What moves hair on guides (default `None`: it stays as it was groomed).
     pub hair_motion: Option<HairMotionParams>,
     /// The key light: the one that throws shadows.
@@ -52,7 +52,7 @@ impl FrameParams {
         Self {
             camera,
             viewport,
-            time_step_s: 0.0,
+            time_s: 0.0,
             hair_motion: None,
             light: Light::default(),
             fill_lights: Vec::new(),
@@ -108,8 +108,8 @@ impl FrameParams {
             let [width, height] = self.viewport;
             return fail("FrameParams::viewport", format!("{width}x{height}"), &format!("1..={most} pixels a side"));
         }
-        if !(self.time_step_s.is_finite() && self.time_step_s >= 0.0) {
-            return fail("FrameParams::time_step_s", self.time_step_s.to_string(), "a finite number, at least 0");
+        if !self.time_s.is_finite() {
+            return fail("FrameParams::time_s", self.time_s.to_string(), "a finite number");
         }
         self.hair_motion.iter().try_for_each(HairMotionParams::check)?;
         self.shadows.check(limits)?;

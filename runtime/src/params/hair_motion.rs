@@ -1,16 +1,14 @@
-//! What moves hair on guides.
+//! What moves hair on guides, and fur.
 
 use crate::error::RuntimeError;
 use glam::Vec3;
 pub use pelage_formats::meaning::hair_motion::Wind;
 
-/// What moves hair on guides, where packages say how it moves: manes and tails swing, and come to rest.
+/// What moves hair: fur leans, and hair on guides swings where packages say how, and all comes to rest.
 ///
-/// Frames say how much time passes ([`crate::FrameParams::time_step_s`]), of which hair lives through at most 2/15 s: a second that is missed is not made up
-/// for. Without time it holds still, but goes with the skin. An owner's hair begins as it was groomed in the first frame that has it, and where
-/// [`crate::Instance::cut`] is another number.
-///
-/// Two frames of one moment, for two cameras say, take their time once: let the second have a time step of 0.
+/// Hair lives from the moment of an owner's last frame to that of this one ([`crate::FrameParams::time_s`]), through at most 2/15 s: a second that is missed
+/// is not made up for, and time that goes backwards is none. Without time it holds still, but goes with the skin. It begins as it was groomed in the first
+/// frame that has it, and where [`crate::Instance::cut`] is another number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HairMotionParams {
@@ -18,12 +16,14 @@ pub struct HairMotionParams {
     pub gravity: Vec3,
     /// The air, in world space (default still).
     pub wind: Wind,
+    /// How far fur leans in wind and stride, 0..=4; 1 as it would, 0 not at all (default 1). Fur of less than a pixel's height does not.
+    pub fur: f32,
 }
 
 impl Default for HairMotionParams {
     fn default() -> Self {
         let gravity = Vec3::NEG_Y * pelage_formats::meaning::hair_motion::GRAVITY;
-        Self { gravity, wind: Wind::default() }
+        Self { gravity, wind: Wind::default(), fur: 1.0 }
     }
 }
 
@@ -43,14 +43,16 @@ impl HairMotionParams {
         if !within(self.gravity) {
             return fail("HairMotionParams::gravity", self.gravity.to_string(), "finite, at most 10000 m/s²");
         }
-        let Wind { velocity, gust, gust_s, turbulence, eddy_m, time_s } = self.wind;
+        if !(0.0..=4.0).contains(&self.fur) {
+            return fail("HairMotionParams::fur", self.fur.to_string(), "0..=4");
+        }
+        let Wind { velocity, gust, gust_s, turbulence, eddy_m } = self.wind;
         let least = [gust, turbulence].iter().all(|x| (0.0..=100.0).contains(x));
         let positive = [gust_s, eddy_m].iter().all(|x| *x > 0.0 && x.is_finite());
-        if within(velocity) && least && positive && time_s.is_finite() {
+        if within(velocity) && least && positive {
             return Ok(());
         }
-        let expected =
-            "a velocity of at most 10000 m/s, gust and turbulence 0..=100, gust_s and eddy_m above 0, a finite time";
+        let expected = "a velocity of at most 10000 m/s, gust and turbulence 0..=100, gust_s and eddy_m above 0";
         fail("HairMotionParams::wind", format!("{:?}", self.wind), expected)
     }
 }

@@ -2,6 +2,7 @@
 //! `frame.rs`.
 
 pub(crate) mod fins;
+pub(crate) mod fur_motion;
 pub(crate) mod hair_motion;
 pub(crate) mod hair_pose;
 pub(crate) mod ink_composite;
@@ -28,6 +29,7 @@ pub(crate) mod strands;
 use crate::gpu::{Draw, Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::Recording;
+use glam::Mat3;
 use std::fmt;
 
 /// When a pass is recorded.
@@ -55,6 +57,11 @@ pub(crate) struct Pass {
     pub(crate) targets: &'static [Target],
     /// Records it, or plans its draws in the application's pass, in a frame of one of its styles.
     pub(crate) run: fn(&mut Recording<'_>) -> Outcome,
+}
+
+/// A matrix as uniforms have it.
+pub(crate) fn columns(m: Mat3) -> [[f32; 4]; 3] {
+    [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.extend(0.0).to_array())
 }
 
 /// A pass of a frame.

@@ -73,7 +73,7 @@ pub(crate) fn begin<'f>(
     kept.nearest.next_frame();
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
-    let moved = kept.states.move_to(gpu, params, instances);
+    let moved = kept.states.move_to(gpu, params, clip_from_view, instances);
     let hulls: Vec<Hull> = instances.iter().zip(&moved).map(|(instance, moved)| on_screen(instance, moved)).collect();
     let limits = kept.gpu.device.limits();
     let params_drawn = drawable(params, &limits, || {
@@ -134,7 +134,7 @@ pub(crate) fn begin<'f>(
             let take = || Ribbons::take(&mut kept.ribbons, gpu, strands, drawn.step, !blended);
             SeenSet {
                 drawn: *drawn,
-                posed: kept.states.pose_strands(gpu, instance, moved.revision, drawn.set, drawn.share),
+                posed: kept.states.pose_strands(gpu, instance, &moved, drawn.set, drawn.share),
                 ribbons: drawing.detail.in_picture.then(take),
             }
         };

@@ -75,6 +75,14 @@ impl Seen {
         }
     }
 
+    /// Whether the next moment has another picture of it although nobody moves anything.
+    pub(crate) fn moves_by_itself(&self) -> bool {
+        let swings = self.moved.swing.as_ref().is_some_and(|swing| !swing.is_at_rest);
+        swings
+            && self.in_picture()
+            && (self.moved.lean.is_some() || self.sets.iter().any(|set| set.posed.pearls.is_some()))
+    }
+
     /// Whether any of it may be in the picture.
     pub(crate) fn in_picture(&self) -> bool {
         self.drawing.detail.in_picture

@@ -37,6 +37,14 @@ pub struct Actor {
     pub morphs: Vec<(usize, f32)>,
 }
 
+impl Actor {
+    /// Whether it is elsewhere, or posed otherwise, at another time.
+    pub(crate) fn moves(&self) -> bool {
+        let Place { position, heading_deg, scale: _ } = &self.place;
+        self.clip.is_some() || self.over.is_some() || position.moves() || heading_deg.as_ref().is_some_and(Track::moves)
+    }
+}
+
 /// A place over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {

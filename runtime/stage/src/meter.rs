@@ -105,11 +105,16 @@ impl Meter {
         self.clock
     }
 
+    /// Seconds from one frame to the next, by the stage's clock.
+    pub const FRAME_S: f64 = 1.0 / 60.0;
+
     /// Draws the stage four times (as a whole, without shadows, pass by pass, and as the yardstick) and times each.
     ///
-    /// All in one go, so that what else the machine does falls on all of them alike.
+    /// All in one go, so that what else the machine does falls on all of them alike. The clock goes on by [`Self::FRAME_S`] from each to the next, so that
+    /// hair that moves does so in all of them.
     pub fn measure(&self, stage: &mut Stage) -> Result<FrameTimes, StageError> {
         let mut times = FrameTimes { frame: self.frame(stage)?, ..FrameTimes::default() };
+        stage.params.time_s += Self::FRAME_S;
         times.unshadowed = times.frame;
         if is_shadowed(stage) {
             let unshadowed =
@@ -118,12 +123,14 @@ impl Meter {
             let unshadowed = self.frame(stage);
             stage.params = asked;
             times.unshadowed = unshadowed?;
+            stage.params.time_s += Self::FRAME_S;
         }
         times.passes = self.passes(stage)?;
         if stage.params.style.kind() == StyleKind::Ink {
             return Ok(times);
         }
         stage.params.study.yardstick = true;
+        stage.params.time_s += Self::FRAME_S;
         let yardstick = self.passes(stage);
         stage.params.study.yardstick = false;
         times.yardstick = of_pass(&yardstick?, PassId::SHELLS);

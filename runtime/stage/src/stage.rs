@@ -4,9 +4,10 @@ use crate::cast::Actor;
 use crate::{Canvas, CanvasOptions, Cast, Gpu, NamedPackage, Shot, StageError, Viewpoint};
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{ClipLayer, Package, Shading};
+use pelage_runtime::glam::Vec3;
 use pelage_runtime::{
     Camera, Frame, FrameParams, HairMotionParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer,
-    RuntimeError, ShadowMaps, StyleKind, wgpu,
+    RuntimeError, SelfShadow, ShadowMaps, Style, StyleKind, wgpu,
 };
 use std::time::Duration;
 use web_time::Instant;
@@ -184,27 +185,46 @@ impl Stage {
 
     /// Places and poses the models and the camera as they are at that time.
     pub fn set_time(&mut self, time_s: f32) {
-        (self.params.time_step_s, self.params.hair_motion) = (0.0, None);
+        self.params.hair_motion = None;
         self.play(time_s);
         self.params.camera = camera(&self.shot.at(time_s), self.aspect);
     }
 
-    /// Goes on to that time, `seconds` after the frame before: as [`Stage::set_time`], and hair lives through them as `motion` says. With
+    /// Goes on to that time: as [`Stage::set_time`], and hair lives as `motion` says, from the moment that the clock had to the one that it has. With
     /// [`Stage::set_time`], and where `motion` is `None`, hair is as it was groomed.
-    pub fn advance(&mut self, time_s: f32, seconds: f32, motion: Option<HairMotionParams>) {
+    ///
+    /// * `clock_s`: seconds; it goes on where a clip begins anew
+    pub fn advance(&mut self, time_s: f32, clock_s: f64, motion: Option<HairMotionParams>) {
         self.set_time(time_s);
-        self.params.time_step_s = seconds;
-        self.params.hair_motion = motion.map(|motion| motion.with(|motion| motion.wind.time_s = time_s));
+        self.live(clock_s, motion);
     }
 
-    /// Prepares and submits a frame that nobody looks at: poses and hair are then those of it.
+    /// Has hair live until that moment of the clock, as `motion` says: as [`Stage::advance`] does.
+    pub fn live(&mut self, clock_s: f64, motion: Option<HairMotionParams>) {
+        (self.params.time_s, self.params.hair_motion) = (clock_s, motion);
+    }
+
+    /// Hair begins as it was groomed in the next frame: models are put where they did not go to.
+    pub fn cut(&mut self) {
+        self.instances.iter_mut().for_each(|instance| instance.cut = instance.cut.wrapping_add(1));
+    }
+
+    /// Prepares and submits a frame that nobody looks at: poses and hair are then those of it. It has no shadows, which nobody sees.
     ///
     /// # Errors
     ///
     /// As [`Stage::prepare`].
     pub fn pass_by(&mut self) -> Result<(), StageError> {
+        let unlit = self.params.clone().with(|params| {
+            params.soft_shadow = false;
+            params.style = Style::Fur(params.style.fur().copied().unwrap_or_default());
+        });
+        let unlit = unlit.with_fur(|fur| fur.self_shadow = SelfShadow::Off);
+        let asked = std::mem::replace(&mut self.params, unlit);
         let mut encoder = self.encoder();
-        self.prepare(&mut encoder)?;
+        let prepared = self.prepare(&mut encoder);
+        self.params = asked;
+        prepared?;
         self.gpu.queue.submit([encoder.finish()]);
         Ok(())
     }
@@ -258,9 +278,14 @@ impl Stage {
         &self.instances[0].model
     }
 
-    /// Whether any model has hair that moves of itself.
-    pub fn has_moving_hair(&self) -> bool {
-        self.instances.iter().any(|instance| instance.model.has_moving_hair())
+    /// Whether any hair may move while time passes: hair on guides, and fur where its skin or the air moves.
+    pub fn may_move_hair(&self, motion: &HairMotionParams) -> bool {
+        let is_windy = motion.fur > 0.0 && motion.wind.velocity != Vec3::ZERO;
+        let moves = |(instance, actor): (&Instance, &Actor)| {
+            let leans = motion.fur > 0.0 && instance.model.has_leaning_fur();
+            instance.model.has_moving_hair() || leans && (is_windy || actor.moves())
+        };
+        self.instances.iter().zip(&self.actors).any(moves)
     }
 
     /// Bytes on the device of what belongs to the models' copies.

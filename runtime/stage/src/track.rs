@@ -29,6 +29,11 @@ impl<T: Value> Track<T> {
         Self { keys: vec![(0.0, value)] }
     }
 
+    /// Whether it has other values at other times.
+    pub(crate) fn moves(&self) -> bool {
+        self.keys.len() > 1
+    }
+
     /// Through some keys.
     ///
     /// # Errors

@@ -7,6 +7,9 @@ use pelage_stage::{Framing, Gpu, Look, Navigator, Orbit, Shot, Size, Stage, Stag
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
+/// Seconds between two moments that are no movement but a leap: hair begins anew there.
+const LEAP_S: f32 = 0.25;
+
 /// A subject on a stage.
 pub struct Show {
     gpu: Gpu,
@@ -24,6 +27,8 @@ pub struct Show {
     framed: Cell<Option<((u32, u32), Viewpoint)>>,
     /// Seconds.
     time_s: f32,
+    /// Seconds that hair lived through; it goes on where a clip stands still, and where it begins anew.
+    clock_s: f64,
     /// What the canvas shows: nothing is drawn again while it is this.
     drawn: Option<Drawn>,
     last: Option<LastFrame>,
@@ -63,6 +68,7 @@ impl Show {
             navigator: None,
             framed: Cell::new(None),
             time_s: 0.0,
+            clock_s: 0.0,
             drawn: None,
             last: None,
         }
@@ -193,7 +199,23 @@ impl Show {
 
     /// Goes to a moment, seconds.
     pub fn set_time(&mut self, time_s: f32) {
+        if (time_s - self.time_s).abs() > LEAP_S
+            && let Some(stage) = &mut self.stage
+        {
+            stage.cut();
+        }
         self.time_s = time_s;
+    }
+
+    /// Lets so many seconds go by, in which what plays goes on by `speed` times as many: 0 where it stands still. Hair lives through them.
+    pub fn go_on(&mut self, seconds: f32, speed: f32) {
+        self.time_s += speed * seconds;
+        self.clock_s += f64::from(seconds);
+    }
+
+    /// Whether hair moves by itself in what was drawn last: it is drawn again at another moment.
+    pub fn hair_moves(&self) -> bool {
+        self.drawn.is_some() && self.last.as_ref().is_some_and(|last| last.report.hair_moves)
     }
 
     fn sized(&self, (width, height): (u32, u32)) -> Look {
@@ -265,7 +287,7 @@ impl Show {
     /// [`StageError::Params`] for a look that the device or the package cannot have, [`StageError::Device`] for a device that is gone.
     pub fn draw(&mut self, size: (u32, u32)) -> Result<bool, StageError> {
         let wanted = Drawn { size, look: self.look.clone(), view: self.view(size)?, time_s: self.time_s };
-        if self.drawn.as_ref() == Some(&wanted) {
+        if self.drawn.as_ref() == Some(&wanted) && !self.hair_moves() {
             return Ok(false);
         }
         let (look, time_s) = (self.sized(size), self.time_s);
@@ -277,6 +299,7 @@ impl Show {
         }
         stage.play(time_s);
         stage.look_from(wanted.view);
+        stage.live(self.clock_s, look.hair_motion());
         let frame = stage.draw()?;
         self.last = Some(LastFrame { took: began.elapsed(), size, report: frame.report().clone() });
         self.drawn = Some(wanted);

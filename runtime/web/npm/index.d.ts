@@ -253,6 +253,8 @@ export interface PassFrame {
   clip?: string;
   /** Moment of the clip, seconds. */
   timeS?: number;
+  /** The moment by a clock that goes on, seconds: hair on guides swings from one draw to the next. Without, it stays as it was groomed. */
+  clockS?: number;
 }
 
 /**

@@ -310,15 +310,20 @@ export class Pelage extends EventTarget {
 
   #turn(now) {
     if (this.#disposed || this.#lost) return;
-    const { playing } = this.playback;
     // Time does not go by while nothing moves.
-    const elapsedS = playing && this.#before !== null ? Math.min((now - this.#before) / 1e3, LONGEST_STEP_S) : 0;
-    this.#before = playing ? now : null;
+    const moves = this.#moves;
+    const elapsedS = moves && this.#before !== null ? Math.min((now - this.#before) / 1e3, LONGEST_STEP_S) : 0;
+    this.#before = moves ? now : null;
     if (this.#viewer.advance(elapsedS)) this.#dirty = true;
     // Where the device lags behind, the next frame is asked for when one is done.
     if (this.#inFlight >= IN_FLIGHT) return;
     if (this.#dirty) this.#draw();
-    if (playing) this.#want();
+    if (this.#moves) this.#want();
+  }
+
+  // Whether a clip plays, or hair swings by itself.
+  get #moves() {
+    return this.playback.playing || this.#viewer.hair_moves();
   }
 
   #draw() {
@@ -345,7 +350,7 @@ export class Pelage extends EventTarget {
       this.#doneAt = now;
       this.#stats = { frames: this.#stats.frames + 1, frameMs, cpuMs, ...drawn };
       this.#say("frame", this.stats);
-      if (this.#dirty || this.playback.playing) this.#want();
+      if (this.#dirty || this.#moves) this.#want();
     };
     this.#device.queue.onSubmittedWorkDone().then(done, done);
   }

@@ -51,7 +51,7 @@ export class PelagePass {
     guarded(() => this.#pass.set_look(`${key}=${written(value)}`));
   }
 
-  draw({ color, depth, viewFromWorld, clipFromView, worldFromModel = IDENTITY, clip, timeS = 0 }) {
+  draw({ color, depth, viewFromWorld, clipFromView, worldFromModel = IDENTITY, clip, timeS = 0, clockS }) {
     const index = clip === undefined ? -1 : (this.#info?.clips.findIndex(({ name }) => name === clip) ?? -1);
     if (clip !== undefined && index < 0) {
       const names = this.#info?.clips.map(({ name }) => name).join(", ");
@@ -60,7 +60,7 @@ export class PelagePass {
     [viewFromWorld, clipFromView, worldFromModel].forEach((matrix, i) => this.#matrices.set(matrix, 16 * i));
     const { durationS } = this.#info?.clips[index] ?? {};
     const within = durationS > 0 ? timeS - durationS * Math.floor(timeS / durationS) : timeS;
-    guarded(() => this.#pass.draw(color, depth, this.#matrices, index, within));
+    guarded(() => this.#pass.draw(color, depth, this.#matrices, index, within, clockS));
   }
 
   dispose() {

@@ -82,6 +82,7 @@ impl Pass {
 
     /// Draws a frame over `color` and `depth`, two `GPUTexture`s of this device of one size, and submits it. `matrices`: `view_from_world`,
     /// `clip_from_view` and `world_from_model`, 16 numbers each, by columns. `clip`: its index, below 0 at rest.
+    /// `clock_s`: the moment that hair lives to, seconds; without it hair is as it was groomed.
     ///
     /// # Errors
     ///
@@ -93,6 +94,7 @@ impl Pass {
         matrices: &[f32],
         clip: i32,
         time_s: f32,
+        clock_s: Option<f64>,
     ) -> Result<JsValue, JsValue> {
         let Some((_, model)) = &self.shown else { return Ok(JsValue::UNDEFINED) };
         if matrices.len() != 48 {
@@ -109,6 +111,9 @@ impl Pass {
         let params = lit(&self.look, self.light_color).with(|params| {
             params.camera = camera;
             params.viewport = size;
+            if let Some(clock_s) = clock_s {
+                (params.time_s, params.hair_motion) = (clock_s, self.look.hair_motion());
+            }
         });
         let motion = usize::try_from(clip).map_or(Motion::Rest, |clip| Motion::Clip { clip, time_s });
         let animal = Instance::new(OWNER, model).at(matrix(2)).moving(motion);

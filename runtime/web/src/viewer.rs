@@ -11,6 +11,9 @@ use pelage_stage::{
 };
 use wasm_bindgen::prelude::*;
 
+/// Seconds between two moments that are no movement but a leap: hair begins anew there.
+const LEAP_S: f32 = 0.25;
+
 /// Any view: there is nothing to see until a package is loaded.
 const NOWHERE: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
 
@@ -34,6 +37,10 @@ pub struct Viewer {
     light_color: Vec3,
     navigator: Navigator,
     player: Player,
+    /// Seconds that hair lived through.
+    lived_s: f64,
+    /// Whether it moves by itself in the frame that was drawn last.
+    hair_moves: bool,
 }
 
 #[wasm_bindgen]
@@ -54,6 +61,8 @@ impl Viewer {
             light_color: Vec3::ONE,
             navigator: Navigator::new(NOWHERE),
             player: Player::at_rest(),
+            lived_s: 0.0,
+            hair_moves: false,
         };
         viewer.resize(width, height)?;
         Ok(viewer)
@@ -114,8 +123,10 @@ impl Viewer {
         let Some(Shown { stage, .. }) = &mut self.shown else { return Ok(JsValue::UNDEFINED) };
         stage.look_from(self.navigator.view());
         stage.instances[0].motion = self.player.motion();
+        stage.live(self.lived_s, self.look.hair_motion());
         let mut encoder = stage.encoder();
         let frame = stage.prepare(&mut encoder).map_err(fault)?;
+        self.hair_moves = frame.report().hair_moves;
         frame.draw(&mut stage.pass(&mut encoder, "frame", true));
         let Some(texture) = self.screen.show(&self.gpu, &mut encoder, &stage.canvas) else {
             return Ok(JsValue::UNDEFINED);
@@ -221,14 +232,27 @@ impl Viewer {
 
     /// Shows that moment of the clip, seconds; clips loop.
     pub fn seek(&mut self, time_s: f32) {
-        if time_s.is_finite() {
-            self.player.seek(time_s);
+        if !time_s.is_finite() {
+            return;
+        }
+        let before_s = self.player.time_s;
+        self.player.seek(time_s);
+        if (self.player.time_s - before_s).abs() > LEAP_S
+            && let Some(shown) = &mut self.shown
+        {
+            shown.stage.cut();
         }
     }
 
-    /// Lets so many seconds go by; whether the pose is another one then.
+    /// Lets so many seconds go by; whether the picture is another one then.
     pub fn advance(&mut self, elapsed_s: f32) -> bool {
-        self.player.advance(elapsed_s)
+        self.lived_s += f64::from(elapsed_s);
+        self.player.advance(elapsed_s) || self.hair_moves && elapsed_s > 0.0
+    }
+
+    /// Whether hair moves by itself in the frame that was drawn last: time is to go on although nothing plays.
+    pub fn hair_moves(&self) -> bool {
+        self.hair_moves
     }
 
     /// Clip, moment, speed, and whether it plays.

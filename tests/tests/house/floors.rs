@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Floors of the runtime from the lowest up: a room is a file or a folder of `runtime/src`. runtime/docs/house.md says what each is for.
-const RUNTIME: [&[&str]; 13] = [
+const RUNTIME: [&[&str]; 14] = [
     &["error", "report", "shared", "bounds"],
     &["camera", "gpu"],
     &["params"],
@@ -13,6 +13,7 @@ const RUNTIME: [&[&str]; 13] = [
     &["model", "light"],
     &["instance", "ink"],
     &["swing"],
+    &["lean"],
     &["motion", "hair"],
     &["scene"],
     &["passes"],

@@ -89,14 +89,16 @@ fn hair_at_rest_costs_nothing_and_is_as_it_was_groomed() {
     let motion = HairMotion { groups: vec![MOTION], colliders: Vec::new() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&with_hair(&bytes, group(count, straight), Some(motion))).unwrap();
-    let mut frame = |instance: &Instance, seconds: f32, wind: Vec3| {
+    let mut time_s = 0.0;
+    let mut frame = |instance: &Instance, seconds: f64, wind: Vec3| {
+        time_s += seconds;
         let moved = HairMotionParams::default().with(|p| p.wind.velocity = wind);
-        let live = params().with(|p| (p.time_step_s, p.hair_motion) = (seconds, Some(moved)));
+        let live = params().with(|p| (p.time_s, p.hair_motion) = (time_s, Some(moved)));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, &live, [instance]).unwrap();
         gpu.queue.submit([encoder.finish()]);
         let ran = |pass: PassId| frame.report().passes.iter().find(|p| p.name == pass.name()).unwrap().ran;
-        let picture = draw(gpu, &mut renderer, &params().with(|p| p.hair_motion = Some(moved)), &[instance]);
+        let picture = draw(gpu, &mut renderer, &live, &[instance]);
         (ran(PassId::HAIR_MOTION), ran(PassId::HAIR_POSE), picture)
     };
     let still = Instance::new(1, &model);

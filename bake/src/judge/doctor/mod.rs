@@ -416,6 +416,7 @@ fn passes(w: &Work<'_>) -> Vec<PassWork> {
     };
     vec![
         pass("pose", w.skinned, yes_or(w.skinned, "whenever the pose changes".into(), "no skeleton"), w.vertices, None),
+        pass("fur_motion", false, "foretold is a frame in which nothing moves hair".into(), 0, None),
         of_strands("strand_pose"),
         of_strands("hair_motion"),
         of_strands("hair_pose"),

@@ -106,8 +106,9 @@ struct Step<'a> {
     before_s: f32,
     /// Acceleration of everything, metres a second squared.
     gravity: Vec3,
-    /// What the air does.
+    /// What the air does, and the moment at the end of the step.
     wind: &'a Wind,
+    time_s: f32,
     /// At the end of the step.
     colliders: &'a [Capsule],
 }
@@ -156,8 +157,10 @@ pub struct Frame<'a> {
     pub before_s: f32,
     /// Acceleration of everything, metres a second squared.
     pub gravity: Vec3,
-    /// What the air does at the end of the frame.
+    /// What the air does.
     pub wind: Wind,
+    /// The moment at the end of the frame, seconds: what the air does changes with it.
+    pub time_s: f32,
     /// At the beginning and at the end of the frame.
     pub colliders: &'a [[Capsule; 2]],
 }
@@ -178,12 +181,12 @@ pub fn advance_frame(
     for number in 1..=count {
         let at = |number: u32| number as f32 / count as f32;
         let colliders: Vec<Capsule> = frame.colliders.iter().map(|[a, b]| a.between(*b, at(number))).collect();
-        let wind = Wind { time_s: frame.wind.time_s - (count - number) as f32 * seconds, ..frame.wind };
         let step = Step {
             seconds,
             before_s: if number == 1 { frame.before_s } else { seconds },
             gravity: frame.gravity,
-            wind: &wind,
+            wind: &frame.wind,
+            time_s: frame.time_s - (count - number) as f32 * seconds,
             colliders: &colliders,
         };
         let (from, to) = (before.between(now, at(number - 1)), before.between(now, at(number)));
@@ -242,7 +245,7 @@ fn advance(
             held = k;
             continue;
         }
-        let air = step.wind.at(now.root + pearl.place);
+        let air = step.wind.at(now.root + pearl.place, step.time_s);
         let mut velocity = air + (pearl.velocity - air) * kept_of_air;
         let with_skin = (went + goal(k) - before.frame * groomed.points[k]) * per_s;
         let beside = (velocity - with_skin) * kept_of_shape;

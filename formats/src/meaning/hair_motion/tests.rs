@@ -2,7 +2,7 @@
 use super::*;
 use std::f32::consts::{PI, TAU};
 
-const CALM: Wind = Wind { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5, time_s: 0.0 };
+const CALM: Wind = Wind { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5 };
 const SPRINGS: Springs = Springs { drag_per_s: 2.0, shape_hz: 0.6, bend_hz: 1.5, friction: 0.2 };
 
 /// A guide with all that goes with it.
@@ -58,6 +58,7 @@ impl Guide {
                 before_s,
                 gravity: Vec3::NEG_Y * GRAVITY,
                 wind: CALM,
+                time_s: to,
                 colliders: &colliders,
             };
             before_s = advance_frame(&mut pearls, &groomed, &self.springs, &frame, rooted(from), rooted(to));
@@ -224,8 +225,14 @@ fn nothing_explodes() {
         // A moment of no length.
         let groomed = Groomed { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
         let mut pearls = still(0.0).groomed(&guide.points);
-        let frame =
-            Frame { seconds: 0.0, before_s: 1.0 / 60.0, gravity: Vec3::NEG_Y * GRAVITY, wind: CALM, colliders: &[] };
+        let frame = Frame {
+            seconds: 0.0,
+            before_s: 1.0 / 60.0,
+            gravity: Vec3::NEG_Y * GRAVITY,
+            wind: CALM,
+            time_s: 0.0,
+            colliders: &[],
+        };
         let moved = Rooted { root: still(0.0).root + Vec3::X, frame: Mat3::IDENTITY };
         advance_frame(&mut pearls, &groomed, &guide.springs, &frame, still(0.0), moved);
         assert!(pearls.iter().all(|p| p.place.is_finite() && p.velocity == Vec3::ZERO));
@@ -274,6 +281,7 @@ fn wind_takes_hair_along_and_dies_down() {
                 before_s: 1.0 / 120.0,
                 gravity: Vec3::NEG_Y * GRAVITY,
                 wind,
+                time_s: 0.0,
                 colliders: &[],
             };
             advance_frame(&mut pearls, &groomed, &guide.springs, &frame, still(0.0), still(0.0));
@@ -284,7 +292,8 @@ fn wind_takes_hair_along_and_dies_down() {
     assert!(blown.x > 0.1 && blown.z.abs() < 1e-3, "{blown}");
     let calm = blow(Vec3::ZERO, 10.0);
     assert!(calm.distance(Vec3::NEG_Y * 0.3) < 0.002, "{calm}");
-    let gusty = Wind { velocity: Vec3::X * 3.0, gust: 0.5, turbulence: 0.4, time_s: 1.7, ..CALM };
-    assert!((0..1000).all(|k| gusty.at(Vec3::splat(0.37 * k as f32)).distance(Vec3::X * 3.0) < 4.0));
-    assert!(gusty.at(Vec3::ZERO) != gusty.at(Vec3::X) && Wind::default().is_still());
+    let gusty = Wind { velocity: Vec3::X * 3.0, gust: 0.5, turbulence: 0.4, ..CALM };
+    assert!((0..1000).all(|k| gusty.at(Vec3::splat(0.37 * k as f32), 1.7).distance(Vec3::X * 3.0) < 4.0));
+    assert!(gusty.at(Vec3::ZERO, 1.7) != gusty.at(Vec3::X, 1.7) && gusty.changes());
+    assert!(!Wind::default().changes() && !Wind { velocity: Vec3::X, ..CALM }.changes());
 }

@@ -15,13 +15,11 @@ pub struct Wind {
     pub turbulence: f32,
     /// How large eddies are, metres (default 0.5).
     pub eddy_m: f32,
-    /// The moment, seconds.
-    pub time_s: f32,
 }
 
 impl Default for Wind {
     fn default() -> Self {
-        Self { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5, time_s: 0.0 }
+        Self { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5 }
     }
 }
 
@@ -32,19 +30,19 @@ fn wave(turns: f32) -> f32 {
 }
 
 impl Wind {
-    /// Still air.
-    pub fn is_still(&self) -> bool {
-        self.velocity == Vec3::ZERO
+    /// Whether there is another air at another moment.
+    pub fn changes(&self) -> bool {
+        self.velocity != Vec3::ZERO && (self.gust > 0.0 || self.turbulence > 0.0)
     }
 
-    /// Velocity of the air at a place of the world, metres a second.
+    /// Velocity of the air at a place of the world and a moment, seconds: metres a second.
     ///
     /// Gusts are two waves whose lengths never meet; eddies are waves that the wind carries along.
-    pub fn at(&self, place: Vec3) -> Vec3 {
+    pub fn at(&self, place: Vec3, time_s: f32) -> Vec3 {
         let speed = self.velocity.length();
-        let moment = self.time_s / self.gust_s.max(1e-3);
+        let moment = time_s / self.gust_s.max(1e-3);
         let swell = 0.6 * wave(moment) + 0.4 * wave(2.618 * moment + 0.3);
-        let carried = (place - self.velocity * self.time_s) / self.eddy_m.max(1e-3);
+        let carried = (place - self.velocity * time_s) / self.eddy_m.max(1e-3);
         let eddy = Vec3::new(
             wave(carried.dot(Vec3::new(0.31, 0.83, 0.47)) + 0.1) + wave(carried.dot(Vec3::new(-1.1, 0.4, 1.6)) + 0.7),
             wave(carried.dot(Vec3::new(0.79, -0.29, 0.53)) + 0.4) + wave(carried.dot(Vec3::new(0.9, 1.7, -0.6)) + 0.2),

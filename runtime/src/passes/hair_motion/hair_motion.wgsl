@@ -14,15 +14,9 @@ struct HairMotion {
     steps: u32,
     gravity: vec3<f32>,
     step_s: f32,
-    wind: vec3<f32>,
+    wind: Wind,
     // Of the frame before.
     before_s: f32,
-    gust: f32,
-    gust_s: f32,
-    turbulence: f32,
-    eddy_m: f32,
-    // At the end of the frame.
-    time_s: f32,
     held: f32,
     free: f32,
     drag_per_s: f32,
@@ -47,7 +41,8 @@ struct HairMotion {
 @group(0) @binding(5) var<storage, read_write> posed_guides: array<vec4<f32>>;
 // Of each both ends before and both ends now, relative to the model's origin now; radii are the fourth numbers of first ends.
 @group(0) @binding(6) var<storage, read> colliders: array<vec4<f32>>;
-@group(0) @binding(7) var<uniform> motion: HairMotion;
+// No uniform: Mesa's lavapipe compiles a shader anew for each value of a uniform that it branches on.
+@group(0) @binding(7) var<storage, read> motion: HairMotion;
 
 const MOST_POINTS: u32 = 65u;
 const STEPS_PER_S: f32 = 120.0;
@@ -240,7 +235,7 @@ fn advance(old_frame: mat3x3<f32>, old_root: vec3<f32>, frame: mat3x3<f32>, root
             set_place(k, goal);
             held = k;
         } else {
-            let air = wind_at(motion.origin + root + begins, time_s);
+            let air = wind_at(motion.wind, motion.origin + root + begins, time_s);
             var speed = air + (velocity(k) - air) * kept_of_air;
             let with_skin = (went + goal - old_frame * groomed[first_point + k].xyz) * per_s;
             let beside = (speed - with_skin) * kept_of_shape;
@@ -356,7 +351,7 @@ fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
             let begins = f32(number - 1u) / f32(motion.steps);
             let ends = f32(number) / f32(motion.steps);
             let before_s = select(motion.step_s, motion.before_s, number == 1u);
-            let time_s = motion.time_s - f32(motion.steps - number) * motion.step_s;
+            let time_s = motion.wind.time_s - f32(motion.steps - number) * motion.step_s;
             advance(
                 between(old_frame, frame, begins),
                 old_root + (root - old_root) * begins,

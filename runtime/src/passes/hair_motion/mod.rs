@@ -3,13 +3,13 @@
 //! Reads the posed skin, the guides as they were groomed and the pearls of the frame before; writes the pearls and, in place of what `hair_pose` makes of guides
 //! that do not move, where guides are.
 
-use super::{Outcome, Pass, PassId, PassPlace};
-use crate::gpu::{Bound, ComputeSpec, Group, Shader, in_compute, storage_in, storage_out, uniform};
+use super::{Outcome, Pass, PassId, PassPlace, columns};
+use crate::gpu::{Bound, ComputeSpec, Group, Shader, storage_in, storage_out};
 use crate::model::Growth;
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
+use crate::swing::WindBlock;
 use bytemuck::{Pod, Zeroable};
-use glam::Mat3;
 use pelage_formats::GeometryVertex;
 
 /// The shader.
@@ -19,7 +19,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../hair/triangle_frame.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
-        include_str!("wind.wgsl"),
+        include_str!("../../hair/wind.wgsl"),
         include_str!("hair_motion.wgsl"),
     ],
 };
@@ -53,13 +53,8 @@ pub(crate) struct HairMotion {
     pub(crate) steps: u32,
     pub(crate) gravity: [f32; 3],
     pub(crate) step_s: f32,
-    pub(crate) wind: [f32; 3],
+    pub(crate) wind: WindBlock,
     pub(crate) before_s: f32,
-    pub(crate) gust: f32,
-    pub(crate) gust_s: f32,
-    pub(crate) turbulence: f32,
-    pub(crate) eddy_m: f32,
-    pub(crate) time_s: f32,
     pub(crate) held: f32,
     pub(crate) free: f32,
     pub(crate) drag_per_s: f32,
@@ -70,10 +65,6 @@ pub(crate) struct HairMotion {
     pub(crate) guides: u32,
     pub(crate) fresh: u32,
     pub(crate) reserved: [u32; 2],
-}
-
-fn columns(m: Mat3) -> [[f32; 4]; 3] {
-    [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.extend(0.0).to_array())
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
@@ -92,7 +83,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             storage_out::<[f32; 4]>(4),
             storage_out::<[f32; 4]>(5),
             storage_in::<[f32; 4]>(6),
-            in_compute(uniform::<HairMotion>(7, false)),
+            storage_in::<HairMotion>(7),
         ]
     });
     let (mut dispatches, mut count) = (Vec::new(), 0);
@@ -102,10 +93,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             continue;
         };
         let is_fresh = swing.is_fresh || set.posed.is_fresh;
-        if swing.is_at_rest && !is_fresh {
+        if set.posed.has_lived || swing.is_at_rest && !is_fresh {
             continue;
         }
-        let wind = swing.params.wind;
         let block = HairMotion {
             world_from_model: columns(swing.world_from_model),
             model_from_world: columns(swing.world_from_model.inverse()),
@@ -115,13 +105,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             steps: swing.steps,
             gravity: swing.params.gravity.to_array(),
             step_s: swing.step_s,
-            wind: wind.velocity.to_array(),
+            wind: swing.wind(),
             before_s: swing.before_s,
-            gust: wind.gust,
-            gust_s: wind.gust_s,
-            turbulence: wind.turbulence,
-            eddy_m: wind.eddy_m,
-            time_s: wind.time_s,
             held: motion.held,
             free: motion.free,
             drag_per_s: motion.drag_per_s,
@@ -144,9 +129,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let size = size_of_val(&colliders[..]) as u64;
         let place = frame.uniforms.put_array(frame.gpu, &colliders);
         let colliders = Bound::Bytes { buffer: place.buffer, offset: place.offset, size };
-        let place = frame.uniforms.put(frame.gpu, &[block]);
+        let place = frame.uniforms.put_array(frame.gpu, &[block]);
         let entries = vec![
-            (0, Bound::all(&seen.moved.geometry)),
+            (0, Bound::all(&seen.moved.posed)),
             (1, Bound::all(&guided.triangles)),
             (2, Bound::all(&guided.guides)),
             (3, Bound::all(&guided.ballast)),

@@ -96,7 +96,7 @@ fn numbers<T: Pod>(
 
 fn dispatch(frame: &mut Recording<'_>, layouts: &Layouts, seen: &Seen) -> Option<Dispatch> {
     let (model, moves) = (&seen.model, seen.moved.pose.as_ref()?);
-    let buffers = [model.geometry(), model.skin()?, &seen.moved.geometry];
+    let buffers = [model.geometry(), model.skin()?, &seen.moved.posed];
     let joints = numbers(frame, "pelage joints", &layouts.joints, &moves.joints);
     let entries = (0..).zip(buffers.map(Bound::all)).collect();
     let vertices = frame.cache.bind_groups.get(frame.gpu, "pelage pose", &layouts.vertices, entries);

@@ -51,6 +51,7 @@ impl Look {
         motion.hair.then(|| {
             HairMotionParams::default().with(|params| {
                 params.gravity *= motion.gravity;
+                params.fur = motion.fur;
                 params.wind.velocity = motion.wind.into();
                 (params.wind.gust, params.wind.gust_s) = (motion.gust, motion.gust_s);
                 (params.wind.turbulence, params.wind.eddy_m) = (motion.turbulence, motion.eddy_m);

@@ -47,6 +47,7 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     short("lighting", "WHERE", "fur.lighting"),
     short("background", "transparent|R,G,B", "picture.background"),
     short("hair-motion", "on|off", "motion.hair"),
+    short("fur-motion", "SHARE", "motion.fur"),
     short("wind", "X,Y,Z", "motion.wind"),
     short("gust", "SHARE", "motion.gust"),
     short("gust-seconds", "S", "motion.gust_s"),

@@ -87,10 +87,12 @@ params! {
 }
 
 params! {
-    /// `[motion]`: what moves of itself while time passes: hair on guides, where packages say how.
+    /// `[motion]`: what moves of itself while time passes: fur, and hair on guides, where packages say how.
     LookMotion in motion {
-        /// Whether such hair swings in sequences, and wherever else time passes.
+        /// Whether hair moves in sequences, and wherever else time passes.
         hair: bool = true;
+        /// How far fur leans in wind and stride; 0 not at all.
+        fur: f32 = 1.0, in 0.0..=4.0;
         /// The wind, x,y,z in metres a second.
         wind: [f32; 3] = [0.0; 3], in -100.0..=100.0;
         /// By how much of that the wind swells and falls.

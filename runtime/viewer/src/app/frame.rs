@@ -28,11 +28,13 @@ impl App {
     pub fn go_on(&mut self) -> Result<Step, StageError> {
         let now = Instant::now();
         let since = self.played_at.replace(now).map_or(Duration::ZERO, |before| now - before);
+        // Whoever looks away for a minute finds the clip where it was.
+        let seconds = since.as_secs_f32().min(0.25);
         if self.playing {
-            // Whoever looks away for a minute finds the clip where it was.
-            let seconds = since.as_secs_f32().min(0.25);
-            self.show.set_time(self.show.time_s() + self.speed * seconds);
+            self.show.go_on(seconds, self.speed);
             self.changed();
+        } else if self.sequence.is_none() {
+            self.show.go_on(seconds, 0.0);
         }
         if std::mem::take(&mut self.settles) {
             return Ok(Step { drew: false, wait: Some(Duration::ZERO) });
@@ -62,7 +64,7 @@ impl App {
         if !moves && self.truth.is_due() {
             self.trace()?;
         }
-        let wait = if self.playing || self.sequence.is_some() {
+        let wait = if self.playing || self.sequence.is_some() || self.show.hair_moves() {
             Some(Duration::ZERO)
         } else if moves || self.truth.waits() {
             Some(Duration::from_millis(60))

@@ -89,7 +89,11 @@ impl App {
             let first = self.folder.join(format!("{stem}.0000.png"));
             return self.tell_saved("sequence", Ok(first));
         }
-        self.show.set_time(next as f32 / FPS);
+        if next == 0 {
+            self.show.set_time(0.0);
+        } else {
+            self.show.go_on(1.0 / FPS, 1.0);
+        }
         let path = self.folder.join(format!("{stem}.{next:04}.png"));
         if let Err(reason) = self.write_picture(&path) {
             self.working = None;

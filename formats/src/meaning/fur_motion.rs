@@ -1,0 +1,234 @@
+//! How fur leans in wind and stride: a particle at the tip of the hair on each vertex of the skin, on a spring to where the hair was groomed.
+//!
+//! The runtime does the same on the GPU (`runtime/src/passes/fur_motion`). Axes are those of the world, lengths metres, times seconds.
+//!
+//! Within a frame the skin gets faster evenly and the air is as it is at the end, so beside the skin the particle is a damped oscillator about a place, whose
+//! motion has a closed form: it is exact for a frame of any length, and no spring is too stiff for it. Nothing but the place of the vertex and the length of its hair
+//! enters, so vertices that share a place lean alike and fur does not part along seams.
+//!
+//! With s the [`stiffness`] and L the length of the hair, ω² = s / L: what accelerates by s bends it by a radian, as far as that may be said of so large an
+//! angle. Short hair is stiff, long hair sways.
+
+use super::hair_motion::Wind;
+use glam::Vec3;
+
+/// [`stiffness`] of long hair, metres a second squared.
+pub const STIFFNESS: f32 = 60.0;
+/// Hair of this length is twice as stiff, metres.
+pub const SHORT_M: f32 = 0.01;
+/// How fast the air takes hair along, 1/s.
+pub const DRAG_PER_S: f32 = 4.0;
+/// Share of the damping that would stop it from swinging at all.
+pub const DAMPING: f32 = 0.35;
+/// Angle that hair comes near to and never reaches, radians: fur stays within its height, and points away from the skin.
+pub const MOST_LEAN_RAD: f32 = 0.7;
+/// How far from where it was groomed a tip goes at most, lengths of the hair.
+const FARTHEST: f32 = 2.0;
+/// Hair that is shorter does not move, metres.
+pub const SHORTEST_M: f32 = 1e-5;
+
+/// The tip of the hair on a vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tip {
+    /// Where it is, from where it was groomed.
+    pub aside: Vec3,
+    /// How fast it goes beside its root, metres a second.
+    pub beside: Vec3,
+    /// How fast the skin went, metres a second; `None` where that is not known yet.
+    pub of_skin: Option<Vec3>,
+}
+
+/// A frame of time.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// How long it is; 0: nothing moves.
+    pub seconds: f32,
+    /// How long the one before was.
+    pub before_s: f32,
+    /// What the air does.
+    pub wind: &'a Wind,
+    /// The moment at its end, seconds.
+    pub time_s: f32,
+}
+
+/// Hair as the wind holds it, where nothing is known of how the skin moves.
+///
+/// * `length_m`: of the hair, [`SHORTEST_M`] or more
+/// * `root`: where the skin is
+pub fn begun(length_m: f32, root: Vec3, wind: &Wind, time_s: f32) -> Tip {
+    let held = wind.at(root, time_s) * (DRAG_PER_S * length_m / stiffness(length_m));
+    Tip { aside: within(held, FARTHEST * length_m), ..Tip::default() }
+}
+
+/// Moves a tip by one frame.
+///
+/// * `length_m`: of the hair, [`SHORTEST_M`] or more
+/// * `root`: where the skin is now
+/// * `went`: how far it went in the frame
+pub fn advance(tip: Tip, length_m: f32, root: Vec3, went: Vec3, frame: &Frame<'_>) -> Tip {
+    let h = frame.seconds;
+    if h <= 0.0 {
+        return tip;
+    }
+    let square = stiffness(length_m) / length_m;
+    let of_skin = went / h;
+    // From the middle of the frame before to that of this one.
+    let faster = (of_skin - tip.of_skin.unwrap_or(of_skin)) / (0.5 * (h + frame.before_s));
+    let pulled = (frame.wind.at(root, frame.time_s) - of_skin) * DRAG_PER_S - faster;
+    let goal = within(pulled / square, FARTHEST * length_m);
+    let off = tip.aside - goal;
+    let turns = square.sqrt();
+    let damped = turns * (1.0 - DAMPING * DAMPING).sqrt();
+    let kept = libm::expf(-DAMPING * turns * h);
+    let (sine, cosine) = (libm::sinf(damped * h) / damped, libm::cosf(damped * h));
+    let aside = goal + (off * (cosine + DAMPING * turns * sine) + tip.beside * sine) * kept;
+    let beside = (tip.beside * (cosine - DAMPING * turns * sine) - off * (square * sine)) * kept;
+    Tip { aside: within(aside, FARTHEST * length_m), beside, of_skin: Some(of_skin) }
+}
+
+/// Acceleration that bends hair over by a radian if springs were linear that far, metres a second squared.
+pub fn stiffness(length_m: f32) -> f32 {
+    STIFFNESS * (1.0 + SHORT_M / length_m)
+}
+
+/// Where a tip is at the end of a frame, from where it was groomed.
+///
+/// What makes skin faster is known in the middle of two frames, so that [`advance`] is half a frame late, which this makes good.
+///
+/// * `seconds`: of the frame
+pub fn shown(tip: &Tip, length_m: f32, seconds: f32) -> Vec3 {
+    within(tip.aside + tip.beside * (0.5 * seconds), FARTHEST * length_m)
+}
+
+/// No longer than `most`.
+fn within(v: Vec3, most: f32) -> Vec3 {
+    v * (most / v.length().max(1e-20)).min(1.0)
+}
+
+/// How freely the fur of a vertex moves, 0..=1: what already lies, and what wet tips hold together, moves less.
+///
+/// * `lean`, `wetness`: of the vertex, 0..=1
+pub fn freedom(lean: f32, wetness: f32) -> f32 {
+    (1.0 - 0.5 * lean.clamp(0.0, 1.0)) * (1.0 - 0.6 * wetness.clamp(0.0, 1.0))
+}
+
+/// By how much the hair on a vertex leans, radians, 0 to [`MOST_LEAN_RAD`], and towards where, a unit vector along the skin; `None` where it stands as
+/// it was groomed.
+///
+/// * `normal`: of the skin, unit length
+/// * `strength`: times [`freedom`] and what the application wants
+pub fn lean(aside: Vec3, normal: Vec3, length_m: f32, strength: f32) -> Option<(f32, Vec3)> {
+    let along = aside - normal * normal.dot(aside);
+    let far = along.length();
+    let angle = strength * far / length_m;
+    // What nobody sees is nothing: fur at rest is what it was.
+    (angle > 1e-4).then(|| (angle / (1.0 + (angle / MOST_LEAN_RAD) * (angle / MOST_LEAN_RAD)).sqrt(), along / far))
+}
+
+/// The direction in which hair grows that leans, unit length. Tangents follow as they do where skin bends: what of them is along it is taken away.
+pub fn leaned(normal: Vec3, angle_rad: f32, along: Vec3) -> Vec3 {
+    normal * libm::cosf(angle_rad) + along * libm::sinf(angle_rad)
+}
+
+/// Seconds after which fur that is `length_m` long and that nothing moves has a thousandth of its swing left.
+pub fn rest_s(length_m: f32) -> f32 {
+    const LN_1000: f32 = 6.907_755;
+    let length_m = length_m.max(SHORTEST_M);
+    LN_1000 / (DAMPING * (stiffness(length_m) / length_m).sqrt())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    const CALM: Wind = Wind { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5 };
+
+    /// Where the tip is frame by frame, of hair whose skin is at `place` at each moment.
+    fn run(length_m: f32, fps: f32, seconds: f32, place: impl Fn(f32) -> Vec3, wind: &Wind) -> Vec<Vec3> {
+        let mut tip = begun(length_m, place(0.0), wind, 0.0);
+        let frames = (seconds * fps).round() as u32;
+        let moved = (1..=frames).map(|number| {
+            let [from, to] = [number - 1, number].map(|n| n as f32 / fps);
+            let frame = Frame { seconds: to - from, before_s: 1.0 / fps, wind, time_s: to };
+            tip = advance(tip, length_m, place(to), place(to) - place(from), &frame);
+            assert!(tip.aside.is_finite() && tip.beside.is_finite());
+            assert!(tip.aside.length() <= 1.001 * FARTHEST * length_m);
+            shown(&tip, length_m, to - from)
+        });
+        moved.collect()
+    }
+
+    /// A stride: up and down, while it goes on.
+    fn stride(time_s: f32) -> Vec3 {
+        Vec3::new(3.0 * time_s, 0.05 * (14.0 * time_s).sin(), 0.0)
+    }
+
+    #[test]
+    fn a_push_swings_out_as_a_damped_oscillator_does() {
+        let (length, push) = (0.04f32, 1.0f32);
+        let turns = (stiffness(length) / length).sqrt();
+        let damped = turns * (1.0 - DAMPING * DAMPING).sqrt();
+        for fps in [20.0f32, 60.0, 1000.0] {
+            let mut tip = Tip { beside: Vec3::X * push, of_skin: Some(Vec3::ZERO), ..Tip::default() };
+            for number in 1..=(0.2 * fps) as u32 {
+                let frame = Frame { seconds: 1.0 / fps, before_s: 1.0 / fps, wind: &CALM, time_s: 0.0 };
+                tip = advance(tip, length, Vec3::ZERO, Vec3::ZERO, &frame);
+                let t = number as f32 / fps;
+                let exact = push / damped * (-DAMPING * turns * t).exp() * (damped * t).sin();
+                assert!((tip.aside.x - exact).abs() < 2e-5 * push, "{fps} a second, {t} s: {} {exact}", tip.aside.x);
+            }
+        }
+    }
+
+    #[test]
+    fn wind_holds_hair_over_and_calm_lets_it_go() {
+        let wind = Wind { velocity: Vec3::X * 5.0, ..CALM };
+        let blown = *run(0.03, 60.0, 3.0, |_| Vec3::ZERO, &wind).last().unwrap();
+        let expected = 5.0 * DRAG_PER_S / stiffness(0.03) * 0.03;
+        assert!((blown.x - expected).abs() < 1e-4 * expected && blown.y == 0.0, "{blown}");
+        // Whoever runs has the wind of it, whatever the air does.
+        let ran = *run(0.03, 60.0, 3.0, |t| Vec3::X * 5.0 * t, &CALM).last().unwrap();
+        assert!((ran.x + expected).abs() < 1e-2 * expected, "{ran}");
+        let still = run(0.03, 60.0, 3.0, |t| Vec3::X * t.min(1.0), &CALM);
+        let rested = (60.0 * (1.0 + rest_s(0.03))) as usize;
+        let swing = still.iter().map(|tip| tip.length()).fold(0.0, f32::max);
+        assert!(swing > 0.001 && still[rested].length() < 2e-3 * swing, "{swing} {}", still[rested]);
+    }
+
+    #[test]
+    fn frames_of_any_length_tell_the_same() {
+        // The shortest swings faster than 30 frames a second show: off by a quarter of a millimetre.
+        for (length, bound) in [(0.005, 0.05), (0.01, 0.03), (0.02, 0.01), (0.1, 0.01)] {
+            let ends = [30.0, 60.0, 144.0, 960.0].map(|fps| *run(length, fps, 5.0, stride, &CALM).last().unwrap());
+            let off = ends.iter().map(|end| end.distance(ends[3]) / length).fold(0.0, f32::max);
+            println!("{length} m: {off:.3} of the length");
+            assert!(off < bound, "{length} m: {off} of the length");
+        }
+    }
+
+    #[test]
+    fn nothing_breaks_it() {
+        for fps in [2.0, 7.0, 1e6] {
+            let jump = |t: f32| if t > 0.5 { Vec3::X * 100.0 } else { Vec3::ZERO };
+            run(SHORTEST_M, fps, 1e3f32.min(1000.0 / fps), jump, &CALM);
+            run(0.3, fps, 1e3f32.min(1000.0 / fps), jump, &Wind { velocity: Vec3::splat(100.0), gust: 3.0, ..CALM });
+        }
+        let tip = Tip { aside: Vec3::X, beside: Vec3::Y, of_skin: None };
+        let frame = Frame { seconds: 0.0, before_s: 0.0, wind: &CALM, time_s: 0.0 };
+        assert_eq!(advance(tip, 1.0, Vec3::ZERO, Vec3::X, &frame), tip);
+    }
+
+    #[test]
+    fn hair_leans_within_its_height_and_keeps_its_frame() {
+        let normal = Vec3::new(0.2, 0.9, -0.3).normalize();
+        assert!(lean(normal * 0.01, normal, 0.02, 1.0).is_none(), "along the normal is no lean");
+        let (small, towards) = lean(Vec3::X * 0.001, normal, 0.02, 1.0).unwrap();
+        assert!((small - 0.05).abs() < 0.002 && towards.dot(normal).abs() < 1e-6 && towards.x > 0.9);
+        let (most, towards) = lean(Vec3::X * 1e3, normal, 0.02, 1.0).unwrap();
+        assert!(most <= MOST_LEAN_RAD && most > 0.99 * MOST_LEAN_RAD);
+        let axis = leaned(normal, most, towards);
+        assert!((axis.length() - 1.0).abs() < 1e-6 && (axis.dot(normal) - most.cos()).abs() < 1e-6);
+        assert!(freedom(0.0, 0.0) == 1.0 && freedom(1.0, 1.0) > 0.1);
+    }
+}

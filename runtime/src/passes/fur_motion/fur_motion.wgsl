@@ -1,0 +1,112 @@
+// How fur leans: a particle at the tip of the hair on each vertex. The twin of formats/src/meaning/fur_motion.rs, which says why it is as it is.
+
+// What all vertices of a model have in common in a frame.
+struct FurMotion {
+    // Directions.
+    world_from_model: mat3x3<f32>,
+    // Where the model's origin is in the world.
+    origin: vec3<f32>,
+    vertices: u32,
+    // How far it went in this frame.
+    went: vec3<f32>,
+    seconds: f32,
+    wind: Wind,
+    // Of the frame before.
+    before_s: f32,
+    // Of the character.
+    scale: f32,
+    // How far fur leans.
+    strength: f32,
+    // 1: hair begins. 2: it began in the frame before, and nothing is known of how fast the skin was.
+    begins: u32,
+}
+
+@group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
+// Six words a vertex; the first two bytes of the last are bareness and wetness.
+@group(0) @binding(1) var<storage, read> attributes: array<u32>;
+// Of each vertex three: where its tip is from where it was groomed, how fast that goes, and where the skin is from the model's origin. The fourth numbers
+// are how fast the skin went.
+@group(0) @binding(2) var<storage, read_write> tips: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read_write> leaned: array<GeometryVertex>;
+// No uniform: Mesa's lavapipe compiles a shader anew for each value of a uniform that it branches on.
+@group(0) @binding(4) var<storage, read> motion: FurMotion;
+
+const STIFFNESS: f32 = 60.0;
+const SHORT_M: f32 = 0.01;
+const DRAG_PER_S: f32 = 4.0;
+const DAMPING: f32 = 0.35;
+const MOST_LEAN_RAD: f32 = 0.7;
+const FARTHEST: f32 = 2.0;
+const SHORTEST_M: f32 = 1e-5;
+
+fn within(v: vec3<f32>, most: f32) -> vec3<f32> {
+    return v * min(most / max(length(v), 1e-20), 1.0);
+}
+
+@compute @workgroup_size(64)
+fn lean_fur(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let index = id.y * groups.x * 64u + id.x;
+    if index >= motion.vertices {
+        return;
+    }
+    let v = vertices[index];
+    var out = v;
+    let size = v.fur_height * motion.scale;
+    if size > SHORTEST_M {
+        let aside = advance(index, v, size);
+        let groom = unpack4x8unorm(attributes[6u * index + 5u]);
+        let freedom = (1.0 - 0.5 * clamp(v.lean, 0.0, 1.0)) * (1.0 - 0.6 * groom.y) * (1.0 - groom.x);
+        let normal = transform_normal(motion.world_from_model, v.normal);
+        let along = aside - normal * dot(normal, aside);
+        let far = length(along);
+        let wanted = motion.strength * freedom * far / size;
+        if wanted > 1e-4 {
+            let angle = wanted / sqrt(1.0 + (wanted / MOST_LEAN_RAD) * (wanted / MOST_LEAN_RAD));
+            let axis = normal * cos(angle) + along * (sin(angle) / far);
+            // Back from the world, as normals go.
+            out.normal = normalize_or(transpose(motion.world_from_model) * axis, v.normal);
+            out.tangent = vec4(orthonormal_tangent(v.tangent.xyz, out.normal), v.tangent.w);
+        }
+    }
+    leaned[index] = out;
+}
+
+// Moves the tip on the vertex, and says where it is.
+fn advance(index: u32, v: GeometryVertex, size: f32) -> vec3<f32> {
+    let root = motion.world_from_model * v.position;
+    let air = wind_at(motion.wind, motion.origin + root, motion.wind.time_s);
+    let square = STIFFNESS * (1.0 + SHORT_M / size) / size;
+    let h = motion.seconds;
+    if motion.begins == 1u {
+        let held = within(air * (DRAG_PER_S / square), FARTHEST * size);
+        store(index, held, vec3(0.0), root, vec3(0.0));
+        return held;
+    }
+    let was = tips[3u * index];
+    let beside_was = tips[3u * index + 1u];
+    let root_was = tips[3u * index + 2u];
+    let of_skin_was = vec3(was.w, beside_was.w, root_was.w);
+    if h <= 0.0 {
+        store(index, was.xyz, beside_was.xyz, root, of_skin_was);
+        return within(was.xyz + beside_was.xyz * (0.5 * motion.before_s), FARTHEST * size);
+    }
+    let of_skin = (root - root_was.xyz + motion.went) / h;
+    let faster = select((of_skin - of_skin_was) / (0.5 * (h + motion.before_s)), vec3(0.0), motion.begins == 2u);
+    let goal = within(((air - of_skin) * DRAG_PER_S - faster) / square, FARTHEST * size);
+    let off = was.xyz - goal;
+    let turns = sqrt(square);
+    let damped = turns * sqrt(1.0 - DAMPING * DAMPING);
+    let kept = exp(-DAMPING * turns * h);
+    let sine = sin(damped * h) / damped;
+    let cosine = cos(damped * h);
+    let aside = within(goal + (off * (cosine + DAMPING * turns * sine) + beside_was.xyz * sine) * kept, FARTHEST * size);
+    let beside = (beside_was.xyz * (cosine - DAMPING * turns * sine) - off * (square * sine)) * kept;
+    store(index, aside, beside, root, of_skin);
+    return within(aside + beside * (0.5 * h), FARTHEST * size);
+}
+
+fn store(index: u32, aside: vec3<f32>, beside: vec3<f32>, root: vec3<f32>, of_skin: vec3<f32>) {
+    tips[3u * index] = vec4(aside, of_skin.x);
+    tips[3u * index + 1u] = vec4(beside, of_skin.y);
+    tips[3u * index + 2u] = vec4(root, of_skin.z);
+}
