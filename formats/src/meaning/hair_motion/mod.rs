@@ -21,8 +21,6 @@ use glam::{Mat3, Quat, Vec3};
 pub const STEPS_PER_S: f32 = 120.0;
 /// Steps of a frame at most: of a longer frame only so much time passes for hair.
 pub const MOST_STEPS: u32 = 16;
-/// Times that the tensions of a string are solved for.
-const SOLVED: u32 = 3;
 /// Times that a pearl is taken out of the colliders.
 const PUSHED: u32 = 3;
 /// Cosine of the turn beyond which a piece is not as it was.
@@ -36,12 +34,24 @@ const REST_S: [f32; 2] = [0.5, 20.0];
 /// How many of its lengths a second a pearl flies at most, beside its root.
 const FASTEST: f32 = 25.0;
 
+/// How finely motion is followed. The runtime has one way, [`Solver::default`]; with others one measures what that costs, and how near to the truth it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solver {
+    /// Steps that a second is divided into at least, above 0 (default [`STEPS_PER_S`]).
+    pub steps_per_s: f32,
+    /// Times that the tensions of a string are solved for in a step; with 0 lengths go from root to tip only (default 3).
+    pub solved: u32,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self { steps_per_s: STEPS_PER_S, solved: 3 }
+    }
+}
+
 /// The steps of a frame: how many there are, and how long each is.
 pub fn steps(frame_s: f32) -> (u32, f32) {
-    let frame_s = frame_s.clamp(0.0, MOST_STEPS as f32 / STEPS_PER_S);
-    // A frame of 1/60 s is two steps, also where it is longer by a rounding.
-    let count = ((frame_s * STEPS_PER_S - 1e-3).ceil() as u32).clamp(1, MOST_STEPS);
-    (count, frame_s / count as f32)
+    Solver::default().steps(frame_s)
 }
 
 /// How the hair of a group moves.
@@ -110,6 +120,8 @@ struct Step<'a> {
     wind: &'a Wind,
     /// At the end of the step.
     colliders: &'a [Capsule],
+    /// Times that the tensions are solved for.
+    solved: u32,
 }
 
 impl Rooted {
@@ -162,10 +174,7 @@ pub struct Frame<'a> {
     pub colliders: &'a [[Capsule; 2]],
 }
 
-/// Moves a guide by one frame. Returns how long its steps were.
-///
-/// * `pearls`: as many as the guide has points
-/// * `before`, `now`: where the skin has its root at the beginning and at the end of the frame
+/// Moves a guide by one frame, as [`Solver::advance_frame`] of the default. Returns how long its steps were.
 pub fn advance_frame(
     pearls: &mut [Pearl],
     groomed: &Groomed<'_>,
@@ -174,23 +183,51 @@ pub fn advance_frame(
     before: Rooted,
     now: Rooted,
 ) -> f32 {
-    let (count, seconds) = steps(frame.seconds);
-    for number in 1..=count {
-        let at = |number: u32| number as f32 / count as f32;
-        let colliders: Vec<Capsule> = frame.colliders.iter().map(|[a, b]| a.between(*b, at(number))).collect();
-        let wind = Wind { time_s: frame.wind.time_s - (count - number) as f32 * seconds, ..frame.wind };
-        let step = Step {
-            seconds,
-            before_s: if number == 1 { frame.before_s } else { seconds },
-            gravity: frame.gravity,
-            wind: &wind,
-            colliders: &colliders,
-        };
-        let (from, to) = (before.between(now, at(number - 1)), before.between(now, at(number)));
-        // Between two frames that are turned lengths are too short; what counts is where the frame goes.
-        advance(pearls, groomed, springs, &step, from, to, now);
+    Solver::default().advance_frame(pearls, groomed, springs, frame, before, now)
+}
+
+impl Solver {
+    /// The steps of a frame: how many there are, and how long each is. Of a frame longer than [`MOST_STEPS`] of the default only so much time passes.
+    pub fn steps(&self, frame_s: f32) -> (u32, f32) {
+        let frame_s = frame_s.clamp(0.0, MOST_STEPS as f32 / STEPS_PER_S);
+        // A frame of 1/60 s is two steps of 1/120 s, also where it is longer by a rounding.
+        let count = ((frame_s * self.steps_per_s - 1e-3).ceil() as u32).max(1);
+        (count, frame_s / count as f32)
     }
-    seconds
+
+    /// Moves a guide by one frame. Returns how long its steps were.
+    ///
+    /// * `pearls`: as many as the guide has points
+    /// * `before`, `now`: where the skin has its root at the beginning and at the end of the frame
+    pub fn advance_frame(
+        &self,
+        pearls: &mut [Pearl],
+        groomed: &Groomed<'_>,
+        springs: &Springs,
+        frame: &Frame<'_>,
+        before: Rooted,
+        now: Rooted,
+    ) -> f32 {
+        let (count, seconds) = self.steps(frame.seconds);
+        for number in 1..=count {
+            let at = |number: u32| number as f32 / count as f32;
+            let colliders: Vec<Capsule> = frame.colliders.iter().map(|[a, b]| a.between(*b, at(number))).collect();
+            let wind = Wind { time_s: frame.wind.time_s - (count - number) as f32 * seconds, ..frame.wind };
+            let step = Step {
+                seconds,
+                before_s: if number == 1 { frame.before_s } else { seconds },
+                gravity: frame.gravity,
+                wind: &wind,
+                colliders: &colliders,
+                // Without time nothing bends or swings.
+                solved: if seconds > 0.0 { self.solved } else { 0 },
+            };
+            let (from, to) = (before.between(now, at(number - 1)), before.between(now, at(number)));
+            // Between two frames that are turned lengths are too short; what counts is where the frame goes.
+            advance(pearls, groomed, springs, &step, from, to, now);
+        }
+        seconds
+    }
 }
 
 /// Seconds after which hair of such a group has come to rest where nothing moves it: when a thousandth of its swing is left.
@@ -251,8 +288,6 @@ fn advance(
         pearl.place += velocity * h + pulled * (0.5 * h * (h + step.before_s));
     }
 
-    // Without time nothing bends or swings.
-    let solved = if h > 0.0 { SOLVED } else { 0 };
     // What bends back: each piece turns with the one before, and takes those behind it along.
     let bend = square(springs.bend_hz) * h * h;
     let bend = bend / (1.0 + bend);
@@ -266,7 +301,7 @@ fn advance(
         turn = turned(wanted, found) * turn;
     }
 
-    for _ in 0..solved {
+    for _ in 0..step.solved {
         hold_lengths(pearls, &started, &lengths, held);
     }
 
