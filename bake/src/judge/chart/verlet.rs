@@ -420,7 +420,7 @@ impl Plain {
         let kept_of_shape = libm::expf(-2.0 * DAMPED * std::f32::consts::TAU * springs.shape_hz * h);
         self.started.clone_from(&self.places);
         let bent = guide.bent(now.frame, &self.places);
-        for k in 1..self.places.len() {
+        for (k, bent) in bent.iter().enumerate().skip(1) {
             let place = self.places[k];
             let air = air(place);
             let goal = now.root + now.frame * guide.points[k];
@@ -430,7 +430,7 @@ impl Plain {
             let pulled = Vec3::NEG_Y * GRAVITY
                 + now.frame * guide.ballast[k]
                 + (goal - place - (now.root - before.root)) * shape
-                + bent[k] * bend;
+                + *bent * bend;
             self.places[k] = place + velocity * h + pulled * (h * h);
         }
         self.places[0] = now.root;
@@ -458,11 +458,11 @@ impl Plain {
 
     fn yielding(&mut self, lengths: &[f32], h: f32) {
         let yields = COMPLIANCE / (h * h);
-        for k in 1..self.places.len() {
+        for (k, wanted) in lengths.iter().enumerate().skip(1) {
             let way = self.places[k] - self.places[k - 1];
             let length = way.length().max(1e-9);
             let masses = if k == 1 { 1.0 } else { 2.0 };
-            let off = way * ((length - lengths[k]) / (length * (masses + yields)));
+            let off = way * ((length - wanted) / (length * (masses + yields)));
             if k > 1 {
                 self.places[k - 1] += off;
             }

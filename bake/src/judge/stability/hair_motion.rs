@@ -95,6 +95,9 @@ const CALM: Springs = Springs { drag_per_s: 2.0, shape_hz: 0.5, bend_hz: 0.0, fr
 /// Where a root and what is in its way are at a time, seconds.
 type Way<'a, T> = &'a dyn Fn(f32) -> T;
 
+/// Where points are in the world at the ends of frames, and those times.
+type Motion = Vec<(f32, Vec<Vec3>)>;
+
 /// A hanging string of 0.3 m that both forms move.
 struct Drive<'a> {
     points: usize,
@@ -113,7 +116,7 @@ impl Drive<'_> {
     }
 
     /// Where the points are in the world at the end of each frame, and the time.
-    fn ours(&self) -> Vec<(f32, Vec<Vec3>)> {
+    fn ours(&self) -> Motion {
         let (points, free) = (self.points(), vec![1.0; self.points]);
         let ballast = ballast(&points, Mat3::IDENTITY);
         let groomed = Groomed { points: &points, ballast: &ballast, free: &free };
@@ -138,7 +141,7 @@ impl Drive<'_> {
     }
 
     /// The same of the printed form.
-    fn printed(&self) -> Vec<(f32, Vec<Vec3>)> {
+    fn printed(&self) -> Motion {
         let points = self.points();
         let lengths = vec![LENGTH / (self.points - 1) as f32; self.points];
         let mut string = Printed::new(points.iter().map(|p| (self.root)(0.0) + *p).collect());
@@ -231,12 +234,12 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
 
     let sway = |time_s: f32| Vec3::X * (0.3 * libm::sinf(TAU * 0.7 * time_s));
     let at = |fps: f32| Drive { points: 16, fps, root: &sway, ..base };
-    let ends = |motion: Vec<(f32, Vec<Vec3>)>| motion.last().map_or_else(Vec::new, |(_, places)| places.clone());
+    let ends = |motion: Motion| motion.last().map_or_else(Vec::new, |(_, places)| places.clone());
     let apart = |a: &[Vec3], b: &[Vec3]| {
         let off = a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0f32, |a, b| if b <= a { a } else { b });
         f64::from(off / LENGTH)
     };
-    let spread = |run: &dyn Fn(&Drive<'_>) -> Vec<(f32, Vec<Vec3>)>| {
+    let spread = |run: &dyn Fn(&Drive<'_>) -> Motion| {
         let [few, some, many] = [30.0, 60.0, 144.0].map(|fps| ends(run(&at(fps))));
         apart(&few, &many).max(apart(&few, &some)).max(apart(&some, &many))
     };
