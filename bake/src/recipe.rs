@@ -28,7 +28,7 @@ mod style;
 
 pub use coats::{Coat, coats_page};
 pub use comb_marks::CombMarkParams;
-pub use hair_group::{HairGroupParams, TuftParams};
+pub use hair_group::{HairColliderParams, HairGroupParams, TuftParams};
 pub use ink::{InkFill, InkParams, MaterialInk};
 pub use joint_groom::JointGroom;
 pub use key_pictures::{KEY_PICTURES, KeyPicture};

@@ -132,3 +132,25 @@ named_table! {
         seed: u32, in 0..=4_000_000_000;
     }
 }
+
+named_table! {
+    /// A capsule that hair on guides stays out of, in place of what is fitted to its joint.
+    HairColliderParams of "a collider" checked by is_body {
+        /// Name of the joint that it goes with (none: of a model without skeleton).
+        joint: String, in ();
+        /// One end of its axis, metres in world space at rest.
+        from: [f32; 3], in PLACE;
+        /// The other end; a ball has one only (`from`).
+        to: [f32; 3], in PLACE;
+        /// Its radius, metres.
+        radius_m: f32, in 1e-6..=1e4;
+    }
+}
+
+fn is_body(collider: &HairColliderParams) -> Result<(), String> {
+    match (collider.from, collider.radius_m) {
+        (None, _) => Err("found no from, expected a place, [x, y, z] in metres".into()),
+        (_, None) => Err("found no radius_m, expected metres".into()),
+        _ => Ok(()),
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::coats::Coat;
 use super::comb_marks::CombMarkParams;
-use super::hair_group::{HairGroupParams, TuftParams};
+use super::hair_group::{HairColliderParams, HairGroupParams, TuftParams};
 use super::joint_groom::JointGroom;
 use super::maps::{ColorMap, FilePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
@@ -425,6 +425,8 @@ params! {
         tuft: Vec<TuftParams> = Vec::new();
         /// Whether hair on guides that moves stays out of the body: a capsule for each joint is fitted to the skin.
         colliders: bool = true;
+        /// Capsules of your own: `[[strands.collider]]` with a `name`. They take the place of the one that is fitted to their joint.
+        collider: Vec<HairColliderParams> = Vec::new();
     }
 }
 

@@ -338,6 +338,16 @@ fn some_group(count: u32, share: f32) -> HairGroupParams {
     }
 }
 
+fn some_collider(count: u32, share: f32) -> HairColliderParams {
+    HairColliderParams {
+        name: format!("skull {count}"),
+        joint: count.is_multiple_of(2).then(|| "Head".into()),
+        from: Some([share, 1.5, -0.25]),
+        to: count.is_multiple_of(3).then_some([share, 1.25, -0.5]),
+        radius_m: Some(0.125 + share),
+    }
+}
+
 fn some_tuft(count: u32, share: f32) -> TuftParams {
     TuftParams {
         name: "brow".into(),
@@ -463,6 +473,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
                 group: vec![some_group(slice.0, shading.2); slice.1 as usize % 3],
                 tuft: vec![some_tuft(slice.0, shading.2); slice.1 as usize % 2],
                 colliders: color.3,
+                collider: vec![some_collider(slice.0, shading.2); slice.1 as usize % 3],
             },
             fins: FinParams { enabled: fins.0, depth: fins.1 },
             detail: DetailParams {

@@ -270,6 +270,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     let recorded = resolved(pieces);
     recorded.validate()?;
     let moves = hair_motion(pieces);
+    warnings.extend(moves.iter().flat_map(|(_, fitted)| fitted.warnings.iter().cloned()));
     let mut quality = skin.manifest.quality.clone();
     quality.extend(moves.iter().flat_map(|(_, fitted)| {
         let figure = |name: &str, value, unit: &str| QualityFigure { name: name.into(), value, unit: unit.into() };

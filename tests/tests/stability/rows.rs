@@ -58,7 +58,8 @@ rows!(
     animation,
     sphere_map,
     opacity_shadow,
-    strand_order
+    strand_order,
+    hair_motion
 );
 
 /// The rows that need pictures, likewise.

@@ -432,6 +432,31 @@ fn the_soft_shadow_chart() {
 }
 
 #[test]
+fn the_verlet_chart() {
+    let sandbox = Sandbox::new();
+    // Of guides of 7 points: what the runtime does, more steps, a sweep, the printed form, and the skin as frames know it.
+    let rows = charted(&sandbox, "verlet", "1,3,8,23,26", &[]);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
+    let steps = [120.0, 240.0, 120.0, 60.0];
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!((number(i, "points"), row["default"] == true), (7.0, i == 0), "{row}");
+        assert_eq!(row["steps_per_s"].as_f64(), steps.get(i).copied(), "{row}");
+        assert_eq!(row["nanoseconds"].as_f64().is_some_and(|ns| ns > 0.0), i < 4, "{row}");
+        assert!(number(i, "true_change_percent") < 1e-3, "{row}");
+    }
+    // Nearer with more steps; with neither tensions nor steps farther off, and longer than it should be.
+    let off = |row: usize| number(row, "rms_percent");
+    assert!(off(4) < 0.1 && off(1) < 0.6 * off(0) && off(0) < 2.0, "{} {} {}", rows[0], rows[1], rows[4]);
+    assert!(off(2) > 1.5 * off(0) && off(3) > 4.0 * off(0), "{} {}", rows[2], rows[3]);
+    assert!(number(0, "stretch_percent") < 0.01 && number(2, "stretch_percent") > 5.0, "{} {}", rows[0], rows[2]);
+    assert_reproduced(&sandbox, &rows[0], &["rms_percent", "largest_percent", "rms_turn", "rms_gallop", "rms_gust"]);
+    let svg = std::fs::read_to_string(sandbox.path().join("out/verlet.svg")).unwrap();
+    for text in ["gallop", "7 points: ns", "RMS distance from the truth", "ours, steps a second", "one thread"] {
+        assert!(svg.contains(text), "no {text:?} in the picture");
+    }
+}
+
+#[test]
 fn the_stability_table() {
     if gpu("the_stability_table").is_none() {
         return;
@@ -453,6 +478,7 @@ fn the_stability_table() {
         "order of strands",
         "opacity shadow maps",
         "hair on guides",
+        "hair in motion",
     ] {
         assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
     }
@@ -479,6 +505,8 @@ fn what_cannot_be_charted() {
         (&["chart", "stability", "my torus.obj"], 1, &["neither model nor recipe"]),
         (&["chart", "stability", "--rows", "1"], 1, &["neither model nor recipe"]),
         (&["chart", "stability", "--restart"], 1, &["neither model nor recipe"]),
+        (&["chart", "verlet", "my torus.obj", "-o", "out"], 1, &["neither model nor recipe"]),
+        (&["chart", "verlet", "--set", "hair.density=3", "-o", "out"], 1, &["neither model nor recipe"]),
         (&["chart", "self-shadow"], 1, &["chart self-shadow needs -o DIR"]),
         (&["chart", "soft-shadow", "-o", "out", "--rows", "1,99"], 1, &["--rows 99", "rows"]),
         (&["chart", "surface", "-o", "out", "--rows", "0"], 1, &["--rows"]),

@@ -60,6 +60,8 @@ pub(super) enum Topic {
     Ink,
     /// Texel formats, encoders and mip filters: what they do to colour, hair direction and coverage, and what they cost
     Textures,
+    /// Hair on guides that swings: how far it is from its equations, by how its lengths are held and how often, and what that costs; it needs no model
+    Verlet,
     /// Where methods fail: the naive form's error beside ours and its bound; exit code 7 where a bound is broken
     Stability,
 }

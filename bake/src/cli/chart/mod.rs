@@ -31,6 +31,7 @@ mod strands;
 mod subject;
 mod surface;
 mod textures;
+mod verlet;
 
 use super::exit::{Exit, Failure};
 use super::output::Output;
@@ -51,6 +52,11 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     let name = args.topic.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
     let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
+    if args.topic == Topic::Verlet
+        && (args.model.is_some() || args.recipe.recipe.is_some() || !args.recipe.set.is_empty())
+    {
+        return Err(Failure::Usage("chart verlet takes neither model nor recipe: it brings its own guides".into()));
+    }
     let subject = Subject::new(args)?;
     if subject.package.is_some()
         && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Strands | Topic::OpacityShadow | Topic::Ink)
@@ -73,6 +79,7 @@ fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic
     Ok(match topic {
         Topic::Surface => Box::new(surface::SurfaceTopic::new(subject)?),
         Topic::Textures => Box::new(textures::TexturesTopic::new(subject)?),
+        Topic::Verlet => Box::new(verlet::VerletTopic::new()),
         #[cfg(feature = "preview")]
         Topic::Shells => Box::new(shells::ShellsTopic::new(subject)?),
         #[cfg(feature = "preview")]

@@ -1,6 +1,6 @@
 //! Speed against accuracy: tables of configurations, their front, and pictures of both.
 //!
-//! A topic is a module that lists configurations ([`surface`], [`textures`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
+//! A topic is a module that lists configurations ([`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
 //! A chart's figures come with the command that reproduces each, so that nobody has to believe it.
 
 mod axis;
@@ -30,6 +30,7 @@ pub mod strands;
 pub mod surface;
 mod svg;
 pub mod textures;
+pub mod verlet;
 
 pub use errors::{Errors, OFF};
 pub use svg::svg;

@@ -6,6 +6,7 @@
 #[cfg(feature = "preview")]
 pub mod animation;
 pub mod direction_textures;
+pub mod hair_motion;
 pub mod hair_simulation;
 #[cfg(feature = "preview")]
 pub mod ink;
@@ -68,6 +69,7 @@ pub const ROWS: &[Row] = &[
     #[cfg(feature = "preview")]
     opacity_shadow::ROW,
     strand_order::ROW,
+    hair_motion::ROW,
 ];
 
 /// The rows that need pictures.

@@ -6,6 +6,7 @@
 //! * [`Occluder`]: a mesh between its points and a light that is a disc, for soft shadows.
 //! * [`TrueScene`]: the strands of [`crate::strands`], traced: what a whole picture should look like.
 //! * [`TrueLines`]: contours, creases and borders of a posed skin as edges of its mesh, hidden parts removed by rays: what ink lines should be.
+//! * [`TrueGuide`]: hair on guides that swings, by its equations and steps as short as it takes: what Verlet and its lengths should come to.
 //!
 //! They share with the fast paths the strands, the layers and the mesh that both read, and what `pelage_formats::meaning` says of them: where a
 //! posed vertex stands, and a point of its hair. Else they share no code: an error that both had would not show.
@@ -13,6 +14,7 @@
 mod camera;
 mod capsules;
 mod disc_light;
+mod hair_motion;
 mod ink_lines;
 mod lighting;
 mod picture;
@@ -24,6 +26,7 @@ mod volume;
 
 pub use camera::{Lens, TrueCamera};
 pub use disc_light::{DiscLight, Occluder};
+pub use hair_motion::{Followed, SkinMotion, TrueGuide, TrueSwing};
 pub use ink_lines::{ContourForm, LineKind, LineParams, LineSegment, TrueLines, VisibleLines};
 pub use lighting::{TrueLight, TrueLighting};
 pub use picture::{Rays, TracedPicture, TrueScene};

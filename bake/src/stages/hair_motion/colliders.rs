@@ -24,6 +24,8 @@ pub struct Fitted {
     pub colliders: Vec<BodyCollider>,
     /// How far from the nearest capsule of its joint the skin lies at most, metres.
     pub gap_m: f32,
+    /// What of the recipe fits no joint.
+    pub warnings: Vec<String>,
 }
 
 /// Fits a capsule to the vertices that follow each joint, thin enough for the hair at rest to lie outside.
@@ -66,7 +68,7 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> Fitted {
     made.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.joint.cmp(&b.2.joint)));
     made.truncate(MOST);
     let gap_m = made.iter().map(|(_, gap, _)| *gap).fold(0.0, f32::max);
-    Fitted { colliders: made.into_iter().map(|(.., collider)| collider).collect(), gap_m }
+    Fitted { colliders: made.into_iter().map(|(.., collider)| collider).collect(), gap_m, ..Fitted::default() }
 }
 
 /// The capsule about points, in their own space.

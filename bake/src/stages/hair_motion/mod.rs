@@ -1,6 +1,7 @@
 //! How hair on guides moves, and what of the body it stays out of: what a recipe says of its groups, and capsules that are fitted to the skin.
 
 mod colliders;
+mod given;
 
 pub use colliders::{Fitted, fit};
 
@@ -38,6 +39,7 @@ pub fn of_groups(
         .flat_map(|(group, motion)| at_rest(group, motion, mesh, &pose))
         .collect();
     let fitted = if params.colliders { fit(mesh, &pose, &guides) } else { Fitted::default() };
+    let fitted = given::in_place(fitted, &params.collider, animation, &pose);
     Some((HairMotion { groups: motions, colliders: fitted.colliders.clone() }, fitted))
 }
 

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 use super::*;
-use pelage_formats::{GeometryVertex, SkinVertex};
+use pelage_formats::{BodyCollider, GeometryVertex, Joint, Node, SkinVertex};
 
 /// A rod along x from -1 to 1, of radius 0.2, whose left half follows joint 0 and whose right half follows joint 1.
 fn rod() -> (MeshData, Pose) {
@@ -60,4 +60,48 @@ fn tufts_are_stiff_and_groups_move() {
     assert_eq!((found.groups[0].shape_hz, found.groups[0].held, found.groups[0].free), (2.0, 0.5, 0.5));
     assert_eq!(of_groups(&StrandParams::default(), &[group], &mesh, None), None);
     assert!(pose.joints.len() == 2);
+}
+
+#[test]
+fn capsules_of_the_recipe_take_the_place_of_fitted_ones() {
+    use crate::recipe::HairColliderParams;
+    let node = |name: &str| Node {
+        name: name.into(),
+        parent: None,
+        translation: [0.0; 3],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        scale: [1.0; 3],
+    };
+    let animation = Animation {
+        nodes: ["hip", "head"].map(node).into(),
+        joints: [0, 1].map(|node| Joint { node, inverse_bind: Mat4::IDENTITY.to_cols_array() }).into(),
+        ..Animation::default()
+    };
+    let pose = Pose {
+        joints: vec![Mat4::IDENTITY, Mat4::from_translation(Vec3::X) * Mat4::from_scale(Vec3::splat(2.0))],
+        ..Pose::default()
+    };
+    let of = |joint: u32| BodyCollider { joint, from: [0.0; 3], to: [0.0; 3], radius: 0.1 };
+    let fitted = Fitted { colliders: vec![of(0), of(1)], gap_m: 0.5, ..Fitted::default() };
+    let ball = |name: &str, joint: &str| HairColliderParams {
+        name: name.into(),
+        joint: Some(joint.into()),
+        from: Some([1.0, 2.0, 0.0]),
+        radius_m: Some(0.4),
+        ..HairColliderParams::default()
+    };
+    let found =
+        given::in_place(fitted.clone(), &[ball("skull", "head"), ball("lost", "tail")], Some(&animation), &pose);
+    let skull = BodyCollider { joint: 1, from: [0.0, 1.0, 0.0], to: [0.0, 1.0, 0.0], radius: 0.2 };
+    assert_eq!(found.colliders, [skull, of(0)]);
+    assert_eq!(found.warnings.len(), 1);
+    assert!(
+        ["\"lost\"", "\"tail\"", "\"hip\""].iter().all(|word| found.warnings[0].contains(word)),
+        "{:?}",
+        found.warnings
+    );
+    // As many as a package holds.
+    let many = vec![ball("skull", "head"); 70];
+    let found = given::in_place(fitted, &many, Some(&animation), &pose);
+    assert!(found.colliders.len() == HairMotion::MOST_COLLIDERS && found.warnings[0].contains("70"));
 }

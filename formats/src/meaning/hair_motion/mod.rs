@@ -21,8 +21,6 @@ use glam::{Mat3, Quat, Vec3};
 pub const STEPS_PER_S: f32 = 120.0;
 /// Steps of a frame at most: of a longer frame only so much time passes for hair.
 pub const MOST_STEPS: u32 = 16;
-/// Times that the tensions of a string are solved for.
-const SOLVED: u32 = 3;
 /// Times that a pearl is taken out of the colliders.
 const PUSHED: u32 = 3;
 /// Cosine of the turn beyond which a piece is not as it was.
@@ -36,12 +34,35 @@ const REST_S: [f32; 2] = [0.5, 20.0];
 /// How many of its lengths a second a pearl flies at most, beside its root.
 const FASTEST: f32 = 25.0;
 
+/// How finely motion is followed. The runtime has one way, [`Solver::default`]; with others one measures what that costs, and how near to the truth it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solver {
+    /// Steps that a second is divided into at least, above 0 (default [`STEPS_PER_S`]).
+    pub steps_per_s: f32,
+    /// Times that the tensions of a string are solved for in a step at most; with 0 lengths go from root to tip only (default 16).
+    pub solved: u32,
+    /// Share of its length that each piece is to be right within: then no more is solved. What is left goes from root to tip (default 0.0001).
+    pub within: f32,
+}
+
+/// What [`Solver::advance_frame`] did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Advanced {
+    /// How long its steps were, seconds.
+    pub step_s: f32,
+    /// How often it solved for the tensions, in all of them.
+    pub solved: u32,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self { steps_per_s: STEPS_PER_S, solved: 16, within: 1e-4 }
+    }
+}
+
 /// The steps of a frame: how many there are, and how long each is.
 pub fn steps(frame_s: f32) -> (u32, f32) {
-    let frame_s = frame_s.clamp(0.0, MOST_STEPS as f32 / STEPS_PER_S);
-    // A frame of 1/60 s is two steps, also where it is longer by a rounding.
-    let count = ((frame_s * STEPS_PER_S - 1e-3).ceil() as u32).clamp(1, MOST_STEPS);
-    (count, frame_s / count as f32)
+    Solver::default().steps(frame_s)
 }
 
 /// How the hair of a group moves.
@@ -111,6 +132,8 @@ struct Step<'a> {
     time_s: f32,
     /// At the end of the step.
     colliders: &'a [Capsule],
+    /// How its lengths are held.
+    solver: Solver,
 }
 
 impl Rooted {
@@ -165,10 +188,7 @@ pub struct Frame<'a> {
     pub colliders: &'a [[Capsule; 2]],
 }
 
-/// Moves a guide by one frame. Returns how long its steps were.
-///
-/// * `pearls`: as many as the guide has points
-/// * `before`, `now`: where the skin has its root at the beginning and at the end of the frame
+/// Moves a guide by one frame, as [`Solver::advance_frame`] of the default. Returns how long its steps were.
 pub fn advance_frame(
     pearls: &mut [Pearl],
     groomed: &Groomed<'_>,
@@ -177,23 +197,52 @@ pub fn advance_frame(
     before: Rooted,
     now: Rooted,
 ) -> f32 {
-    let (count, seconds) = steps(frame.seconds);
-    for number in 1..=count {
-        let at = |number: u32| number as f32 / count as f32;
-        let colliders: Vec<Capsule> = frame.colliders.iter().map(|[a, b]| a.between(*b, at(number))).collect();
-        let step = Step {
-            seconds,
-            before_s: if number == 1 { frame.before_s } else { seconds },
-            gravity: frame.gravity,
-            wind: &frame.wind,
-            time_s: frame.time_s - (count - number) as f32 * seconds,
-            colliders: &colliders,
-        };
-        let (from, to) = (before.between(now, at(number - 1)), before.between(now, at(number)));
-        // Between two frames that are turned lengths are too short; what counts is where the frame goes.
-        advance(pearls, groomed, springs, &step, from, to, now);
+    Solver::default().advance_frame(pearls, groomed, springs, frame, before, now).step_s
+}
+
+impl Solver {
+    /// The steps of a frame: how many there are, and how long each is. Of a frame longer than [`MOST_STEPS`] of the default only so much time passes.
+    pub fn steps(&self, frame_s: f32) -> (u32, f32) {
+        let frame_s = frame_s.clamp(0.0, MOST_STEPS as f32 / STEPS_PER_S);
+        // A frame of 1/60 s is two steps of 1/120 s, also where it is longer by a rounding.
+        let count = ((frame_s * self.steps_per_s - 1e-3).ceil() as u32).max(1);
+        (count, frame_s / count as f32)
     }
-    seconds
+
+    /// Moves a guide by one frame.
+    ///
+    /// * `pearls`: as many as the guide has points
+    /// * `before`, `now`: where the skin has its root at the beginning and at the end of the frame
+    pub fn advance_frame(
+        &self,
+        pearls: &mut [Pearl],
+        groomed: &Groomed<'_>,
+        springs: &Springs,
+        frame: &Frame<'_>,
+        before: Rooted,
+        now: Rooted,
+    ) -> Advanced {
+        let (count, seconds) = self.steps(frame.seconds);
+        let mut solved = 0;
+        for number in 1..=count {
+            let at = |number: u32| number as f32 / count as f32;
+            let colliders: Vec<Capsule> = frame.colliders.iter().map(|[a, b]| a.between(*b, at(number))).collect();
+            let step = Step {
+                seconds,
+                before_s: if number == 1 { frame.before_s } else { seconds },
+                gravity: frame.gravity,
+                wind: &frame.wind,
+                time_s: frame.time_s - (count - number) as f32 * seconds,
+                colliders: &colliders,
+                // Without time nothing bends or swings.
+                solver: Self { solved: if seconds > 0.0 { self.solved } else { 0 }, ..*self },
+            };
+            let (from, to) = (before.between(now, at(number - 1)), before.between(now, at(number)));
+            // Between two frames that are turned lengths are too short; what counts is where the frame goes.
+            solved += advance(pearls, groomed, springs, &step, from, to, now);
+        }
+        Advanced { step_s: seconds, solved }
+    }
 }
 
 /// Seconds after which hair of such a group has come to rest where nothing moves it: when a thousandth of its swing is left.
@@ -209,7 +258,7 @@ fn direction(v: Vec3, other: Vec3) -> Vec3 {
     if length > 1e-9 { v / length } else { other }
 }
 
-/// Moves a guide by one step, from `before` to `now`; pieces are as long as they are in `whole`.
+/// Moves a guide by one step, from `before` to `now`; pieces are as long as they are in `whole`. Returns how often it solved for the tensions.
 fn advance(
     pearls: &mut [Pearl],
     groomed: &Groomed<'_>,
@@ -218,7 +267,7 @@ fn advance(
     before: Rooted,
     now: Rooted,
     whole: Rooted,
-) {
+) -> u32 {
     let h = step.seconds;
     let scale = whole.scale();
     let goal = |k: usize| now.frame * groomed.points[k];
@@ -254,8 +303,6 @@ fn advance(
         pearl.place += velocity * h + pulled * (0.5 * h * (h + step.before_s));
     }
 
-    // Without time nothing bends or swings.
-    let solved = if h > 0.0 { SOLVED } else { 0 };
     // What bends back: each piece turns with the one before, and takes those behind it along.
     let bend = square(springs.bend_hz) * h * h;
     let bend = bend / (1.0 + bend);
@@ -269,8 +316,10 @@ fn advance(
         turn = turned(wanted, found) * turn;
     }
 
-    for _ in 0..solved {
+    let mut solved = 0;
+    while solved < step.solver.solved && (solved == 0 || off(pearls, &lengths, held) > step.solver.within) {
         hold_lengths(pearls, &started, &lengths, held);
+        solved += 1;
     }
 
     // What is left, from root to tip, and around what is in the way.
@@ -302,6 +351,13 @@ fn advance(
             pearls[k].velocity = velocity - along * lost;
         }
     }
+    solved
+}
+
+/// The most that a piece is longer or shorter than it should be, over its length.
+fn off(pearls: &[Pearl], lengths: &[f32], held: usize) -> f32 {
+    let of = |k: usize| (pearls[k].place.distance(pearls[k - 1].place) - lengths[k]).abs() / lengths[k].max(1e-9);
+    (held + 1..pearls.len()).map(of).fold(0.0, f32::max)
 }
 
 /// The least turn from one direction to another.
@@ -315,12 +371,14 @@ fn turned(from: Vec3, to: Vec3) -> Quat {
 /// One step of Newton's method for the tensions that give all pieces their lengths: pearls beyond `held` have one mass, those up to it do not move.
 ///
 /// Tensions act along the pieces as they were at the beginning of the step (SHAKE, Ryckaert 1977), so that what bears its weight stays where it is; along
-/// the pieces as they are where those turned too far.
+/// a piece as it is where that turned too far.
 fn hold_lengths(pearls: &mut [Pearl], started: &[Vec3], lengths: &[f32], held: usize) {
     let now = |pearls: &[Pearl], k: usize| direction(pearls[k].place - pearls[k - 1].place, Vec3::Y);
     let then = |k: usize| direction(started[k] - started[k - 1], Vec3::Y);
-    let turned = (held + 1..pearls.len()).any(|k| now(pearls, k).dot(then(k)) < LEAST_TURN);
-    let along = |pearls: &[Pearl], k: usize| if turned { now(pearls, k) } else { then(k) };
+    let along = |pearls: &[Pearl], k: usize| {
+        let (now, then) = (now(pearls, k), then(k));
+        if now.dot(then) < LEAST_TURN { now } else { then }
+    };
     // Thomas' algorithm: `left` and `right` are what elimination leaves of the row's neighbour and of its right side.
     let mut left = vec![0.0; pearls.len()];
     let mut right = vec![0.0; pearls.len()];

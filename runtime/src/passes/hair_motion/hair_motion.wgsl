@@ -46,7 +46,8 @@ struct HairMotion {
 
 const MOST_POINTS: u32 = 65u;
 const STEPS_PER_S: f32 = 120.0;
-const SOLVED: u32 = 3u;
+const SOLVED: u32 = 16u;
+const WITHIN: f32 = 1e-4;
 const PUSHED: u32 = 3u;
 const LEAST_TURN: f32 = 0.995;
 const DAMPED: f32 = 0.3;
@@ -154,31 +155,35 @@ fn then_along(k: u32) -> vec3<f32> {
     return direction(started(k) - started(k - 1u), UP);
 }
 
-fn along(k: u32, has_turned: bool) -> vec3<f32> {
-    if has_turned {
-        return now_along(k);
+fn along(k: u32) -> vec3<f32> {
+    let now = now_along(k);
+    let then = then_along(k);
+    return select(then, now, dot(now, then) < LEAST_TURN);
+}
+
+// The most that a piece is longer or shorter than it should be, over its length.
+fn off_lengths(held: u32) -> f32 {
+    var off = 0.0;
+    for (var k = held + 1u; k < motion.points; k++) {
+        off = max(off, abs(distance(place(k), place(k - 1u)) - lengths[k]) / max(lengths[k], 1e-9));
     }
-    return then_along(k);
+    return off;
 }
 
 // One step of Newton's method for the tensions that give all pieces their lengths.
 fn hold_lengths(held: u32) {
-    var has_turned = false;
-    for (var k = held + 1u; k < motion.points; k++) {
-        has_turned = has_turned || dot(now_along(k), then_along(k)) < LEAST_TURN;
-    }
     var before = vec3(0.0);
     left[held] = 0.0;
     right[held] = 0.0;
     for (var k = held + 1u; k < motion.points; k++) {
         let here = now_along(k);
-        let own = along(k, has_turned);
+        let own = along(k);
         let neighbour = -dot(here, before);
         let masses = select(2.0, 1.0, k == held + 1u);
         let pivot = masses * dot(here, own) - neighbour * left[k - 1u];
         var next = 0.0;
         if k + 1u < motion.points {
-            next = -dot(here, along(k + 1u, has_turned));
+            next = -dot(here, along(k + 1u));
         }
         let off = distance(place(k), place(k - 1u)) - lengths[k];
         left[k] = next / pivot;
@@ -188,7 +193,7 @@ fn hold_lengths(held: u32) {
     var tension = 0.0;
     var pull = vec3(0.0);
     for (var k = motion.points - 1u; k > held; k--) {
-        let own = along(k, has_turned);
+        let own = along(k);
         tension = right[k] - left[k] * tension;
         set_place(k, place(k) + (pull - own * tension));
         pull = own * tension;
@@ -266,7 +271,7 @@ fn advance(old_frame: mat3x3<f32>, old_root: vec3<f32>, frame: mat3x3<f32>, root
         turn = after(turned(wanted, found), turn);
     }
 
-    for (var i = 0u; i < SOLVED; i++) {
+    for (var i = 0u; i < SOLVED && (i == 0u || off_lengths(held) > WITHIN); i++) {
         hold_lengths(held);
     }
     settle(frame, root, share, held);

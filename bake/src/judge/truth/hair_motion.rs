@@ -1,0 +1,329 @@
+//! Hair on a guide that swings, as the equations have it that the fast way takes steps of: `pelage_formats::meaning::hair_motion`.
+//!
+//! Points xₖ of unit mass follow the root x₀ = r(t), which the skin moves with its frame F(t). pₖ is the groomed place in that frame, gₖ = r + F pₖ where
+//! the skin would have the point, eₖ the direction from xₖ₋₁ to xₖ, and τₖ the tension of that piece:
+//!
+//! ```text
+//! x″ₖ = G + F bₖ                              gravity, and the ballast that bears the groomed shape at rest
+//!     + c (u(t, xₖ) − x′ₖ)                    air u takes the point along, c = drag_per_s
+//!     + ω² (gₖ − xₖ) + 2 ζ ω (g′ₖ − x′ₖ)      spring to the groomed place, ω = 2π shape_hz, ζ = 0.3
+//!     + β² Σ (Rⱼ F (pⱼ − pⱼ₋₁) − (xⱼ − xⱼ₋₁)) over j ≤ k: bending, β = 2π bend_hz
+//!     − τₖ eₖ + τₖ₊₁ eₖ₊₁
+//! |xₖ − xₖ₋₁| = |pₖ − pₖ₋₁|
+//! R₁ = 1, Rⱼ₊₁ = (least turn of Rⱼ F (pⱼ − pⱼ₋₁) to xⱼ − xⱼ₋₁) Rⱼ
+//! ```
+//!
+//! Lengths, differentiated twice, are a tridiagonal system for the tensions: eₖ·(x″ₖ − x″ₖ₋₁) = −|x′ₖ − x′ₖ₋₁|² / lₖ. With it the equations are ordinary
+//! ones, which Runge's and Kutta's method of fourth order takes steps of. After each, places and velocities go back to where lengths hold, along the pieces and by
+//! the least change, so that nothing of it drifts. A skin that changes its velocity at once pulls at the lengths: that impulse is the same projection.
+//!
+//! [`TrueGuide::followed`] halves the steps until that changes nothing. What two motions that differ by a rounding make of it is another matter: a slack string
+//! whips, and forgets where it came from. Such motions have no truth beyond the first seconds, and the steps that halving asks for show it.
+//!
+//! No colliders, and every point but the root is wholly free: what friction and freedom do is defined by steps, and has no equation to be true to.
+
+use glam::{DMat3, DQuat, DVec3};
+use std::f64::consts::TAU;
+
+/// Share of what would stop a spring from swinging at all that is in those to the groomed shape: ζ.
+const DAMPED: f64 = 0.3;
+/// Seconds between the moments that velocities of the skin are differences of.
+const MOMENT_S: f64 = 1e-4;
+/// Rounds of Newton's method that lengths are put right by after a step, and the error beside which a further one would be rounding, in lengths.
+const ROUNDS: usize = 12;
+const EXACT: f64 = 1e-13;
+
+/// Where the skin has the root of a guide, and how it moves there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkinMotion {
+    /// The root, metres.
+    pub root: DVec3,
+    /// Its velocity, metres a second.
+    pub velocity: DVec3,
+    /// Its acceleration, metres a second squared.
+    pub acceleration: DVec3,
+    /// From the frame of the root's triangle to the axes of the world: a turn.
+    pub frame: DMat3,
+    /// What that changes by in a second.
+    pub turning: DMat3,
+}
+
+impl SkinMotion {
+    /// Of a skin that goes its way smoothly, by differences of fourth order.
+    ///
+    /// * `way`: root and frame at a time, seconds
+    pub fn along(way: impl Fn(f64) -> (DVec3, DMat3), time_s: f64) -> Self {
+        let at = |k: f64| way(time_s + k * MOMENT_S);
+        let [a, b, here, c, d] = [-2.0, -1.0, 0.0, 1.0, 2.0].map(at);
+        let per_s = 1.0 / (12.0 * MOMENT_S);
+        let second = (16.0 * (b.0 + c.0) - (a.0 + d.0) - 30.0 * here.0) * (per_s / MOMENT_S);
+        Self {
+            root: here.0,
+            velocity: (8.0 * (c.0 - b.0) - (d.0 - a.0)) * per_s,
+            acceleration: second,
+            frame: here.1,
+            turning: ((c.1 - b.1) * 8.0 - (d.1 - a.1)) * per_s,
+        }
+    }
+
+    /// Of a skin that goes straight from one place to another, as a renderer knows it that has only frames of pictures; `share`: how much of the way.
+    pub fn between(from: (DVec3, DMat3), to: (DVec3, DMat3), seconds: f64, share: f64) -> Self {
+        let (velocity, turning) = ((to.0 - from.0) / seconds, (to.1 - from.1) * (1.0 / seconds));
+        let s = share * seconds;
+        let (root, frame) = (from.0 + velocity * s, from.1 + turning * s);
+        Self { root, velocity, acceleration: DVec3::ZERO, frame, turning }
+    }
+}
+
+/// A guide, and all that moves it.
+#[derive(Clone, Copy)]
+pub struct TrueGuide<'a> {
+    /// Groomed points relative to the root, which is the first, in the frame of its triangle, metres: two or more, none on the one before.
+    pub points: &'a [DVec3],
+    /// Accelerations that hold them at rest, in that frame; as many.
+    pub ballast: &'a [DVec3],
+    /// How fast the air takes hair along, 1/s, 0..
+    pub drag_per_s: f64,
+    /// How often a second hair swings back to where it was groomed, 0..
+    pub shape_hz: f64,
+    /// How often a second its pieces swing back to the shape that they were groomed in, 0..
+    pub bend_hz: f64,
+    /// Acceleration of everything, metres a second squared.
+    pub gravity: DVec3,
+    /// Velocity of the air at a time and place, metres a second.
+    pub air: &'a (dyn Fn(f64, DVec3) -> DVec3 + Sync),
+}
+
+/// How a guide lies, and moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrueSwing {
+    /// Its points in the world, the root first, metres.
+    pub places: Vec<DVec3>,
+    /// Their velocities, metres a second.
+    pub velocities: Vec<DVec3>,
+}
+
+/// A motion from rest on, followed with steps short enough.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Followed {
+    /// Points in the world at the end of each frame, metres.
+    pub places: Vec<Vec<DVec3>>,
+    /// Steps of a frame that these were found with.
+    pub steps: u32,
+    /// The farthest that a point was from there with half as many, in lengths of the guide.
+    pub change: f64,
+}
+
+/// Tensions, eₖ·(aₖ − aₖ₋₁) = `wanted`ₖ being what they are to do to pieces of the directions `along`: by elimination, from root to tip and back. The first of
+/// both is nothing's.
+fn tensions(along: &[DVec3], wanted: &[f64]) -> Vec<f64> {
+    let count = along.len();
+    let (mut left, mut right) = (vec![0.0; count], vec![0.0; count]);
+    for k in 1..count {
+        // The root has no mass that could be pulled at.
+        let (diagonal, before) = if k == 1 { (1.0, 0.0) } else { (2.0, -along[k].dot(along[k - 1])) };
+        let pivot = diagonal - before * left[k - 1];
+        left[k] = if k + 1 < count { -along[k].dot(along[k + 1]) / pivot } else { 0.0 };
+        right[k] = (-wanted[k] - before * right[k - 1]) / pivot;
+    }
+    let mut out = vec![0.0; count];
+    for k in (1..count).rev() {
+        out[k] = right[k] - if k + 1 < count { left[k] * out[k + 1] } else { 0.0 };
+    }
+    out
+}
+
+/// Adds what tensions do to the points of a string.
+fn pull(points: &mut [DVec3], along: &[DVec3], tensions: &[f64]) {
+    for k in 1..points.len() {
+        points[k] -= along[k] * tensions[k];
+        if k + 1 < points.len() {
+            points[k] += along[k + 1] * tensions[k + 1];
+        }
+    }
+}
+
+/// Directions of the pieces; nothing first.
+fn directions(places: &[DVec3]) -> Vec<DVec3> {
+    std::iter::once(DVec3::ZERO).chain(places.windows(2).map(|ends| (ends[1] - ends[0]).normalize_or_zero())).collect()
+}
+
+/// The least turn from one direction to another; none between opposite ones, which have no least.
+fn least_turn(from: DVec3, to: DVec3) -> DQuat {
+    let (from, to) = (from.normalize_or_zero(), to.normalize_or_zero());
+    let (across, half) = (from.cross(to), 1.0 + from.dot(to));
+    if half < 1e-12 { DQuat::IDENTITY } else { DQuat::from_xyzw(across.x, across.y, across.z, half).normalize() }
+}
+
+impl TrueGuide<'_> {
+    /// Its length, metres.
+    pub fn length(&self) -> f64 {
+        self.points.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
+    }
+
+    /// As groomed, and moving as the skin does.
+    pub fn groomed(&self, skin: &SkinMotion) -> TrueSwing {
+        TrueSwing {
+            places: self.points.iter().map(|p| skin.root + skin.frame * *p).collect(),
+            velocities: self.points.iter().map(|p| skin.velocity + skin.turning * *p).collect(),
+        }
+    }
+
+    /// Accelerations of all points; that of the root is the skin's.
+    fn accelerations(&self, skin: &SkinMotion, time_s: f64, places: &[DVec3], velocities: &[DVec3]) -> Vec<DVec3> {
+        let count = places.len();
+        let (shape, bend) = (TAU * self.shape_hz, TAU * self.bend_hz);
+        let mut out = vec![skin.acceleration; count];
+        let (mut turn, mut bent) = (DQuat::IDENTITY, DVec3::ZERO);
+        for k in 1..count {
+            let wanted = turn * (skin.frame * (self.points[k] - self.points[k - 1]));
+            let found = places[k] - places[k - 1];
+            bent += wanted - found;
+            turn = least_turn(wanted, found) * turn;
+            let goal = skin.root + skin.frame * self.points[k];
+            let goes = skin.velocity + skin.turning * self.points[k];
+            out[k] = self.gravity
+                + skin.frame * self.ballast[k]
+                + ((self.air)(time_s, places[k]) - velocities[k]) * self.drag_per_s
+                + (goal - places[k]) * (shape * shape)
+                + (goes - velocities[k]) * (2.0 * DAMPED * shape)
+                + bent * (bend * bend);
+        }
+        let along = directions(places);
+        let wanted: Vec<f64> = (0..count)
+            .map(|k| {
+                if k == 0 {
+                    return 0.0;
+                }
+                let turns = (velocities[k] - velocities[k - 1]).length_squared() / places[k].distance(places[k - 1]);
+                -turns - along[k].dot(out[k] - out[k - 1])
+            })
+            .collect();
+        pull(&mut out, &along, &tensions(&along, &wanted));
+        out
+    }
+
+    /// Puts lengths right, and what velocities change them by.
+    fn hold(&self, skin: &SkinMotion, swing: &mut TrueSwing) {
+        swing.places[0] = skin.root;
+        swing.velocities[0] = skin.velocity;
+        let lengths: Vec<f64> =
+            std::iter::once(0.0).chain(self.points.windows(2).map(|ends| ends[0].distance(ends[1]))).collect();
+        let most = EXACT * self.length();
+        for _ in 0..ROUNDS {
+            let along = directions(&swing.places);
+            let off = |k: usize| if k == 0 { 0.0 } else { lengths[k] - swing.places[k].distance(swing.places[k - 1]) };
+            let wanted: Vec<f64> = (0..lengths.len()).map(off).collect();
+            if wanted.iter().all(|off| off.abs() <= most) {
+                break;
+            }
+            pull(&mut swing.places, &along, &tensions(&along, &wanted));
+        }
+        let along = directions(&swing.places);
+        let grows = |k: usize| if k == 0 { 0.0 } else { along[k].dot(swing.velocities[k - 1] - swing.velocities[k]) };
+        let wanted: Vec<f64> = (0..lengths.len()).map(grows).collect();
+        pull(&mut swing.velocities, &along, &tensions(&along, &wanted));
+    }
+
+    /// Follows a swing for some seconds from `time_s` on, in so many steps.
+    ///
+    /// * `skin`: how the root moves at a share of them, 0..=1, smoothly between
+    pub fn advance(
+        &self,
+        swing: &mut TrueSwing,
+        skin: impl Fn(f64) -> SkinMotion,
+        time_s: f64,
+        seconds: f64,
+        steps: u32,
+    ) {
+        let h = seconds / f64::from(steps);
+        let mut here = skin(0.0);
+        self.hold(&here, swing);
+        for step in 0..steps {
+            let share = |part: f64| (f64::from(step) + part) / f64::from(steps);
+            let (middle, end) = (skin(share(0.5)), skin(share(1.0)));
+            let mut at = swing.clone();
+            let mut sum = TrueSwing { places: vec![DVec3::ZERO; at.places.len()], velocities: Vec::new() };
+            sum.velocities.clone_from(&sum.places);
+            for (skin, part, weight) in [(&here, 0.0, 1.0), (&middle, 0.5, 2.0), (&middle, 0.5, 2.0), (&end, 1.0, 1.0)]
+            {
+                if part > 0.0 {
+                    // What this round starts from is the slope that the round before left in `at`.
+                    for k in 0..at.places.len() {
+                        at.places[k] = swing.places[k] + at.places[k] * (h * part);
+                        at.velocities[k] = swing.velocities[k] + at.velocities[k] * (h * part);
+                    }
+                    (at.places[0], at.velocities[0]) = (skin.root, skin.velocity);
+                }
+                let time_s = time_s + share(part) * seconds;
+                let accelerations = self.accelerations(skin, time_s, &at.places, &at.velocities);
+                (at.places, at.velocities) = (at.velocities, accelerations);
+                for k in 0..at.places.len() {
+                    sum.places[k] += at.places[k] * weight;
+                    sum.velocities[k] += at.velocities[k] * weight;
+                }
+            }
+            for k in 0..at.places.len() {
+                swing.places[k] += sum.places[k] * (h / 6.0);
+                swing.velocities[k] += sum.velocities[k] * (h / 6.0);
+            }
+            self.hold(&end, swing);
+            here = end;
+        }
+    }
+
+    /// Where its points are at the end of each of so many frames from rest at time 0 on.
+    ///
+    /// * `way`: root and frame of the skin at a time, seconds
+    /// * `straight`: the skin goes straight from frame to frame
+    pub fn frames(
+        &self,
+        way: &dyn Fn(f64) -> (DVec3, DMat3),
+        straight: bool,
+        (frames, frame_s): (u32, f64),
+        steps: u32,
+    ) -> Vec<Vec<DVec3>> {
+        let skin = |frame: u32, share: f64| {
+            let at = |share: f64| (f64::from(frame) + share) * frame_s;
+            if straight {
+                SkinMotion::between(way(at(0.0)), way(at(1.0)), frame_s, share)
+            } else {
+                SkinMotion::along(way, at(share))
+            }
+        };
+        let mut swing = self.groomed(&SkinMotion::between(way(0.0), way(0.0), frame_s, 0.0));
+        (0..frames)
+            .map(|frame| {
+                self.advance(&mut swing, |share| skin(frame, share), f64::from(frame) * frame_s, frame_s, steps);
+                swing.places.clone()
+            })
+            .collect()
+    }
+
+    /// As [`Self::frames`], with twice as many steps until that moves no point by more than `within` lengths of the guide, or until there are 4096 of a frame.
+    pub fn followed(
+        &self,
+        way: &dyn Fn(f64) -> (DVec3, DMat3),
+        straight: bool,
+        times: (u32, f64),
+        within: f64,
+    ) -> Followed {
+        let mut steps = 32;
+        let mut places = self.frames(way, straight, times, steps / 2);
+        loop {
+            let finer = self.frames(way, straight, times, steps);
+            let off =
+                |(a, b): (&Vec<DVec3>, &Vec<DVec3>)| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+            let change = places.iter().zip(&finer).map(off).fold(0.0, f64::max) / self.length();
+            places = finer;
+            if change <= within || steps >= 4096 {
+                return Followed { places, steps, change };
+            }
+            steps *= 2;
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "hair_motion_tests.rs"]
+mod tests;
