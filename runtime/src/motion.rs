@@ -23,6 +23,8 @@ struct State {
     posed: Option<wgpu::Buffer>,
     /// What they are of: the motion, and weights of morph targets.
     motion: Option<(Motion, Vec<(usize, f32)>)>,
+    /// They are to be computed anew although they are of that motion.
+    is_stale: bool,
     pose: Pose,
     /// Of its hair, where that moves.
     past: Option<Past>,
@@ -144,6 +146,7 @@ impl States {
                 gpu.buffer("pelage posed vertices", model.geometry().size(), usage)
             }),
             motion: None,
+            is_stale: false,
             pose: Pose::default(),
             past: None,
             fur: None,
@@ -158,7 +161,9 @@ impl States {
             Some(_) => (&instance.motion, &instance.morphs[..]),
             None => (&Motion::Rest, &[][..]),
         };
-        if state.motion.as_ref().is_none_or(|(of, with)| (of, &with[..]) != (motion, morphs)) {
+        let is_posed = state.motion.as_ref().is_none_or(|(of, with)| (of, &with[..]) != (motion, morphs));
+        if is_posed || std::mem::take(&mut state.is_stale) {
+            state.is_stale = false;
             self.revisions += 1;
             state.revision = self.revisions;
             state.motion = Some((motion.clone(), morphs.to_vec()));
@@ -189,7 +194,15 @@ impl States {
         self.lives += 1;
         let lives = params.hair_motion.zip(rest_s).map(|(moved, rest_s)| {
             let moment = (moved, params.time_s);
-            swing(state.past.as_ref(), instance, moment, rest_s, &state.pose, pose.is_some(), self.lives)
+            swing(
+                state.past.as_ref(),
+                instance,
+                moment,
+                rest_s,
+                &state.pose,
+                is_posed && model.skeleton().is_some(),
+                self.lives,
+            )
         });
         let (swing, past) = lives.unzip();
         // Hair that begins to move, moves, or ceases to, has another shape.
@@ -274,7 +287,7 @@ impl States {
 
     /// Forgets all poses, so that they are computed anew.
     pub(crate) fn invalidate(&mut self) {
-        self.owners.values_mut().for_each(|state| state.motion = None);
+        self.owners.values_mut().for_each(|state| state.is_stale = true);
     }
 
     /// Forgets them with how hair swings, where the device may not have seen the last of it.

@@ -69,6 +69,34 @@ impl Workshop {
     }
 }
 
+impl Workshop {
+    /// Draws so many pictures of a sequence, as [`Self::draw`] does one.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::run`].
+    pub fn sequence<S: AsRef<str>>(
+        &self,
+        baked: &Baked,
+        size: &str,
+        count: usize,
+        options: &[S],
+    ) -> anyhow::Result<Vec<RgbImage>> {
+        let folder = self.sandbox.path().join("sequence");
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder)?;
+        }
+        let (pictures, package) = (folder.join("%03d.png").display().to_string(), baked.package.display().to_string());
+        let frames = count.to_string();
+        let mut arguments = vec!["render", &package, "-o", &pictures, "--frames", &frames, "--size", size];
+        arguments.extend(["--samples", "4", "--quiet", "--background", "204,209,217"]);
+        arguments.extend(options.iter().map(AsRef::as_ref));
+        self.run(&arguments)?;
+        let read = |index: usize| Ok(image::open(folder.join(format!("{index:03}.png")))?.to_rgb8());
+        (0..count).map(read).collect()
+    }
+}
+
 /// Pictures of one size row by row.
 ///
 /// # Errors
