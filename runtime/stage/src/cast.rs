@@ -39,7 +39,7 @@ pub struct Actor {
 
 impl Actor {
     /// Whether it is elsewhere, or posed otherwise, at another time.
-    pub(crate) fn moves(&self) -> bool {
+    pub fn moves(&self) -> bool {
         let Place { position, heading_deg, scale: _ } = &self.place;
         self.clip.is_some() || self.over.is_some() || position.moves() || heading_deg.as_ref().is_some_and(Track::moves)
     }

@@ -30,7 +30,7 @@ impl<T: Value> Track<T> {
     }
 
     /// Whether it has other values at other times.
-    pub(crate) fn moves(&self) -> bool {
+    pub fn moves(&self) -> bool {
         self.keys.len() > 1
     }
 
