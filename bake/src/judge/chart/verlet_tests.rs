@@ -16,7 +16,8 @@ fn rows_are_told_apart_and_one_of_each_length_is_ours() {
             assert!(of[..i].iter().all(|b| (b.series, &b.label) != (a.series, &a.label) && b.form != a.form), "{a:?}");
         }
     }
-    let of = Off { squares: 1.0, count: 4, ..Off::default() };
+    // Three times in each of the steps of a scene.
+    let of = Off { squares: 1.0, count: 4, solved: 1080, ..Off::default() };
     let row = cells(&all[0], &[of; 3], Some(5.0), &[]);
     assert_eq!(row.len(), COLUMNS.len());
     assert_eq!(row[3], Cell::Number(50.0));
