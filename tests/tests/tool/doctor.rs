@@ -42,8 +42,9 @@ fn predictions_are_what_an_adapter_counts() {
     ] {
         bake(&sandbox, name, &plain);
         let found = doctor(&sandbox, view);
-        // What is foretold is a frame of layers.
-        let args = [&["bench", "a.pelage", "--json", "--frames", "1", "--hair", "shells"], view].concat();
+        // What is foretold is a frame of layers, of a still.
+        let still = ["bench", "a.pelage", "--json", "--frames", "1", "--hair", "shells", "--hair-motion", "off"];
+        let args = [&still, view].concat();
         let counted = schema::done(&sandbox.run(&args), "bench");
         let bytes = |v: &Value| v["gpu_bytes"].as_f64().unwrap();
         // Uniform blocks are not predicted.
