@@ -9,15 +9,15 @@ use glam::Quat;
 use image::RgbaImage;
 use pelage_bake::io;
 use pelage_bake::picture::encode_png;
-use pelage_formats::meaning::srgb_to_linear;
+use pelage_formats::meaning::{hair_motion, srgb_to_linear};
 use pelage_runtime::{Frame, Light};
 use pelage_stage::{Shot, Stage};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Moments a second that what swings lives through at least.
-const LIVED_PER_S: u32 = 30;
+/// Moments a second that what swings lives through at least: as many as it takes steps, so that 12, 24, 30 and 60 pictures a second see the same.
+const LIVED_PER_S: u32 = hair_motion::STEPS_PER_S as u32;
 
 /// What a picture turned out to be.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -93,7 +93,7 @@ impl Shoot {
         Ok((told, pixels))
     }
 
-    /// Moments from one picture to the next: what swings lives through thirty a second and more, however few pictures there are.
+    /// Moments from one picture to the next: what swings lives through [`LIVED_PER_S`] and more, however few pictures there are.
     fn moments(&self) -> i64 {
         i64::from(LIVED_PER_S.div_ceil(self.fps))
     }
