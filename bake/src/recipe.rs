@@ -257,7 +257,9 @@ impl Recipe {
             named.push((format!("ink.{key}"), path.as_ref().map(|path| path.0.as_str())));
         }
         for (i, group) in self.strands.group.iter().enumerate() {
-            named.push((format!("strands.group, table {i}, mask"), group.mask.as_ref().and_then(ScalarMap::image)));
+            for (key, map) in [("mask", &group.mask), ("freedom", &group.freedom)] {
+                named.push((format!("strands.group, table {i}, {key}"), map.as_ref().and_then(ScalarMap::image)));
+            }
         }
         each_once(named)
     }

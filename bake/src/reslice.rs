@@ -12,6 +12,7 @@ use crate::recipe::Recipe;
 use crate::stages::assemble::{Content, carried, kept_texture};
 use crate::stages::groom::MapImages;
 use crate::stages::hair::Strands;
+use crate::stages::hair_groups::GuidedHair;
 use crate::stages::ink::{self, InkFiles, SkinInk};
 use crate::stages::pack::{Skin, SkinFins, simplified};
 use crate::steps::Steps;
@@ -100,10 +101,11 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
             warnings: Vec::new(),
         });
     }
-    let groups = package.hair_groups().map_err(fault)?.to_vec();
+    // How they move is a section of the skin that is kept.
+    let guided = GuidedHair { groups: package.hair_groups().map_err(fault)?.to_vec(), ..GuidedHair::default() };
     let mut outputs = Outputs {
         hair: Some(hair),
-        guided: Some((groups, Vec::new())),
+        guided: Some(guided),
         fins: Some(SkinFins { section: fins, depth: None }),
         ink: Some(ink),
         ink_textures: Some(ink_textures),

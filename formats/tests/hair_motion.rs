@@ -22,7 +22,8 @@ fn packed(groups: &[HairGroup], motion: &HairMotion) -> Result<Vec<u8>, FormatEr
 
 fn sample() -> HairMotion {
     let collider = BodyCollider { joint: 1, from: [0.0, 1.0, 0.0], to: [0.5, 1.0, 0.0], radius: 0.25 };
-    HairMotion { groups: vec![GroupMotion::default(), GroupMotion::STIFF], colliders: vec![collider] }
+    let (groups, freedom) = (vec![GroupMotion::default(), GroupMotion::STIFF], vec![vec![128], Vec::new()]);
+    HairMotion { groups, freedom, colliders: vec![collider] }
 }
 
 #[test]
@@ -36,8 +37,10 @@ fn motion_comes_back() {
 #[test]
 fn what_does_not_fit_is_told() {
     type Change = fn(&mut HairMotion);
-    let cases: [(Change, &str); 9] = [
+    let cases: [(Change, &str); 11] = [
         (|m| m.groups.truncate(1), "1 groups, expected the 2 of the section HAIR"),
+        (|m| m.freedom.clear(), "0 lists of freedom, expected the 2 of the section HAIR"),
+        (|m| m.freedom[1] = vec![1, 2], "freedom[1] has 2 values, expected none, or one for each of 1 guides"),
         (|m| m.groups[1].held = 1.5, "groups[1].held is 1.5, expected 0 to 1"),
         (|m| m.groups[0].free = -0.5, "groups[0].free is -0.5, expected 0 to 1"),
         (|m| m.groups[0].drag_per_s = f32::NAN, "groups[0].drag_per_s is NaN"),

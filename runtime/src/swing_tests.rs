@@ -19,6 +19,8 @@ use pelage_stage::Gpu;
 const POINTS: usize = 9;
 const MOTION: GroupMotion =
     GroupMotion { held: 0.1, free: 0.5, drag_per_s: 1.5, shape_hz: 0.8, bend_hz: 1.5, friction: 0.3 };
+/// How freely each of its guides moves: the first goes with the skin.
+const FREEDOM: [u8; 8] = [0, 128, 250, 255, 255, 255, 255, 255];
 const WIND: Wind = Wind { velocity: Vec3::new(2.0, 0.0, -1.0), gust: 0.5, gust_s: 0.7, turbulence: 0.4, eddy_m: 0.3 };
 
 /// What a buffer of the device has.
@@ -89,7 +91,7 @@ impl Scene {
             parts: vec![Part { material: 0, first_index: 0, index_count: 24 }],
             ..Manifest::default()
         };
-        let motion = HairMotion { groups: vec![MOTION], colliders };
+        let motion = HairMotion { groups: vec![MOTION], freedom: vec![FREEDOM.to_vec()], colliders };
         let writer = PackageWriter::new(manifest).mesh(&mesh).hair_groups(&[group]).hair_motion(&motion);
         Self { corners, points, package: writer.finish().unwrap() }
     }
@@ -109,10 +111,12 @@ impl Scene {
             bend_hz: MOTION.bend_hz,
             friction: MOTION.friction,
         };
-        let free: Vec<f32> = (0..POINTS).map(|k| MOTION.freedom(k as f32 / (POINTS - 1) as f32)).collect();
         let mut all = Vec::new();
         for (side, points) in self.points.iter().enumerate() {
             let ballast = ballast(points, triangle_frame(self.corners[side]));
+            let of_guide = f32::from(FREEDOM[side]) / 255.0;
+            let free: Vec<f32> =
+                (0..POINTS).map(|k| of_guide * MOTION.freedom(k as f32 / (POINTS - 1) as f32)).collect();
             let groomed = Groomed { points, ballast: &ballast, free: &free };
             let mut pearls: Vec<Pearl> = self.rooted(side, at(0).0).groomed(points);
             for frame in 1..frames {

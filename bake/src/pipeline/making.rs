@@ -143,9 +143,7 @@ pub(super) fn guided(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), B
         nodes: &model.nodes,
         files: told.images,
     };
-    let mut warnings = Vec::new();
-    let groups = hair_groups::groups(&told.recipe.strands, &ground, &mut warnings)?;
-    outputs.guided = Some((groups, warnings));
+    outputs.guided = Some(hair_groups::groups(&told.recipe.strands, &ground)?);
     Ok(())
 }
 

@@ -8,13 +8,14 @@ use crate::recipe::{InkParams, PackParams, Recipe};
 use crate::remade::Remade;
 use crate::stages::groom::{Coat, Colors, GroomTextures, MapImages};
 use crate::stages::hair::TileHair;
+use crate::stages::hair_groups::GuidedHair;
 use crate::stages::ink::{InkFiles, Painting, SkinInk};
 use crate::stages::pack::{Lists, Simplifies, Skin, SkinFins};
 use crate::stages::surface::Surface;
 use crate::stages::textures::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::Visibility;
 use crate::steps::Steps;
-use pelage_formats::{HairGroup, RootsInfo, StrandsData};
+use pelage_formats::{RootsInfo, StrandsData};
 use std::sync::Arc;
 
 /// What a bake is told: the same for all its steps.
@@ -95,7 +96,7 @@ outputs! {
     /// The laid model with what varies over it.
     Groomed groomed: Arc<Groomed>,
     /// Hair on guides, and what there was to say of it.
-    Guided guided: (Vec<HairGroup>, Vec<String>),
+    Guided guided: GuidedHair,
     /// Where fins stand.
     Fins fins: SkinFins<'a>,
     /// What fins show; none where the package is to have no fins.

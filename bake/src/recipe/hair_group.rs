@@ -79,6 +79,8 @@ named_table! {
         held: f32, in SHARE;
         /// Share of the hair from its root on beyond which it moves freely, not below `held` (0.3).
         free: f32, in SHARE;
+        /// How freely it moves, times what `held` and `free` say, by where it roots: a number, the vertex colours or an image (1); 0: it goes with the skin.
+        freedom: ScalarMap, in SHARE;
         /// How fast the air takes it along, and stops it where it is still, 1/s (2).
         drag_per_s: f32, in 0.0..=1000.0;
         /// How often a second it swings back to where it was groomed; 0: it hangs (0.5).

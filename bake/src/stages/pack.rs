@@ -8,6 +8,7 @@ use crate::remade::Remade;
 use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Coat, Colors, Lengths};
+use crate::stages::hair_groups::GuidedHair;
 use crate::stages::hair_motion;
 use crate::stages::ink::{InkFiles, SkinInk};
 use crate::stages::morphs;
@@ -16,9 +17,9 @@ use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
-    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairGroup,
-    HairMotion, InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure,
-    RootsInfo, Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
+    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairMotion,
+    InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
+    Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -207,7 +208,7 @@ pub struct Pieces<'a> {
     /// The strands of the tile, or none.
     pub strands: Option<&'a StrandsData>,
     /// Hair on guides, and what there was to say of it.
-    pub hair: &'a (Vec<HairGroup>, Vec<String>),
+    pub hair: &'a GuidedHair,
     /// The fins.
     pub fins: &'a SkinFins<'a>,
     /// Their textures; without them the package has no fins.
@@ -263,7 +264,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
         }
     }
     let mut warnings = skin.manifest.warnings.clone();
-    warnings.extend(pieces.hair.1.iter().cloned());
+    warnings.extend(pieces.hair.warnings.iter().cloned());
     warnings.extend(pieces.ink.iter().flat_map(|(ink, _)| ink.warnings.iter().cloned()));
     let (names, files) = textures.finish();
     // What the model's size decides may lie where no recipe may.
@@ -305,7 +306,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     let sections = skin.sections.iter().filter(|section| !is_motion(section)).cloned();
     let sections = sections.chain(files).chain(fins).chain(ink.map(Content::Ink));
     let strands = pieces.strands.cloned().map(Content::Strands);
-    let hair = (!pieces.hair.0.is_empty()).then(|| Content::Hair(pieces.hair.0.clone()));
+    let hair = (!pieces.hair.groups.is_empty()).then(|| Content::Hair(pieces.hair.groups.clone()));
     let motion = moves.map(|(motion, _)| Content::HairMotion(Arc::new(motion)));
     let sections =
         sections.chain(visibility.map(Content::Visibility)).chain(strands).chain(hair).chain(motion).chain(kept_motion);
@@ -318,7 +319,7 @@ fn hair_motion(pieces: &Pieces<'_>) -> Option<(HairMotion, hair_motion::Fitted)>
     let sections = &pieces.skin.sections;
     let mesh = sections.iter().find_map(|s| if let Content::Mesh(mesh) = s { Some(mesh) } else { None })?;
     let animation = sections.iter().find_map(|s| if let Content::Animation(a) = s { Some(&**a) } else { None });
-    hair_motion::of_groups(&pieces.recipe.strands, &pieces.hair.0, mesh, animation)
+    hair_motion::of_groups(&pieces.recipe.strands, pieces.hair, mesh, animation)
 }
 
 /// The recipe with everything that was left open filled in.

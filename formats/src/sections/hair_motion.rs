@@ -1,5 +1,6 @@
 //! The `HMOV` section: how hair on guides moves, and what of the body it does not go into. Layout in `FORMAT.md`, "HMOV".
 
+use super::hair::HairGroup;
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
@@ -31,6 +32,8 @@ const FARTHEST_M: f32 = 1e6;
 pub struct HairMotion {
     /// One for each group of the section `HAIR`, in their order.
     pub groups: Vec<GroupMotion>,
+    /// For each group how freely each of its guides moves, times what [`GroupMotion::freedom`] says, 0 to 255 for 0 to 1; nothing where all are free.
+    pub freedom: Vec<Vec<u8>>,
     /// What of the body hair does not go into: at most [`HairMotion::MOST_COLLIDERS`].
     pub colliders: Vec<BodyCollider>,
 }
@@ -102,10 +105,26 @@ impl HairMotion {
     /// Colliders at most.
     pub const MOST_COLLIDERS: usize = 64;
 
+    /// How freely a guide of a group moves beside what is said of the whole group, 0..=1.
+    pub fn guide_freedom(&self, group: usize, guide: usize) -> f32 {
+        let found = self.freedom.get(group).and_then(|guides| guides.get(guide));
+        found.map_or(1.0, |byte| f32::from(*byte) / 255.0)
+    }
+
     /// The first thing that is not as the specification says.
-    fn fault(&self, groups: usize, joints: usize) -> Option<String> {
-        if self.groups.len() != groups {
-            return Some(format!("{} groups, expected the {groups} of the section HAIR", self.groups.len()));
+    fn fault(&self, groups: &[HairGroup], joints: usize) -> Option<String> {
+        for (name, found) in [("groups", self.groups.len()), ("lists of freedom", self.freedom.len())] {
+            if found != groups.len() {
+                return Some(format!("{found} {name}, expected the {} of the section HAIR", groups.len()));
+            }
+        }
+        for (i, (freedom, group)) in self.freedom.iter().zip(groups).enumerate() {
+            if ![0, group.guide_roots.len()].contains(&freedom.len()) {
+                let (found, guides) = (freedom.len(), group.guide_roots.len());
+                return Some(format!(
+                    "freedom[{i}] has {found} values, expected none, or one for each of {guides} guides"
+                ));
+            }
         }
         if let Some((i, fault)) = self.groups.iter().enumerate().find_map(|(i, g)| Some((i, g.fault()?))) {
             return Some(format!("groups[{i}].{fault}"));
@@ -140,7 +159,7 @@ impl Package<'_> {
         let kept = self.keep(index, || {
             let motion: HairMotion = decode_section(Tag::HAIR_MOTION, section.offset, self.section_bytes(index)?)?;
             let joints = self.animation()?.map_or(0, |animation| animation.joints.len());
-            match motion.fault(self.hair_groups()?.len(), joints) {
+            match motion.fault(&self.hair_groups()?, joints) {
                 Some(reason) => Err(FormatError::Content { tag: Tag::HAIR_MOTION, offset: section.offset, reason }),
                 None => Ok(Arc::new(motion)),
             }

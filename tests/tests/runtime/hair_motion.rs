@@ -86,7 +86,7 @@ fn hair_at_rest_costs_nothing_and_is_as_it_was_groomed() {
     let Some(gpu) = gpu("hair_at_rest_costs_nothing_and_is_as_it_was_groomed") else { return };
     let bytes = sphere();
     let count = skin(&bytes).1.len() as u32;
-    let motion = HairMotion { groups: vec![MOTION], colliders: Vec::new() };
+    let motion = HairMotion { groups: vec![MOTION], freedom: vec![Vec::new()], colliders: Vec::new() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&with_hair(&bytes, group(count, straight), Some(motion))).unwrap();
     let mut time_s = 0.0;

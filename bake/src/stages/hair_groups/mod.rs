@@ -17,6 +17,7 @@ pub use ground::Ground;
 
 use crate::BakeError;
 use crate::guides::Guides;
+use crate::mesh::MeshPart;
 use crate::recipe::{HairGroupParams, ScalarMap, StrandParams, Style};
 use crate::stages::groom::scalar_at;
 use body::Body;
@@ -39,32 +40,42 @@ const MOST_GUIDES: usize = 1 << 16;
 /// Density below which nothing grows.
 const BARE: f32 = 0.01;
 
-/// Makes the groups of a recipe, and says in `warnings` what was repaired or left out.
+/// Hair on guides.
+#[derive(Clone, Debug, Default)]
+pub struct GuidedHair {
+    /// Its groups.
+    pub groups: Vec<HairGroup>,
+    /// For each how freely each of its guides moves, as [`pelage_formats::HairMotion::freedom`].
+    pub freedom: Vec<Vec<u8>>,
+    /// What was repaired or left out.
+    pub warnings: Vec<String>,
+}
+
+/// Makes the groups of a recipe.
 ///
 /// # Errors
 /// [`BakeError::Input`] naming the table where nothing can grow: a material that does not exist, no triangle, no guide that touches the scalp.
-pub fn groups(
-    params: &StrandParams,
-    ground: &Ground<'_>,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<HairGroup>, BakeError> {
+pub fn groups(params: &StrandParams, ground: &Ground<'_>) -> Result<GuidedHair, BakeError> {
+    let mut hair = GuidedHair::default();
     if params.group.is_empty() && params.tuft.is_empty() {
-        return Ok(Vec::new());
+        return Ok(hair);
     }
     let body = Body::new(&ground.mesh.triangles, &ground.rest.positions, &ground.rest.normals);
-    let mut made = Vec::new();
     for (number, group) in params.group.iter().enumerate() {
-        let fail = |reason: String| fault(ground, "group", number, &group.name, reason);
-        made.push(group_of(group, ground, &body, warnings).map_err(|reason| match reason {
-            Fault::Here(reason) => fail(reason),
+        let fail = |reason: Fault| match reason {
+            Fault::Here(reason) => fault(ground, "group", number, &group.name, reason),
             Fault::Elsewhere(error) => error,
-        })?);
+        };
+        let made = group_of(group, ground, &body, &mut hair.warnings).map_err(fail)?;
+        hair.freedom.push(freedom(group, &made, ground)?);
+        hair.groups.push(made);
     }
     for (number, tuft) in params.tuft.iter().enumerate() {
-        let found = tuft_of(tuft, ground, &body, warnings).map_err(|r| fault(ground, "tuft", number, &tuft.name, r))?;
-        made.push(found);
+        let fail = |reason| fault(ground, "tuft", number, &tuft.name, reason);
+        hair.groups.push(tuft_of(tuft, ground, &body, &mut hair.warnings).map_err(fail)?);
+        hair.freedom.push(Vec::new());
     }
-    Ok(made)
+    Ok(hair)
 }
 
 fn fault(ground: &Ground<'_>, table: &str, number: usize, name: &str, reason: String) -> BakeError {
@@ -165,6 +176,25 @@ fn scalp(params: &HairGroupParams, ground: &Ground<'_>) -> Result<Vec<(u32, u16)
         return Err(Fault::Here(reason));
     }
     Ok(scalp)
+}
+
+/// How freely each guide of a group moves, by where it roots; nothing where all are free.
+fn freedom(params: &HairGroupParams, group: &HairGroup, ground: &Ground<'_>) -> Result<Vec<u8>, BakeError> {
+    let Some(map) = params.freedom.as_ref().filter(|map| **map != ScalarMap::Constant(1.0)) else {
+        return Ok(Vec::new());
+    };
+    let of_guide = |root: OnTriangle| {
+        let triangle = root.triangle as usize;
+        let of_part =
+            |part: &&MeshPart| (part.first_triangle..part.first_triangle + part.triangle_count).contains(&triangle);
+        let Some(part) = ground.mesh.parts.iter().find(of_part) else { return Ok(u8::MAX) };
+        let mut share = 0.0;
+        for (v, weight) in ground.mesh.triangles[triangle].into_iter().zip(root.weights) {
+            share += weight * scalar_at(ground.files, ground.mesh, part, map, v as usize)?.unwrap_or(1.0);
+        }
+        Ok((share.clamp(0.0, 1.0) * 255.0).round() as u8)
+    };
+    group.roots().map(of_guide).collect()
 }
 
 /// Guides that grow on the scalp of a group, spread as its hairs are.

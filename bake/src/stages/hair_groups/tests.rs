@@ -42,16 +42,20 @@ fn ball() -> (Mesh, RestPose, Vec<Material>) {
     (mesh, rest, materials.to_vec())
 }
 
-/// What a recipe makes of the ball, and the warnings.
-fn made(recipe: &str, files: &MapImages) -> Result<(Vec<HairGroup>, Vec<String>), BakeError> {
+/// What a recipe makes of the ball.
+fn grown(recipe: &str, files: &MapImages) -> Result<GuidedHair, BakeError> {
     let recipe = crate::recipe::Recipe::parse("recipe", recipe)?;
     let (mesh, rest, materials) = ball();
     let nodes = [("root", Vec3::ZERO), ("ear.L", Vec3::new(0.08, 0.08, 0.0)), ("ear.L", Vec3::X)];
     let nodes = nodes.map(|(name, position_ws)| NamedPlace { name: name.into(), position_ws });
     let (materials, nodes) = (&materials, &nodes);
     let ground = Ground { file: "ball.glb", mesh: &mesh, rest: &rest, radius_m: 0.1, materials, nodes, files };
-    let mut warnings = Vec::new();
-    Ok((groups(&recipe.strands, &ground, &mut warnings)?, warnings))
+    groups(&recipe.strands, &ground)
+}
+
+/// Its groups, and the warnings.
+fn made(recipe: &str, files: &MapImages) -> Result<(Vec<HairGroup>, Vec<String>), BakeError> {
+    grown(recipe, files).map(|hair| (hair.groups, hair.warnings))
 }
 
 fn one(keys: &str) -> Result<HairGroup, BakeError> {
@@ -104,6 +108,28 @@ fn a_mask_thins_the_scalp() {
     assert!(
         group.scalp.iter().any(|(_, share)| *share < 40_000) && group.scalp.iter().any(|(_, share)| *share == 65_535)
     );
+}
+
+#[test]
+fn a_map_says_how_freely_guides_move() {
+    let group = |freedom: &str| format!("[[strands.group]]\nname = \"hair\"\nmaterial = \"Scalp\"\n{freedom}\n");
+    let tuft = "[[strands.tuft]]\nname = \"brow\"\nat = [0, 0.1, 0]\n";
+    let recipe = [&group("freedom = \"vertex#g\""), &group(""), &group("freedom = 0.5"), tuft].concat();
+    let hair = grown(&recipe, &MapImages::default()).unwrap();
+    assert_eq!((hair.freedom[1].len(), hair.freedom[3].len(), hair.freedom.len()), (0, 0, 4));
+    assert!(
+        hair.freedom[2].len() == hair.groups[2].guide_roots.len()
+            && hair.freedom[2].iter().all(|byte| (127..=128).contains(byte))
+    );
+    // Vertex colours are white on the right, and black on the left.
+    let (mesh, rest, _) = ball();
+    let corners = |t: u32| mesh.triangles[t as usize].map(|v| rest.positions[v as usize]);
+    for (root, freedom) in hair.groups[0].roots().zip(&hair.freedom[0]) {
+        let x = root.place(corners(root.triangle)).x;
+        assert!(x.abs() < 0.02 || *freedom == if x < 0.0 { 0 } else { 255 }, "{freedom} at {x}");
+    }
+    let count = |value| hair.freedom[0].iter().filter(|byte| **byte == value).count();
+    assert!(count(0) > 100 && count(255) > 100);
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod given;
 pub use colliders::{Fitted, fit};
 
 use crate::recipe::{HairGroupParams, StrandParams};
+use crate::stages::hair_groups::GuidedHair;
 use glam::{Mat4, Vec3};
 use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{posed, skin_matrix};
@@ -13,15 +14,15 @@ use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, On
 
 /// How the groups of a recipe move, made of what it says and of the body; `None` where none does.
 ///
-/// * `groups`: those of the recipe in its order, then its tufts, which are stiff
+/// * `hair`: groups of the recipe in its order, then its tufts, which are stiff
 pub fn of_groups(
     params: &StrandParams,
-    groups: &[HairGroup],
+    hair: &GuidedHair,
     mesh: &MeshData,
     animation: Option<&Animation>,
 ) -> Option<(HairMotion, Fitted)> {
     let motions: Vec<GroupMotion> =
-        groups.iter().enumerate().map(|(i, _)| params.group.get(i).map_or(GroupMotion::STIFF, motion)).collect();
+        hair.groups.iter().enumerate().map(|(i, _)| params.group.get(i).map_or(GroupMotion::STIFF, motion)).collect();
     if motions.iter().all(|motion| motion.held >= 1.0) {
         return None;
     }
@@ -32,15 +33,13 @@ pub fn of_groups(
     if pose.joints.is_empty() {
         pose.joints.push(Mat4::IDENTITY);
     }
-    let guides: Vec<Vec<Vec3>> = groups
-        .iter()
-        .zip(&motions)
-        .filter(|(_, motion)| motion.held < 1.0)
-        .flat_map(|(group, motion)| at_rest(group, motion, mesh, &pose))
-        .collect();
+    let mut found = HairMotion { groups: motions, freedom: hair.freedom.clone(), colliders: Vec::new() };
+    let guides: Vec<Vec<Vec3>> =
+        (0..hair.groups.len()).flat_map(|number| at_rest(&hair.groups[number], number, &found, mesh, &pose)).collect();
     let fitted = if params.colliders { fit(mesh, &pose, &guides) } else { Fitted::default() };
     let fitted = given::in_place(fitted, &params.collider, animation, &pose);
-    Some((HairMotion { groups: motions, colliders: fitted.colliders.clone() }, fitted))
+    found.colliders.clone_from(&fitted.colliders);
+    Some((found, fitted))
 }
 
 fn motion(group: &HairGroupParams) -> GroupMotion {
@@ -57,21 +56,25 @@ fn motion(group: &HairGroupParams) -> GroupMotion {
 }
 
 /// Where the points of a group's guides that may move are at rest, in model space.
-fn at_rest(group: &HairGroup, motion: &GroupMotion, mesh: &MeshData, pose: &Pose) -> Vec<Vec<Vec3>> {
+fn at_rest(group: &HairGroup, number: usize, motion: &HairMotion, mesh: &MeshData, pose: &Pose) -> Vec<Vec<Vec3>> {
+    let of_group = motion.groups[number];
+    if of_group.held >= 1.0 {
+        return Vec::new();
+    }
     let place = |vertex: u32| {
         let (stored, skin) = (&mesh.geometry[vertex as usize], mesh.skin.get(vertex as usize));
         skin.map_or(stored.position, |skin| posed(stored, skin_matrix(pose, skin)).position).into()
     };
-    let guide = |(number, root): (usize, OnTriangle)| {
+    let guide = |(guide, root): (usize, OnTriangle)| {
         let first = 3 * root.triangle as usize;
         let corners: [Vec3; 3] = [0, 1, 2].map(|k| place(mesh.indices[first + k]));
         let (at, frame) = (root.place(corners), triangle_frame(corners));
-        let points = group.guide(number);
+        let points = group.guide(guide);
         let last = (points.len() - 1) as f32;
-        let free = points.iter().enumerate().filter(|(k, _)| motion.freedom(*k as f32 / last) > 0.0);
+        let free = points.iter().enumerate().filter(|(k, _)| of_group.freedom(*k as f32 / last) > 0.0);
         free.map(|(_, point)| at + frame * *point).collect()
     };
-    group.roots().enumerate().map(guide).collect()
+    group.roots().enumerate().filter(|(guide, _)| motion.guide_freedom(number, *guide) > 0.0).map(guide).collect()
 }
 
 #[cfg(test)]

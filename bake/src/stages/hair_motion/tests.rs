@@ -55,10 +55,18 @@ fn tufts_are_stiff_and_groups_move() {
     let named =
         HairGroupParams { name: "mane".into(), swing_hz: Some(2.0), held: Some(0.5), ..HairGroupParams::default() };
     let params = StrandParams { group: vec![named], ..StrandParams::default() };
-    let (found, _) = of_groups(&params, &[group.clone(), group.clone()], &mesh, None).unwrap();
+    let hair = |groups: &[HairGroup], freedom: &[&[u8]]| GuidedHair {
+        groups: groups.to_vec(),
+        freedom: freedom.iter().map(|of_group| of_group.to_vec()).collect(),
+        warnings: Vec::new(),
+    };
+    let two = hair(&[group.clone(), group.clone()], &[&[51], &[]]);
+    let (found, _) = of_groups(&params, &two, &mesh, None).unwrap();
+    assert_eq!(found.freedom, two.freedom);
+    assert!((found.guide_freedom(0, 0) - 0.2).abs() < 1e-6 && found.guide_freedom(1, 0) == 1.0);
     assert_eq!(found.groups[1], GroupMotion::STIFF);
     assert_eq!((found.groups[0].shape_hz, found.groups[0].held, found.groups[0].free), (2.0, 0.5, 0.5));
-    assert_eq!(of_groups(&StrandParams::default(), &[group], &mesh, None), None);
+    assert_eq!(of_groups(&StrandParams::default(), &hair(&[group], &[&[]]), &mesh, None), None);
     assert!(pose.joints.len() == 2);
 }
 

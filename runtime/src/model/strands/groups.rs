@@ -45,18 +45,23 @@ pub(super) fn load(
         parts: package.manifest().parts.iter().map(part).collect(),
     };
     let motion = package.hair_motion()?;
-    let moves = |number: usize| motion.as_ref().and_then(|motion| motion.groups.get(number)).filter(|m| m.held < 1.0);
-    groups.iter().enumerate().map(|(number, group)| grown(uploader, group, moves(number).copied(), &rest)).collect()
+    let moves = |number: usize| {
+        let of_group = *motion.as_ref()?.groups.get(number).filter(|motion| motion.held < 1.0)?;
+        let freedom = |guide| motion.as_ref().map_or(1.0, |motion| motion.guide_freedom(number, guide));
+        Some((of_group, (0..groups[number].guide_roots.len()).map(freedom).collect()))
+    };
+    groups.iter().enumerate().map(|(number, group)| grown(uploader, group, moves(number), &rest)).collect()
 }
 
 fn grown(
     uploader: &Uploader<'_>,
     group: &HairGroup,
-    motion: Option<GroupMotion>,
+    motion: Option<(GroupMotion, Vec<f32>)>,
     rest: &Rest,
 ) -> Result<Strands, RuntimeError> {
     use wgpu::BufferUsages as Usage;
     let points = group.points;
+    let (motion, freedom) = motion.unzip();
     let of_buffer = largest_buffer(&uploader.gpu.device.limits()) / (u64::from(points + 2) * 16);
     // What fills up the workgroups of parts has room too.
     let filled = u64::from(WORKGROUP) * rest.parts.len() as u64;
@@ -104,8 +109,14 @@ fn grown(
     };
     let triangles: Vec<[u32; 4]> = planted.guide_triangles.iter().zip(&group.guide_roots).map(triangle).collect();
     let held_up = |(triangle, points): (&u32, &Vec<Vec3>)| ballast(points, triangle_frame(corners(*triangle)));
-    let in_rest = planted.guide_triangles.iter().zip(&planted.guides).flat_map(held_up);
-    let in_rest: Vec<[f32; 4]> = in_rest.map(|p| p.extend(0.0).to_array()).collect();
+    // With how freely the guide moves, which is of no use where none does.
+    let freedom = freedom.unwrap_or_default();
+    let of_guide = |(number, guide)| {
+        let free = freedom.get(number).copied().unwrap_or_default();
+        held_up(guide).into_iter().map(move |p| p.extend(free).to_array())
+    };
+    let in_rest = planted.guide_triangles.iter().zip(&planted.guides).enumerate().flat_map(of_guide);
+    let in_rest: Vec<[f32; 4]> = in_rest.collect();
     // Hair that swings may be stretched out.
     let reach_m = if motion.is_some() { group.reach().max(longest * (1.0 + group.stray)) } else { group.reach() };
     let guides: Vec<[f32; 4]> = planted.guides.iter().flatten().map(|p| p.extend(0.0).to_array()).collect();

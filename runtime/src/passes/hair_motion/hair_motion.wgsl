@@ -33,7 +33,7 @@ struct HairMotion {
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
 // Corners of the triangle of each guide; weights of the second and the third of its root, unorm.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
-// Points of each guide, in the frame of its triangle, and what holds them there at rest.
+// Points of each guide, in the frame of its triangle, and what holds them there at rest, with how freely the guide moves.
 @group(0) @binding(2) var<storage, read> groomed: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> ballast: array<vec4<f32>>;
 // Of each guide: place and velocity of each pearl, then frame and root as they were.
@@ -111,7 +111,7 @@ fn freedom(k: u32) -> f32 {
         return 0.0;
     }
     let way = clamp((share - motion.held) / max(motion.free - motion.held, 1e-6), 0.0, 1.0);
-    return way * way * (3.0 - 2.0 * way);
+    return way * way * (3.0 - 2.0 * way) * ballast[first_point + k].w;
 }
 
 fn direction(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
