@@ -6,7 +6,7 @@ use bevy_color::Color;
 use bevy_light::NotShadowCaster;
 use bevy_math::{Mat4, Vec3};
 use bevy_pelage::runtime::FurParams;
-use bevy_pelage::{Pelage, PelageClip, PelageJoints, ShadesPelage, runtime::Style};
+use bevy_pelage::{Pelage, PelageClip, PelageHair, PelageJoints, ShadesPelage, runtime::Style};
 use bevy_render::view::Msaa;
 use bevy_transform::components::Transform;
 
@@ -96,11 +96,39 @@ fn exposure_suns_and_ambient_light_are_bevys() {
 }
 
 #[test]
+fn fur_leans_as_time_passes_and_comes_to_rest() {
+    let Some(mut stand) = gpu("fur_leans_as_time_passes_and_comes_to_rest") else { return };
+    let model = stand.model("ball", &ball());
+    let camera = camera(&mut stand);
+    stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    stand.world().spawn(Pelage::fur(model));
+    let blow = |stand: &mut Stand, velocity: Vec3| {
+        stand.world().resource_mut::<PelageHair>().0.as_mut().unwrap().wind.velocity = velocity;
+    };
+    let still = stand.picture(&camera);
+    blow(&mut stand, Vec3::new(8.0, 0.0, 0.0));
+    (0..5).for_each(|_| stand.wait(0.1));
+    let blown = stand.picture(&camera);
+    assert!(blown.differences(&still).0 > 0.5, "{:?}", blown.differences(&still));
+    assert_eq!(stand.picture(&camera), blown, "no time passes");
+    blow(&mut stand, Vec3::ZERO);
+    (0..80).for_each(|_| stand.wait(0.1));
+    let calm = stand.picture(&camera);
+    assert!(calm.differences(&still).0 < 0.05, "{:?}", calm.differences(&still));
+    stand.world().insert_resource(PelageHair(None));
+    let groomed = stand.picture(&camera);
+    assert!(groomed.differences(&still).0 < 0.05, "{:?}", groomed.differences(&still));
+    assert_eq!(stand.renderers().said().count(), 0);
+}
+
+#[test]
 fn clips_move_it_and_faults_are_told_once() {
     let Some(mut stand) = gpu("clips_move_it_and_faults_are_told_once") else { return };
     let model = stand.model("ball", &ball());
     let camera = camera(&mut stand);
     stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    // Fur that lives goes on when a clip stands.
+    stand.world().insert_resource(PelageHair(None));
     let ball = stand.world().spawn((Pelage::fur(model), PelageClip::new("bend"))).id();
     let first = stand.picture(&camera);
     let clip = |stand: &mut Stand| stand.world().get::<PelageClip>(ball).unwrap().clone();
