@@ -397,13 +397,14 @@ fn tubes_close_after_whole_tiles() {
 /// The joint of a foot, and where its tip rests.
 type Foot = (usize, DVec3);
 
-/// The models with a skeleton: feet, and metres and seconds of a cycle of `Walk`.
-fn animals() -> Vec<(&'static Model, Vec<Foot>, [f64; 2])> {
+/// The models with a skeleton: feet, and metres and seconds of a cycle of a gait.
+fn animals() -> Vec<(&'static Model, &'static str, Vec<Foot>, [f64; 2])> {
     vec![
-        (hare(), hare_rig::feet(), [hare_rig::HOP_M, hare_rig::HOP_S]),
-        (ox(), ox_rig::feet(), [ox_rig::CYCLE_M, ox_rig::CYCLE_S]),
-        (crane(), crane_rig::feet(), [crane_rig::CYCLE_M, crane_rig::CYCLE_S]),
-        (pony(), pony_rig::feet(), [pony_rig::CYCLE_M, pony_rig::CYCLE_S]),
+        (hare(), "Walk", hare_rig::feet(), [hare_rig::HOP_M, hare_rig::HOP_S]),
+        (ox(), "Walk", ox_rig::feet(), [ox_rig::CYCLE_M, ox_rig::CYCLE_S]),
+        (crane(), "Walk", crane_rig::feet(), [crane_rig::CYCLE_M, crane_rig::CYCLE_S]),
+        (pony(), "Walk", pony_rig::feet(), [pony_rig::CYCLE_M, pony_rig::CYCLE_S]),
+        (pony(), "Gallop", pony_rig::feet(), [pony_rig::GALLOP_M, pony_rig::GALLOP_S]),
     ]
 }
 
@@ -435,9 +436,9 @@ fn skin_weights_sum_to_one_and_clips_loop() {
     assert_eq!(names, ["EarBreath", "Walk"]);
 }
 
-/// Height over its lowest, and metres a second backwards, of a foot's tip at `steps` moments of `Walk`.
-fn foot_path(model: &Model, (joint, tip): Foot, seconds: f64, steps: u32) -> Vec<[f64; 2]> {
-    let clip = model.clips.iter().find(|c| c.name == "Walk").unwrap();
+/// Height over its lowest, and metres a second backwards, of a foot's tip at `steps` moments of a gait.
+fn foot_path(model: &Model, gait: &str, (joint, tip): Foot, seconds: f64, steps: u32) -> Vec<[f64; 2]> {
+    let clip = model.clips.iter().find(|c| c.name == gait).unwrap();
     let at = |k: u32| {
         let time = seconds * f64::from(k % steps) / f64::from(steps);
         pose::skin_transforms(model, clip, time)[joint].transform_point3(tip)
@@ -450,19 +451,19 @@ fn foot_path(model: &Model, (joint, tip): Foot, seconds: f64, steps: u32) -> Vec
 
 #[test]
 fn feet_on_the_ground_go_with_it() {
-    for (model, feet, [metres, seconds]) in animals() {
+    for (model, gait, feet, [metres, seconds]) in animals() {
         let high = model.primitives[0].positions.iter().map(|p| p.y).fold(0.0, f64::max);
         for foot in feet {
-            let path = foot_path(model, foot, seconds, 48);
+            let path = foot_path(model, gait, foot, seconds, 48);
             // Without the moments in which it comes down or leaves.
             let low = |k: usize| path[k % 48][0] < 0.006 * high;
             let down: Vec<f64> = (0..48).filter(|&k| low(k + 47) && low(k) && low(k + 1)).map(|k| path[k][1]).collect();
             let (slow, fast) = down.iter().fold((f64::MAX, f64::MIN), |m, v| (m.0.min(*v), m.1.max(*v)));
             let (mean, ground) = (down.iter().sum::<f64>() / down.len() as f64, metres / seconds);
-            assert!(down.len() >= 6, "{}: joint {} is down in {} of 48 steps", model.name, foot.0, down.len());
+            assert!(down.len() >= 6, "{} {gait}: joint {} is down in {} of 48 steps", model.name, foot.0, down.len());
             assert!(
                 (mean / ground - 1.0).abs() < 0.08 && slow > 0.7 * ground && fast < 1.3 * ground,
-                "{}: joint {} goes at {slow} to {fast}, mean {mean} m/s on a ground of {ground}",
+                "{} {gait}: joint {} goes at {slow} to {fast}, mean {mean} m/s on a ground of {ground}",
                 model.name,
                 foot.0
             );

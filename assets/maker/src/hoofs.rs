@@ -1,4 +1,4 @@
-//! The legs of hoofed animals: their bones, and their steps at a walk.
+//! The legs of hoofed animals: their bones, and their steps.
 
 use glam::DVec3;
 
@@ -42,8 +42,23 @@ pub fn add_legs(bones: &mut Vec<Bone>, fore: &Pair<'_>, hind: &Pair<'_>) {
     }
 }
 
-/// How an animal walks.
-pub struct Walk {
+/// Phases at which hooves touch the ground, of the forelegs and of the hind legs, left and right.
+pub type Touches = [[f64; 2]; 2];
+
+/// Four beats, of which each goes on while the next begins: left hind, left fore, right hind, right fore.
+pub const WALK: Touches = [[0.25, 0.75], [0.0, 0.5]];
+/// The hind legs one after the other, then the forelegs; then all four are in the air.
+pub const GALLOP: Touches = [[0.34, 0.49], [0.0, 0.13]];
+
+/// Share of the cycle that the keys of tilt and bend take a hoof to be on the ground.
+const KEYED_DUTY: f64 = 0.62;
+
+/// How an animal goes.
+pub struct Gait {
+    /// When its hooves touch the ground.
+    pub touches: Touches,
+    /// Share of the cycle that each is on the ground.
+    pub duty: f64,
     /// How far a cycle goes, metres.
     pub stride: f64,
     /// How far before its rest a hoof touches the ground, metres.
@@ -56,16 +71,22 @@ pub struct Walk {
     pub bend: [f64; 2],
 }
 
-/// Leads the legs of a pose through a walk of four beats: left hind, left fore, right hind, right fore.
-pub fn walk(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], walk: &Walk) {
-    let [fore_bend, hind_bend] = walk.bend;
+/// Leads the legs of a pose, fore and hind, through a gait.
+pub fn lead(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], gait: &Gait) {
+    let ([fore_bend, hind_bend], [fore_touches, hind_touches]) = (gait.bend, gait.touches);
+
     for (legs, bend, touches) in [
-        (hind, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, hind_bend), (0.94, -4.0)], [0.0, 0.5]),
-        (fore, [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.78, fore_bend), (0.95, 2.0)], [0.25, 0.75]),
+        (hind, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, hind_bend), (0.94, -4.0)], hind_touches),
+        (fore, [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.78, fore_bend), (0.95, 2.0)], fore_touches),
     ] {
         for (leg, touch) in legs.into_iter().zip(touches) {
-            let step = Step { touch, duty: 0.62, front: walk.front, stride: walk.stride, lift: walk.lift };
+            let step = Step { touch, duty: gait.duty, front: gait.front, stride: gait.stride, lift: gait.lift };
             let since = step.since(phase);
+            let key = if since < gait.duty {
+                since / gait.duty * KEYED_DUTY
+            } else {
+                1.0 - (1.0 - since) / (1.0 - gait.duty) * (1.0 - KEYED_DUTY)
+            };
             let mut foot = step.foot(phase);
             let tilt = [
                 (0.0, -6.0),
@@ -73,12 +94,12 @@ pub fn walk(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], walk: 
                 (0.25, 0.0),
                 (0.45, 2.0),
                 (0.56, 22.0),
-                (0.64, walk.tilt[0]),
-                (0.76, walk.tilt[1]),
+                (0.64, gait.tilt[0]),
+                (0.76, gait.tilt[1]),
                 (0.92, 2.0),
             ];
-            foot.pitch_deg = cycle(&tilt, since);
-            foot.cannon_deg = cycle(&bend, since);
+            foot.pitch_deg = cycle(&tilt, key);
+            foot.cannon_deg = cycle(&bend, key);
             pose.lead(&leg, foot);
         }
     }

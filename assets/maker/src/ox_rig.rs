@@ -6,7 +6,7 @@ use super::{
     body::on_side,
     gait::{self, Leg, Pose, wave},
     glb::{Clip, Joint, Weights},
-    hoofs::{self, Pair, Walk, add_legs, leg},
+    hoofs::{self, Gait, Pair, WALK, add_legs, leg},
     rig::{self, Bone, bound_to},
     trimesh::TriMesh,
 };
@@ -122,6 +122,7 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
         pose.pitch(joint, [4.0, -2.0, -4.0][k]);
     }
 
-    let walk = Walk { stride: CYCLE_M, front: 0.36, lift: 0.085, tilt: [50.0, 52.0], bend: [58.0, -34.0] };
-    hoofs::walk(phase, pose, [FORELEGS, HIND_LEGS], &walk);
+    let (tilt, bend) = ([50.0, 52.0], [58.0, -34.0]);
+    let walk = Gait { touches: WALK, duty: 0.62, stride: CYCLE_M, front: 0.36, lift: 0.085, tilt, bend };
+    hoofs::lead(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }

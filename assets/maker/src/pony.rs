@@ -365,6 +365,6 @@ pub fn model() -> anyhow::Result<Model> {
         ],
         primitives,
         skeleton: Some(pony_rig::skeleton()),
-        clips: vec![pony_rig::walk()],
+        clips: vec![pony_rig::walk(), pony_rig::gallop()],
     })
 }

@@ -1,4 +1,4 @@
-//! The pony's skeleton, its skin weights and its walk.
+//! The pony's skeleton, its skin weights, its walk and its gallop.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use super::{
     body::on_side,
     gait::{self, Leg, Pose, wave},
     glb::{Clip, Joint, Weights},
-    hoofs::{self, Pair, Walk, add_legs, leg},
+    hoofs::{self, GALLOP, Gait, Pair, WALK, add_legs, leg},
     rig::{self, Bone, bound_to},
     trimesh::TriMesh,
 };
@@ -57,6 +57,10 @@ pub const EAR: [DVec3; 2] = [DVec3::new(0.05, 1.242, 0.632), DVec3::new(0.078, 1
 pub const CYCLE_S: f64 = 1.1;
 /// How far one cycle of `Walk` goes, metres; the clip itself stays in its place.
 pub const CYCLE_M: f64 = 0.9;
+/// Seconds of one cycle of `Gallop`.
+pub const GALLOP_S: f64 = 0.48;
+/// How far one cycle of `Gallop` goes, metres; the clip itself stays in its place.
+pub const GALLOP_M: f64 = 2.5;
 
 fn bones() -> Vec<Bone> {
     let v = DVec3::new;
@@ -119,6 +123,34 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
         pose.turn(joint, DVec3::Z, [5.0, 7.0][k] * wave(phase, 0.1 + 0.09 * k as f64));
     }
 
-    let walk = Walk { stride: CYCLE_M, front: 0.29, lift: 0.07, tilt: [48.0, 50.0], bend: [55.0, -30.0] };
-    hoofs::walk(phase, pose, [FORELEGS, HIND_LEGS], &walk);
+    let (tilt, bend) = ([48.0, 50.0], [55.0, -30.0]);
+    let walk = Gait { touches: WALK, duty: 0.62, stride: CYCLE_M, front: 0.29, lift: 0.07, tilt, bend };
+    hoofs::lead(phase, pose, [FORELEGS, HIND_LEGS], &walk);
+}
+
+/// A gallop, looping and in place. It goes [`GALLOP_M`] metres in [`GALLOP_S`] seconds.
+pub fn gallop() -> Clip {
+    gait::clip("Gallop", &bones(), GALLOP_S, 32, &bound)
+}
+
+fn bound(phase: f64, pose: &mut Pose<'_>) {
+    // Once a cycle it flies, gathered: highest where no hoof is down, nose up while the hind legs push, nose down while the forelegs bear it.
+    pose.shift(DVec3::new(0.0, -0.055 + 0.04 * wave(phase, 0.62), 0.0));
+    pose.pitch(HIPS, 5.0 * wave(phase, 0.3));
+    pose.pitch(SPINE, -4.0 * wave(phase, 0.62));
+    pose.pitch(CHEST, -2.0 * wave(phase, 0.4));
+    pose.pitch(NECK, 10.0 + 6.0 * wave(phase, 0.9));
+    pose.pitch(NECK_UPPER, 6.0 + 3.0 * wave(phase, 0.95));
+    pose.pitch(HEAD, -12.0 - 6.0 * wave(phase, 0.9));
+    for (ear, side) in EARS.into_iter().zip([1.0, -1.0]) {
+        pose.pitch(ear, -24.0);
+        pose.turn(ear, DVec3::Z, side * (2.0 + 3.0 * wave(phase, 0.3)));
+    }
+    // The dock is lifted.
+    for (k, joint) in TAILS.into_iter().enumerate() {
+        pose.pitch(joint, [34.0, 14.0][k] + 5.0 * wave(phase, 0.2 + 0.1 * k as f64));
+    }
+    let (tilt, bend) = ([55.0, 70.0], [80.0, -45.0]);
+    let gallop = Gait { touches: GALLOP, duty: 0.26, stride: GALLOP_M, front: 0.33, lift: 0.2, tilt, bend };
+    hoofs::lead(phase, pose, [FORELEGS, HIND_LEGS], &gallop);
 }

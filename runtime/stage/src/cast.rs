@@ -5,7 +5,7 @@ use crate::framing::{Framing, outermost};
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
 use glam::{Mat3, Mat4, Quat, Vec3};
-use pelage_formats::{Animation, ClipLayer, Manifest, Package};
+use pelage_formats::{Animation, ClipLayer, Manifest, Package, Pose};
 use std::sync::Arc;
 
 /// Moments between two keys of a path. Its curve may swing past them.
@@ -33,6 +33,9 @@ pub struct Actor {
     pub clip: Option<Playing>,
     /// What it goes over to from that, and how far it has, 0..=1.
     pub over: Option<(Playing, f32)>,
+    /// How far its clip carries it, round after round: where a clip begins anew, the model goes on from there. In model space, as [`carried_by`] finds it;
+    /// zero lets it begin where it stands.
+    pub carried: Vec3,
     /// Morph targets that are at weights of their own, whatever the clips do: index and weight.
     pub morphs: Vec<(usize, f32)>,
 }
@@ -89,6 +92,12 @@ impl Place {
 }
 
 impl Actor {
+    /// Model to world space at `time_s`.
+    pub fn transform(&self, time_s: f32) -> Mat4 {
+        let rounds = self.clip.map_or(0.0, |playing| playing.rounds(time_s));
+        self.place.transform(time_s) * Mat4::from_translation(rounds * self.carried)
+    }
+
     /// What its skeleton does at `time_s`: nothing at rest.
     pub fn layers(&self, time_s: f32) -> Vec<ClipLayer> {
         let wholly = self.clip.map(|playing| playing.layer(time_s, 1.0));
@@ -121,6 +130,14 @@ impl Playing {
         let time_s = self.start_s + self.speed * time_s;
         if self.looped { within(time_s, self.duration_s) } else { time_s.min(self.duration_s).max(0.0) }
     }
+
+    /// How often it has begun anew at `time_s` of the scene; below 0 before its beginning, 0 for one that does not loop.
+    pub fn rounds(&self, time_s: f32) -> f32 {
+        if !self.looped || self.duration_s <= 0.0 {
+            return 0.0;
+        }
+        ((self.start_s + self.speed * time_s - self.moment(time_s)) / self.duration_s).round()
+    }
 }
 
 impl<'a> Cast<'a> {
@@ -140,7 +157,14 @@ impl<'a> Cast<'a> {
         (framing, aspect): (&Framing, f32),
     ) -> Result<Self, StageError> {
         let clip = Playing::named(file, &package, clip)?;
-        let actor = |place| Actor { package: 0, place: Place::fixed(place), clip, over: None, morphs: Vec::new() };
+        let actor = |place| Actor {
+            package: 0,
+            place: Place::fixed(place),
+            clip,
+            over: None,
+            carried: Vec3::ZERO,
+            morphs: Vec::new(),
+        };
         let actors: Vec<Actor> = places(package.manifest(), copies).into_iter().map(actor).collect();
         let packages = vec![(file, Arc::new(package))];
         let camera = match camera {
@@ -181,6 +205,23 @@ impl<'a> Cast<'a> {
 pub fn within(time_s: f32, duration_s: f32) -> f32 {
     let inside = (0.0..=duration_s).contains(&time_s) || duration_s <= 0.0;
     if inside { time_s } else { time_s.rem_euclid(duration_s) }
+}
+
+/// How far a clip carries the root of its skeleton from its first moment to its last, in model space; zero for one in its place. How the root is turned at the
+/// end is not carried on.
+pub fn carried_by(animation: &Animation, clip: usize) -> Vec3 {
+    let Some(duration_s) = animation.clips.get(clip).map(|clip| clip.duration_s) else { return Vec3::ZERO };
+    // Nodes come after their parents.
+    let Some(root) = (0..animation.joints.len()).min_by_key(|joint| animation.joints[*joint].node) else {
+        return Vec3::ZERO;
+    };
+    let bind = Mat4::from_cols_array(&animation.joints[root].inverse_bind).inverse();
+    let mut pose = Pose::default();
+    let [begin, end] = [0.0, duration_s].map(|time_s| {
+        pose.sample(animation, Some(clip), time_s);
+        (pose.joints[root] * bind).w_axis.truncate()
+    });
+    Some(end - begin).filter(|way| way.is_finite()).unwrap_or_default()
 }
 
 /// Index and length of the named clip.

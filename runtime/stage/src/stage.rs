@@ -232,7 +232,7 @@ impl Stage {
     /// Plays the clips of the models at that time, and leaves the camera where it is.
     pub fn play(&mut self, time_s: f32) {
         for (instance, actor) in self.instances.iter_mut().zip(&self.actors) {
-            instance.transform = actor.place.transform(time_s);
+            instance.transform = actor.transform(time_s);
             instance.motion = motion(actor.layers(time_s));
         }
     }

@@ -1,6 +1,6 @@
 //! Sequences of what moves, four pictures of each in a row: `cargo run --release --bin motion_pictures -- PICTURE.png [FOX.glb]`.
 //!
-//! The pony's mane and tail as it walks; the head in a breeze; the hare that lands; the hare in a gust; with a model, the same of it as it runs.
+//! The pony's mane and tail as it gallops; the head in a breeze; the hare that lands; the hare in a gust; with a model, the same of it as it runs.
 
 use anyhow::{Context as _, bail};
 use pelage_tests::binary::workspace;
@@ -24,7 +24,7 @@ fn main() -> anyhow::Result<()> {
     };
     let hare = "--camera 0.42,0.5,0.62/0,0.24,0.02/34";
     let mut rows = vec![
-        ("pony", own("pony"), "--clip Walk --fps 7 --camera=-2.6,1.0,2.0/0,.68,.1/30".into()),
+        ("pony", own("pony"), "--clip Gallop --fps 8 --camera=-3.1,0.9,1.3/0,.68,-.1/30".into()),
         ("head", own("head"), format!("{BREEZE} --camera=-.75,.3,.8/0,.19,-.01/30")),
         ("hare", own("hare"), "--clip Walk --fps 7 --time 0.1".into()),
         ("hare", own("hare"), format!("{GUST} {hare}")),

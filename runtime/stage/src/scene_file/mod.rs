@@ -19,6 +19,7 @@
 //! | `clip` | at rest | what it plays, by name |
 //! | `speed`, `start_s` | 1, 0 | seconds of the clip in a second, and its moment at time 0 |
 //! | `loop` | true | whether the clip begins anew at its end, or holds there |
+//! | `root_motion` | false | whether the model, when its clip begins anew, goes on from where that has carried it; without a camera the first round is framed |
 //! | `morphs` | | morph targets at weights of their own whatever the clip does: `morphs = { smile = 0.7 }` |
 //!
 //! [`SceneFile::parse`] reads one, [`SceneFile::load`] its packages; between them its words can be changed.
@@ -26,7 +27,7 @@
 mod look;
 mod text;
 
-use crate::cast::{Actor, Cast, Place, Playing, clip_named, framed, morph_named};
+use crate::cast::{Actor, Cast, Place, Playing, carried_by, clip_named, framed, morph_named};
 use crate::framing::{FOV_DEG, Framing};
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
@@ -39,6 +40,9 @@ pub use text::{
     CameraKey, FieldOfView, Number, PlaceKey, Point, Scale, Scene, SceneCamera, SceneLight, SceneLook, SceneModel,
     SceneSequence, Whole,
 };
+
+/// How far a clip carries its root that is said to, in metres at least.
+const LEAST_WAY_M: f32 = 1e-4;
 
 /// A scene file: what it says, and where in it each thing stands, for messages.
 #[derive(Clone, Debug)]
@@ -152,7 +156,8 @@ impl SceneFile {
         for (i, ((model, place), package)) in scene.models.iter().zip(places).zip(whose).enumerate() {
             let clip = playing(&source, i, model, &packages[package].name, &animations[package])?;
             let morphs = weights(&source, i, model, &packages[package].name, &animations[package])?;
-            actors.push(Actor { package, place, clip, over: None, morphs });
+            let carried = carried(&source, i, model, clip, &animations[package])?;
+            actors.push(Actor { package, place, clip, over: None, carried, morphs });
         }
         Ok(LoadedScene { packages, actors, names, camera })
     }
@@ -235,8 +240,12 @@ fn names(source: &Source<'_>, models: &[SceneModel]) -> Result<Vec<String>, Stag
 
 /// How a clip plays means nothing where none does.
 fn check_clip(source: &Source<'_>, i: usize, model: &SceneModel) -> Result<(), StageError> {
-    let given =
-        [("speed", model.speed.is_some()), ("start_s", model.start_s.is_some()), ("loop", model.looped.is_some())];
+    let given = [
+        ("speed", model.speed.is_some()),
+        ("start_s", model.start_s.is_some()),
+        ("loop", model.looped.is_some()),
+        ("root_motion", model.root_motion),
+    ];
     match given.iter().find(|(_, given)| model.clip.is_none() && *given) {
         Some((name, _)) => {
             let key = format!("model[{i}].{name}");
@@ -312,6 +321,26 @@ fn playing(
         speed: model.speed.map_or(1.0, |speed| speed.0),
         looped: model.looped.unwrap_or(true),
     }))
+}
+
+/// How far a model's clip carries it in a round, where it is to.
+fn carried(
+    source: &Source<'_>,
+    i: usize,
+    model: &SceneModel,
+    clip: Option<Playing>,
+    animation: &Animation,
+) -> Result<Vec3, StageError> {
+    let Some(playing) = clip.filter(|_| model.root_motion) else { return Ok(Vec3::ZERO) };
+    let way = carried_by(animation, playing.clip);
+    if way.length() < LEAST_WAY_M {
+        let name = &animation.clips[playing.clip].name;
+        let reason = format!(
+            "found true, but the clip {name:?} ends where it began, expected one that moves its root, or a path"
+        );
+        return Err(source.fault(&format!("model[{i}].root_motion"), reason));
+    }
+    Ok(way)
 }
 
 /// Index and weight of the morph targets that a model holds.

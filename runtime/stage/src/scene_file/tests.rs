@@ -49,6 +49,7 @@ fn what_is_wrong_is_said_with_line_and_key() {
         ),
         (&scene("", &format!("position = [0, 0, 0]\n{}", path(go))), &["line 4", "model[0].position", "beside a path"]),
         (&scene("", "speed = 2"), &["line 4", "model[0].speed", "without a clip"]),
+        (&scene("", "root_motion = true"), &["line 4", "model[0].root_motion", "without a clip"]),
         (&scene("", "loop = \"yes\"\nclip = \"a\""), &["line 4", "model[0].loop", "boolean"]),
         (&scene(camera, ""), &["line 1", "camera", "expected eye and target, or a path"]),
         (&scene("[camera]\npath = []", ""), &["line 2", "camera.path", "found no keys"]),
@@ -102,6 +103,57 @@ fn places_and_cameras_are_those_of_the_file() {
     // Its nose, baked along +z, goes first.
     assert!(moved.transform_vector3(Vec3::Z).distance(2.0 * Vec3::X) < 1e-6);
     assert_eq!(names(&source, &words.models).unwrap(), ["no"]);
+}
+
+/// A package of one joint, which its clips move by 2 m along +z in a second, and not at all.
+fn sliding() -> Vec<u8> {
+    let node = pelage_formats::Node {
+        name: "root".into(),
+        parent: None,
+        translation: [0.0; 3],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        scale: [1.0; 3],
+    };
+    let channel = |way: f32| pelage_formats::Channel {
+        node: 0,
+        property: pelage_formats::Property::Translation,
+        interpolation: pelage_formats::Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![0.0, 0.0, 0.0, 0.0, 0.0, way],
+    };
+    let clip = |(name, way): (&str, f32)| pelage_formats::Clip {
+        name: name.into(),
+        duration_s: 1.0,
+        channels: vec![channel(way)],
+    };
+    let animation = Animation {
+        nodes: vec![node],
+        joints: vec![pelage_formats::Joint { node: 0, inverse_bind: glam::Mat4::IDENTITY.to_cols_array() }],
+        clips: [("Slide", 2.0), ("Stay", 0.0)].map(clip).to_vec(),
+        ..Animation::default()
+    };
+    pelage_formats::PackageWriter::new(pelage_formats::Manifest::default()).animation(&animation).finish().unwrap()
+}
+
+#[test]
+fn a_clip_carries_its_model_on() {
+    let load = |model: &str| {
+        let source = |path: &str| Ok(NamedPackage::new(path, sliding()));
+        SceneFile::parse("a.toml", scene("", model).into()).unwrap().load(&source)
+    };
+    let model = "heading_deg = 90\nscale = 2\nroot_motion = true\n";
+    let actor = load(&format!("clip = \"Slide\"\n{model}")).unwrap().actors.remove(0);
+    // Where its root is, which the clip moves within a round, and the model from round to round.
+    for time_s in [0.0, 0.25, 0.999, 1.5, 7.75, -0.5] {
+        let within = 2.0 * actor.clip.unwrap().moment(time_s);
+        let root = actor.transform(time_s).transform_point3(Vec3::Z * within);
+        assert!(root.distance(Vec3::X * 4.0 * time_s) < 1e-4, "{root} at {time_s}");
+    }
+    assert!(actor.moves());
+    let once = load(&format!("clip = \"Slide\"\nloop = false\n{model}")).unwrap().actors.remove(0);
+    assert_eq!(once.transform(7.0).w_axis.truncate(), Vec3::ZERO);
+    let fault = load(&format!("clip = \"Stay\"\n{model}")).err().unwrap().to_string();
+    assert!(fault.contains("root_motion") && fault.contains("\"Stay\" ends where it began"), "{fault}");
 }
 
 #[test]

@@ -128,6 +128,9 @@ pub struct SceneModel {
     /// Whether the clip begins anew at its end, or holds there.
     #[serde(rename = "loop")]
     pub looped: Option<bool>,
+    /// Whether the model goes on from where the clip has carried it when that begins anew; else it begins where it stands.
+    #[serde(default)]
+    pub root_motion: bool,
     /// Morph targets by name, at weights of their own whatever the clip does.
     #[serde(default)]
     pub morphs: BTreeMap<String, Number>,
