@@ -15,6 +15,7 @@ mod hair_point;
 mod layers;
 pub mod planting;
 mod root;
+pub mod scattering;
 mod skinning;
 mod srgb;
 mod tile_frame;

@@ -59,7 +59,8 @@ rows!(
     sphere_map,
     opacity_shadow,
     strand_order,
-    hair_motion
+    hair_motion,
+    scattering
 );
 
 /// The rows that need pictures, likewise.

@@ -479,6 +479,7 @@ fn the_stability_table() {
         "opacity shadow maps",
         "hair on guides",
         "hair in motion",
+        "scattering by a fibre",
     ] {
         assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
     }

@@ -23,6 +23,7 @@ pub mod opacity_product;
 pub mod opacity_shadow;
 pub mod parting;
 mod row;
+pub mod scattering;
 #[cfg(feature = "preview")]
 pub mod shells;
 pub mod short_fur;
@@ -70,6 +71,7 @@ pub const ROWS: &[Row] = &[
     opacity_shadow::ROW,
     strand_order::ROW,
     hair_motion::ROW,
+    scattering::ROW,
 ];
 
 /// The rows that need pictures.

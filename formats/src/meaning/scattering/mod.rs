@@ -1,0 +1,211 @@
+//! How a fibre scatters light (Marschner 2003; d'Eon 2011; Chiang 2016): reflected at its surface (R), through it (TT), and reflected once within (TRT).
+//!
+//! Angles: θ from the plane across the fibre, towards its tip, −π/2..=π/2; φ around it, from where light comes to where it goes, 0 straight back. Both
+//! directions point away from the fibre. θd = (θo − θi) / 2. Lengths within the fibre are radii; it absorbs σ a radius, for each colour by itself.
+//!
+//! All of it in f64, because tables are made of it and the truth is traced with it. A frame looks up tables.
+
+pub mod azimuthal;
+pub mod longitudinal;
+pub mod optics;
+pub mod tables;
+
+use azimuthal::{Glint, Glints, Way};
+use core::array::from_fn;
+use glam::DVec3;
+use longitudinal::Spread;
+use optics::Section;
+
+/// A fibre without its colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fibre {
+    /// Index of refraction, 1.2 to 2; of hair 1.55.
+    pub eta: f64,
+    /// Standard deviation of the reflected lobe along the fibre, radians of the half angle (5 to 10 degrees for smooth hair). Light that goes through spreads half
+    /// as far, light that is reflected within twice as far.
+    pub along: f64,
+    /// By how much its scales tilt the reflected lobe, radians of the half angle, towards the root (5 to 10 degrees).
+    pub tilt: f64,
+    /// What it is like all around.
+    pub around: Around,
+    /// How its lobes keep energy along it.
+    pub keeps: Keeps,
+}
+
+/// What a fibre is like all around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Around {
+    /// Smooth, with caustics that are drawn so.
+    Smooth(Glint),
+    /// Rough: each way is spread by a logistic distribution of that scale, radians.
+    Rough(f64),
+}
+
+/// How lobes are shaped along a fibre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keeps {
+    /// So that all light goes on ([`Spread::conserving`]).
+    Energy,
+    /// So that light may be turned about, eye for source ([`Spread::by_half_angle`]): Marschner's.
+    Reciprocity,
+}
+
+impl Default for Fibre {
+    /// Human hair.
+    fn default() -> Self {
+        Self {
+            eta: 1.55,
+            along: 7.5_f64.to_radians(),
+            tilt: 3.0_f64.to_radians(),
+            around: Around::Rough(0.12),
+            keeps: Keeps::Energy,
+        }
+    }
+}
+
+/// Two directions about a fibre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Angles {
+    /// Sine and cosine of θi.
+    pub from: (f64, f64),
+    /// Sine and cosine of θo.
+    pub to: (f64, f64),
+    /// φ, −π..=π.
+    pub phi: f64,
+}
+
+/// Squared product of the parts across the fibre below which a direction lies along it, and has no azimuth.
+const ALONG: f64 = 1e-12;
+
+impl Angles {
+    /// Those between unit vectors: the fibre towards its tip, towards the light, towards the eye.
+    pub fn between(tip: DVec3, light: DVec3, eye: DVec3) -> Self {
+        let split = |way: DVec3| {
+            let sin = tip.dot(way).clamp(-1.0, 1.0);
+            let across = way - tip * sin;
+            (across, (sin, (1.0 - sin * sin).max(0.0).sqrt()))
+        };
+        let ((l, from), (e, to)) = (split(light), split(eye));
+        let phi = if l.length_squared() * e.length_squared() < ALONG {
+            0.0
+        } else {
+            libm::atan2(tip.dot(l.cross(e)), l.dot(e))
+        };
+        Self { from, to, phi }
+    }
+
+    /// cos θd, 0..=1.
+    pub fn cos_d(&self) -> f64 {
+        let ((sin_i, cos_i), (sin_o, cos_o)) = (self.from, self.to);
+        (0.5 * (1.0 + cos_i * cos_o + sin_i * sin_o)).clamp(0.0, 1.0).sqrt()
+    }
+}
+
+impl Fibre {
+    /// The lobe of path `p` along the fibre.
+    pub fn spread(&self, p: u32) -> Spread {
+        let (shift, width) = [(-1.0, 1.0), (0.5, 0.5), (1.5, 2.0)][p.min(2) as usize];
+        Spread { shift: shift * self.tilt, width: width * self.along }
+    }
+
+    /// How much of the light from θi leaves at θo, of each path; times what [`FibreSection::ways`] gives it is what the fibre scatters, times cos θi.
+    pub fn along(&self, angles: &Angles) -> [f64; 3] {
+        let cos_d = angles.cos_d().max(optics::LEAST_COS_D);
+        from_fn(|p| {
+            let spread = self.spread(p as u32);
+            match self.keeps {
+                Keeps::Energy => spread.conserving(angles.from, angles.to),
+                Keeps::Reciprocity => {
+                    let [i, o] = [angles.from, angles.to].map(|(sin, cos)| libm::atan2(sin, cos));
+                    spread.by_half_angle(i, o) * angles.from.1 / (cos_d * cos_d)
+                }
+            }
+        })
+    }
+
+    /// What is common to all azimuths of a difference angle of that cosine.
+    pub fn section(&self, cos_d: f64) -> FibreSection {
+        let section = Section::new(self.eta, cos_d);
+        let glints = match &self.around {
+            Around::Smooth(glint) => section.glints(glint),
+            Around::Rough(_) => None,
+        };
+        FibreSection { section, glints, rough: if let Around::Rough(scale) = self.around { Some(scale) } else { None } }
+    }
+
+    /// What it scatters of the light from one direction into the other, times cos θi, of each colour: with the diameter of the fibre and the light within a solid
+    /// angle times that angle, it is the light that a fibre adds to a line of that width.
+    ///
+    /// * `sigma`: what it absorbs a radius, 0 or more
+    pub fn scatter(&self, sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
+        let (along, section) = (self.along(angles), self.section(angles.cos_d()));
+        let mut sum = [0.0; 3];
+        for (p, along) in along.into_iter().enumerate() {
+            section.ways(p as u32, angles.phi, &mut |way| {
+                for (sum, sigma) in sum.iter_mut().zip(sigma) {
+                    *sum += along * way.left(sigma);
+                }
+            });
+        }
+        sum
+    }
+}
+
+/// A fibre at a difference angle.
+#[derive(Clone, Copy, Debug)]
+pub struct FibreSection {
+    /// Its cross-section.
+    pub section: Section,
+    glints: Option<Glints>,
+    rough: Option<f64>,
+}
+
+impl FibreSection {
+    /// Gives the ways of path `p` towards azimuth `phi`.
+    pub fn ways(&self, p: u32, phi: f64, each: &mut dyn FnMut(Way)) {
+        let section = &self.section;
+        match (self.rough, p) {
+            (Some(scale), p) => section.rough(p, phi, scale).for_each(each),
+            (None, 0) => each(Way { light: section.reflected(phi), length: 0.0 }),
+            (None, 1) => each(section.through(phi)),
+            (None, _) => section.glinting(phi, self.glints.as_ref()).for_each(each),
+        }
+    }
+
+    /// [`FibreSection::mean_way`] of path `p` at many azimuths.
+    pub fn mean_ways(&self, p: u32, phis: &[f64], sigma: f64) -> Vec<Way> {
+        let Some(scale) = self.rough else { return phis.iter().map(|phi| self.mean_way(p, *phi, sigma)).collect() };
+        // What does not depend on the azimuth is found once.
+        let bundles: Vec<_> = self.section.bundles(p).map(|(at, way)| (at, way.light, way.left(sigma))).collect();
+        let mean = |phi: &f64| {
+            let (mut light, mut left) = (0.0, 0.0);
+            for (at, of, of_left) in &bundles {
+                let spread = azimuthal::logistic(scale, azimuthal::wrapped(phi - at));
+                (light, left) = (light + of * spread, left + of_left * spread);
+            }
+            mean_of(light, left, sigma)
+        };
+        phis.iter().map(mean).collect()
+    }
+
+    /// The light of path `p` towards azimuth `phi`, without absorption, and how far it goes within the fibre on average, as it is at that absorption.
+    pub fn mean_way(&self, p: u32, phi: f64, sigma: f64) -> Way {
+        let (mut light, mut left) = (0.0, 0.0);
+        self.ways(p, phi, &mut |way| {
+            light += way.light;
+            left += way.left(sigma);
+        });
+        mean_of(light, left, sigma)
+    }
+}
+
+/// The way that has as much light, and as much of it left.
+fn mean_of(light: f64, left: f64, sigma: f64) -> Way {
+    if light <= 0.0 || left <= 0.0 {
+        return Way::default();
+    }
+    Way { light, length: (libm::log(light / left) / sigma).max(0.0) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,232 @@
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use super::azimuthal::{Glint, over_section, wrapped};
+use super::longitudinal::{Spread, i0e};
+use super::optics::Section;
+use super::tables::Tables;
+use super::*;
+use core::f64::consts::{PI, TAU};
+
+const ETAS: [f64; 3] = [1.45, 1.55, 1.7];
+
+fn cos_deg(degrees: f64) -> f64 {
+    libm::cos(degrees.to_radians())
+}
+
+/// ∫ over all azimuths, by midpoints.
+fn around(count: u32, f: impl Fn(f64) -> f64) -> f64 {
+    (0..count).map(|k| f((f64::from(k) + 0.5) / f64::from(count) * TAU - PI)).sum::<f64>() * TAU / f64::from(count)
+}
+
+#[test]
+fn three_paths_carry_nearly_all_light() {
+    let expected = [[0.994, 0.992, 0.976, 0.890], [0.992, 0.990, 0.973, 0.886], [0.990, 0.987, 0.968, 0.882]];
+    for (eta, expected) in ETAS.into_iter().zip(expected) {
+        for (degrees, expected) in [0.0, 30.0, 60.0, 80.0].into_iter().zip(expected) {
+            let section = Section::new(eta, cos_deg(degrees));
+            let sum: f64 = (0..3).map(|p| section.energy(p)).sum();
+            assert!((sum - expected).abs() < 6e-4, "eta {eta}, {degrees} degrees: {sum}, expected {expected}");
+        }
+    }
+}
+
+#[test]
+fn fresnel_in_space_is_that_of_both_indices_with_one_angle() {
+    for eta in ETAS {
+        for (degrees, gamma) in [(0.0, 0.3), (40.0, 0.9), (75.0, 0.56), (84.0, 1.5)] {
+            let section = Section::new(eta, cos_deg(degrees));
+            let (_, t) = section.refracted(libm::sin(gamma));
+            let (g, double) = (libm::cos(gamma), eta * eta / section.across);
+            let s = (g - section.across * t) / (g + section.across * t);
+            let p = (double * g - t) / (double * g + t);
+            assert!((section.fresnel(g) - 0.5 * (s * s + p * p)).abs() < 1e-14);
+        }
+        assert_eq!(Section::new(eta, 1.0).fresnel(0.0), 1.0);
+    }
+}
+
+#[test]
+fn what_goes_around_is_what_comes_in() {
+    for eta in ETAS {
+        for degrees in [0.0, 30.0, 45.0, 50.0, 55.0, 60.0, 75.0] {
+            let section = Section::new(eta, cos_deg(degrees));
+            let at = format!("eta {eta}, {degrees} degrees");
+            assert!((around(4000, |phi| section.reflected(phi)) - section.energy(0)).abs() < 1e-6, "{at}");
+            assert!((around(40_000, |phi| section.through(phi).light) - section.energy(1)).abs() < 1e-4, "{at}");
+            let glints = section.glints(&Glint::default());
+            let light = |phi: f64| section.glinting(phi, glints.as_ref()).map(|way| way.light).sum::<f64>();
+            let off = around(20_000, light) / section.energy(2) - 1.0;
+            assert!(off.abs() < 5e-3, "{at}: {off}");
+            for p in 0..3 {
+                let light = |phi: f64| section.rough(p, phi, 0.12).map(|way| way.light).sum::<f64>();
+                let off = around(200, light) / section.energy(p) - 1.0;
+                assert!(off.abs() < 1e-4, "{at}, path {p}: {off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn roots_are_where_light_comes_out() {
+    for eta in ETAS {
+        for degrees in [0.0, 40.0, 52.0, 60.0, 80.0] {
+            let section = Section::new(eta, cos_deg(degrees));
+            // A histogram of where an even beam goes, without Fresnel's share, has as much light as the ways say.
+            let straight = section.through(PI);
+            let expected = section.share(1, 1.0) / (4.0 * (1.0 - 1.0 / section.across));
+            assert!((straight.light - expected).abs() < 1e-9);
+            assert!((straight.length - 2.0 / section.cos_t).abs() < 1e-9);
+            if section.across > 2.05 {
+                let back: f64 = section.within(0.0).map(|way| way.light).sum();
+                assert!(
+                    (back - section.share(2, 1.0) / (4.0 * (1.0 - 2.0 / section.across))).abs() < 1e-9,
+                    "{eta} {degrees}"
+                );
+            }
+            // Nothing jumps where both halves meet.
+            let back = |phi: f64| section.within(phi).map(|way| way.light).sum::<f64>();
+            assert!((back(0.0) - back(1e-9)).abs() < 1e-6, "eta {eta}, {degrees} degrees");
+            for k in 1..60 {
+                let phi = f64::from(k) / 60.0 * PI;
+                let count = section.within(phi).count();
+                let inside = section.caustic().is_some_and(|(_, at)| phi < at);
+                let reach = -section.turned(2, PI / 2.0);
+                // Two on this side of the caustic, and one from the other half as far as it reaches.
+                let expected = usize::from(inside) * if phi > -reach { 2 } else { 1 } + usize::from(phi <= reach);
+                assert_eq!(count, expected, "eta {eta}, {degrees} degrees, phi {phi}, reach {reach}");
+            }
+        }
+    }
+    let at = ETAS.map(|eta| Section::new(eta, 1.0).caustic().unwrap().1.to_degrees());
+    assert!(at.iter().zip([27.7, 18.6, 8.9]).all(|(found, expected)| (found - expected).abs() < 0.05), "{at:?}");
+}
+
+#[test]
+fn printed_glints_gain_or_lose_light() {
+    let glint = Glint { width: 5_f64.to_radians(), ..Glint::default() };
+    let off = |degrees: f64| {
+        let section = Section::new(1.55, cos_deg(degrees));
+        let light =
+            |phi| section.glinting(phi, section.glints_as_printed(&glint).as_ref()).map(|way| way.light).sum::<f64>();
+        around(4000, light) / section.energy(2)
+    };
+    let found = [0.0, 20.0, 40.0, 46.0, 50.0].map(off);
+    assert!(found.iter().any(|e| *e > 1.1) && found.iter().all(|e| (0.6..1.5).contains(e)), "{found:?}");
+}
+
+#[test]
+fn lobes_along_a_fibre_keep_energy() {
+    for width in [2.0_f64, 5.0, 10.0, 20.0] {
+        let spread = Spread { shift: -0.1, width: width.to_radians() };
+        for theta in [0.0_f64, 30.0, 60.0, 85.0] {
+            let to = (libm::sin(theta.to_radians()), libm::cos(theta.to_radians()));
+            let whole: f64 = (0..8000)
+                .map(|k| ((f64::from(k) + 0.5) / 8000.0 - 0.5) * PI)
+                .map(|i| spread.conserving((libm::sin(i), libm::cos(i)), to) * libm::cos(i) * PI / 8000.0)
+                .sum();
+            assert!((whole - 1.0).abs() < 1e-5, "width {width}, {theta} degrees: {whole}");
+        }
+    }
+    // exp(-x) I0(x) by its integral.
+    for x in [0.0, 0.5, 3.74, 3.76, 20.0, 5000.0] {
+        let whole: f64 = (0..20_000)
+            .map(|k| (f64::from(k) + 0.5) / 20_000.0 * PI)
+            .map(|a| libm::exp(x * (libm::cos(a) - 1.0)))
+            .sum();
+        assert!((i0e(x) * 20_000.0 / whole - 1.0).abs() < 1e-6, "{x}");
+    }
+}
+
+/// Unit vectors without order.
+fn directions(count: u32) -> impl Iterator<Item = [DVec3; 3]> {
+    let chance = |i: u32, k: u32| {
+        let mixed = (u64::from(i) * 6 + u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        ((mixed ^ mixed >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    (0..count).map(move |i| {
+        from_fn(|k| {
+            let (z, turn) = (2.0 * chance(i, 2 * k as u32) - 1.0, TAU * chance(i, 2 * k as u32 + 1));
+            let across = (1.0 - z * z).max(0.0).sqrt();
+            DVec3::new(across * libm::cos(turn), across * libm::sin(turn), z)
+        })
+    })
+}
+
+#[test]
+fn light_may_be_turned_about() {
+    let fibre = Fibre { around: Around::Smooth(Glint::default()), keeps: Keeps::Reciprocity, ..Fibre::default() };
+    for [tip, light, eye] in directions(300) {
+        let (there, back) = (Angles::between(tip, light, eye), Angles::between(tip, eye, light));
+        let (a, b) = (fibre.scatter([0.2; 3], &there), fibre.scatter([0.2; 3], &back));
+        assert!((a[0] / there.from.1 - b[0] / back.from.1).abs() < 1e-9, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn no_directions_break_it() {
+    let fibres =
+        [Around::Rough(0.05), Around::Rough(0.6), Around::Smooth(Glint::default())].into_iter().flat_map(|around| {
+            [Keeps::Energy, Keeps::Reciprocity].map(|keeps| Fibre { around, keeps, ..Fibre::default() })
+        });
+    let z = DVec3::Z;
+    let odd =
+        [[z, z, z], [z, -z, z], [z, z, DVec3::X], [z, DVec3::X, -z], [z, DVec3::X, DVec3::X], [z, DVec3::X, -DVec3::X]];
+    for fibre in fibres {
+        for [tip, light, eye] in directions(200).chain(odd) {
+            let found = fibre.scatter([0.0, 1.0, 1e6], &Angles::between(tip, light, eye));
+            assert!(found.iter().all(|x| x.is_finite() && *x >= 0.0), "{fibre:?} {light} {eye}: {found:?}");
+            assert!(found[0] >= found[1] && found[1] >= found[2]);
+        }
+    }
+    // Through η′ = 2, where the glints meet.
+    for k in 0..=4000 {
+        let section = Section::new(1.55, cos_deg(44.0 + 12.0 * f64::from(k) / 4000.0));
+        let glints = section.glints(&Glint::default());
+        let most = (0..90)
+            .map(|j| section.glinting(f64::from(j).to_radians(), glints.as_ref()).map(|way| way.light).sum::<f64>());
+        let most = most.fold(0.0, f64::max);
+        assert!((0.02..0.2).contains(&most), "{} degrees: {most}", 44.0 + 12.0 * f64::from(k) / 4000.0);
+    }
+}
+
+#[test]
+fn a_mean_way_absorbs_as_all_ways_do() {
+    let section = Fibre::default().section(0.8);
+    for p in 0..3 {
+        for phi in [0.0, 0.5, 2.0, PI] {
+            let way = section.mean_way(p, phi, 0.3);
+            let mut left = 0.0;
+            section.ways(p, phi, &mut |way| left += way.left(0.3));
+            assert!((way.left(0.3) - left).abs() < 1e-12 && way.length >= 0.0);
+        }
+    }
+    assert!((over_section(|_| 1.0) - 2.0).abs() < 1e-12 && wrapped(3.0 * PI + 0.1) < -3.0);
+}
+
+/// Relative root of the mean square by which `found` is off `fibre` over random directions, and over all colours.
+fn off(fibre: &Fibre, sigma: [f64; 3], found: impl Fn(&Angles) -> [f64; 3]) -> f64 {
+    let (mut error, mut whole) = (0.0, 0.0);
+    for [tip, light, eye] in directions(3000) {
+        let angles = Angles::between(tip, light, eye);
+        for (a, b) in fibre.scatter(sigma, &angles).into_iter().zip(found(&angles)) {
+            (error, whole) = (error + (a - b) * (a - b), whole + a * a);
+        }
+    }
+    (error / whole).sqrt()
+}
+
+#[test]
+fn tables_are_near_the_equations() {
+    for around in [Around::Rough(0.12), Around::Smooth(Glint::default())] {
+        for keeps in [Keeps::Energy, Keeps::Reciprocity] {
+            let fibre = Fibre { around, keeps, ..Fibre::default() };
+            for (size, most) in [(64, 0.02), (128, 0.007)] {
+                let tables = Tables::new(&fibre, size);
+                let sigma = [0.1, 0.5, 2.0];
+                let found = off(&fibre, sigma, |angles| tables.scatter(sigma, angles));
+                println!("{around:?} {keeps:?} {size}: {found}");
+                assert!(found < most, "{around:?} {keeps:?} {size}: {found}");
+            }
+        }
+    }
+}
