@@ -32,7 +32,7 @@ mod viewpoint;
 pub use animator::Animator;
 #[cfg(feature = "draw")]
 pub use canvas::{COLOR_FORMAT, Canvas, CanvasOptions, DEPTH_FORMAT};
-pub use cast::{Actor, Cast, Place, Playing, clip_named, find_clip, find_morph, framed, within};
+pub use cast::{Actor, Cast, Place, Playing, carried_by, clip_named, find_clip, find_morph, framed, within};
 pub use error::StageError;
 pub use extent::{nothing_named, outline};
 pub use framing::{Framing, Orbit};

@@ -28,12 +28,23 @@ impl Spread {
     ///
     /// * sines and cosines of both angles, from the plane across the fibre
     pub fn conserving(&self, (sin_i, cos_i): (f64, f64), (sin_o, cos_o): (f64, f64)) -> f64 {
-        // A tilt of the half angle by α moves the outgoing angle by 2 α.
-        let (sin, cos) = (libm::sin(2.0 * self.shift), libm::cos(2.0 * self.shift));
-        let (sin_o, cos_o) = (sin_o * cos - cos_o * sin, (cos_o * cos + sin_o * sin).abs());
-        let v = 4.0 * self.width * self.width;
+        let (sin_o, cos_o) = self.tilted((sin_o, cos_o));
+        let v = self.variance();
         let (a, b) = (cos_i * cos_o / v, sin_i * sin_o / v);
         i0e(a) * libm::exp(a - b - 1.0 / v) / (v * -libm::expm1(-2.0 / v))
+    }
+}
+
+impl Spread {
+    /// The outgoing direction as the tilt turns it: a tilt of the half angle by α moves that by 2 α.
+    pub fn tilted(&self, (sin_o, cos_o): (f64, f64)) -> (f64, f64) {
+        let (sin, cos) = (libm::sin(2.0 * self.shift), libm::cos(2.0 * self.shift));
+        (sin_o * cos - cos_o * sin, (cos_o * cos + sin_o * sin).abs())
+    }
+
+    /// Variance of the angle in which light leaves, about its cone.
+    pub fn variance(&self) -> f64 {
+        4.0 * self.width * self.width
     }
 }
 

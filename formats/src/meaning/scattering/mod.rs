@@ -6,7 +6,9 @@
 //! All of it in f64, because tables are made of it and the truth is traced with it. A frame looks up tables.
 
 pub mod azimuthal;
+pub mod colour;
 pub mod longitudinal;
+pub mod near;
 pub mod optics;
 pub mod tables;
 
@@ -15,6 +17,9 @@ use core::array::from_fn;
 use glam::DVec3;
 use longitudinal::Spread;
 use optics::Section;
+
+/// Paths: R, TT, TRT, and all that is reflected within more than once, which has lost its way around the fibre.
+pub const PATHS: usize = 4;
 
 /// A fibre without its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,12 +109,12 @@ impl Angles {
 impl Fibre {
     /// The lobe of path `p` along the fibre.
     pub fn spread(&self, p: u32) -> Spread {
-        let (shift, width) = [(-1.0, 1.0), (0.5, 0.5), (1.5, 2.0)][p.min(2) as usize];
+        let (shift, width) = [(-1.0, 1.0), (0.5, 0.5), (1.5, 2.0), (0.0, 2.0)][p.min(3) as usize];
         Spread { shift: shift * self.tilt, width: width * self.along }
     }
 
     /// How much of the light from θi leaves at θo, of each path; times what [`FibreSection::ways`] gives it is what the fibre scatters, times cos θi.
-    pub fn along(&self, angles: &Angles) -> [f64; 3] {
+    pub fn along(&self, angles: &Angles) -> [f64; PATHS] {
         let cos_d = angles.cos_d().max(optics::LEAST_COS_D);
         from_fn(|p| {
             let spread = self.spread(p as u32);
@@ -139,8 +144,8 @@ impl Fibre {
     /// * `sigma`: what it absorbs a radius, 0 or more
     pub fn scatter(&self, sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
         let (along, section) = (self.along(angles), self.section(angles.cos_d()));
-        let mut sum = [0.0; 3];
-        for (p, along) in along.into_iter().enumerate() {
+        let mut sum = sigma.map(|sigma| along[3] * section.rest(sigma));
+        for (p, along) in along.into_iter().take(3).enumerate() {
             section.ways(p as u32, angles.phi, &mut |way| {
                 for (sum, sigma) in sum.iter_mut().zip(sigma) {
                     *sum += along * way.left(sigma);
@@ -170,6 +175,16 @@ impl FibreSection {
             (None, 1) => each(section.through(phi)),
             (None, _) => section.glinting(phi, self.glints.as_ref()).for_each(each),
         }
+    }
+
+    /// The light that is reflected within more than once, a radian, where so much is absorbed a radius.
+    pub fn rest(&self, sigma: f64) -> f64 {
+        let section = &self.section;
+        let left = azimuthal::over_section(|gamma| {
+            let through = libm::exp(-sigma * section.chord(libm::sin(gamma)));
+            section.rest(section.fresnel(libm::cos(gamma)), through)
+        });
+        0.5 * left / core::f64::consts::TAU
     }
 
     /// [`FibreSection::mean_way`] of path `p` at many azimuths.

@@ -46,6 +46,14 @@ impl Section {
         2.0 * self.refracted(sin_gamma).1 / self.cos_t
     }
 
+    /// Share of the light that leaves after it was reflected within twice and more, where so much is reflected and a way through leaves so much of it.
+    pub fn rest(&self, reflected: f64, through: f64) -> f64 {
+        let within = (1.0 - reflected) * (1.0 - reflected);
+        let again = reflected * through;
+        // Along the surface nothing gets within.
+        if again >= 1.0 { 0.0 } else { within * reflected * reflected * through * through * through / (1.0 - again) }
+    }
+
     /// Share of the light that leaves on path `p` (0: reflected, 1: through, 2: reflected once within) without what it loses on its way, which is
     /// exp(−σ p chord).
     pub fn share(&self, p: u32, cos_gamma: f64) -> f64 {

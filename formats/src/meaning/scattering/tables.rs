@@ -6,7 +6,7 @@
 
 use super::azimuthal::Way;
 use super::optics::LEAST_COS_D;
-use super::{Angles, Fibre};
+use super::{Angles, Fibre, PATHS, mean_of};
 use core::array::from_fn;
 use core::f64::consts::PI;
 
@@ -20,10 +20,12 @@ pub const REFERENCE_SIGMA: f64 = 0.5;
 pub struct Tables {
     /// Texels along each edge, 2 or more.
     pub size: usize,
-    /// Row by row from tan(θd / 2) = −1 to 1, by [`drawn_out`] of sin θh from −1 to 1: R, TT, TRT along the fibre, times cos θi.
-    pub along: Vec<[f32; 3]>,
+    /// Row by row from tan(θd / 2) = −1 to 1, by [`drawn_out`] of sin θh from −1 to 1: the four paths along the fibre, times cos θi.
+    pub along: Vec<[f32; PATHS]>,
     /// Row by row from [`LEAST_COS_D`] to cos θd = 1, by φ / π from 0 to 1: the light of R, TT and TRT, and the lengths of TT and TRT.
     pub around: Vec<[f32; 5]>,
+    /// From [`LEAST_COS_D`] to cos θd = 1: the light of all other paths, which is the same all around, and their length.
+    pub rest: Vec<[f32; 2]>,
 }
 
 /// Where sin θh is on its axis, −1..=1.
@@ -69,19 +71,21 @@ impl Tables {
             }
         }
         let phis: Vec<f64> = (0..size).map(|i| PI * share(i)).collect();
-        let mut around = Vec::with_capacity(size * size);
+        let (mut around, mut rest) = (Vec::with_capacity(size * size), Vec::with_capacity(size));
         for j in 0..size {
             let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
             let [r, tt, trt] = from_fn(|p| section.mean_ways(p as u32, &phis, REFERENCE_SIGMA));
             let texel =
                 |i: usize| [r[i].light, tt[i].light, trt[i].light, tt[i].length, trt[i].length].map(|x| x as f32);
             around.extend((0..size).map(texel));
+            let way = mean_of(section.rest(0.0), section.rest(REFERENCE_SIGMA), REFERENCE_SIGMA);
+            rest.push([way.light as f32, way.length as f32]);
         }
-        Self { size, along, around }
+        Self { size, along, around, rest }
     }
 
     /// What is along a fibre, as [`Fibre::along`].
-    pub fn along(&self, angles: &Angles) -> [f64; 3] {
+    pub fn along(&self, angles: &Angles) -> [f64; PATHS] {
         let cos_d = angles.cos_d();
         let sin_h = (0.5 * (angles.from.0 + angles.to.0) / cos_d.max(1e-9)).clamp(-1.0, 1.0);
         // Which of both is nearer to the tip is known, where the sign of the difference is.
@@ -89,11 +93,17 @@ impl Tables {
         between(&self.along, self.size, [drawn_out(sin_h), half].map(|place| 0.5 + 0.5 * place))
     }
 
-    /// R, TT and TRT around it.
-    pub fn around(&self, angles: &Angles) -> [Way; 3] {
+    /// The four paths around it.
+    pub fn around(&self, angles: &Angles) -> [Way; PATHS] {
         let row = (angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D);
         let [r, tt, trt, through, within] = between(&self.around, self.size, [angles.phi.abs() / PI, row]);
-        [Way { light: r, length: 0.0 }, Way { light: tt, length: through }, Way { light: trt, length: within }]
+        let y = row.clamp(0.0, 1.0) * (self.size - 1) as f64;
+        let top = (y as usize).min(self.size - 2);
+        let [light, length] = from_fn(|k| {
+            let [a, b] = [0, 1].map(|j| f64::from(self.rest[top + j][k]));
+            a + (b - a) * (y - top as f64)
+        });
+        [(r, 0.0), (tt, through), (trt, within), (light, length)].map(|(light, length)| Way { light, length })
     }
 
     /// As [`Fibre::scatter`], from the tables.

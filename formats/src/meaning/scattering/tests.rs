@@ -2,6 +2,7 @@
 
 use super::azimuthal::{Glint, over_section, wrapped};
 use super::longitudinal::{Spread, i0e};
+use super::near::{Drawn, Hit};
 use super::optics::Section;
 use super::tables::Tables;
 use super::*;
@@ -227,6 +228,121 @@ fn tables_are_near_the_equations() {
                 println!("{around:?} {keeps:?} {size}: {found}");
                 assert!(found < most, "{around:?} {keeps:?} {size}: {found}");
             }
+        }
+    }
+}
+
+#[test]
+fn colours_and_what_makes_them() {
+    for roughness in [0.0, 0.1, 0.3, 0.5, 0.9, 1.0] {
+        let scale = colour::scale_of(roughness);
+        assert!((colour::roughness(scale) - roughness).abs() < 1e-9);
+        for c in [colour::DARKEST, 0.05, 0.3, 0.9, 1.0] {
+            let sigma = colour::absorption([c; 3], scale);
+            assert!((colour::color(sigma, scale)[0] - c).abs() < 1e-9 && sigma[0].is_finite());
+        }
+        // White absorbs nothing, and black as much as the darkest colour.
+        assert_eq!(colour::absorption([1.0, 1.5, 2.0], scale), [0.0; 3]);
+        assert_eq!(colour::absorption([0.0; 3], scale), colour::absorption([colour::DARKEST; 3], scale));
+    }
+    let [r, g, b] = colour::color(colour::of_pigments(1.3, 0.0), colour::scale_of(0.3));
+    assert!(r > g && g > b && r < 0.05, "brown hair: {r} {g} {b}");
+    let [r, g, b] = colour::color(colour::of_pigments(0.1, 0.5), colour::scale_of(0.3));
+    assert!(r > 1.4 * g && g > 1.4 * b, "red hair: {r} {g} {b}");
+    assert_eq!(colour::of_pigments(-1.0, 0.0), [0.0; 3]);
+}
+
+/// Even numbers in 0..1, without order but evenly spread: the fractions of multiples of roots (Roberts 2018).
+fn even(i: u32) -> [f64; 5] {
+    let mut step = 1.0;
+    from_fn(|_| {
+        step /= ROOT;
+        let x = 0.5 + step * f64::from(i + 1);
+        x - libm::floor(x)
+    })
+}
+
+/// The positive root of x⁶ = x + 1.
+const ROOT: f64 = 1.134_724_138_401_519_4;
+
+#[test]
+fn a_white_fibre_vanishes_in_even_light() {
+    for (along, scale) in [(3.0_f64, 0.05), (7.5, 0.12), (15.0, 0.5)] {
+        let fibre = Fibre { along: along.to_radians(), ..Fibre::default() };
+        for degrees in [0.0_f64, 30.0, -60.0, 80.0, 89.0] {
+            let to = (libm::sin(degrees.to_radians()), libm::cos(degrees.to_radians()));
+            const COUNT: u32 = 20_000;
+            let (mut drawn, mut found) = (0.0, 0.0);
+            for i in 0..COUNT {
+                let [offset, numbers @ ..] = even(i);
+                let hit = Hit::new(&fibre, scale, [0.0; 3], 2.0 * offset - 1.0, to);
+                drawn += hit.draw(numbers).weight[1];
+                // The same by directions that are even over the sphere.
+                let sin_i = 2.0 * numbers[0] - 1.0;
+                let from = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
+                found += hit.value(from, TAU * numbers[1] - PI).0[1] * 2.0 * TAU;
+            }
+            let (drawn, found) = (drawn / f64::from(COUNT), found / f64::from(COUNT));
+            assert!((drawn - 1.0).abs() < 0.002, "width {along}, scale {scale}, {degrees} degrees: {drawn}");
+            // Few even directions fall into a narrow lobe near the fibre's own.
+            let noise = if degrees.abs() > 70.0 { 0.2 } else { 0.05 };
+            assert!((found - 1.0).abs() < noise, "width {along}, scale {scale}, {degrees} degrees: {found}");
+        }
+    }
+}
+
+#[test]
+fn from_nearby_and_from_afar_are_one_fibre() {
+    let fibre = Fibre::default();
+    let Around::Rough(scale) = fibre.around else { return };
+    let sigma = [0.1, 0.5, 2.0];
+    // On the cone of each path, where both have the same section.
+    for degrees in [0.0_f64, 20.0, 50.0] {
+        let theta = degrees.to_radians();
+        let (to, from) = ((libm::sin(theta), libm::cos(theta)), (-libm::sin(theta), libm::cos(theta)));
+        for phi in [0.0, 0.7, 2.0, 3.0] {
+            let afar = fibre.scatter(sigma, &Angles { from, to, phi });
+            const COUNT: u32 = 4000;
+            let mut near = [0.0; 3];
+            for i in 0..COUNT {
+                let offset = (2.0 * f64::from(i) + 1.0) / f64::from(COUNT) - 1.0;
+                let (value, _) = Hit::new(&fibre, scale, sigma, offset, to).value(from, phi);
+                near.iter_mut().zip(value).for_each(|(sum, x)| *sum += x / f64::from(COUNT));
+            }
+            for (a, b) in afar.into_iter().zip(near) {
+                assert!((a / b - 1.0).abs() < 2e-3, "{degrees} degrees, phi {phi}: {afar:?} {near:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_drawn_comes_as_often_as_it_says() {
+    let fibre = Fibre::default();
+    let to = (0.5, 0.75_f64.sqrt());
+    let hit = Hit::new(&fibre, 0.12, [0.3, 0.5, 1.0], 0.4, to);
+    // Boxes of sin θi and φ: how many fall in, and how likely that was.
+    const BOXES: usize = 8;
+    const COUNT: u32 = 100_000;
+    let mut fallen = [[0.0; BOXES]; BOXES];
+    for i in 0..COUNT {
+        let [_, numbers @ ..] = even(i);
+        let Drawn { from, phi, .. } = hit.draw(numbers);
+        let place = [0.5 + 0.5 * from.0, 0.5 + phi / TAU].map(|x| ((x * BOXES as f64) as usize).min(BOXES - 1));
+        fallen[place[0]][place[1]] += 1.0 / f64::from(COUNT);
+    }
+    const FINE: usize = 64;
+    for (a, row) in fallen.iter().enumerate() {
+        for (b, fallen) in row.iter().enumerate() {
+            let mut expected = 0.0;
+            for (i, j) in (0..FINE * FINE).map(|k| (k / FINE, k % FINE)) {
+                let at = |of: usize, k: usize| (of as f64 + (k as f64 + 0.5) / FINE as f64) / BOXES as f64;
+                let sin_i = 2.0 * at(a, i) - 1.0;
+                let from = (sin_i, (1.0 - sin_i * sin_i).sqrt());
+                expected += hit.value(from, TAU * at(b, j) - PI).1;
+            }
+            expected *= 2.0 * TAU / (BOXES * BOXES * FINE * FINE) as f64;
+            assert!((fallen - expected).abs() < 2e-3, "box {a} {b}: {fallen}, expected {expected}");
         }
     }
 }

@@ -1,0 +1,110 @@
+//! A fibre from nearby: light that meets it at an offset from its middle, as what traces paths has it (Chiang 2016, which the renderers pbrt and Mitsuba have too).
+//!
+//! Averaged over all offsets it is the fibre from afar, but that its section is that of the eye's angle θo, where from afar it is that of θd. At the cone that a
+//! smooth fibre would keep light on, both are the same; with θo no light is lost or gained at any angle.
+
+use super::azimuthal::{logistic, wrapped};
+use super::optics::Section;
+use super::{Fibre, PATHS};
+use core::array::from_fn;
+use core::f64::consts::{PI, TAU};
+
+/// Where an eye's ray meets a fibre.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit<'a> {
+    fibre: &'a Fibre,
+    scale: f64,
+    to: (f64, f64),
+    /// Azimuths from the eye's at which the paths end.
+    ends: [f64; 3],
+    /// Share of the light that takes each path, of each colour.
+    shares: [[f64; 3]; PATHS],
+    /// How likely each path is drawn.
+    chances: [f64; PATHS],
+}
+
+/// A direction that light is looked for in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// Sine and cosine of θi.
+    pub from: (f64, f64),
+    /// Azimuth of the light, from the eye's.
+    pub phi: f64,
+    /// What the fibre scatters from there, times cos θi, over how likely it was drawn.
+    pub weight: [f64; 3],
+}
+
+impl<'a> Hit<'a> {
+    /// That of a fibre that is rough all around by `scale`, radians.
+    ///
+    /// * `sigma`: what it absorbs a radius, 0 or more
+    /// * `offset`: from the middle, over the radius, −1..=1, towards growing azimuths
+    /// * `to`: sine and cosine of θo
+    pub fn new(fibre: &'a Fibre, scale: f64, sigma: [f64; 3], offset: f64, to: (f64, f64)) -> Self {
+        let section = Section::new(fibre.eta, to.1);
+        let gamma = libm::asin(offset.clamp(-1.0, 1.0));
+        let (reflected, chord) = (section.fresnel(libm::cos(gamma)), section.chord(libm::sin(gamma)));
+        let within = (1.0 - reflected) * (1.0 - reflected);
+        let through = sigma.map(|sigma| libm::exp(-sigma * chord));
+        let shares = [
+            [reflected; 3],
+            through.map(|t| within * t),
+            through.map(|t| within * reflected * t * t),
+            through.map(|t| section.rest(reflected, t)),
+        ];
+        let sums = shares.map(|of| of.iter().sum::<f64>());
+        let whole: f64 = sums.iter().sum();
+        let ends = from_fn(|p| wrapped(section.turned(p as u32, gamma) + p as f64 * PI));
+        Self { fibre, scale, to, ends, shares, chances: sums.map(|sum| sum / whole) }
+    }
+
+    /// How the light of path `p` is spread over directions: about its cone and the azimuth at its end.
+    fn spread(&self, p: usize, from: (f64, f64), phi: f64) -> f64 {
+        let along = self.fibre.spread(p as u32).conserving(from, self.to);
+        along * self.ends.get(p).map_or(1.0 / TAU, |end| logistic(self.scale, wrapped(phi - end)))
+    }
+
+    /// What the fibre scatters towards the eye of the light from a direction, times cos θi, of each colour, and how likely that direction is drawn, a steradian.
+    pub fn value(&self, from: (f64, f64), phi: f64) -> ([f64; 3], f64) {
+        let (mut sum, mut chance) = ([0.0; 3], 0.0);
+        for p in 0..PATHS {
+            let spread = self.spread(p, from, phi);
+            chance += self.chances[p] * spread;
+            for (sum, share) in sum.iter_mut().zip(self.shares[p]) {
+                *sum += share * spread;
+            }
+        }
+        (sum, chance)
+    }
+
+    /// Draws a direction by four even numbers in 0..1.
+    pub fn draw(&self, [path, around, height, turn]: [f64; 4]) -> Drawn {
+        let (mut p, mut left) = (0, path);
+        while p + 1 < PATHS && left >= self.chances[p] {
+            left -= self.chances[p];
+            p += 1;
+        }
+        let spread = self.fibre.spread(p as u32);
+        let (sin_o, cos_o) = spread.tilted(self.to);
+        let v = spread.variance();
+        // d'Eon's lobe is a distribution about a direction, seen by its height alone.
+        let height = height.max(1e-300);
+        let cos = 1.0 + v * libm::log(height + (1.0 - height) * libm::exp(-2.0 / v));
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        let sin_i = (-cos * sin_o + sin * libm::cos(TAU * turn) * cos_o).clamp(-1.0, 1.0);
+        let from = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
+        let phi = match self.ends.get(p) {
+            Some(end) => wrapped(end + drawn_logistic(self.scale, around)),
+            None => TAU * around - PI,
+        };
+        let (value, chance) = self.value(from, phi);
+        Drawn { from, phi, weight: if chance > 0.0 { value.map(|x| x / chance) } else { [0.0; 3] } }
+    }
+}
+
+/// Draws from [`logistic`] by an even number in 0..1.
+fn drawn_logistic(scale: f64, even: f64) -> f64 {
+    let below = 1.0 / (1.0 + libm::exp(PI / scale));
+    let share = (below + even * (1.0 - 2.0 * below)).clamp(1e-300, 1.0 - 1e-16);
+    (-scale * libm::log(1.0 / share - 1.0)).clamp(-PI, PI)
+}
