@@ -74,7 +74,6 @@ pub struct Gait {
 /// Leads the legs of a pose, fore and hind, through a gait.
 pub fn lead(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], gait: &Gait) {
     let ([fore_bend, hind_bend], [fore_touches, hind_touches]) = (gait.bend, gait.touches);
-
     for (legs, bend, touches) in [
         (hind, [(0.0, 4.0), (0.3, 0.0), (0.58, 10.0), (0.78, hind_bend), (0.94, -4.0)], hind_touches),
         (fore, [(0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.78, fore_bend), (0.95, 2.0)], fore_touches),

@@ -1,6 +1,7 @@
 //! Skeletons as files have them: joints that scale unevenly, mirror or collapse, joints that no weight points at and that hold anything, weights that
 //! sum to nothing. (Weights that sum to something else than 1 are scaled when a model is read, and no package that has them opens.)
 
+use super::measures::even_direction;
 use super::row::{Finding, Row};
 use crate::BakeError;
 use glam::{EulerRot, Mat3, Mat4, Quat, Vec3, Vec4};
@@ -33,14 +34,10 @@ pub fn joints() -> Vec<(&'static str, Mat3)> {
     scales.into_iter().map(|(name, scale)| (name, turn * Mat3::from_diagonal(Vec3::from(scale)))).collect()
 }
 
-/// Unit vectors evenly over the sphere (Fibonacci).
+/// Unit vectors evenly over the sphere.
 fn normals() -> impl Iterator<Item = Vec3> {
     const COUNT: u32 = 1000;
-    (0..COUNT).map(|i| {
-        let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(COUNT);
-        let (r, turn) = ((1.0 - z * z).sqrt(), f64::from(i) * 2.399_963_229_728_653);
-        Vec3::new((r * libm::cos(turn)) as f32, (r * libm::sin(turn)) as f32, z as f32).normalize()
-    })
+    (0..COUNT).map(|i| even_direction(i, COUNT).as_vec3().normalize())
 }
 
 fn cofactors(m: Mat3) -> Mat3 {

@@ -1,5 +1,6 @@
 //! Hair along the light: sin² as 1 − (T·L)² rounds below zero, and a power of that is not a number.
 
+use super::measures::even_direction;
 use super::row::{Finding, Row};
 use crate::BakeError;
 use glam::Vec3;
@@ -17,13 +18,11 @@ pub const ROW: Row = Row {
 /// Exponents of the lighting equation, over the range that a recipe allows.
 pub const EXPONENTS: [f32; 9] = [0.0, 0.5, 1.0, 2.0, 3.0, 30.0, 101.0, 1000.0, 10_000.0];
 
-/// Unit vectors evenly over the sphere (Fibonacci), each with itself, its opposite, or itself but for a rounding error, and an exponent.
+/// Unit vectors evenly over the sphere, each with itself, its opposite, or itself but for a rounding error, and an exponent.
 pub fn cases() -> impl Iterator<Item = (Vec3, Vec3, f32)> {
     const COUNT: u32 = 100_000;
     (0..COUNT).map(|i| {
-        let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(COUNT);
-        let (r, turn) = ((1.0 - z * z).sqrt(), f64::from(i) * 2.399_963_229_728_653);
-        let t = Vec3::new((r * libm::cos(turn)) as f32, (r * libm::sin(turn)) as f32, z as f32).normalize();
+        let t = even_direction(i, COUNT).as_vec3().normalize();
         let l = [t, -t, (t * 1.000_000_1).normalize()][i as usize % 3];
         (t, l, EXPONENTS[i as usize % EXPONENTS.len()])
     })

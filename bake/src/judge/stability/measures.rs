@@ -4,6 +4,7 @@ use crate::BakeError;
 use crate::recipe::{Coat, ColorParams, HairParams, Recipe, SliceParams};
 use crate::stages::hair::{Strands, VolumeParams, simulate};
 use crate::stages::textures::{ShellSet, collect_layers};
+use glam::DVec3;
 use pelage_formats::TextureFormat;
 
 /// Few and thick hairs of one kind, in which one hair can be told from another.
@@ -48,6 +49,13 @@ pub fn texels(set: &ShellSet, level: usize) -> usize {
 pub fn transmittances(set: &ShellSet, level: usize) -> Vec<f64> {
     let column = |texel| (1..set.layers.len()).map(|k| 1.0 - opacity(set, k, level, texel)).product();
     (0..texels(set, level)).map(column).collect()
+}
+
+/// Direction `i` of `count` that lie evenly over the sphere (Fibonacci), of unit length.
+pub fn even_direction(i: u32, count: u32) -> DVec3 {
+    let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+    let (r, turn) = ((1.0 - z * z).sqrt(), f64::from(i) * 2.399_963_229_728_653);
+    DVec3::new(r * libm::cos(turn), r * libm::sin(turn), z)
 }
 
 /// Arithmetic mean.

@@ -1,11 +1,12 @@
 //! Light that a fibre scatters: forms that are printed or in use, and that are wrong where light comes along the fibre, where its glints meet, and in what it absorbs.
 
+use super::measures::even_direction;
 use super::row::{Finding, Row};
 use crate::BakeError;
 use glam::{DVec3, Vec3};
 use pelage_formats::meaning::scattering::azimuthal::{Glint, Way, over_section};
 use pelage_formats::meaning::scattering::optics::Section;
-use pelage_formats::meaning::scattering::{Angles, Around, Fibre, Keeps};
+use pelage_formats::meaning::scattering::{Angles, Fibre};
 use std::f64::consts::PI;
 
 /// The row of the table.
@@ -66,12 +67,7 @@ fn fresnel() -> Finding {
         0.5 * (s * s + p * p)
     };
     let off = |form: &dyn Fn(&Section, f64) -> f64| {
-        largest(sections().flat_map(|section| {
-            gammas()
-                .map(move |gamma| (section, gamma))
-                .map(|(s, g)| (form(&s, g) - truth(&s, g)).abs())
-                .collect::<Vec<_>>()
-        }))
+        largest(sections().map(|s| largest(gammas().map(|gamma| (form(&s, gamma) - truth(&s, gamma)).abs()))))
     };
     Finding {
         case: "reflectance, three indices, all angles".into(),
@@ -210,9 +206,7 @@ fn along_the_light() -> Finding {
     const COUNT: u32 = 100_000;
     let cases = || {
         (0..COUNT).map(|i| {
-            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(COUNT);
-            let (r, turn) = ((1.0 - z * z).sqrt(), f64::from(i) * 2.399_963_229_728_653);
-            let tip = DVec3::new(r * libm::cos(turn), r * libm::sin(turn), z).as_vec3().normalize();
+            let tip = even_direction(i, COUNT).as_vec3().normalize();
             (tip, [tip, -tip][i as usize % 2], tip.any_orthonormal_vector())
         })
     };
@@ -221,7 +215,7 @@ fn along_the_light() -> Finding {
         let (l, e) = (light - tip * tip.dot(light), eye - tip * tip.dot(eye));
         l.dot(e) / (l.dot(l) * e.dot(e)).sqrt()
     };
-    let fibre = Fibre { around: Around::Rough(0.12), keeps: Keeps::Energy, ..Fibre::default() };
+    let fibre = Fibre::default();
     let ours = |tip: Vec3, light: Vec3, eye: Vec3| {
         let angles = Angles::between(tip.as_dvec3(), light.as_dvec3(), eye.as_dvec3());
         angles.phi.abs() <= PI && fibre.along(&angles).iter().all(|x| x.is_finite())
