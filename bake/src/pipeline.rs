@@ -20,8 +20,8 @@ use outputs::made;
 use pelage_params::{Knob, Tables as _};
 
 /// The stages after `import`, in order; what a progress display counts.
-pub const STAGES: [&str; 9] =
-    ["surface", "simulate", "visibility", "slice", "groom", "fins", "ink", "textures", "pack"];
+pub const STAGES: [&str; 10] =
+    ["surface", "simulate", "visibility", "slice", "groom", "fins", "scatter", "ink", "textures", "pack"];
 
 /// One step of a stage: it makes one thing.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ pub struct Step {
     pub makes: Output,
     /// What must be there.
     pub reads: &'static [Output],
-    /// Tables of the recipe that decide what it makes, beside those that decide what it reads.
+    /// Tables of the recipe, or single keys, that decide what it makes, beside those that decide what it reads.
     pub tables: &'static [&'static str],
     run: for<'a> fn(&Told<'a>, &mut Outputs<'a>) -> Result<(), BakeError>,
 }
@@ -40,7 +40,19 @@ pub struct Step {
 use Output::*;
 
 /// What lays the tile of hair on the model, and decides with that about all that is made of it.
-const LAYING: &[&str] = &["model", "surface", "hair", "underfur", "groom", "color", "slice"];
+const LAYING: &[&str] = &[
+    "model",
+    "surface",
+    "hair",
+    "underfur",
+    "groom",
+    "color",
+    "slice",
+    "shading.model",
+    "fibre.around",
+    "fibre.eumelanin",
+    "fibre.pheomelanin",
+];
 
 /// Every table of a recipe.
 const ALL_TABLES: &[&str] = &{
@@ -76,6 +88,13 @@ pub const STEPS: &[Step] = &[
         tables: &["fins", "slice", "pack"],
         run: making::fin_textures,
     },
+    Step {
+        stage: "scatter",
+        makes: Fibres,
+        reads: &[Guided],
+        tables: &["fibre", "shading.model"],
+        run: making::scatter,
+    },
     Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], tables: &["ink", "fins"], run: making::ink },
     Step {
         stage: "ink",
@@ -94,7 +113,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "pack",
         makes: Package,
-        reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Ink, InkTextures, Skin],
+        reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Fibres, Ink, InkTextures, Skin],
         // The package says by which recipe it was baked.
         tables: ALL_TABLES,
         run: making::pack,
@@ -207,9 +226,11 @@ impl Outputs<'_> {
     /// Drops what the change from one recipe to another changes, so that [`run`] makes that again and keeps the rest.
     pub fn follow(&mut self, before: &Recipe, after: &Recipe) {
         let text = |recipe: &Recipe, knob: &'static Knob| knob.value(recipe);
-        let changed = |table: &&str| {
-            let knobs = Recipe::TABLES.iter().filter(|info| info.name == *table).flat_map(|info| info.knobs);
-            knobs.into_iter().any(|knob| text(before, knob) != text(after, knob))
+        let changed = |name: &&str| {
+            let of_table = |knob: &Knob| knob.name.strip_prefix(*name).is_some_and(|key| key.starts_with('.'));
+            let knobs = Recipe::TABLES.iter().flat_map(|info| info.knobs);
+            let named = knobs.into_iter().filter(|knob| knob.name == *name || of_table(knob));
+            named.into_iter().any(|knob| text(before, knob) != text(after, knob))
         };
         for step in STEPS {
             if step.tables.iter().any(changed) {

@@ -16,6 +16,7 @@
 
 mod coats;
 mod comb_marks;
+mod fibre;
 mod hair_group;
 mod ink;
 mod joint_groom;
@@ -28,6 +29,7 @@ mod style;
 
 pub use coats::{Coat, coats_page};
 pub use comb_marks::CombMarkParams;
+pub use fibre::{FibreOfGroup, FibreParams};
 pub use hair_group::{HairColliderParams, HairGroupParams, TuftParams};
 pub use ink::{InkFill, InkParams, MaterialInk};
 pub use joint_groom::JointGroom;
@@ -38,7 +40,7 @@ pub use named_table::MaterialTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomCoordinates,
     GroomParams, HairColors, HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap,
-    ShadingParams, ShellFormat, SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams,
+    ShadingModel, ShadingParams, ShellFormat, SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams,
     VisibilityParams,
 };
 pub use pelage_params::SrgbColor;
@@ -62,8 +64,10 @@ pelage_params::tables! {
         groom: GroomParams,
         /// The strands' colour.
         color: ColorParams,
-        /// Constants of the lighting equation.
+        /// How hair is lit.
         shading: ShadingParams,
+        /// The fibres that it is made of.
+        fibre: FibreParams,
         /// The shell textures.
         slice: SliceParams,
         /// How much light reaches the hair.

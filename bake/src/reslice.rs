@@ -31,7 +31,8 @@ fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<Skin<'a>, FormatEr
             images.push(kept_texture(package, old)?);
         }
     }
-    let anew = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED, Tag::STRANDS, Tag::HAIR];
+    let anew =
+        [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED, Tag::STRANDS, Tag::HAIR, Tag::FIBRES];
     let mut sections = carried(package, |tag| !anew.contains(&tag))?;
     if let Some(mesh) = package.mesh()?.filter(|_| recipe.detail.has_lists()) {
         let lists = simplified(&mesh.to_data(), &manifest, package.animation()?.as_deref());

@@ -54,6 +54,7 @@ pub use sampling::{ClipLayer, Pose};
 pub use sections::animation::{
     Animation, Channel, Clip, Interpolation, Joint, MorphChannel, MorphMotion, MorphTarget, Node, Property,
 };
+pub use sections::fibres::{FIBRE_LAYERS, FibreInfo, FibreOptics};
 pub use sections::fins::{Fin, FinData, FinsView};
 pub use sections::hair::{HairGroup, OnTriangle};
 pub use sections::hair_motion::{BodyCollider, GroupMotion, HairMotion};

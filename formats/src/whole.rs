@@ -92,6 +92,7 @@ impl<'a> Package<'a> {
             self.simplified().err(),
             self.strands().err(),
             self.hair_groups().err(),
+            self.fibre_tables().err(),
             self.ink().err(),
             self.fur_textures().err(),
             self.wet_textures().err(),

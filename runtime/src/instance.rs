@@ -2,7 +2,7 @@
 
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::params::{FrameParams, SelfShadow};
+use crate::params::{FrameParams, Scattering, SelfShadow};
 use glam::{Mat3, Mat4};
 use pelage_formats::meaning::hair_motion::Capsule;
 use pelage_formats::{Animation, ClipLayer};
@@ -134,6 +134,12 @@ impl Instance {
     pub(crate) fn reads_baked_shadow(&self, params: &FrameParams) -> bool {
         let may = matches!(params.form_of_self_shadow(), SelfShadow::Auto | SelfShadow::Baked);
         may && self.model.knows_visibility()
+    }
+
+    /// How its hair scatters light by tables of its fibres; `None` where it is lit without.
+    pub(crate) fn scattering(&self, params: &FrameParams) -> Option<Scattering> {
+        let asked = params.style.fur().map_or(Scattering::Off, |fur| fur.scattering);
+        (asked != Scattering::Off && self.model.fibres().is_some()).then_some(asked)
     }
 
     /// Scale of lengths: cube root of that of volumes.

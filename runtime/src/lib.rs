@@ -90,7 +90,7 @@ pub use params::{
 };
 pub use params::{
     Detail, FrameParams, FurParams, Hair, HairMotionParams, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS,
-    RendererOptions, SelfShadow, ShadowParams, StrandEdges, Style, StyleKind, Wind,
+    RendererOptions, Scattering, SelfShadow, ShadowParams, StrandEdges, Style, StyleKind, Wind,
 };
 pub use passes::{PassId, PassPlace};
 pub use renderer::Renderer;

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
+from mitsuba_camera import sensor
 from strand_files import pelage
 
 TOWARDS_LIGHT = (-0.25, 0.75, 0.6)
@@ -17,27 +18,12 @@ TOWARDS_LIGHT = (-0.25, 0.75, 0.6)
 
 def scene(strands, skin, exported, light, spp):
     """The same animal with plain diffuse hair: what is compared is who meets what, and how fast."""
-    camera = exported["camera"]
     towards = np.array(light) / np.linalg.norm(light)
     # One sample of the light and none of the surface: a ray from the eye and one to the light, as the truth sends them.
     return mi.load_dict({
         "type": "scene",
         "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0, "hide_emitters": True},
-        "sensor": {
-            "type": "perspective",
-            "fov": camera["fov_y_deg"],
-            "fov_axis": "y",
-            "near_clip": 1e-3,
-            "to_world": mi.ScalarTransform4f().look_at(camera["eye"], camera["target"], camera["up"]),
-            "film": {
-                "type": "hdrfilm",
-                "width": exported["width"],
-                "height": exported["height"],
-                "pixel_format": "rgba",
-                "rfilter": {"type": "box"},
-            },
-            "sampler": {"type": "independent", "sample_count": spp},
-        },
+        "sensor": sensor(exported, spp),
         "light": {"type": "directional", "direction": (-towards).tolist(), "irradiance": {"type": "rgb", "value": 3.0}},
         "skin": {
             "type": "obj",

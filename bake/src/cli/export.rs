@@ -7,9 +7,12 @@ use super::reference::{camera_json, groom_json};
 use super::truth::Truth;
 use super::view::View;
 use super::view_args::parse_seconds;
+use glam::DVec3;
 use pelage_bake::io::write_atomic_with;
+use pelage_bake::judge::truth::TrueScattering;
 use pelage_bake::strands::export::{StrandFormat, write_mtl, write_obj};
-use pelage_bake::strands::{CurveGroup, Curves};
+use pelage_bake::strands::{CurveGroup, CurvePoint, Curves};
+use pelage_formats::meaning::scattering::colour;
 use pelage_stage::Size;
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -85,7 +88,8 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
         files.extend([path.to_owned(), materials]);
     }
     let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
-    let groups: Vec<Value> = curves.groups().iter().map(group_json).collect();
+    let groups: Vec<Value> =
+        curves.groups().iter().map(|group| group_json(group, &curves, truth.scattering())).collect();
     let value = json!({
         "files": names,
         "strands": curves.len(),
@@ -116,8 +120,24 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
 /// A text of so many points has 100 MB or more.
 const MANY_POINTS: usize = 2_000_000;
 
-fn group_json(group: &CurveGroup) -> Value {
-    json!({ "name": group.name, "first": group.strands.start, "strands": group.strands.len() })
+fn group_json(group: &CurveGroup, curves: &Curves, scattering: Option<&TrueScattering>) -> Value {
+    let mut value = json!({ "name": group.name, "first": group.strands.start, "strands": group.strands.len() });
+    if let Some((fibre, scale)) = scattering.map(|scattering| scattering.of_group(&group.name)) {
+        let points = curves.points_of(group);
+        let absorbed = |sum: DVec3, point: &CurvePoint| {
+            sum + DVec3::from(colour::absorption(point.color.as_dvec3().to_array(), scale))
+        };
+        let mean = points.iter().fold(DVec3::ZERO, absorbed) / points.len().max(1) as f64;
+        // As pbrt-4 and Mitsuba 3 have it, which turn lobes by twice that angle.
+        value["fibre"] = json!({
+            "index_of_refraction": fibre.eta,
+            "longitudinal_roughness": colour::roughness_along(2.0 * fibre.along),
+            "azimuthal_roughness": colour::roughness(scale),
+            "scale_tilt_deg": fibre.tilt.to_degrees(),
+            "absorption_per_radius": mean.to_array(),
+        });
+    }
+    value
 }
 
 impl ExportArgs {

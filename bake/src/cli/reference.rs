@@ -4,7 +4,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file;
 use super::threads;
-use super::truth::{Truth, encode};
+use super::truth::{BOUNCES, Truth, encode};
 use super::view::View;
 use super::view_args::ViewArgs;
 use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera};
@@ -29,11 +29,27 @@ pub struct ReferenceArgs {
     /// Samples per pixel: the error falls with their square root
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     spp: u32,
+    /// How hair is lit: as `render` lights it, or `exact`, by light that goes from fibre to fibre. Packages with `shading.model = "marschner"` are `exact`
+    /// anyway, but with `--scattering off`
+    #[arg(long, value_name = "HOW", default_value = "package")]
+    fibre: FibreTruth,
+    /// How often light meets hair or skin at most, where it goes from fibre to fibre; 1 is what comes from the lights by one fibre [default: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    bounces: Option<u32>,
     /// Threads; by default one per core. The picture is the same with any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+/// How the hair of a reference is lit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum FibreTruth {
+    /// As the package says
+    Package,
+    /// By light that goes from fibre to fibre
+    Exact,
 }
 
 /// Runs the subcommand.
@@ -52,7 +68,10 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
 
     output.progress("growing strands");
     let start = Instant::now();
-    let truth = pool.install(|| Truth::new(&file, &view))?;
+    let mut truth = pool.install(|| Truth::new(&file, &view))?;
+    if args.fibre == FibreTruth::Exact || args.bounces.is_some() {
+        truth.scatter(args.bounces.unwrap_or(BOUNCES))?;
+    }
     let grown_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let mut show = |done: u64, total: u64| output.progress_of(done as usize, total as usize, "pixels traced");

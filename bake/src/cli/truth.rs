@@ -4,11 +4,16 @@ use super::exit::Failure;
 use super::view::View;
 use glam::Vec3;
 use pelage_bake::BakeError;
-use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScene};
-use pelage_bake::strands::{GroomReport, Skin, grow_groups, grow_on, tile_hair};
+use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
+use pelage_bake::strands::{Curves, GroomReport, Skin, grow_groups, grow_on, tile_hair};
+use pelage_formats::meaning::scattering::Fibre;
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_stage::{KeyLight, Look, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
+use pelage_formats::{FibreInfo, FibreOptics, HairGroup};
+use pelage_stage::{KeyLight, Look, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
+
+/// How often light meets hair and skin where nobody says it: enough for white coats.
+pub const BOUNCES: u32 = 64;
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -16,6 +21,9 @@ pub struct Truth {
     pub scene: TrueScene,
     /// What became of the tile's strands.
     pub report: GroomReport,
+    scattering: Option<TrueScattering>,
+    /// It counts whatever a look says.
+    forced: bool,
     outline: Vec<Vec3>,
     height_m: f32,
 }
@@ -46,7 +54,11 @@ impl Truth {
         if view.look.picture.style == LookStyle::Bare {
             skin.materials.iter_mut().for_each(|material| material.furred = false);
         }
+        let info = package.fibres().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
+        let scattering = info.map(|info| scattering(&info, &groups, &curves)).transpose()?;
         Ok(Self {
+            scattering,
+            forced: false,
             scene: TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?,
             report,
             outline: view.outline(file, package)?,
@@ -88,7 +100,7 @@ impl Truth {
     /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
     /// for. `progress` gets the pixels that are done and all of them.
     pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
-        self.scene.picture(&self.camera(view), &lighting(&view.look), view.size(), spp, progress)
+        self.scene.picture(&self.camera(view), &self.lighting(&view.look), view.size(), spp, progress)
     }
 
     /// Those samples alone of the same picture; `None` where `progress` breaks off.
@@ -99,8 +111,49 @@ impl Truth {
         samples: std::ops::Range<u32>,
         progress: &mut dyn FnMut(u64, u64) -> std::ops::ControlFlow<()>,
     ) -> Option<TracedPicture> {
-        self.scene.samples(&self.camera(view), &lighting(&view.look), view.size(), samples, progress)
+        self.scene.samples(&self.camera(view), &self.lighting(&view.look), view.size(), samples, progress)
     }
+}
+
+impl Truth {
+    /// Lights hair as fibres that scatter it, whatever the look and the package say: with the package's own fibres, or human hair where it has none.
+    ///
+    /// # Errors
+    /// [`BakeError::Internal`] for fibres that the truth does not know; packages have none such.
+    pub fn scatter(&mut self, bounces: u32) -> Result<(), Failure> {
+        let scattering = self.scattering.take().map_or_else(|| TrueScattering::new(Fibre::default(), 1), Ok)?;
+        self.scattering = Some(scattering.with_bounces(bounces));
+        self.forced = true;
+        Ok(())
+    }
+
+    /// How fibres scatter light; `None` for a package that does not know.
+    pub fn scattering(&self) -> Option<&TrueScattering> {
+        self.scattering.as_ref()
+    }
+
+    /// The lights of a look, and how hair is lit.
+    fn lighting(&self, look: &Look) -> TrueLighting {
+        let scattering = match look.fur.scattering {
+            _ if self.forced => self.scattering.clone(),
+            LookScattering::Multiple => self.scattering.clone(),
+            LookScattering::Single => self.scattering.clone().map(|scattering| scattering.with_bounces(1)),
+            LookScattering::Off => None,
+        };
+        TrueLighting { scattering, ..lighting(look) }
+    }
+}
+
+/// The fibres of a package's strands: the coat's, and those of its groups of hair.
+fn scattering(info: &FibreInfo, groups: &[HairGroup], curves: &Curves) -> Result<TrueScattering, BakeError> {
+    let first = info.fibres.first().map_or_else(Fibre::default, FibreOptics::fibre);
+    let mut all = TrueScattering::new(first, BOUNCES)?;
+    for run in curves.groups() {
+        let number = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
+        let fibre = number.and_then(|i| info.fibres.get(usize::from(*i))).map_or(first, FibreOptics::fibre);
+        all = all.with_run(&run.name, run.strands.end, fibre)?;
+    }
+    Ok(all)
 }
 
 /// The lights of a look, and what of the lighting equation it leaves out.
@@ -119,6 +172,7 @@ fn lighting(look: &Look) -> TrueLighting {
         fill_shadows: matches!(look.shadow.self_shadow, LookSelfShadow::Auto | LookSelfShadow::Baked),
         skin_shadows: look.shadow.soft_shadow,
         rolled_off: look.picture.style == LookStyle::Bare,
+        scattering: None,
     }
 }
 

@@ -3,7 +3,9 @@
 use crate::BakeError;
 use crate::decision::Decision;
 use crate::mesh::{DrawnComb, Model, RestPose};
-use crate::recipe::{self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, SrgbColor, SurfaceSource};
+use crate::recipe::{
+    self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, ShadingModel, SrgbColor, SurfaceSource,
+};
 use crate::stages::groom::{
     self, Body, BodyGroom, Growth, JointValues, Lay, Lengths, MapImages, Maps, MarkValues, ModelAtlas, Over,
 };
@@ -83,9 +85,16 @@ pub fn lay<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapIma
             line: format!("groom.color = {}", in_toml(HairColors::PLAIN)),
         });
     }
-    let hair_colors = recipe.color.hair(if colored { HairColors::NEUTRAL } else { HairColors::BROWN });
+    let open = match (colored, recipe.shading.model) {
+        (true, ShadingModel::KajiyaKay) => HairColors::NEUTRAL,
+        (true, ShadingModel::Marschner) => HairColors::SCATTERING,
+        (false, _) => HairColors::BROWN,
+    };
+    let pigmented = recipe.fibre.pigmented();
+    let hair_colors = recipe.color.hair(pigmented.unwrap_or(open));
     decisions.extend(maps.decision(recipe.groom.by_body, lengths.length_m));
     let why = match (plain, colored) {
+        _ if pigmented.is_some() => "of the pigments of fibre.eumelanin and fibre.pheomelanin",
         (true, _) => "neutral, marks colour the coat",
         (_, true) => "neutral, the model's own colours show",
         _ => "brown, the model brings no colour",

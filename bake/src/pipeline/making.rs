@@ -3,7 +3,7 @@
 use super::lay::{Laid, lay};
 use super::outputs::{Groomed, Output, Outputs, Packed, Shells, SkinFiles, SkinImages, Told, Visible, made};
 use crate::BakeError;
-use crate::recipe::{ColorParams, HairColors, Recipe, Style};
+use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel, Style};
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, BesideBare, Lengths, Pattern, RootAtlas, Rooting, Vertices};
@@ -11,6 +11,7 @@ use crate::stages::hair::{Asides, TileHair};
 use crate::stages::hair_groups;
 use crate::stages::ink::{self, Canvas, SkinInk};
 use crate::stages::pack::{self, Pieces, SkinPieces};
+use crate::stages::scatter;
 use crate::stages::strands;
 use crate::stages::surface::Surface;
 use crate::stages::textures;
@@ -164,6 +165,14 @@ pub(super) fn fin_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result
     Ok(())
 }
 
+pub(super) fn scatter(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+    let guided = made(&outputs.guided, Guided)?;
+    let groups = guided.groups.iter().map(|group| group.name.as_str());
+    let scatters = told.recipe.shading.model == ShadingModel::Marschner;
+    outputs.fibres = Some(scatters.then(|| scatter::tables(&told.recipe.fibre, groups)).transpose()?);
+    Ok(())
+}
+
 pub(super) fn ink(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
     let (model, laid) = (made(&outputs.model, Model)?, made(&outputs.laid, Laid)?);
     let self::Groomed { surface, .. } = &**made(&outputs.groomed, Groomed)?;
@@ -237,6 +246,7 @@ pub(super) fn pack(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), Bak
         hair: made(&outputs.guided, Guided)?,
         fins: made(&outputs.fins, Fins)?,
         fin_textures: made(&outputs.fin_textures, FinTextures)?.as_ref(),
+        fibres: made(&outputs.fibres, Fibres)?.as_ref(),
         ink,
     });
     let (bytes, warnings) = packed.map_err(|error| match error {

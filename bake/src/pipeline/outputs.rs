@@ -11,6 +11,7 @@ use crate::stages::hair::TileHair;
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::ink::{InkFiles, Painting, SkinInk};
 use crate::stages::pack::{Lists, Simplifies, Skin, SkinFins};
+use crate::stages::scatter::FibreTables;
 use crate::stages::surface::Surface;
 use crate::stages::textures::{self, FinTextures, ShellTextures};
 use crate::stages::visibility::Visibility;
@@ -101,6 +102,8 @@ outputs! {
     Fins fins: SkinFins<'a>,
     /// What fins show; none where the package is to have no fins.
     FinTextures fin_textures: Option<FinTextures>,
+    /// How the hair's fibres scatter light; none where it is lit without.
+    Fibres fibres: Option<FibreTables>,
     /// What vertices take of the ink style; none without the style.
     Ink ink: Option<SkinInk>,
     /// What the ink style is painted with; none without the style.

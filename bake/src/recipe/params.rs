@@ -313,6 +313,11 @@ impl HairColors {
     pub const NEUTRAL: Self = Self { gain: 1.3, root: SrgbColor::hex(0xd8_d8_d8), tip: SrgbColor::hex(0xff_ff_ff) };
 }
 
+impl HairColors {
+    /// Those of hair that the model colours, where hair lights hair: nothing is to be made up for.
+    pub const SCATTERING: Self = Self { gain: 1.0, root: SrgbColor::hex(0xff_ff_ff), tip: SrgbColor::hex(0xff_ff_ff) };
+}
+
 impl ColorParams {
     /// Colours of the hair, with `open` for those that are left out.
     pub fn hair(&self, open: HairColors) -> HairColors {
@@ -352,9 +357,24 @@ words! {
     }
 }
 
+words! {
+    /// How hair is lit.
+    ShadingModel {
+        /// By two lobes and constants.
+        #[default]
+        KajiyaKay = "kajiya-kay",
+        /// As fibres that scatter light.
+        Marschner = "marschner",
+    }
+}
+
 params! {
-    /// `[shading]`: constants of Yang 2006, eqs. (1)–(3). Colours are linear RGB.
+    /// `[shading]`: how hair is lit. Constants are those of Yang 2006, eqs. (1)–(3); colours are linear RGB.
     ShadingParams in shading {
+        /// How hair is lit: `kajiya-kay` by two lobes and the constants below (Yang 2006), or `marschner` as fibres that scatter light, by tables of the fibres of
+        /// `[fibre]`, with light that goes on from hair to hair. Then the hair's colour is that of a deep coat in even light, no gain makes up for shadows, and of
+        /// the constants the ambient ones alone count.
+        model: ShadingModel = ShadingModel::KajiyaKay;
         /// ka: ambient light, multiplied by the hair's colour.
         ambient: [f32; 3] = pelage_formats::Shading::default().ambient, in 0.0..=100.0;
         /// kd: diffuse light.

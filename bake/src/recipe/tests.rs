@@ -121,7 +121,7 @@ fn validate_names_the_key() {
 fn validate_looks_at_every_table() {
     // A number far outside in each table that has one; `detail` was once forgotten.
     type Spoil = fn(&mut Recipe);
-    let wrong: [(&str, Spoil); 15] = [
+    let wrong: [(&str, Spoil); 16] = [
         ("model.unit_m", |r| r.model.unit_m = 0.0),
         ("surface.patch_size", |r| r.surface.patch_size = 1e9),
         ("hair.density", |r| r.hair.density = 0),
@@ -129,6 +129,7 @@ fn validate_looks_at_every_table() {
         ("groom.length", |r| r.groom.length = ScalarMap::Constant(2.0)),
         ("color.variation", |r| r.color.variation = -1.0),
         ("shading.ambient_floor", |r| r.shading.ambient_floor = 2.0),
+        ("fibre.eta", |r| r.fibre.eta = 1.0),
         ("slice.layers", |r| r.slice.layers = 1),
         ("visibility.directions", |r| r.visibility.directions = 1),
         ("strands.points", |r| r.strands.points = 1),
@@ -463,7 +464,14 @@ fn recipes() -> impl Strategy<Value = Recipe> {
                 specular_exponent: shading.1,
                 ambient_floor: shading.2,
                 back_light_range: shading.3,
+                model: if color.3 { ShadingModel::Marschner } else { ShadingModel::KajiyaKay },
                 ..ShadingParams::default()
+            },
+            fibre: FibreParams {
+                eta: 1.2 + 0.8 * color.2,
+                eumelanin: model.2.map(|x| x.min(100.0)),
+                group: vec![FibreOfGroup { name: "x".into(), around: Some(color.2), ..FibreOfGroup::default() }],
+                ..FibreParams::default()
             },
             slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
             visibility: VisibilityParams { enabled: color.3, directions: 2 * slice.0 },

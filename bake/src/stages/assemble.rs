@@ -2,7 +2,7 @@
 
 use super::textures::ShellTextures;
 use pelage_formats::{
-    Animation, FinData, FormatError, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs, Package,
+    Animation, FibreInfo, FinData, FormatError, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs, Package,
     PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
@@ -31,6 +31,8 @@ pub enum Content<'a> {
     Hair(Vec<HairGroup>),
     /// How that moves.
     HairMotion(Arc<HairMotion>),
+    /// How its fibres scatter light.
+    Fibres(FibreInfo),
     /// Which textures say how much light reaches the hair.
     Visibility(VisibilityInfo),
     /// How far hair lies aside of its root.
@@ -73,6 +75,7 @@ pub fn assemble<'a>(
         Content::StoredStrands(strands) => writer.stored_strands(&strands),
         Content::Hair(groups) => writer.hair_groups(&groups),
         Content::HairMotion(motion) => writer.hair_motion(&motion),
+        Content::Fibres(info) => writer.fibres(&info),
         Content::Visibility(info) => writer.visibility(&info),
         Content::Roots(info) => writer.roots(&info),
         Content::Texture(file) => writer.texture(file),

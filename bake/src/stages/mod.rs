@@ -17,6 +17,7 @@ pub mod metric;
 pub mod morphs;
 pub mod pack;
 mod reach;
+pub mod scatter;
 pub mod simplify;
 pub mod size;
 pub mod strands;

@@ -12,14 +12,15 @@ use crate::stages::hair_groups::GuidedHair;
 use crate::stages::hair_motion;
 use crate::stages::ink::{InkFiles, SkinInk};
 use crate::stages::morphs;
+use crate::stages::scatter::FibreTables;
 use crate::stages::simplify;
 use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
-    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairMotion,
-    InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
-    Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
+    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FibreInfo, FinData, FinInfo, FurInfo, GeometryVertex,
+    HairMotion, InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure,
+    RootsInfo, Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -213,6 +214,8 @@ pub struct Pieces<'a> {
     pub fins: &'a SkinFins<'a>,
     /// Their textures; without them the package has no fins.
     pub fin_textures: Option<&'a FinTextures>,
+    /// How its fibres scatter light, or none.
+    pub fibres: Option<&'a FibreTables>,
     /// What the ink style needs, or none.
     pub ink: Option<(&'a SkinInk, &'a InkFiles<'a>)>,
 }
@@ -255,6 +258,11 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
         texture: add("shell_visibility", found),
         wet_texture: pieces.wet_shells.and_then(|s| s.visibility.as_ref()).map(|f| add("wet_shell_visibility", f)),
         horizon: found.horizon,
+    });
+    let fibres = pieces.fibres.map(|made| FibreInfo {
+        texture: textures.add(("fibres".into(), (&made.file).into())),
+        fibres: made.fibres.clone(),
+        of_groups: made.of_groups.clone(),
     });
     let coat = pieces.shells.coat.as_ref();
     let mut materials = skin.manifest.materials.clone();
@@ -310,6 +318,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     let motion = moves.map(|(motion, _)| Content::HairMotion(Arc::new(motion)));
     let sections =
         sections.chain(visibility.map(Content::Visibility)).chain(strands).chain(hair).chain(motion).chain(kept_motion);
+    let sections = sections.chain(fibres.map(Content::Fibres));
     let fault = |fault| BakeError::Internal(format!("the package does not read back: {fault}"));
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }

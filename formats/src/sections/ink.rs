@@ -52,7 +52,7 @@ impl<'a> Package<'a> {
     pub fn ink_textures(&self) -> Result<Option<InkTextures<'a>>, FormatError> {
         let Some(ink) = self.ink()? else { return Ok(None) };
         let read = |what: &str, index: u32, layers: u32| {
-            let view = self.texture(index)?;
+            let view = self.picture(index)?;
             if view.layers != layers || view.format.components() != 4 || view.format.is_srgb() {
                 let reason = format!(
                     "is {} in {} layers, expected four components that are not sRGB in {layers} as {what} of the ink style",

@@ -4,6 +4,7 @@
 //! the table of tags in `FORMAT.md` is held against it. `probe.rs` is a section that only tests have.
 
 pub(crate) mod animation;
+pub(crate) mod fibres;
 pub(crate) mod fins;
 pub(crate) mod hair;
 pub(crate) mod hair_motion;
@@ -37,6 +38,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &strands::KIND,
     &hair::KIND,
     &hair_motion::KIND,
+    &fibres::KIND,
     &textures::KIND,
     #[cfg(test)]
     &probe::KIND,

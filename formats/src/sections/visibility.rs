@@ -79,7 +79,7 @@ impl<'a> Package<'a> {
         let texels = self.manifest().fur.tile_texels;
         let expected = (texels, texels, self.manifest().shell_texture_layers());
         let read = |index: u32| {
-            let view = self.texture(index)?;
+            let view = self.picture(index)?;
             let found = (view.width, view.height, view.layers);
             if found != expected || view.format.components() != 4 || view.format.is_srgb() {
                 let reason = format!(

@@ -30,14 +30,14 @@ fn with_coat(
     // As the layers that it stands for: where half of the hair grows, half of the optical depth is left.
     let alpha = resampled_opacity(far.color.a, share);
     // No map is drawn for it: how the light gets into it is in the package.
-    var arrives = visible;
+    var arrives = 1.0;
     if !BAKED_SHADOW {
         let path = path_through(slanted_path(light_ts.z), length);
-        arrives *= coat_light(path, instance.coat_light_base, instance.coat_light_slope);
+        arrives = coat_light(path, instance.coat_light_base, instance.coat_light_slope);
     }
     let point = HairPoint(
         spot, grown(far.direction, length, slope), far.color.rgb * (alpha / far.color.a) * base, alpha, vec3(1.0), wetness,
-        arriving_at(instance.coat_ambient_height, light_ts, half_ts, arrives), baked,
+        arriving_at(instance.coat_ambient_height, light_ts, half_ts, arrives, visible), baked,
     );
     return light_hair(point) + (1.0 - alpha) * undercoat;
 }

@@ -6,7 +6,7 @@ use crate::gpu::{Constants, on};
 use crate::instance::Instance;
 use crate::light::{HairMaps, ShadowKey};
 use crate::model::{Model, Part};
-use crate::params::FrameParams;
+use crate::params::{FrameParams, Scattering};
 use crate::shared::skinning;
 use glam::Mat3;
 use pelage_formats::Shading;
@@ -21,6 +21,7 @@ macro_rules! hair_wgsl {
             include_str!("../../shared/kajiya_kay.wgsl"),
             include_str!("../../shared/layer_shadow.wgsl"),
             include_str!("../../shared/opacity.wgsl"),
+            include_str!("../../shared/scattering.wgsl"),
             include_str!("../../shared/skinning.wgsl"),
             include_str!("../../shared/soft_shadow.wgsl"),
             include_str!("../../shared/tile_frame.wgsl"),
@@ -28,6 +29,7 @@ macro_rules! hair_wgsl {
             include_str!("../../surface/place.wgsl"),
             include_str!("../../light/baked.wgsl"),
             include_str!("../../light/fibre.wgsl"),
+            include_str!("../../light/scatter.wgsl"),
             include_str!("../../light/fills.wgsl"),
             $crate::study::form_wgsl!("shown"),
             $crate::study::form_wgsl!("light"),
@@ -73,6 +75,8 @@ pub(crate) struct Look {
     soft_shadow: bool,
     /// There are lights without shadow.
     pub(crate) fill_lights: bool,
+    /// How hair scatters light by tables of its fibres, where it does.
+    scattering: Option<Scattering>,
     /// Constants of the lighting equation.
     shading: Shading,
 }
@@ -108,6 +112,7 @@ impl Look {
             maps_resampled: map_layers != baked,
             soft_shadow: maps.is_some_and(|key| key.soft_shadow),
             fill_lights: !params.fill_lights.is_empty(),
+            scattering: instance.scattering(params),
             shading: params.shading.unwrap_or(manifest.shading),
         }
     }
@@ -128,6 +133,8 @@ impl Look {
             on("BAKED_SHADOW", self.baked_shadow),
             on("SOFT_SHADOW", self.soft_shadow),
             on("FILL_LIGHTS", self.fill_lights),
+            on("SCATTERING", self.scattering.is_some()),
+            on("MULTIPLE", self.scattering == Some(Scattering::Multiple)),
         ]
     }
 }

@@ -16,6 +16,16 @@ struct Baked {
     within: f32,
 }
 
+// How far behind its skin a body's fur is lit: near the outline hair stands above what hides the light. It is the sine for tips, of bodies as round as most are.
+const RIM: f32 = 0.45;
+
+// Sine of a light's height above the skin, as hair sees it that the share `open` of other light reaches: 0 where the body hides it.
+fn above_rim(height: f32, open: f32) -> f32 {
+    let rim = max(RIM * open, 1e-3);
+    let risen = max(height + rim, 0.0);
+    return select(0.25 * risen * risen / rim, height, height > rim);
+}
+
 // Share of a light in that direction, in the tile frame, that other strands let through.
 fn visible_past_strands(b: Baked, light_ts: vec3<f32>) -> f32 {
     if !BAKED_SHADOW {
@@ -24,6 +34,9 @@ fn visible_past_strands(b: Baked, light_ts: vec3<f32>) -> f32 {
     var towards = light_ts;
     if SHORT || LEAN {
         towards = light_in_tile(light_ts, select(1.0, b.length, SHORT), b.slope);
+    }
+    if SCATTERING {
+        towards.z = above_rim(towards.z, b.texel.w);
     }
     // What does not grow hides nothing.
     return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));

@@ -17,6 +17,12 @@ fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
     for (var i = 0u; i < frame.fill_lights; i++) {
         let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
         let light = to_tile(tile, towards);
+        if SCATTERING {
+            let full = color / max(p.opacity, 1e-6);
+            let sent = scatter(p.direction, light, to_tile(tile, eye), full, above_rim(light.z, p.baked.texel.w), visible_past_strands(p.baked, light), 1.0);
+            sum += fill_lights[i].color.rgb * sent * p.opacity;
+            continue;
+        }
         let sent = fibre(p.direction, light, to_tile(tile, half_vector(towards, eye)), p.wetness)
             * (back_attenuation(light.z, instance.back_light_range) * visible_past_strands(p.baked, light));
         let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);

@@ -12,15 +12,16 @@ struct Arriving {
     half_ts: vec3<f32>,
     // Attenu_Back.
     facing: f32,
-    // Share of the key light that hair and things let through: t Attenu_Shadow.
+    // Share of the key light that hair lets through, t, and that other things do, Attenu_Shadow.
     visible: f32,
+    past: f32,
 }
 
 // What reaches a point at that share of the fur's height.
-fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f32) -> Arriving {
+fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f32, past: f32) -> Arriving {
     return Arriving(
         instance.ambient * ambient_attenuation(height, instance.ambient_floor), instance.diffuse, instance.specular,
-        light_ts, half_ts, back_attenuation(light_ts.z, instance.back_light_range), visible,
+        light_ts, half_ts, back_attenuation(light_ts.z, instance.back_light_range), visible, past,
     );
 }
 
@@ -30,11 +31,24 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
     if !DEEP_SHADOW {
         visible *= visible_past_strands(p.baked, a.light_ts);
     }
+    if SCATTERING {
+        // The light's colour stands where that of the highlight does, and the diffuse constant is 1.
+        let eye = eye_of(a.light_ts, a.half_ts, 1.0);
+        if !BAKED_SHADOW || DEEP_SHADOW {
+            // Maps do not say where the body hides the light from its own fur.
+            visible *= back_attenuation(a.light_ts.z, RIM);
+        }
+        let color = p.color * a.diffuse / max(p.opacity, 1e-6);
+        let sent = scatter(p.direction, normalize_or(a.light_ts, eye), eye, color, above_rim(a.light_ts.z, p.baked.texel.w), visible, a.past);
+        return p.color * a.ambient + a.specular * sent * p.opacity;
+    }
+    visible *= a.past;
     let sent = key_fibre(p.direction, a.light_ts, a.half_ts, p.wetness) * (a.facing * visible);
     return p.color * (a.ambient + a.diffuse * sent.x) + a.specular * (sent.y * p.opacity);
 }
 
 // The same on bare skin, by Lambert's law with the package's constants: bare parts are as bright as the fur beside them.
 fn key_light_on_bare(color: vec3<f32>, n_dot_l: f32, visible: f32) -> vec3<f32> {
-    return color * (instance.ambient + instance.diffuse * (max(n_dot_l, 0.0) * visible));
+    let light = select(instance.diffuse, instance.specular, SCATTERING);
+    return color * (instance.ambient + light * (max(n_dot_l, 0.0) * visible));
 }

@@ -27,6 +27,27 @@ struct HairPoint {
     baked: Baked,
 }
 
+// The undercoat: a mat of hair too short to be told apart, whose light all comes back.
+fn light_undercoat(p: HairPoint) -> vec3<f32> {
+    if !SCATTERING {
+        return light_hair(p);
+    }
+    let a = p.arriving;
+    let direct = a.visible * visible_past_strands(p.baked, a.light_ts);
+    let color = p.color * a.diffuse / max(p.opacity, 1e-6);
+    var lit = p.color * a.diffuse * a.specular * (reaches_mat(a.light_ts.z, color, direct) * a.past);
+    if FILL_LIGHTS {
+        let spot = p.spot;
+        let tile = tile_frame(normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)), spot.tangent.xyz, spot.tangent.w);
+        for (var i = 0u; i < frame.fill_lights; i++) {
+            let light = to_tile(tile, direction_to(fill_lights[i].light_ws, spot.position_ws));
+            let direct = visible_past_strands(p.baked, light);
+            lit += p.color * p.tint * fill_lights[i].color.rgb * reaches_mat(light.z, color, direct);
+        }
+    }
+    return p.color * a.ambient + lit;
+}
+
 // Premultiplied light that a point of hair sends to the eye: the sum of what each of the lights makes of it.
 fn light_hair(p: HairPoint) -> vec3<f32> {
     var lit = key_light_on_hair(p);

@@ -88,6 +88,14 @@ pub(crate) fn load(
     let strands = if single { strands::load(&uploader, package, &mesh, options.most_strands)? } else { Vec::new() };
     gpu_bytes += strands.iter().map(strands::Strands::gpu_bytes).sum::<u64>();
     let base_sampler = sampler("pelage base colour", wgpu::AddressMode::Repeat, options.anisotropy);
+    let fibres = package.fibres()?;
+    let tables = match (&fibres, package.fibre_tables()?) {
+        (Some(info), Some(view)) => {
+            gpu_bytes += uploader.bytes_here(&view);
+            uploader.array(info.texture, &view)?
+        }
+        _ => surfaces.white_array.clone(),
+    };
     // Materials may share a texture.
     let mut uploaded = vec![None; manifest.textures.len()];
     let mut materials = Vec::new();
@@ -114,7 +122,7 @@ pub(crate) fn load(
             asides: asides(roots.as_ref(), i),
         };
         gpu_bytes += size_of::<MaterialUniform>() as u64;
-        materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom));
+        materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom, &tables));
     }
 
     let mut parts: Vec<Part> = Vec::new();
@@ -170,6 +178,7 @@ pub(crate) fn load(
         colliders: package.hair_motion()?.map_or_else(Vec::new, |motion| motion.colliders.clone()),
         planar_directions,
         knows_visibility,
+        fibres,
         varies,
         extent: Extent::of(&mesh, morphs.as_deref(), skinned && has_skeleton),
         parts,

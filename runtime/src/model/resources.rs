@@ -7,7 +7,7 @@ use crate::error::RuntimeError;
 use crate::params::check_shading;
 use pelage_formats::meaning::fur_motion;
 use pelage_formats::meaning::hair_motion::rest_s;
-use pelage_formats::{Animation, BodyCollider, Clip, Manifest, MeshView, MorphTarget, Shading};
+use pelage_formats::{Animation, BodyCollider, Clip, FibreInfo, Manifest, MeshView, MorphTarget, Shading};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -34,6 +34,8 @@ pub(super) struct Resources {
     pub(super) colliders: Vec<BodyCollider>,
     pub(super) planar_directions: bool,
     pub(super) knows_visibility: bool,
+    /// How fibres scatter light, where the package says it.
+    pub(super) fibres: Option<Arc<FibreInfo>>,
     pub(super) varies: Varies,
     pub(super) parts: Vec<Part>,
     pub(super) deviations_m: Vec<f32>,
@@ -216,6 +218,11 @@ impl Model {
 
     pub(crate) fn planar_directions(&self) -> bool {
         self.resources.planar_directions
+    }
+
+    /// How its fibres scatter light, where the package says it.
+    pub(crate) fn fibres(&self) -> Option<&FibreInfo> {
+        self.resources.fibres.as_deref()
     }
 
     /// Whether the package says how much light reaches its hair.

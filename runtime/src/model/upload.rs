@@ -55,6 +55,9 @@ impl Uploader<'_> {
     fn format_here(&self, format: TextureFormat) -> TextureFormat {
         let software = self.gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let samples_blocks = self.gpu.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC);
+        if format == TextureFormat::Rgba16Float {
+            return format;
+        }
         let plain = format.block_size() == 1;
         if software || !(plain || samples_blocks) { format.decoded() } else { format }
     }
@@ -161,5 +164,6 @@ fn wgpu_format(format: TextureFormat) -> wgpu::TextureFormat {
         TextureFormat::Bc7Srgb => wgpu::TextureFormat::Bc7RgbaUnormSrgb,
         TextureFormat::Bc7Unorm => wgpu::TextureFormat::Bc7RgbaUnorm,
         TextureFormat::Bc5Unorm => wgpu::TextureFormat::Bc5RgUnorm,
+        TextureFormat::Rgba16Float => wgpu::TextureFormat::Rgba16Float,
     }
 }

@@ -18,6 +18,19 @@ pub enum SelfShadow {
     Off,
 }
 
+/// How hair scatters light, where the package knows the fibres that it is made of (`shading.model = "marschner"` in its recipe). Hair of other packages is
+/// lit by Yang 2006, eq. (3), always.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scattering {
+    /// By the tables of its fibres (Marschner 2003), with the light that goes on from hair to hair.
+    #[default]
+    Multiple,
+    /// By the tables of its fibres, without that light: right for black hair alone.
+    Single,
+    /// By Yang 2006, eq. (3), as hair of other packages.
+    Off,
+}
+
 /// What hair is drawn as.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hair {
@@ -58,6 +71,8 @@ pub struct FurParams {
     pub strand_edges: StrandEdges,
     /// How hair shadows hair, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
     pub self_shadow: SelfShadow,
+    /// How hair scatters light where the package knows its fibres (default [`Scattering::Multiple`]).
+    pub scattering: Scattering,
 }
 
 /// More layers than this are a mistake.
@@ -72,6 +87,7 @@ impl Default for FurParams {
             hair: Hair::Auto,
             strand_edges: StrandEdges::Samples,
             self_shadow: SelfShadow::Auto,
+            scattering: Scattering::Multiple,
         }
     }
 }

@@ -14,7 +14,7 @@ mod style;
 pub use detail::Detail;
 pub(crate) use frame::check_shading;
 pub use frame::{FrameParams, MAX_FILL_LIGHTS};
-pub use fur::{FurParams, Hair, SelfShadow, StrandEdges};
+pub use fur::{FurParams, Hair, Scattering, SelfShadow, StrandEdges};
 pub use hair_motion::{HairMotionParams, Wind};
 pub use ink::{InkBackground, InkParams, LineWidth};
 pub use renderer::RendererOptions;

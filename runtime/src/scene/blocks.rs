@@ -70,6 +70,9 @@ pub(super) fn instance_block(
     let handedness = skinning::handedness_of(linear);
     let cofactor = |a: Vec3, b: Vec3| -> [f32; 4] { (a.cross(b) * handedness).extend(0.0).to_array() };
     let constant = |k: [f32; 3], light: Vec3| (Vec3::from(k) * light).to_array();
+    // Fibres scatter light by tables, and need of all constants that of the ambient light; the key light's colour stands where its highlight's does.
+    let scattered = instance.scattering(params).is_some();
+    let shading = if scattered { Shading { diffuse: [1.0; 3], specular: [1.0; 3], ..shading } } else { shading };
     let unit = Shading { specular: [1.0; 3], ..shading };
     let baked = manifest.fur.layers;
     let coat = manifest.coat.unwrap_or_default();
@@ -81,7 +84,7 @@ pub(super) fn instance_block(
         normal_z: cofactor(linear.x_axis, linear.y_axis),
         ambient: constant(shading.ambient, params.ambient),
         diffuse_half_exponent: 0.5 * shading.diffuse_exponent,
-        diffuse: constant(shading.diffuse, params.light.color()),
+        diffuse: constant(shading.diffuse, if scattered { Vec3::ONE } else { params.light.color() }),
         specular_half_exponent: 0.5 * shading.specular_exponent,
         specular: constant(shading.specular, params.light.color()),
         back_light_range: study::back_light_range(params, shading.back_light_range),

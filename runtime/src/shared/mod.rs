@@ -22,6 +22,8 @@ pub mod layer_shadow;
 pub mod opacity;
 /// The key light's shadows on the application's own geometry.
 pub mod receiver;
+/// Fibres that scatter light, and light that goes from fibre to fibre (formulas 4.12, 4.13).
+pub mod scattering;
 /// Linear blend skinning: blended matrix, normals, tangents (formulas 2.2, 2.3).
 pub mod skinning;
 /// Soft shadows from a shadow-width map (formulas 4.4).

@@ -50,6 +50,9 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
         on("CENTRED", penumbra_is_centred(params)),
         on("VERTEX_LIGHTING", study.lighting == Lighting::Vertex),
     ];
+    // Tables are looked up where hair is seen.
+    let by_tables = spec.constants.contains(&on("SCATTERING", true));
+    let lit = lit.map(|(name, value)| (name, if name == "VERTEX_LIGHTING" && by_tables { 0 } else { value }));
     let Shader { name, .. } = spec.shader;
     let shown = ("SHOW_AS", study.fur as u32);
     match name {

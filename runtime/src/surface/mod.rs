@@ -114,7 +114,9 @@ impl Surfaces {
             sampler(5),
         ]
         .map(for_all);
-        let material = [uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2), texture(3, D2)].map(for_all);
+        let material =
+            [uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2), texture(3, D2), texture(4, D2Array)]
+                .map(for_all);
         let hair = |binding| texture(binding, D2Array);
         let fur = [hair(0), directions(1), sampler(2), hair(3), directions(4), hair(5), hair(6)];
         let vertices = wgpu::ShaderStages::VERTEX;
@@ -146,6 +148,7 @@ impl Surfaces {
         base_color: &wgpu::TextureView,
         base_color_sampler: &wgpu::Sampler,
         groom: &wgpu::TextureView,
+        fibres: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
         let bytes = bytemuck::bytes_of(constants);
         let entries = [
@@ -153,6 +156,7 @@ impl Surfaces {
             (1, Bound::View(base_color.clone())),
             (2, Bound::Sampler(base_color_sampler.clone())),
             (3, Bound::View(groom.clone())),
+            (4, Bound::View(fibres.clone())),
         ];
         gpu.bind_group("pelage material", &self.material, &entries)
     }

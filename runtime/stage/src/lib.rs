@@ -40,9 +40,9 @@ pub use framing::{Framing, Orbit};
 pub use gpu::Gpu;
 pub use look::{
     Background, FillLight, Interval, KeyLight, Look, LookAnchoring, LookDetail, LookFur, LookFurShow, LookHair,
-    LookInk, LookLight, LookLighting, LookMotion, LookPenumbra, LookPicture, LookRule, LookSelfShadow, LookShadow,
-    LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples,
-    ShortForm, Size,
+    LookInk, LookLight, LookLighting, LookMotion, LookPenumbra, LookPicture, LookRule, LookScattering, LookSelfShadow,
+    LookShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, Rgb, SAMPLES, SHORT_FORMS,
+    Samples, ShortForm, Size,
 };
 #[cfg(feature = "draw")]
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};

@@ -8,8 +8,8 @@
 
 use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{
-    deep_opacity, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, skinning, soft_shadow, tile_frame,
-    visibility,
+    deep_opacity, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, scattering, skinning, soft_shadow,
+    tile_frame, visibility,
 };
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
@@ -704,5 +704,142 @@ fn visibility_of_the_tile() {
             towards.extend(t).to_array()
         },
         |[_, _, c], _| 2e-5 + 3e-7 * f64::from(c[2]),
+    );
+}
+
+/// Of all unit vectors, those along the fibre and those that are opposite or equal as well.
+#[test]
+fn angles_about_a_fibre() {
+    let mut random = Random(11);
+    let mut cases: Vec<Case<3>> = Vec::new();
+    for i in 0..4000 {
+        let tip = unit(&mut random);
+        let mut near = |to: Vec3| (to + unit(&mut random) * 10f32.powf(-6.0 * (i % 50) as f32 / 49.0)).normalize();
+        let (light, eye) = (near(tip), near(-tip));
+        let mut any = || unit(&mut random);
+        let [light, eye] = match i % 4 {
+            0 => [any(), any()],
+            1 => [light, any()],
+            2 => [light, eye],
+            _ => [light, light],
+        };
+        cases.push([tip, light, eye].map(|way| way.extend(0.0).to_array()));
+    }
+    for tip in [Vec3::X, Vec3::Z] {
+        for [light, eye] in [[tip, tip], [tip, -tip], [-tip, -tip], [Vec3::Y, Vec3::Y], [Vec3::Y, Vec3::NEG_Y]] {
+            cases.push([tip, light, eye].map(|way| way.extend(0.0).to_array()));
+        }
+    }
+    let truth = |[tip, light, eye]: &Case<3>| {
+        let (tip, light, eye) = (d(tip), d(light), d(eye));
+        let [sin_i, sin_o] = [light, eye].map(|way| tip.dot(way).clamp(-1.0, 1.0));
+        let [cos_i, cos_o] = [sin_i, sin_o].map(|sin| (1.0 - sin * sin).sqrt());
+        let cos_d = (0.5 * (1.0 + cos_i * cos_o + sin_i * sin_o)).clamp(0.0, 1.0).sqrt();
+        let sin_h = (0.5 * (sin_i + sin_o) / cos_d.max(1e-4)).clamp(-1.0, 1.0);
+        let half_d = (1.0 - cos_d * cos_d).max(0.0).sqrt().copysign(sin_o - sin_i) / (1.0 + cos_d);
+        let drawn_out = sin_h / (0.3 + 0.7 * sin_h.abs());
+        [0.5 + 0.5 * drawn_out, 0.5 + 0.5 * half_d, ((cos_d - 0.1) / 0.9).clamp(0.0, 1.0), cos_i]
+    };
+    three_ways(
+        "fibre_angles",
+        scattering::WGSL,
+        "vec4(fibre_angles(in_0.xyz, in_1.xyz, in_2.xyz).along, fibre_angles(in_0.xyz, in_1.xyz, in_2.xyz).around.y, \
+         fibre_angles(in_0.xyz, in_1.xyz, in_2.xyz).cos_i)",
+        &cases,
+        truth,
+        |[tip, light, eye]| {
+            let found = scattering::fibre_angles(v(tip), v(light), v(eye));
+            [found.along.x, found.along.y, found.around.y, found.cos_i]
+        },
+        // Square roots of differences: half of the digits, where angles are right angles or none.
+        |[tip, light, eye], _| {
+            let cos = |way: &[f32; 4]| (1.0 - d(tip).dot(d(way)).powi(2)).max(1e-7).sqrt();
+            let wide = d(light).dot(d(eye)) > 0.9;
+            2e-6 / cos(light).min(cos(eye))
+                + if wide { 1e-3 } else { 3e-6 }
+                + 2e-3 * f64::from(u8::from(cos(light).min(cos(eye)) < 1e-2))
+        },
+    );
+    // The azimuth has no truth along the fibre; elsewhere its cosine has.
+    let across: Vec<Case<3>> = cases
+        .iter()
+        .filter(|[tip, light, eye]| [light, eye].iter().all(|way| d(tip).dot(d(way)).abs() < 0.99))
+        .copied()
+        .collect();
+    three_ways(
+        "azimuth of fibre_angles",
+        scattering::WGSL,
+        "vec4(cos(3.14159265 * fibre_angles(in_0.xyz, in_1.xyz, in_2.xyz).around.x), 0.0, 0.0, 0.0)",
+        &across,
+        |[tip, light, eye]| {
+            let [l, e] = [light, eye].map(|way| (d(way) - d(tip) * d(tip).dot(d(way))).normalize());
+            x(l.dot(e))
+        },
+        |[tip, light, eye]| {
+            xf((std::f32::consts::PI * scattering::fibre_angles(v(tip), v(light), v(eye)).around.x).cos())
+        },
+        // Lavapipe's acos is good to about 1e-4.
+        |_, _| 3e-4,
+    );
+}
+
+#[test]
+fn light_in_a_coat_of_fibres() {
+    let mut random = Random(12);
+    let mut cases: Vec<Case<3>> = Vec::new();
+    for i in 0..3000 {
+        let on = Vec3::new(random.next_f32(), random.next_f32(), random.next_f32());
+        let back = (Vec3::ONE - on) * [1.0, random.next_f32(), 0.0][i % 3];
+        let direct = [random.next_f32(), 0.0, 1.0, 1e-5][i / 3 % 4];
+        let color = [random.next_f32(), [0.0, 1.0, 0.5, 2.0][i % 4], random.next_f32(), 0.17];
+        cases.push([on.extend(direct).to_array(), back.extend(0.0).to_array(), color]);
+    }
+    let parts = |[on, back, _]: &Case<3>| {
+        [0, 1, 2].map(|i| {
+            let lost = (1.0 - f64::from(on[i]) - f64::from(back[i])).max(1e-4);
+            let less = (lost * (lost + 2.0 * f64::from(back[i]))).sqrt();
+            let direct = f64::from(on[3]).clamp(1e-6, 1.0);
+            let (arrives, sent_on) = (direct.powf(less), direct.powf(1.0 - f64::from(on[i])));
+            let given_back = f64::from(back[i]) / (lost + f64::from(back[i]) + less);
+            [(sent_on - f64::from(on[3])).max(0.0), (arrives - sent_on).max(0.0), given_back * arrives]
+        })
+    };
+    three_ways(
+        "diffused",
+        scattering::WGSL,
+        "vec4(diffused(in_0.xyz, in_1.xyz, in_0.w).sent_on.x, diffused(in_0.xyz, in_1.xyz, in_0.w).from_light.y, \
+         diffused(in_0.xyz, in_1.xyz, in_0.w).from_below.yz)",
+        &cases,
+        |case| {
+            let [x, y, z] = parts(case);
+            [x[0], y[1], y[2], z[2]]
+        },
+        |[on, back, _]| {
+            let found = scattering::diffused(v(on), v(back), on[3]);
+            [found.sent_on.x, found.from_light.y, found.from_below.y, found.from_below.z]
+        },
+        |_, _| 2e-4,
+    );
+    three_ways(
+        "fibre_scatters",
+        scattering::WGSL,
+        "vec4(fibre_scatters(in_0, in_1, in_2, fibre_absorption(in_2.xyz, in_2.w)), 0.0)",
+        &cases,
+        |[along, around, lengths]| {
+            let ways = [0, 1, 2, 3].map(|p| f64::from(along[p]) * f64::from(around[p]));
+            let [x, y, z] = [0, 1, 2].map(|i| {
+                let sigma = (f64::from(lengths[i]).clamp(1e-3, 1.0).ln() * f64::from(lengths[3])).powi(2);
+                let left = |p: usize| ways[p] * (-sigma * f64::from(lengths[p - 1])).exp();
+                ways[0] + left(1) + left(2) + left(3)
+            });
+            [x, y, z, 0.0]
+        },
+        |[along, around, lengths]| {
+            let absorbed = scattering::fibre_absorption(v(lengths), lengths[3]);
+            let found =
+                scattering::fibre_scatters(Vec4::from(*along), Vec4::from(*around), Vec4::from(*lengths), absorbed);
+            found.extend(0.0).to_array()
+        },
+        |_, _| 3e-6,
     );
 }

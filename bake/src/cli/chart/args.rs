@@ -62,6 +62,10 @@ pub(super) enum Topic {
     Textures,
     /// Hair on guides that swings: how far it is from its equations, by how its lengths are held and how often, and what that costs; it needs no model
     Verlet,
+    /// What a fibre scatters, by tables of several sizes and axes, by the printed ones and by a fit: how far from its equations, and nanoseconds; it needs no model
+    Scattering,
+    /// Black, brown, blond and white coats in three lights, by fibres with the light of other fibres and without: how far from traced paths, and what that costs
+    Multiple,
     /// Where methods fail: the naive form's error beside ours and its bound; exit code 7 where a bound is broken
     Stability,
 }

@@ -4,6 +4,7 @@ use crate::cli::exit::Failure;
 use crate::cli::staged::stage_of;
 use crate::cli::view::View;
 use glam::Vec3;
+use half::f16;
 use pelage_bake::judge::chart::light_maps::LightMaps;
 use pelage_runtime::{Light, PassId, SelfShadow, ShadowMaps, ShadowParams, Study};
 use pelage_stage::{Gpu, LookDetail, Meter, NamedPackage, Stage, StageError};
@@ -64,7 +65,7 @@ impl LightBench {
 
 /// Copies the maps of a submitted frame into memory.
 fn read_maps(gpu: &Gpu, maps: &ShadowMaps) -> Result<LightMaps, Failure> {
-    let half = |bytes: &[u8]| half_to_f32(u16::from_le_bytes([bytes[0], bytes[1]]));
+    let half = |bytes: &[u8]| f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
     let single = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
     let mut layers = Vec::new();
     let mut size = 0;
@@ -89,39 +90,4 @@ fn read_maps(gpu: &Gpu, maps: &ShadowMaps) -> Result<LightMaps, Failure> {
         *depths = texels.chunks_exact(4).map(single).collect();
     }
     Ok(LightMaps { view: *maps.view(), soft: maps.soft_shadow(), size, layers, width, depths })
-}
-
-/// IEEE 754 binary16 to binary32, exactly.
-pub fn half_to_f32(bits: u16) -> f32 {
-    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff));
-    let size = match exponent {
-        0 => fraction * 2f32.powi(-24),
-        31 if fraction == 0.0 => f32::INFINITY,
-        31 => f32::NAN,
-        _ => (1024.0 + fraction) * 2f32.powi(exponent - 25),
-    };
-    if bits >> 15 == 0 { size } else { -size }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn halves_are_read() {
-        for (bits, value) in [
-            (0x0000, 0.0),
-            (0x0001, 5.960_464_5e-8),
-            (0x03ff, 6.097_555e-5),
-            (0x0400, 6.103_515_6e-5),
-            (0x3555, 0.333_251_95),
-            (0x3c00, 1.0),
-            (0xc000, -2.0),
-            (0x7bff, 65504.0),
-            (0x7c00, f32::INFINITY),
-        ] {
-            assert_eq!(half_to_f32(bits), value, "{bits:#x}");
-        }
-        assert!(half_to_f32(0x7e00).is_nan());
-    }
 }

@@ -18,7 +18,11 @@ mod light_bench;
 mod lighting;
 mod machine;
 #[cfg(feature = "preview")]
+mod multiple;
+#[cfg(feature = "preview")]
 mod opacity_shadow;
+#[cfg(feature = "preview")]
+mod scattering;
 #[cfg(feature = "preview")]
 mod self_shadow;
 #[cfg(feature = "preview")]
@@ -52,10 +56,10 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     let name = args.topic.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
     let needs = || Failure::Usage(format!("chart {name} needs -o DIR, to put table and picture there"));
     let folder = args.output.as_deref().ok_or_else(needs)?;
-    if args.topic == Topic::Verlet
+    if let Some(own) = brings_its_own(args.topic)
         && (args.model.is_some() || args.recipe.recipe.is_some() || !args.recipe.set.is_empty())
     {
-        return Err(Failure::Usage("chart verlet takes neither model nor recipe: it brings its own guides".into()));
+        return Err(Failure::Usage(format!("chart {name} takes neither model nor recipe: it brings its own {own}")));
     }
     let subject = Subject::new(args)?;
     if subject.package.is_some()
@@ -74,12 +78,25 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     driver::run(args, &subject, folder, &mut *topic, output)
 }
 
+/// What a topic measures that needs no model.
+fn brings_its_own(topic: Topic) -> Option<&'static str> {
+    match topic {
+        Topic::Verlet => Some("guides"),
+        Topic::Scattering => Some("fibres"),
+        _ => None,
+    }
+}
+
 /// Every topic with a picture.
 fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic + 'a>, Failure> {
     Ok(match topic {
         Topic::Surface => Box::new(surface::SurfaceTopic::new(subject)?),
         Topic::Textures => Box::new(textures::TexturesTopic::new(subject)?),
         Topic::Verlet => Box::new(verlet::VerletTopic::new()),
+        #[cfg(feature = "preview")]
+        Topic::Scattering => Box::new(scattering::ScatteringTopic::new()?),
+        #[cfg(feature = "preview")]
+        Topic::Multiple => Box::new(multiple::MultipleTopic::new(subject)?),
         #[cfg(feature = "preview")]
         Topic::Shells => Box::new(shells::ShellsTopic::new(subject)?),
         #[cfg(feature = "preview")]
@@ -104,7 +121,9 @@ fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic
         | Topic::Lighting
         | Topic::SelfShadow
         | Topic::OpacityShadow
-        | Topic::SoftShadow => {
+        | Topic::SoftShadow
+        | Topic::Scattering
+        | Topic::Multiple => {
             return Err(Failure::Usage(
                 "light is drawn by the runtime, and this build is without it (feature `preview`)".into(),
             ));

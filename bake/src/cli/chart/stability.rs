@@ -111,10 +111,10 @@ fn report(
 #[cfg(feature = "preview")]
 mod drawn {
     use super::Table;
-    use crate::cli::chart::light_bench::half_to_f32;
     use crate::cli::chart::machine::measured_on;
     use crate::cli::exit::Failure;
     use crate::cli::output::Output;
+    use half::f16;
     use pelage_bake::BakeError;
     use pelage_bake::judge::stability::{DRAWN_ROWS, Drawing};
     use pelage_runtime::{Instance, Renderer, wgpu};
@@ -147,7 +147,7 @@ mod drawn {
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         let texels = canvas.texels(gpu)?;
-        let texel = |t: &[u8]| [0, 2, 4, 6].map(|i| half_to_f32(u16::from_le_bytes([t[i], t[i + 1]])));
+        let texel = |t: &[u8]| [0, 2, 4, 6].map(|i| f16::from_le_bytes([t[i], t[i + 1]]).to_f32());
         Ok(texels.chunks_exact(8).map(texel).collect())
     }
 }

@@ -1,6 +1,6 @@
 //! Speed against accuracy: tables of configurations, their front, and pictures of both.
 //!
-//! A topic is a module that lists configurations ([`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
+//! A topic is a module that lists configurations ([`multiple`], [`scattering`], [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
 //! A chart's figures come with the command that reproduces each, so that nobody has to believe it.
 
 mod axis;
@@ -16,8 +16,10 @@ mod labels;
 pub mod light_maps;
 #[cfg(feature = "preview")]
 pub mod lighting;
+pub mod multiple;
 #[cfg(feature = "preview")]
 pub mod opacity_shadow;
+pub mod scattering;
 #[cfg(feature = "preview")]
 pub mod self_shadow;
 #[cfg(feature = "preview")]

@@ -6,13 +6,13 @@ use crate::BakeError;
 use glam::{DVec3, Vec3};
 use pelage_formats::meaning::scattering::azimuthal::{Glint, Way, over_section};
 use pelage_formats::meaning::scattering::optics::Section;
-use pelage_formats::meaning::scattering::{Angles, Fibre};
+use pelage_formats::meaning::scattering::{Angles, Fibre, colour};
 use std::f64::consts::PI;
 
 /// The row of the table.
 pub const ROW: Row = Row {
     method: "scattering by a fibre",
-    cliff: "light along the fibre, indices through 2, glints, absorption",
+    cliff: "light along the fibre, indices through 2, glints, absorption, black and white",
     naive: "an angle of refraction for each index, exp(-2 s (1 + cos 2 g)), 1 / cos^2, an axis of cos phi, caustics as they are",
     safe: "one angle in space, the chord, lobes that keep energy, an axis of phi, caustics spread with what they bundle",
     drive,
@@ -34,7 +34,7 @@ fn largest(of: impl Iterator<Item = f64>) -> f64 {
 }
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
-    Ok(vec![fresnel(), chord(), energy(), glints_in_tables(), through_two(), along_the_light()])
+    Ok(vec![fresnel(), chord(), energy(), glints_in_tables(), through_two(), along_the_light(), inversion()])
 }
 
 /// Light refracted as a vector, at a surface whose normal points to where it comes from.
@@ -229,5 +229,34 @@ fn along_the_light() -> Finding {
         safe: safe as f64,
         bound: 0.0,
         fails_above: 1000.0,
+    }
+}
+
+/// What fibres absorb for a coat to have a colour, and what is then left of light that crosses one of no width and of two radii.
+fn inversion() -> Finding {
+    let depth = colour::depth(0.12);
+    let naive = |color: f64| {
+        let root = libm::log(color) / depth;
+        root * root
+    };
+    let ours = |color: f64| colour::absorption([color; 3], 0.12)[0];
+    let wrong = |of: &dyn Fn(f64) -> f64| {
+        let cases = (0..=1_000).flat_map(|i| [f64::from(i) / 1_000.0, 1.0 + f64::from(i) / 1_000.0]);
+        let bad = cases.filter(|color| {
+            let sigma = of(*color);
+            let left = [0.0, 2.0].map(|length| libm::exp(-sigma * length));
+            // What is as white as can be, or whiter, absorbs nothing.
+            let loses = *color >= 1.0 && sigma != 0.0;
+            loses || !sigma.is_finite() || left.iter().any(|left| !(0.0..=1.0).contains(left))
+        });
+        bad.count() as f64
+    };
+    Finding {
+        case: "colours from black through white to twice that".into(),
+        measure: "colours that no fibre has",
+        naive: wrong(&naive),
+        safe: wrong(&ours),
+        bound: 0.0,
+        fails_above: 100.0,
     }
 }

@@ -204,6 +204,7 @@ fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Cov
         fill_shadows: false,
         skin_shadows: false,
         rolled_off: false,
+        scattering: None,
     };
     let traced = scene.picture(&camera, &lighting, size, TRUE_SAMPLES, &mut |_, _| ());
     Ok(Coverage { size, alpha: traced.pixels.iter().map(|p| f64::from(p[3])).collect() })

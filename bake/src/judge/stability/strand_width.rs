@@ -106,6 +106,7 @@ fn truth(package: &[u8], camera: &TrueCamera) -> Result<f64, BakeError> {
         fill_shadows: false,
         skin_shadows: false,
         rolled_off: false,
+        scattering: None,
     };
     let size = (TRUE_SIZE, TRUE_SIZE);
     let picture = strands_of(package)?.picture(camera, &lighting, size, TRUE_SAMPLES, &mut |_, _| ());

@@ -11,6 +11,7 @@
 //! **Bare skin** follows Lambert's law with the same constants, so that it is as bright as the fur beside it: ka · C + kd · C · max(N·L, 0) · V.
 
 use super::disc_light::disc;
+use super::scattering::TrueScattering;
 use super::tracer::{Hit, Start, Tracer};
 use crate::noise::{hash, uniform};
 use crate::stages::hair::Strands;
@@ -39,7 +40,7 @@ pub enum TrueLight {
 }
 
 impl TrueLight {
-    fn color(&self) -> DVec3 {
+    pub(super) fn color(&self) -> DVec3 {
         match *self {
             Self::Directional { color, .. } | Self::Point { color, .. } => color.as_dvec3(),
         }
@@ -82,6 +83,8 @@ pub struct TrueLighting {
     /// Nothing but bare skin is shown, whose light is rolled off: with L its strongest channel and F that of all lights from straight above, it is
     /// divided by 1 + L (F − 1) / F where F is more than 1, so that white skin is at most 1.
     pub rolled_off: bool,
+    /// Light goes from hair to hair: not this equation holds, but paths do. Attenuations, and constants but for ka, have no meaning then.
+    pub scattering: Option<TrueScattering>,
 }
 
 /// Constants and the tile's roots: what lights need to know besides the scene.
@@ -124,6 +127,9 @@ struct Hair {
 impl Sample<'_> {
     /// Linear RGB that leaves `hit` at `place_ws` towards the eye. `shadow_rays` counts.
     pub(super) fn light(&self, hit: &Hit, place_ws: DVec3, to_eye: DVec3, shadow_rays: &mut u64) -> DVec3 {
+        if let Some(scattering) = &self.lighting.scattering {
+            return self.path(scattering, hit, place_ws, to_eye, shadow_rays);
+        }
         match *hit {
             Hit::Hair { point, share, strand } => {
                 let points = &self.tracer.curves.points;
@@ -161,13 +167,11 @@ impl Sample<'_> {
         let start = Start { strand: None, triangle: Some(triangle) };
         let visible = self.visibility(place_ws, start, shadow_rays);
         let bare = self.bare(base, normal * side, place_ws, visible);
-        if !skin.material(triangle).furred || self.material.roots[0].is_empty() {
+        if !self.has_undercoat(triangle) {
             return bare;
         }
-        let groom = skin.groom(triangle, weights).as_dvec2();
-        let corners = skin.corners(triangle).map(|c| if c.fur_height_m > 0.0 { 1.0 } else { 0.0 });
-        let coat = weights.dot(DVec3::from(corners)) * groom.x;
-        let wet = !self.material.roots[1].is_empty() && self.draw(2) < groom.y;
+        let (coat, wetness) = self.undercoat(triangle, weights);
+        let wet = self.draw(2) < wetness;
         let roots = &self.material.roots[usize::from(wet)];
         let root = roots[((self.draw(3) * roots.len() as f64) as usize).min(roots.len() - 1)];
         let undercoat = Hair {
@@ -178,6 +182,22 @@ impl Sample<'_> {
             wet,
         };
         bare.lerp(self.hair(&undercoat, place_ws, to_eye, visible, start), coat)
+    }
+
+    fn has_undercoat(&self, triangle: usize) -> bool {
+        self.tracer.skin.material(triangle).furred && !self.material.roots[0].is_empty()
+    }
+
+    /// How much of a point of the skin the undercoat hides, and how much of that is wet, 0..=1.
+    pub(super) fn undercoat(&self, triangle: usize, weights: DVec3) -> (f64, f64) {
+        if !self.has_undercoat(triangle) {
+            return (0.0, 0.0);
+        }
+        let skin = &self.tracer.skin;
+        let groom = skin.groom(triangle, weights).as_dvec2();
+        let corners = skin.corners(triangle).map(|c| if c.fur_height_m > 0.0 { 1.0 } else { 0.0 });
+        let coat = weights.dot(DVec3::from(corners)) * groom.x;
+        (coat, if self.material.roots[1].is_empty() { 0.0 } else { groom.y })
     }
 
     fn hair(&self, hair: &Hair, place_ws: DVec3, to_eye: DVec3, visible: f64, start: Start) -> DVec3 {
@@ -231,11 +251,16 @@ impl Sample<'_> {
         }
         *shadow_rays += 1;
         let (axis, distance) = self.lighting.key.seen_from(place_ws);
-        let (side, up) = axis.any_orthonormal_pair();
-        let on_disc = disc(DVec2::new(self.draw(0), self.draw(1))) * (0.5 * self.lighting.penumbra);
-        let way = (axis + side * on_disc.x + up * on_disc.y).normalize_or(axis);
+        let way = self.on_disc(axis, DVec2::new(self.draw(0), self.draw(1)));
         let reach = distance / axis.dot(way);
         f64::from(self.tracer.is_lit(place_ws, way, reach, start, past))
+    }
+
+    /// A point of the key light's disc, whose middle lies along `axis`.
+    pub(super) fn on_disc(&self, axis: DVec3, even: DVec2) -> DVec3 {
+        let (side, up) = axis.any_orthonormal_pair();
+        let on_disc = disc(even) * (0.5 * self.lighting.penumbra);
+        (axis + side * on_disc.x + up * on_disc.y).normalize_or(axis)
     }
 
     /// Uniform in 0..1.
@@ -245,7 +270,7 @@ impl Sample<'_> {
 }
 
 /// Normal, tangent and bitangent of the skin at a point, world space, unit length.
-fn frame(skin: &Skin, triangle: usize, weights: DVec3) -> [DVec3; 3] {
+pub(super) fn frame(skin: &Skin, triangle: usize, weights: DVec3) -> [DVec3; 3] {
     let corners = skin.corners(triangle);
     let sum = |of: [DVec3; 3]| of[0] * weights.x + of[1] * weights.y + of[2] * weights.z;
     let normal = sum(corners.map(|c| c.normal_ws)).normalize_or(corners[0].normal_ws);
@@ -254,6 +279,6 @@ fn frame(skin: &Skin, triangle: usize, weights: DVec3) -> [DVec3; 3] {
     [normal, tangent, if handed < 0.0 { -across } else { across }]
 }
 
-fn vector(k: [f32; 3]) -> DVec3 {
+pub(super) fn vector(k: [f32; 3]) -> DVec3 {
     Vec3::from(k).as_dvec3()
 }

@@ -4,7 +4,8 @@
 //!   and the layer-wise shadow maps is the error of the maps.
 //! * [`StrandField`]: the same strands as round, opaque hairs. What is left between it and the volume is the error of slicing.
 //! * [`Occluder`]: a mesh between its points and a light that is a disc, for soft shadows.
-//! * [`TrueScene`]: the strands of [`crate::strands`], traced: what a whole picture should look like.
+//! * [`TrueScene`]: the strands of [`crate::strands`], traced: what a whole picture should look like, by Yang's equation or, with
+//!   [`TrueScattering`], by light that goes from fibre to fibre.
 //! * [`TrueLines`]: contours, creases and borders of a posed skin as edges of its mesh, hidden parts removed by rays: what ink lines should be.
 //! * [`TrueGuide`]: hair on guides that swings, by its equations and steps as short as it takes: what Verlet and its lengths should come to.
 //!
@@ -17,7 +18,9 @@ mod disc_light;
 mod hair_motion;
 mod ink_lines;
 mod lighting;
+mod paths;
 mod picture;
+mod scattering;
 mod sight;
 mod strand_light;
 mod strands;
@@ -30,6 +33,7 @@ pub use hair_motion::{Followed, SkinMotion, TrueGuide, TrueSwing};
 pub use ink_lines::{ContourForm, LineKind, LineParams, LineSegment, TrueLines, VisibleLines};
 pub use lighting::{TrueLight, TrueLighting};
 pub use picture::{Rays, TracedPicture, TrueScene};
+pub use scattering::TrueScattering;
 pub use sight::{Look, SeenPoint, Sight};
 pub use strand_light::SeenStrand;
 pub use strands::StrandField;

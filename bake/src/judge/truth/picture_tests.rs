@@ -41,6 +41,7 @@ fn lighting() -> TrueLighting {
         fill_shadows: true,
         skin_shadows: true,
         rolled_off: false,
+        scattering: None,
     }
 }
 

@@ -114,14 +114,25 @@ impl Tracer {
 
     /// What a ray from the eye meets first, and its distance in metres. `way` is of unit length.
     pub(super) fn first(&self, origin_ws: DVec3, way: DVec3) -> Option<(Hit, f64)> {
-        let (origin, skipped) = self.enter_scene(origin_ws, way)?;
+        self.first_from(origin_ws, way, Start::default())
+    }
+
+    /// The same of a ray that goes on from `start`, which it does not meet again.
+    pub(super) fn first_from(&self, origin_ws: DVec3, way: DVec3, start: Start) -> Option<(Hit, f64)> {
+        let (mut origin, skipped) = self.enter_scene(origin_ws, way)?;
+        if start.triangle.is_some() {
+            origin += way * LIFT;
+        }
         let mut best = (None, f64::INFINITY);
         let ray = Ray::new(origin.as_vec3a(), way.as_vec3a(), 0.0, f32::INFINITY);
         if let Some(tree) = &self.skin_tree {
             tree.ray_traverse(ray, &mut RayHit::none(), |_, id| {
                 let Some((t, weights, front)) = self.facets[id].meet(origin, way) else { return f32::INFINITY };
                 let triangle = self.facets[id].triangle as usize;
-                if t < best.1 && (front || self.skin.material(triangle).double_sided) && !self.is_cut(triangle, weights)
+                if start.triangle != Some(triangle)
+                    && t < best.1
+                    && (front || self.skin.material(triangle).double_sided)
+                    && !self.is_cut(triangle, weights)
                 {
                     best = (Some(Hit::Skin { triangle, weights, front }), t);
                     return t as f32;
@@ -134,7 +145,7 @@ impl Tracer {
             let mut nearest = None;
             tree.ray_traverse(ray, &mut RayHit::none(), |_, id| {
                 let t = self.capsules[id].enter(origin, way);
-                if t < best.1 {
+                if t < best.1 && start.strand != Some(self.pieces[id].1) {
                     best.1 = t;
                     nearest = Some(id);
                     return t as f32;

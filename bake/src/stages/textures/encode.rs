@@ -22,7 +22,7 @@ pub struct RawLevel<'a> {
     pub width: u32,
     /// Height, texels.
     pub height: u32,
-    /// `width * height` texels, row-major: RGBA bytes, or RG bytes for two-component formats.
+    /// `width * height` texels, row-major: RGBA bytes, RG bytes for two-component formats, or half floats where the format has those.
     pub texels: &'a [u8],
 }
 
@@ -68,12 +68,13 @@ impl TextureEncoder {
         }
     }
 
-    /// Format of the texels that come in.
-    fn raw_format(&self) -> Format {
-        match (self.format.components(), self.color_space()) {
-            (2, _) => Format::R8G8_UNORM,
-            (_, ColorSpace::Srgb) => Format::R8G8B8A8_SRGB,
-            (_, ColorSpace::Linear) => Format::R8G8B8A8_UNORM,
+    /// Format of the texels that come in, and their bytes.
+    fn raw_format(&self) -> (Format, u32) {
+        match (self.format, self.format.components(), self.color_space()) {
+            (TextureFormat::Rgba16Float, ..) => (Format::R16G16B16A16_SFLOAT, 8),
+            (_, 2, _) => (Format::R8G8_UNORM, 2),
+            (_, _, ColorSpace::Srgb) => (Format::R8G8B8A8_SRGB, 4),
+            (_, _, ColorSpace::Linear) => (Format::R8G8B8A8_UNORM, 4),
         }
     }
 
@@ -83,10 +84,11 @@ impl TextureEncoder {
 
     /// Encodes one layer with its mip levels, largest first. All layers need the same sizes.
     pub fn push_layer(&mut self, levels: &[RawLevel<'_>]) -> Result<(), BakeError> {
+        let (raw, bytes) = self.raw_format();
         let image = ImageRef {
-            surfaces: vec![levels.iter().map(|level| level.surface(self.format.components())).collect()],
+            surfaces: vec![levels.iter().map(|level| level.surface(bytes)).collect()],
             kind: TextureKind::Texture2D,
-            desc: self.describe(self.raw_format()),
+            desc: self.describe(raw),
         };
         let target = match self.format.block_size() {
             1 => TargetFormat::Uncompressed(self.format.ktx2()),
@@ -225,7 +227,7 @@ mod tests {
     #[test]
     fn layers_and_levels_keep_their_order_in_every_format() {
         for format in TextureFormat::ALL {
-            let n = format.components() as usize;
+            let n = if format == TextureFormat::Rgba16Float { 8 } else { format.components() as usize };
             let texels = |size: u32, value: u8| vec![value; (size * size) as usize * n];
             let mut encoder = TextureEncoder::new(format, AlphaMode::Premultiplied, BcQuality::Basic);
             for layer in 0..3u8 {

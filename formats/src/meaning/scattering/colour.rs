@@ -34,8 +34,10 @@ pub fn color(absorption: [f64; 3], around: f64) -> [f64; 3] {
     absorption.map(|sigma| libm::exp(-depth * sigma.max(0.0).sqrt()))
 }
 
-/// How much roughness around a fibre draws light through it, a fit of Chiang 2016.
-fn depth(around: f64) -> f64 {
+/// How fast a deep coat darkens with the root of what its fibres absorb a radius, by their roughness around: a fit of Chiang 2016.
+///
+/// * `around`: scale of the logistic distribution around the fibre, radians
+pub fn depth(around: f64) -> f64 {
     let b = roughness(around);
     5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + b * 0.245))))
 }
@@ -48,10 +50,20 @@ pub fn scale_of(roughness: f64) -> f64 {
 
 /// The inverse of [`scale_of`], 0..=1.
 pub fn roughness(scale: f64) -> f64 {
+    inverse(scale_of, scale)
+}
+
+/// The roughness along a fibre for which the renderers pbrt-4 and Mitsuba 3 spread light by so many radians, a standard deviation (Chiang 2016, eq. 7), 0..=1.
+pub fn roughness_along(deviation: f64) -> f64 {
+    inverse(|b| 0.726 * b + 0.812 * b * b + 3.7 * libm::pow(b, 20.0), deviation)
+}
+
+/// Where in 0..=1 a growing function has that value.
+fn inverse(of: impl Fn(f64) -> f64, value: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
-        if scale_of(middle) < scale {
+        if of(middle) < value {
             low = middle;
         } else {
             high = middle;

@@ -232,6 +232,30 @@ fn tables_are_near_the_equations() {
     }
 }
 
+/// What goes on and what comes back are together what the fibre does not absorb, white fibres all of it.
+#[test]
+fn light_goes_on_and_comes_back() {
+    let fibre = Fibre::default();
+    let tables = Tables::new(&fibre, 64);
+    for cos in [0.15, 0.4, 0.7, 1.0] {
+        let [on, back] = tables.sides(cos, [1.0, 0.5, 0.1]);
+        assert!((on[0] + back[0] - 1.0).abs() < 5e-3, "cos θ {cos}: {on:?} {back:?}");
+        let section = fibre.section(cos);
+        for (c, color) in [0.5, 0.1].into_iter().enumerate() {
+            let [sigma, ..] = colour::absorption([color; 3], 0.12);
+            let of_ways = |p: u32, phi: f64| {
+                let mut sum = 0.0;
+                section.ways(p, phi, &mut |way| sum += way.left(sigma));
+                sum
+            };
+            let whole = around(400, |phi| (0..3).map(|p| of_ways(p, phi)).sum::<f64>() + section.rest(sigma));
+            let found = on[c + 1] + back[c + 1];
+            assert!((found - whole).abs() < 0.02, "cos θ {cos}, colour {color}: {found}, expected {whole}");
+        }
+    }
+    assert_eq!(Tables::of_layers(tables.layers().map(<[_]>::to_vec)).as_ref(), Some(&tables));
+}
+
 #[test]
 fn colours_and_what_makes_them() {
     for roughness in [0.0, 0.1, 0.3, 0.5, 0.9, 1.0] {

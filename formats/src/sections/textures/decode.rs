@@ -10,7 +10,7 @@ impl TextureFormat {
     }
 
     /// `width * height` texels of this format as RGBA8, row-major from the top, encoded as they are stored. Of formats with two components blue is 0
-    /// and alpha 255. `None` where `data` is not as long as [`Self::layer_bytes`] says.
+    /// and alpha 255; of half floats, 0 to 255 stand for 0 to 1. `None` where `data` is not as long as [`Self::layer_bytes`] says.
     pub fn to_rgba8(self, data: &[u8], width: u32, height: u32) -> Option<Vec<u8>> {
         if data.len() as u64 != self.layer_bytes(width, height) {
             return None;
@@ -20,6 +20,10 @@ impl TextureFormat {
         match self {
             Self::Rgba8Srgb | Self::Rgba8Unorm => return Some(data.to_vec()),
             Self::Rg8Unorm => return Some(data.chunks_exact(2).flat_map(|t| [t[0], t[1], 0, 255]).collect()),
+            Self::Rgba16Float => {
+                let byte = |half: &[u8]| (255.0 * half_to_f32([half[0], half[1]]).clamp(0.0, 1.0) + 0.5) as u8;
+                return Some(data.chunks_exact(2).map(byte).collect());
+            }
             Self::Bc5Unorm => texture2ddecoder::decode_bc5(data, w, h, &mut bgra).ok()?,
             Self::Bc7Srgb | Self::Bc7Unorm => texture2ddecoder::decode_bc7(data, w, h, &mut bgra).ok()?,
         }
@@ -27,7 +31,27 @@ impl TextureFormat {
     }
 }
 
+/// A little-endian number of IEEE 754 binary16.
+pub(crate) fn half_to_f32(bytes: [u8; 2]) -> f32 {
+    let half = u32::from(u16::from_le_bytes(bytes));
+    let (sign, exponent, fraction) = ((half & 0x8000) << 16, half >> 10 & 0x1f, half & 0x3ff);
+    match exponent {
+        // A fraction of 2^-24.
+        0 => f32::from_bits(sign | (fraction as f32 / 16_777_216.0).to_bits()),
+        31 => f32::from_bits(sign | 0x7f80_0000 | fraction << 13),
+        _ => f32::from_bits(sign | (exponent + 112) << 23 | fraction << 13),
+    }
+}
+
 impl TextureView<'_> {
+    /// A layer of level 0 of half floats, four numbers a texel; `None` for a layer that is not there, and for another format.
+    pub fn floats(&self, layer: u32) -> Option<Vec<[f32; 4]>> {
+        let size = usize::try_from(self.format.layer_bytes(self.width, self.height)).ok()?;
+        let data = self.level(0).chunks_exact(size.max(1)).nth(layer as usize)?;
+        let texel = |t: &[u8]| core::array::from_fn(|i| half_to_f32([t[2 * i], t[2 * i + 1]]));
+        (self.format == TextureFormat::Rgba16Float).then(|| data.chunks_exact(8).map(texel).collect())
+    }
+
     /// One array layer of one mip level as [`TextureFormat::to_rgba8`] has it; `None` for a level or layer that is not there.
     pub fn rgba8(&self, level: u32, layer: u32) -> Option<Vec<u8>> {
         let (width, height) = self.level_size(level);
@@ -49,6 +73,19 @@ mod tests {
         for format in TextureFormat::ALL {
             assert_eq!(format.to_rgba8(&[0; 7], 1, 1), None);
         }
+    }
+
+    #[test]
+    fn half_floats_are_read_as_they_are_written() {
+        let of = |bits: u16| half_to_f32(bits.to_le_bytes());
+        let (least, most) = (1.0 / 16_777_216.0, 65504.0);
+        assert_eq!(
+            [0x0000, 0x3c00, 0xc000, 0x7bff, 0x0001, 0x03ff].map(of),
+            [0.0, 1.0, -2.0, most, least, 1023.0 * least]
+        );
+        assert!(of(0x7c01).is_nan() && of(0xfc00) == f32::NEG_INFINITY);
+        let texel = [0x3c00u16, 0x3800, 0xbc00, 0x4000].map(u16::to_le_bytes).concat();
+        assert_eq!(TextureFormat::Rgba16Float.to_rgba8(&texel, 1, 1), Some(vec![255, 128, 0, 255]));
     }
 
     /// A block of BC5 whose ends are 0 and 255 with all indices 0, and any block at all of BC7: no block is invalid.

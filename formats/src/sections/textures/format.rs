@@ -15,12 +15,21 @@ pub enum TextureFormat {
     Bc7Unorm,
     /// 16 bytes per 4×4 block, two components.
     Bc5Unorm,
+    /// Eight bytes a texel: four numbers of IEEE 754 binary16.
+    Rgba16Float,
 }
 
 impl TextureFormat {
     /// All of them, for tables.
-    pub const ALL: [Self; 6] =
-        [Self::Rgba8Srgb, Self::Rgba8Unorm, Self::Rg8Unorm, Self::Bc7Srgb, Self::Bc7Unorm, Self::Bc5Unorm];
+    pub const ALL: [Self; 7] = [
+        Self::Rgba8Srgb,
+        Self::Rgba8Unorm,
+        Self::Rg8Unorm,
+        Self::Bc7Srgb,
+        Self::Bc7Unorm,
+        Self::Bc5Unorm,
+        Self::Rgba16Float,
+    ];
 
     pub(super) fn from_ktx2(format: ktx2::Format) -> Option<Self> {
         Self::ALL.into_iter().find(|f| f.ktx2() == format)
@@ -35,13 +44,14 @@ impl TextureFormat {
             Self::Bc7Srgb => ktx2::Format::BC7_SRGB_BLOCK,
             Self::Bc7Unorm => ktx2::Format::BC7_UNORM_BLOCK,
             Self::Bc5Unorm => ktx2::Format::BC5_UNORM_BLOCK,
+            Self::Rgba16Float => ktx2::Format::R16G16B16A16_SFLOAT,
         }
     }
 
     /// Texels along a block's edge: 1 or 4.
     pub fn block_size(self) -> u32 {
         match self {
-            Self::Rgba8Srgb | Self::Rgba8Unorm | Self::Rg8Unorm => 1,
+            Self::Rgba8Srgb | Self::Rgba8Unorm | Self::Rg8Unorm | Self::Rgba16Float => 1,
             Self::Bc7Srgb | Self::Bc7Unorm | Self::Bc5Unorm => 4,
         }
     }
@@ -51,15 +61,21 @@ impl TextureFormat {
         match self {
             Self::Rgba8Srgb | Self::Rgba8Unorm => 4,
             Self::Rg8Unorm => 2,
+            Self::Rgba16Float => 8,
             Self::Bc7Srgb | Self::Bc7Unorm | Self::Bc5Unorm => 16,
         }
+    }
+
+    /// Bytes of the numbers that texels are made of, which a big-endian machine would have to turn round: 1 or 2.
+    pub fn type_size(self) -> u32 {
+        if self == Self::Rgba16Float { 2 } else { 1 }
     }
 
     /// Channels a sampler returns that carry data.
     pub fn components(self) -> u32 {
         match self {
             Self::Rg8Unorm | Self::Bc5Unorm => 2,
-            Self::Rgba8Srgb | Self::Rgba8Unorm | Self::Bc7Srgb | Self::Bc7Unorm => 4,
+            Self::Rgba8Srgb | Self::Rgba8Unorm | Self::Bc7Srgb | Self::Bc7Unorm | Self::Rgba16Float => 4,
         }
     }
 
@@ -72,6 +88,7 @@ impl TextureFormat {
             Self::Bc7Srgb => "bc7-rgba-unorm-srgb",
             Self::Bc7Unorm => "bc7-rgba-unorm",
             Self::Bc5Unorm => "bc5-rg-unorm",
+            Self::Rgba16Float => "rgba16float",
         }
     }
 

@@ -71,6 +71,16 @@ impl<'a> Package<'a> {
         Ok(TextureView::of(self.section_bytes(at)?, shape))
     }
 
+    /// As [`Self::texture`], of texels that are no numbers of a table.
+    pub(crate) fn picture(&self, index: u32) -> Result<TextureView<'a>, FormatError> {
+        let view = self.texture(index)?;
+        if view.format == TextureFormat::Rgba16Float {
+            let reason = format!("is {}, which tables of fibres have, expected another format", view.format.name());
+            return Err(self.texture_fault(index, &reason));
+        }
+        Ok(view)
+    }
+
     /// Where texture number `index` of the manifest lies and what it is called, for an error about its use.
     pub(crate) fn texture_fault(&self, index: u32, reason: &str) -> FormatError {
         let offset = self.find(Tag::TEXTURE, index as usize).map_or(0, |(_, section)| section.offset);
@@ -123,7 +133,7 @@ impl<'a> Package<'a> {
         color_texture: u32,
         direction_texture: u32,
     ) -> Result<FurTextures<'a>, FormatError> {
-        let (color, direction) = (self.texture(color_texture)?, self.texture(direction_texture)?);
+        let (color, direction) = (self.picture(color_texture)?, self.picture(direction_texture)?);
         for (index, view) in [(color_texture, &color), (direction_texture, &direction)] {
             let found = (view.width, view.height, view.layers);
             if found != size {
@@ -152,7 +162,7 @@ impl<'a> Package<'a> {
         let Some(index) = self.manifest().materials.get(material).and_then(|m| m.base_color_texture) else {
             return Ok(None);
         };
-        let view = self.texture(index)?;
+        let view = self.picture(index)?;
         if view.layers != 1 || view.format.components() != 4 {
             let (layers, format) = (view.layers, view.format.name());
             let reason = format!(
@@ -170,7 +180,7 @@ impl<'a> Package<'a> {
         let Some(index) = self.manifest().materials.get(material).and_then(|m| m.groom_texture) else {
             return Ok(None);
         };
-        let view = self.texture(index)?;
+        let view = self.picture(index)?;
         if view.layers != 1 || view.format.is_srgb() {
             let (layers, format) = (view.layers, view.format.name());
             let reason = format!(

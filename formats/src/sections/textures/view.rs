@@ -93,8 +93,9 @@ impl<'a> TextureView<'a> {
         if let Some(scheme) = header.supercompression_scheme {
             return Err(place.fail(44, format!("supercompressed with {scheme:?}, expected data ready to upload")));
         }
-        if header.type_size != 1 {
-            return Err(place.fail(16, format!("type size is {}, expected 1 for this format", header.type_size)));
+        if header.type_size != format.type_size() {
+            let (found, expected) = (header.type_size, format.type_size());
+            return Err(place.fail(16, format!("type size is {found}, expected {expected} for this format")));
         }
         let (depth, faces) = (header.pixel_depth, header.face_count);
         if depth != 0 || faces != 1 || header.pixel_height == 0 {

@@ -50,13 +50,17 @@ pub(super) fn load(
         let freedom = |guide| motion.as_ref().map_or(1.0, |motion| motion.guide_freedom(number, guide));
         Some((of_group, (0..groups[number].guide_roots.len()).map(freedom).collect()))
     };
-    groups.iter().enumerate().map(|(number, group)| grown(uploader, group, moves(number), &rest)).collect()
+    let fibres = package.fibres()?;
+    let fibre = |number: usize| fibres.as_ref().and_then(|f| f.of_groups.get(number)).copied().unwrap_or(0).into();
+    let each = groups.iter().enumerate();
+    each.map(|(number, group)| grown(uploader, group, moves(number), fibre(number), &rest)).collect()
 }
 
 fn grown(
     uploader: &Uploader<'_>,
     group: &HairGroup,
     motion: Option<(GroupMotion, Vec<f32>)>,
+    fibre: u32,
     rest: &Rest,
 ) -> Result<Strands, RuntimeError> {
     use wgpu::BufferUsages as Usage;
@@ -130,6 +134,7 @@ fn grown(
         ballast: uploader.buffer("guides' ballast", bytemuck::cast_slice(&in_rest), Usage::STORAGE)?,
         motion,
         reach_m,
+        fibre,
     };
     Ok(Strands {
         strands: uploader.buffer("hairs", bytemuck::cast_slice(&strands), Usage::STORAGE)?,

@@ -65,6 +65,8 @@ pub(crate) struct Guided {
     pub(crate) hairs: wgpu::Buffer,
     /// How far it reaches from the skin, metres.
     pub(crate) reach_m: f32,
+    /// Which of the package's fibres it is.
+    pub(crate) fibre: u32,
 }
 
 /// Where a hair of a group roots, and what it follows.

@@ -74,7 +74,8 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     texel *= groom.x * select(1.0, instance.layer_share, DETAIL);
     let n_dot_l = arriving.light_ts.z;
     let receiver = Receiver(in.place, in.map_layer, MAPS_BETWEEN, n_dot_l);
-    arriving.visible = visible_through_hair(receiver) * visible_past_things(receiver);
+    arriving.visible = visible_through_hair(receiver);
+    arriving.past = visible_past_things(receiver);
     if SELF_SHADOW && LIGHT_SLANTED {
         // The layer is as thick as the hair between it and the next: on average half of it is above its hair.
         let path = path_through(slanted_path(n_dot_l), in.length);

@@ -116,7 +116,7 @@ fn plain_fragment(in: PlainVarying) -> ShellFragment {
     let arriving = Arriving(
         in.ambient_blue.rgb, vec3(in.light_red.w, in.half_green.w, in.ambient_blue.w),
         bitcast<vec3<f32>>(in.specular_layer.xyz), in.light_red.xyz, in.half_green.xyz,
-        back_attenuation(in.light_red.z, instance.back_light_range), 1.0,
+        back_attenuation(in.light_red.z, instance.back_light_range), 1.0, 1.0,
     );
     // Drawn, baked and map layers are the same, or of them.
     let layer = in.specular_layer.w;

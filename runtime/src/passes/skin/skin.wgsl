@@ -129,12 +129,12 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     let baked = baked_at(in.tile_uv, 0u, groom.y, kept, in.grows_length_slope.y, 0.0);
     let point = HairPoint(
         spot, grown(hair.direction, in.grows_length_slope.y, 0.0), color.rgb * base.rgb, color.a, vec3(1.0), groom.y,
-        arriving_at(0.0, light, in.half_ts, visible), baked,
+        arriving_at(0.0, light, in.half_ts, through, past), baked,
     );
     let bare = bare_color(base.rgb, light.z, visible * visible_past_strands(baked, light), spot, side);
     // The innermost layer is opaque in a package as bake writes it; where it is not, the bare skin shows between the hairs.
     let ambient = ambient_attenuation(0.0, instance.ambient_floor);
-    let undercoat = light_hair(point) + (1.0 - color.a) * ambient * bare;
+    let undercoat = light_undercoat(point) + (1.0 - color.a) * ambient * bare;
     let skin = mix(bare, undercoat, in.grows_length_slope.x * groom.x);
     if COAT {
         let baked_coat = baked_at(

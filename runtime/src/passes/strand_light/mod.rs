@@ -44,8 +44,9 @@ fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str
     let mut constants = seen.look.strand_lights();
     constants.push(on("DEEP_SHADOW", seen.look.deep_shadow));
     // The skin and its groom say nothing of hair on guides.
-    if set.strands.guided().is_some() {
+    if let Some(guided) = set.strands.guided() {
         constants.push(on("OWN_COLOR", true));
+        constants.push(("FIBRE", guided.fibre));
     } else {
         constants.extend(material(part));
         constants.extend(groom(&seen.model, part));

@@ -191,7 +191,7 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let place = map_place(position + eye * (radius * radii_towards_eye()));
         let past = visible_past_things(Receiver(place, height * frame.last_map_layer, true, light_ts.z));
         let slope = lean_slope(strand.lean, height);
-        let arriving = arriving_at(height, light_ts, half_ts, past * visible_through_strands(place));
+        let arriving = arriving_at(height, light_ts, half_ts, visible_through_strands(place), past);
         let hair = HairPoint(
             Spot(position, skin.normal_ws, vec4(skin.tangent_ws, handedness)), to_tile(skin, tangent), color * tint.rgb, 1.0,
             vec3(1.0), wetness, arriving, Baked(seen_by, grows, length, slope, 1.0),

@@ -1,8 +1,8 @@
 //! What a look comes to for the runtime.
 
 use super::kinds::{
-    Background, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra, LookRule, LookSelfShadow,
-    LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth,
+    Background, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra, LookRule, LookScattering,
+    LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
 use crate::{Picture, Viewpoint, camera};
@@ -10,8 +10,8 @@ use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
     Anchoring, Detail, FeatureRule, FrameParams, FurParams, FurShow, Hair, HairMotionParams, InkBackground, InkParams,
-    InkShow, Light, Lighting, LineWidth, PenumbraForm, SelfShadow, ShadowParams, SlantForm, SphereMapForm, StrandEdges,
-    Study, Style,
+    InkShow, Light, Lighting, LineWidth, PenumbraForm, Scattering, SelfShadow, ShadowParams, SlantForm, SphereMapForm,
+    StrandEdges, Study, Style,
 };
 
 /// Any view: a stage sets its own.
@@ -77,6 +77,11 @@ impl Look {
             fur.strand_edges = match self.fur.strand_edges {
                 LookStrandEdges::Samples => StrandEdges::Samples,
                 LookStrandEdges::Blended => StrandEdges::Blended,
+            };
+            fur.scattering = match self.fur.scattering {
+                LookScattering::Multiple => Scattering::Multiple,
+                LookScattering::Single => Scattering::Single,
+                LookScattering::Off => Scattering::Off,
             };
             fur.self_shadow = match self.shadow.self_shadow {
                 LookSelfShadow::Auto => SelfShadow::Auto,

@@ -56,6 +56,19 @@ words! {
 }
 
 words! {
+    /// How hair scatters light, where packages know its fibres.
+    LookScattering {
+        /// By tables of its fibres, with the light that goes on from hair to hair.
+        #[default]
+        Multiple = "multiple",
+        /// By tables of its fibres, without that light.
+        Single = "single",
+        /// By Kajiya-Kay's lobes, as hair of other packages.
+        Off = "off" or false,
+    }
+}
+
+words! {
     /// Where a soft shadow's edge lies.
     LookPenumbra {
         /// On both sides of the hard edge.

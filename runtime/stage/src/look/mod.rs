@@ -21,8 +21,8 @@ mod tables;
 
 pub use kinds::{
     Background, FillLight, Interval, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra,
-    LookRule, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, Rgb, Samples,
-    Size,
+    LookRule, LookScattering, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
+    LookWidth, Rgb, Samples, Size,
 };
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
 pub use tables::{KeyLight, Look, LookFur, LookInk, LookLight, LookMotion, LookPicture, LookShadow};

@@ -45,6 +45,7 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     short("back-attenuation", "on|off", "fur.back_attenuation"),
     short("fins", "on|off", "fur.fins"),
     short("lighting", "WHERE", "fur.lighting"),
+    short("scattering", "multiple|single|off", "fur.scattering"),
     short("background", "transparent|R,G,B", "picture.background"),
     short("hair-motion", "on|off", "motion.hair"),
     short("fur-motion", "SHARE", "motion.fur"),

@@ -2,8 +2,8 @@
 
 use super::kinds::{
     Background, FillLight, Interval, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra,
-    LookRule, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb,
-    Samples, Size, Towards,
+    LookRule, LookScattering, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
+    LookWidth, PLACE, Rgb, Samples, Size, Towards,
 };
 use crate::framing::TOWARDS_LIGHT;
 use glam::Vec3;
@@ -73,6 +73,8 @@ params! {
         hair: LookHair = LookHair::Auto;
         /// How pixels are made of single strands.
         strand_edges: LookStrandEdges = LookStrandEdges::Samples;
+        /// How hair scatters light, where packages know the fibres that it is made of; other hair is lit as `off`.
+        scattering: LookScattering = LookScattering::Multiple;
         /// What is shown: the picture, or false colours for what it is drawn with and how much of it.
         show: LookFurShow = LookFurShow::Picture;
         /// Where hair is lit.

@@ -1,0 +1,182 @@
+//! Topic `multiple`: coats as fibres that scatter light to each other, against traced paths, by what is known of that light: nothing, a constant, Kajiya-Kay's
+//! lobes, or what a coat of such fibres makes of it.
+//!
+//! Squares of pixels are compared, not pixels: what speckle a hair makes is no matter of its light.
+
+use super::{Cell, Panel};
+use glam::DVec3;
+use pelage_formats::meaning::srgb_to_linear;
+use pelage_stage::LookScattering;
+
+/// Coats: names, and the eumelanin that makes them.
+pub const COATS: [(&str, f32); 4] = [("black", 8.0), ("brown", 1.3), ("blond", 0.2), ("white", 0.0)];
+/// Suns: names, and directions towards them. The camera stands to the right of the model's front.
+pub const LIGHTS: [(&str, [f32; 3]); 3] =
+    [("front", [0.3, 0.5, 1.0]), ("side", [-1.0, 0.4, 0.2]), ("behind", [-0.5, 0.35, -0.9])];
+/// Width and height of the pictures, pixels.
+pub const SIZE: u32 = 480;
+/// Width and height of the squares that are compared, pixels.
+const BLOCK: u32 = 16;
+/// Paths of each pixel of the truth, and times that light meets something.
+pub const SAMPLES: u32 = 32;
+/// As [`SAMPLES`].
+pub const BOUNCES: u32 = 64;
+/// The ambient light of rows that have a constant one.
+pub const AMBIENT: f32 = 0.35;
+
+/// Columns of the chart.
+///
+/// * `coat`: of one colour. `hair`: what it is drawn as.
+/// * `mean_percent`: luminance of the squares that are mostly covered over that of the truth, less 1, of the three lights together; `mean_front` and the like: of
+///   one. `rmse_percent`: root of the mean square of what squares differ by, over their mean; `rmse_front` and the like: of one light.
+/// * `frame_ms`: of a frame under the first light.
+pub const COLUMNS: [&str; 11] = [
+    "coat",
+    "hair",
+    "mean_percent",
+    "mean_front",
+    "mean_side",
+    "mean_behind",
+    "rmse_percent",
+    "rmse_front",
+    "rmse_side",
+    "rmse_behind",
+    "frame_ms",
+];
+
+/// Panels of the chart.
+pub const PANELS: [Panel; 4] = [panel("black"), panel("brown"), panel("blond"), panel("white")];
+
+const fn panel(coat: &'static str) -> Panel {
+    Panel {
+        cost: "frame_ms",
+        cost_label: "ms of a frame",
+        error: "rmse_percent",
+        error_label: "relative RMSE of squares, %",
+        only: Some(("coat", coat)),
+    }
+}
+
+/// How hair is lit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Form {
+    /// Its name.
+    pub name: &'static str,
+    /// By what.
+    pub scattering: LookScattering,
+    /// With the constant ambient light.
+    pub ambient: bool,
+}
+
+/// All of them, what packages have first.
+pub const FORMS: [Form; 4] = [
+    Form { name: "fibres, light of other fibres", scattering: LookScattering::Multiple, ambient: false },
+    Form { name: "fibres, single scattering", scattering: LookScattering::Single, ambient: false },
+    Form { name: "fibres, constant ambient light", scattering: LookScattering::Single, ambient: true },
+    Form { name: "Kajiya-Kay, constant ambient light", scattering: LookScattering::Off, ambient: true },
+];
+
+/// Something to measure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Configuration {
+    /// Which of [`COATS`].
+    pub coat: usize,
+    /// It is drawn as strands, not as layers.
+    pub strands: bool,
+    /// How it is lit.
+    pub form: Form,
+}
+
+/// What to measure.
+pub fn configurations() -> Vec<Configuration> {
+    let each = (0..COATS.len()).flat_map(|coat| [false, true].map(|strands| (coat, strands)));
+    each.flat_map(|(coat, strands)| FORMS.map(|form| Configuration { coat, strands, form })).collect()
+}
+
+/// Light of the squares of a picture that hair mostly covers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Squares {
+    /// Luminance of the truth and of what was drawn.
+    pairs: Vec<(f64, f64)>,
+}
+
+impl Squares {
+    /// Of a traced picture, linear and premultiplied, and one that was drawn, sRGB bytes with straight alpha, both of [`SIZE`] squared.
+    pub fn new(truth: &[[f32; 4]], drawn: &[u8]) -> Self {
+        let luminance = |rgb: DVec3| rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+        let per_side = SIZE / BLOCK;
+        let mut pairs = Vec::new();
+        for block in 0..per_side * per_side {
+            let (mut sums, mut covered) = ((0.0, 0.0), 0.0);
+            for pixel in 0..BLOCK * BLOCK {
+                let x = block % per_side * BLOCK + pixel % BLOCK;
+                let y = block / per_side * BLOCK + pixel / BLOCK;
+                let at = (y * SIZE + x) as usize;
+                let [r, g, b, alpha] = truth[at].map(f64::from);
+                covered += alpha;
+                sums.0 += luminance(DVec3::new(r, g, b));
+                let byte = |i: usize| f64::from(srgb_to_linear(drawn[4 * at + i]));
+                sums.1 += luminance(DVec3::new(byte(0), byte(1), byte(2))) * f64::from(drawn[4 * at + 3]) / 255.0;
+            }
+            let pixels = f64::from(BLOCK * BLOCK);
+            if covered > 0.5 * pixels {
+                pairs.push((sums.0 / pixels, sums.1 / pixels));
+            }
+        }
+        Self { pairs }
+    }
+
+    fn mean_true(&self) -> f64 {
+        self.pairs.iter().map(|(truth, _)| truth).sum::<f64>() / self.pairs.len().max(1) as f64
+    }
+
+    /// Mean luminance over the truth's, less 1.
+    pub fn mean(&self) -> f64 {
+        let sum: f64 = self.pairs.iter().map(|(_, drawn)| drawn).sum();
+        sum / self.pairs.len().max(1) as f64 / self.mean_true() - 1.0
+    }
+
+    /// Root of the mean square of the difference over the mean of the truth.
+    pub fn rmse(&self) -> f64 {
+        let squares: f64 = self.pairs.iter().map(|(truth, drawn)| (drawn - truth).powi(2)).sum();
+        (squares / self.pairs.len().max(1) as f64).sqrt() / self.mean_true()
+    }
+}
+
+/// The cells of a row, in the order of [`COLUMNS`]. `squares`: under each of [`LIGHTS`].
+pub fn cells(configuration: &Configuration, squares: &[Squares; 3], frame_ms: f64) -> Vec<Cell> {
+    let all = Squares { pairs: squares.iter().flat_map(|of| of.pairs.iter().copied()).collect() };
+    let percent = |x: f64| Cell::Number(100.0 * x);
+    let mut cells = vec![
+        Cell::Text(COATS[configuration.coat].0.into()),
+        Cell::Text(if configuration.strands { "strands" } else { "layers" }.into()),
+        percent(all.mean()),
+    ];
+    cells.extend(squares.iter().map(|of| percent(of.mean())));
+    cells.push(percent(all.rmse()));
+    cells.extend(squares.iter().map(|of| percent(of.rmse())));
+    cells.push(Cell::Number(frame_ms));
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_are_compared_where_hair_is() {
+        let count = (SIZE * SIZE) as usize;
+        let mut truth = vec![[0.0f32; 4]; count];
+        let mut drawn = vec![0u8; 4 * count];
+        // The upper half is covered, by 0.2 and by what byte 128 holds.
+        for at in 0..count / 2 {
+            truth[at] = [0.2, 0.2, 0.2, 1.0];
+            drawn[4 * at..4 * at + 4].copy_from_slice(&[128, 128, 128, 255]);
+        }
+        let squares = Squares::new(&truth, &drawn);
+        let expected = f64::from(srgb_to_linear(128)) / 0.2 - 1.0;
+        assert_eq!(squares.pairs.len() as u32, SIZE / BLOCK * SIZE / BLOCK / 2);
+        assert!((squares.mean() - expected).abs() < 1e-6 && (squares.rmse() - expected).abs() < 1e-6);
+        assert_eq!(configurations().len(), 32);
+    }
+}

@@ -1,0 +1,126 @@
+//! The fibres that hair is made of: `[fibre]` and `[[fibre.group]]`.
+
+use super::named_table::named_table;
+use super::params::HairColors;
+use pelage_formats::FibreOptics;
+use pelage_formats::meaning::linear_to_srgb;
+use pelage_formats::meaning::scattering::colour;
+use pelage_params::{PowerOfTwo, Range, SrgbColor, params};
+
+/// Range of indices of refraction.
+const ETA: Range<f32> = 1.2..=2.0;
+/// Range of widths along a fibre, degrees.
+const ALONG: Range<f32> = 1.0..=45.0;
+/// Range of tilts, degrees.
+const TILT: Range<f32> = -15.0..=15.0;
+/// Range of shares.
+const SHARE: Range<f32> = 0.0..=1.0;
+
+params! {
+    /// `[fibre]`: the fibres that hair is made of, and how they scatter light, for `shading.model = "marschner"`.
+    FibreParams in fibre {
+        /// Index of refraction: 1.55 of hair; lower is less glossy.
+        eta: f32 = 1.55, in ETA;
+        /// How far light that is reflected at a fibre's surface spreads along it, degrees of the half angle: 5 glossy, 10 soft, 20 dull. Light that goes through
+        /// spreads half as far, light that is reflected within twice as far.
+        along_deg: f32 = 7.5, in ALONG;
+        /// By how much its scales tilt that reflection towards the root, degrees of the half angle. The second highlight, in the hair's colour, moves the
+        /// other way, so that more sets them apart.
+        tilt_deg: f32 = 3.0, in TILT;
+        /// How rough the fibre is all around: 0 clear as glass, with glints, 1 matt.
+        around: f32 = 0.3, in SHARE;
+        /// Eumelanin, which makes hair brown and black: 0 white, 0.3 blond, 1.3 brown, 8 black. Where it or `fibre.pheomelanin` is given, hair has the colour of
+        /// its pigments where `color.root` and `color.tip` are left out; `color.base_color = false` leaves the model's colours out as well.
+        eumelanin: Option<f32> = None, in 0.0..=100.0;
+        /// Pheomelanin, which makes hair yellow and red: 1 a fox's.
+        pheomelanin: Option<f32> = None, in 0.0..=100.0;
+        /// Width and height of the tables that light is looked up in, texels.
+        table_texels: u32 = 64, in 16..=256, as PowerOfTwo;
+        /// Fibres of hair on guides, where they are others than the coat's: `[[fibre.group]]` with the `name` of a group or tuft of `[strands]`, in which `*` stands
+        /// for any characters and `?` for one, and any of `eta`, `along_deg`, `tilt_deg`, `around`. Later ones win.
+        group: Vec<FibreOfGroup> = Vec::new();
+    }
+}
+
+named_table! {
+    /// The fibres of the groups that `name` matches. A key that is left out is as `[fibre]` says.
+    FibreOfGroup of "a group of hair" {
+        /// As `fibre.eta`.
+        eta: f32, in ETA;
+        /// As `fibre.along_deg`.
+        along_deg: f32, in ALONG;
+        /// As `fibre.tilt_deg`.
+        tilt_deg: f32, in TILT;
+        /// As `fibre.around`.
+        around: f32, in SHARE;
+    }
+}
+
+impl FibreParams {
+    /// The coat's fibre.
+    pub fn of_coat(&self) -> FibreOptics {
+        optics(self.eta, self.along_deg, self.tilt_deg, self.around)
+    }
+
+    /// The fibre of a group of hair.
+    pub fn of_group(&self, name: &str) -> FibreOptics {
+        let mut found = [self.eta, self.along_deg, self.tilt_deg, self.around];
+        for table in self.group.iter().filter(|table| pelage_params::glob(&table.name, name)) {
+            for (value, said) in found.iter_mut().zip([table.eta, table.along_deg, table.tilt_deg, table.around]) {
+                *value = said.unwrap_or(*value);
+            }
+        }
+        let [eta, along_deg, tilt_deg, around] = found;
+        optics(eta, along_deg, tilt_deg, around)
+    }
+
+    /// Colours of hair with these pigments; `None` where neither is given.
+    pub fn pigmented(&self) -> Option<HairColors> {
+        if self.eumelanin.is_none() && self.pheomelanin.is_none() {
+            return None;
+        }
+        let amount = |pigment: Option<f32>| f64::from(pigment.unwrap_or(0.0));
+        let sigma = colour::of_pigments(amount(self.eumelanin), amount(self.pheomelanin));
+        let color = colour::color(sigma, f64::from(self.of_coat().around));
+        let color = SrgbColor(color.map(|c| f32::from(linear_to_srgb(c as f32)) / 255.0));
+        Some(HairColors { gain: 1.0, root: color, tip: color })
+    }
+}
+
+fn optics(eta: f32, along_deg: f32, tilt_deg: f32, around: f32) -> FibreOptics {
+    let around = colour::scale_of(f64::from(around)).max(0.01) as f32;
+    FibreOptics { eta, along: along_deg.to_radians(), tilt: tilt_deg.to_radians(), around }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    use crate::recipe::Recipe;
+
+    #[test]
+    fn groups_have_fibres_of_their_own() {
+        let text = "[fibre]\ntilt_deg = 4.0\n[[fibre.group]]\nname = \"ta*\"\nalong_deg = 12.0\n";
+        let recipe = Recipe::parse("pony.toml", text).unwrap();
+        let (coat, tail) = (recipe.fibre.of_coat(), recipe.fibre.of_group("tail"));
+        assert_eq!(recipe.fibre.of_group("mane"), coat);
+        assert_eq!((tail.tilt, tail.eta), (coat.tilt, coat.eta));
+        assert!((tail.along - 12f32.to_radians()).abs() < 1e-6);
+        assert_eq!(Recipe::parse("again.toml", &recipe.to_toml()).unwrap(), recipe);
+    }
+
+    #[test]
+    fn pigments_make_colours() {
+        let colors = |set: &[&str]| {
+            let mut recipe = Recipe::default();
+            set.iter().for_each(|assignment| recipe.set(assignment).unwrap());
+            recipe.fibre.pigmented().map(|colors| colors.root.0)
+        };
+        assert_eq!(colors(&[]), None);
+        assert_eq!(colors(&["fibre.eumelanin=0"]), Some([1.0; 3]));
+        let blond = colors(&["fibre.eumelanin=0.3"]).unwrap();
+        let brown = colors(&["fibre.eumelanin=1.3"]).unwrap();
+        let red = colors(&["fibre.pheomelanin=1"]).unwrap();
+        assert!(blond.iter().zip(brown).all(|(blond, brown)| *blond > brown), "{blond:?} {brown:?}");
+        assert!(red[0] > 1.5 * red[1] && red[1] > red[2], "{red:?}");
+    }
+}

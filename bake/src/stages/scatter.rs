@@ -1,0 +1,84 @@
+//! The `scatter` stage: tables of how the fibres of the hair scatter light (Marschner 2003; after Nguyen and Donnelly 2005), as a package has them.
+
+use crate::BakeError;
+use crate::recipe::{BcQuality, FibreParams};
+use crate::stages::textures::{AlphaMode, RawLevel, TextureEncoder};
+use half::f16;
+use pelage_formats::meaning::scattering::tables::Tables;
+use pelage_formats::{FibreInfo, FibreOptics, TextureFormat};
+use rayon::prelude::*;
+
+/// The fibres of a package, with their tables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FibreTables {
+    /// Each kind once, the coat's first.
+    pub fibres: Vec<FibreOptics>,
+    /// For each group of hair which of them it is.
+    pub of_groups: Vec<u8>,
+    /// Their tables: a .ktx2 file.
+    pub file: Vec<u8>,
+}
+
+/// Makes them.
+///
+/// * `groups`: names of the groups of hair, in their order
+///
+/// # Errors
+/// [`BakeError::Params`] for more kinds of fibres than a package has room for.
+pub fn tables<'a>(params: &FibreParams, groups: impl Iterator<Item = &'a str>) -> Result<FibreTables, BakeError> {
+    let mut fibres = vec![params.of_coat()];
+    let mut of_groups = Vec::new();
+    for group in groups {
+        let fibre = params.of_group(group);
+        let known = fibres.iter().position(|known| *known == fibre);
+        let number = known.unwrap_or_else(|| {
+            fibres.push(fibre);
+            fibres.len() - 1
+        });
+        if number >= FibreInfo::MOST {
+            let reason = format!("more than {} kinds of fibres, expected fewer", FibreInfo::MOST);
+            return Err(BakeError::Params { what: "fibre.group", reason });
+        }
+        of_groups.push(number as u8);
+    }
+    let size = params.table_texels;
+    let made: Vec<Tables> = fibres.par_iter().map(|of| Tables::new(&of.fibre(), size as usize)).collect();
+    let mut encoder = TextureEncoder::new(TextureFormat::Rgba16Float, AlphaMode::Opaque, BcQuality::Basic);
+    for layer in made.iter().flat_map(Tables::layers) {
+        let halves = |x: &f32| f16::from_f32(*x).to_le_bytes();
+        let texels: Vec<u8> = layer.as_flattened().iter().flat_map(halves).collect();
+        encoder.push_layer(&[RawLevel { width: size, height: size, texels: &texels }])?;
+    }
+    Ok(FibreTables { fibres, of_groups, file: encoder.finish()? })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    use super::*;
+    use crate::recipe::FibreOfGroup;
+    use pelage_formats::meaning::scattering::Angles;
+    use pelage_formats::{Limits, TextureView};
+
+    #[test]
+    fn tables_keep_what_half_floats_can() {
+        let other = FibreOfGroup { name: "tail".into(), along_deg: Some(15.0), ..FibreOfGroup::default() };
+        let params = FibreParams { group: vec![other], ..FibreParams::default() };
+        let made = tables(&params, ["mane", "tail", "tail tuft"].into_iter()).unwrap();
+        assert_eq!((made.fibres.len(), &made.of_groups[..]), (2, &[0, 1, 0][..]));
+        let view = TextureView::parse(&made.file, 0, &Limits::default()).unwrap();
+        assert_eq!((view.format, view.width, view.layers), (TextureFormat::Rgba16Float, 64, 8));
+        for (number, fibre) in made.fibres.iter().enumerate() {
+            let layers = [0, 1, 2, 3].map(|layer| view.floats(4 * number as u32 + layer).unwrap());
+            let (read, exact) = (Tables::of_layers(layers).unwrap(), fibre.fibre());
+            let (sin, cos) = (libm::sin(0.3), libm::cos(0.3));
+            for phi in [0.2, 1.6, 3.0] {
+                let angles = Angles { from: (sin, cos), to: (-0.2, 0.96_f64.sqrt()), phi };
+                let sigma = [0.1, 0.5, 2.0];
+                for (found, expected) in read.scatter(sigma, &angles).into_iter().zip(exact.scatter(sigma, &angles)) {
+                    assert!((found / expected - 1.0).abs() < 0.02, "fibre {number}, φ {phi}: {found}, {expected}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The `FIBR` section: how the fibres of the hair scatter light. Layout in `FORMAT.md`, "FIBR".
+
+use super::kind::{Count, Kind, Row, faults};
+use super::textures::{TextureFormat, TextureView};
+use crate::encoding::{decode_section, encode_section};
+use crate::error::FormatError;
+use crate::meaning::scattering::{Around, Fibre, Keeps};
+use crate::package::Package;
+use crate::tag::Tag;
+use crate::writer::PackageWriter;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+impl Tag {
+    /// How fibres scatter light, since version 3. At most one.
+    pub const FIBRES: Self = Self(*b"FIBR");
+}
+
+pub(crate) const KIND: Kind = Kind {
+    tag: Tag::FIBRES,
+    since: 3,
+    count: Count::AtMostOne,
+    check: |package, _| package.fibres().map(drop),
+    check_use: |package| faults([package.fibre_tables().err()]),
+    row: Row { what: "[how fibres scatter light](#fibr-fibres)", how_many: "at most one", place: "any" },
+};
+
+/// Array layers that each fibre has in the texture: along it, around it, how far light goes within, and what goes on and comes back.
+pub const FIBRE_LAYERS: u32 = 4;
+
+/// How the fibres of a package scatter light.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FibreInfo {
+    /// Index into the manifest's `textures`: half floats, square, [`FIBRE_LAYERS`] array layers for each fibre, as [`crate::meaning::scattering::tables`]
+    /// lays them out.
+    pub texture: u32,
+    /// The fibres: that of the coat first. At most [`FibreInfo::MOST`].
+    pub fibres: Vec<FibreOptics>,
+    /// For each group of the section `HAIR` which of them it is made of.
+    pub of_groups: Vec<u8>,
+}
+
+/// A fibre of one kind.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FibreOptics {
+    /// Index of refraction, 1.01..=3.
+    pub eta: f32,
+    /// Standard deviation of the reflected lobe along the fibre, radians of the half angle, 0.01..=1.
+    pub along: f32,
+    /// By how much its scales tilt that lobe towards the root, radians of the half angle, −0.5..=0.5.
+    pub tilt: f32,
+    /// Scale of the logistic distribution around it, radians, 0.01..=2.
+    pub around: f32,
+}
+
+impl FibreOptics {
+    /// The fibre of these numbers, which keeps energy.
+    pub fn fibre(&self) -> Fibre {
+        Fibre {
+            eta: self.eta.into(),
+            along: self.along.into(),
+            tilt: self.tilt.into(),
+            around: Around::Rough(self.around.into()),
+            keeps: Keeps::Energy,
+        }
+    }
+
+    fn fault(&self) -> Option<String> {
+        let ranges = [
+            ("eta", self.eta, 1.01, 3.0),
+            ("along", self.along, 0.01, 1.0),
+            ("tilt", self.tilt, -0.5, 0.5),
+            ("around", self.around, 0.01, 2.0),
+        ];
+        let outside = ranges.into_iter().find(|(_, found, least, most)| !(*least..=*most).contains(found));
+        outside.map(|(name, found, least, most)| format!("{name} is {found}, expected {least} to {most}"))
+    }
+}
+
+impl FibreInfo {
+    /// Most fibres of a package.
+    pub const MOST: usize = 64;
+
+    fn fault(&self, groups: usize) -> Option<String> {
+        let count = self.fibres.len();
+        if !(1..=Self::MOST).contains(&count) {
+            return Some(format!("{count} fibres, expected 1 to {}", Self::MOST));
+        }
+        if self.of_groups.len() != groups {
+            let found = self.of_groups.len();
+            return Some(format!("of_groups has {found} entries, expected one for each of {groups} groups of hair"));
+        }
+        if let Some((i, found)) = self.of_groups.iter().enumerate().find(|(_, of)| usize::from(**of) >= count) {
+            return Some(format!("of_groups[{i}] is {found}, expected less than the {count} fibres"));
+        }
+        let faults = self.fibres.iter().enumerate();
+        faults.filter_map(|(i, fibre)| Some(format!("fibres[{i}]: {}", fibre.fault()?))).next()
+    }
+}
+
+impl<'a> Package<'a> {
+    /// How its fibres scatter light; `None` for a package that does not know.
+    ///
+    /// Fails where the section is damaged, or does not fit the groups of hair.
+    pub fn fibres(&self) -> Result<Option<Arc<FibreInfo>>, FormatError> {
+        let Some((index, section)) = self.find(Tag::FIBRES, 0) else { return Ok(None) };
+        let info = self.keep(index, || {
+            let info: FibreInfo = decode_section(Tag::FIBRES, section.offset, self.section_bytes(index)?)?;
+            let fail = |reason| FormatError::Content { tag: Tag::FIBRES, offset: section.offset, reason };
+            info.fault(self.hair_groups()?.len()).map_or(Ok(Arc::new(info)), |reason| Err(fail(reason)))
+        })?;
+        Ok(Some(info))
+    }
+
+    /// Their tables; `None` for a package that does not know.
+    ///
+    /// Fails where the texture is damaged, or not as [`FibreInfo`] says.
+    pub fn fibre_tables(&self) -> Result<Option<TextureView<'a>>, FormatError> {
+        let Some(info) = self.fibres()? else { return Ok(None) };
+        let view = self.texture(info.texture)?;
+        let layers = FIBRE_LAYERS * info.fibres.len() as u32;
+        let size = view.width;
+        if view.format != TextureFormat::Rgba16Float || size < 2 || (size, layers) != (view.height, view.layers) {
+            let reason = format!(
+                "is {}x{} texels of {} in {} layers, expected square {} in {layers} as tables of fibres",
+                size,
+                view.height,
+                view.format.name(),
+                view.layers,
+                TextureFormat::Rgba16Float.name()
+            );
+            return Err(self.texture_fault(info.texture, &reason));
+        }
+        let numbers = (0..view.levels).flat_map(|level| view.level(level).chunks_exact(2));
+        // All bits of the exponent: infinite, or no number.
+        if numbers.into_iter().any(|half| half[1] & 0x7c == 0x7c) {
+            return Err(self.texture_fault(info.texture, "holds what is no finite number, expected tables of fibres"));
+        }
+        Ok(Some(view))
+    }
+}
+
+impl PackageWriter<'_> {
+    /// Adds how fibres scatter light.
+    pub fn fibres(self, info: &FibreInfo) -> Self {
+        self.encoded(Tag::FIBRES, encode_section(Tag::FIBRES, info))
+    }
+}

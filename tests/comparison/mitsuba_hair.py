@@ -1,0 +1,119 @@
+"""Light that goes from fibre to fibre, by `pelage reference --fibre exact` and by Mitsuba 3's `hair` and `path` on the same strands. Prints one JSON object
+and exits with 1 where the means differ by more than --limit; see README.md."""
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import mitsuba as mi
+import numpy as np
+from mitsuba_camera import sensor
+from strand_files import pelage
+
+BLOCK = 16
+
+
+def scene(strands, skin, exported, light, given):
+    """The same strands as the fibres that the export says, over skin of one colour."""
+    towards = np.array(light) / np.linalg.norm(light)
+    groups = [group for group in exported["groups"] if "fibre" in group]
+    if len(groups) != 1:
+        sys.exit(f"{len(groups)} groups with a fibre in the export, expected one: bake with shading.model=marschner, without hair on guides")
+    fibre = groups[0]["fibre"]
+    return mi.load_dict({
+        "type": "scene",
+        # A path of Mitsuba's has one more vertex: the light.
+        "integrator": {"type": "path", "max_depth": given.bounces + 1, "rr_depth": 8, "hide_emitters": True},
+        "sensor": sensor(exported, given.spp),
+        # A light of colour 1 brings an irradiance of pi.
+        "light": {"type": "directional", "direction": (-towards).tolist(), "irradiance": {"type": "rgb", "value": float(np.pi)}},
+        "skin": {
+            "type": "obj",
+            "filename": str(skin),
+            "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": given.skin}},
+        },
+        "hair": {
+            "type": given.curves,
+            "filename": str(strands),
+            "bsdf": {
+                "type": "hair",
+                "int_ior": fibre["index_of_refraction"],
+                "ext_ior": 1.0,
+                "longitudinal_roughness": fibre["longitudinal_roughness"],
+                "azimuthal_roughness": fibre["azimuthal_roughness"],
+                "scale_tilt": fibre["scale_tilt_deg"],
+                "sigma_a": {"type": "rgb", "value": fibre["absorption_per_radius"]},
+            },
+        },
+    })  # fmt: skip
+
+
+def blocks(picture):
+    """Means of squares of pixels."""
+    height, width = (side // BLOCK * BLOCK for side in picture.shape[:2])
+    cut = picture[:height, :width].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, -1)
+    return cut.mean(axis=(1, 3))
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("package", type=Path)
+    arguments.add_argument("--pelage", default="../../target/release/pelage")
+    arguments.add_argument("--size", default="256x256")
+    arguments.add_argument("--spp", type=int, default=64)
+    arguments.add_argument("--bounces", type=int, default=64)
+    arguments.add_argument("--light", default="-0.25,0.75,0.6")
+    arguments.add_argument("--skin", type=float, nargs=3, default=[0.5, 0.5, 0.5], help="reflectance of the skin, linear")
+    arguments.add_argument("--curves", default="linearcurve", help="linearcurve or bsplinecurve")
+    arguments.add_argument("--variant", default="scalar_rgb", help="scalar_rgb or llvm_ad_rgb")
+    arguments.add_argument("--limit", type=float, default=0.03)
+    arguments.add_argument("-o", "--output", type=Path, default=Path("."), help="folder for the pictures")
+    given = arguments.parse_args()
+    mi.set_variant(given.variant)
+    given.output.mkdir(parents=True, exist_ok=True)
+
+    ours_file, theirs_file = given.output / "pelage.exr", given.output / "mitsuba.exr"
+    ours = pelage(
+        given.pelage, "reference", given.package, "-o", ours_file, "--size", given.size, "--spp", given.spp,
+        f"--light={given.light}", "--penumbra", 0, "--fibre", "exact", "--bounces", given.bounces,
+    )  # fmt: skip
+    with tempfile.TemporaryDirectory() as folder:
+        strands, skin = Path(folder) / "strands.txt", Path(folder) / "skin.obj"
+        words = ["--strands", strands, "--mesh", skin, "--size", given.size]
+        exported = pelage(given.pelage, "export", given.package, *words)
+        loaded = scene(strands, skin, exported, [float(x) for x in given.light.split(",")], given)
+    begun = time.perf_counter()
+    theirs = np.array(mi.render(loaded, spp=given.spp, seed=0))
+    seconds = time.perf_counter() - begun
+    mi.Bitmap(theirs.astype(np.float32)).write(str(theirs_file))
+
+    pictures = [np.array(mi.Bitmap(str(ours_file)).convert(mi.Bitmap.PixelFormat.RGBA, mi.Struct.Type.Float32, False)), theirs]
+    ours_blocks, theirs_blocks = (blocks(picture) for picture in pictures)
+    covered = (ours_blocks[..., 3] > 0.5) & (theirs_blocks[..., 3] > 0.5)
+    ours_light, theirs_light = ours_blocks[covered][:, :3], theirs_blocks[covered][:, :3]
+    means = [light.mean(axis=0) for light in (ours_light, theirs_light)]
+    off = np.abs(ours_light - theirs_light).mean(axis=1) / theirs_light.mean()
+    worst = float(np.abs(means[0] / means[1] - 1).max())
+    print(json.dumps({
+        "strands": exported["strands"],
+        "fibre": exported["groups"][0]["fibre"],
+        "size": given.size,
+        "spp": given.spp,
+        "bounces": given.bounces,
+        "threads": os.cpu_count(),
+        "pelage": {"mean": means[0].tolist(), "seconds": ours["seconds"]},
+        "mitsuba": {"mean": means[1].tolist(), "seconds": seconds, "version": mi.__version__, "variant": given.variant},
+        "means_differ_by": worst,
+        "blocks": int(covered.sum()),
+        "blocks_differ_by_mean": float(off.mean()),
+        "blocks_differ_by_most": float(off.max()),
+    }, indent=2))  # fmt: skip
+    sys.exit(worst > given.limit)
+
+
+if __name__ == "__main__":
+    main()
