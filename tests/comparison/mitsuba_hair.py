@@ -12,9 +12,12 @@ from pathlib import Path
 import mitsuba as mi
 import numpy as np
 from mitsuba_camera import sensor
-from strand_files import pelage
+from strand_files import pelage, read_text
 
 BLOCK = 16
+# Tenths of a millimetre in a metre. Mitsuba lets rays begin a ten-thousandth of a unit off a surface: with metres for units that is as wide as a hair, and
+# light that goes through a fibre is lost.
+SCALE = 1e4
 
 
 def scene(strands, skin, exported, light, given):
@@ -28,16 +31,18 @@ def scene(strands, skin, exported, light, given):
         "type": "scene",
         # A path of Mitsuba's has one more vertex: the light.
         "integrator": {"type": "path", "max_depth": given.bounces + 1, "rr_depth": 8, "hide_emitters": True},
-        "sensor": sensor(exported, given.spp),
+        "sensor": sensor(exported, given.spp, SCALE),
         # A light of colour 1 brings an irradiance of pi.
         "light": {"type": "directional", "direction": (-towards).tolist(), "irradiance": {"type": "rgb", "value": float(np.pi)}},
         "skin": {
             "type": "obj",
             "filename": str(skin),
+            "to_world": mi.ScalarTransform4f().scale(SCALE),
             "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": given.skin}},
         },
         "hair": {
-            "type": given.curves,
+            # Linear curves know no direction along them, which the fibre needs.
+            "type": "bsplinecurve",
             "filename": str(strands),
             "bsdf": {
                 "type": "hair",
@@ -50,6 +55,20 @@ def scene(strands, skin, exported, light, given):
             },
         },
     })  # fmt: skip
+
+
+def splines(path):
+    """Strands as the control points of cubic B-splines, in the scene's units: a point before each end and one behind, so that the curve reaches it."""
+    out = []
+    for strand in read_text(path):
+        points = np.asarray(strand, dtype=np.float64) * SCALE
+        while len(points) < 4:
+            middles = 0.5 * (points[1:] + points[:-1])
+            points = np.insert(points, range(1, len(points)), middles, axis=0)
+        points = np.vstack([2 * points[0] - points[1], points, 2 * points[-1] - points[-2]])
+        points[:, 3] = np.maximum(points[:, 3], 1e-4)
+        out.append("\n".join(" ".join(f"{x:.9g}" for x in point) for point in points))
+    path.write_text("\n\n".join(out) + "\n")
 
 
 def blocks(picture):
@@ -68,7 +87,6 @@ def main():
     arguments.add_argument("--bounces", type=int, default=64)
     arguments.add_argument("--light", default="-0.25,0.75,0.6")
     arguments.add_argument("--skin", type=float, nargs=3, default=[0.5, 0.5, 0.5], help="reflectance of the skin, linear")
-    arguments.add_argument("--curves", default="linearcurve", help="linearcurve or bsplinecurve")
     arguments.add_argument("--variant", default="scalar_rgb", help="scalar_rgb or llvm_ad_rgb")
     arguments.add_argument("--limit", type=float, default=0.03)
     arguments.add_argument("-o", "--output", type=Path, default=Path("."), help="folder for the pictures")
@@ -85,6 +103,7 @@ def main():
         strands, skin = Path(folder) / "strands.txt", Path(folder) / "skin.obj"
         words = ["--strands", strands, "--mesh", skin, "--size", given.size]
         exported = pelage(given.pelage, "export", given.package, *words)
+        splines(strands)
         loaded = scene(strands, skin, exported, [float(x) for x in given.light.split(",")], given)
     begun = time.perf_counter()
     theirs = np.array(mi.render(loaded, spp=given.spp, seed=0))
