@@ -1,8 +1,10 @@
-//! Packages made from others: with fins, with another manifest.
+//! Packages made from others: with fins, with fibres, with another manifest.
 
 use crate::support::ktx2;
+use pelage_bake::recipe::FibreParams;
+use pelage_bake::stages::scatter;
 use pelage_runtime::formats::{
-    Fin, FinData, FinInfo, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, TextureEntry,
+    FibreInfo, Fin, FinData, FinInfo, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, TextureEntry,
     TextureFormat,
 };
 
@@ -29,6 +31,24 @@ pub fn with_strands(bytes: &[u8], strands: &StrandsData) -> Vec<u8> {
             w.section(s.tag, package.section_bytes(i).expect("a valid section"))
         })
         .strands(strands)
+        .finish()
+        .expect("a valid package")
+}
+
+/// The package with hair of those fibres.
+pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
+    let made = scatter::tables(fibre, std::iter::empty()).expect("there is one fibre");
+    let package = Package::open(bytes, &Limits::default()).expect("a valid package");
+    let mut manifest = package.manifest().clone();
+    let texture = manifest.textures.len() as u32;
+    manifest.textures.push(TextureEntry { name: "fibres".into() });
+    let sections = package.sections().iter().enumerate().skip(1);
+    sections
+        .fold(PackageWriter::new(manifest), |w, (i, s)| {
+            w.section(s.tag, package.section_bytes(i).expect("a valid section"))
+        })
+        .texture(made.file)
+        .fibres(&FibreInfo { texture, fibres: made.fibres, of_groups: made.of_groups })
         .finish()
         .expect("a valid package")
 }

@@ -14,6 +14,7 @@ mod ink_specks;
 mod inside_your_pass;
 mod morphs;
 mod pictures;
+mod scattering;
 mod shadows;
 mod shadows_on_your_ground;
 mod shared;

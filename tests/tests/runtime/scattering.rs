@@ -1,0 +1,117 @@
+//! Hair as fibres that scatter light: what a layer sends the eye against the equations, and what light from hair to hair does to coats.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use pelage_bake::recipe::FibreParams;
+use pelage_runtime::formats::meaning::scattering::{Angles, colour};
+use pelage_runtime::glam::Vec3;
+use pelage_runtime::{
+    Camera, FrameParams, Hair, Instance, Light, PassId, Projection, Renderer, RendererOptions, Scattering, SelfShadow,
+    wgpu,
+};
+use pelage_stage::Gpu;
+use pelage_tests::binary::workspace;
+use pelage_tests::gpu::gpu;
+use pelage_tests::packages::with_fibres;
+use pelage_tests::pictures::draw_passes;
+use pelage_tests::plane::plane;
+use pelage_tests::silhouette::{bake_plain, half_to_f32};
+use std::f64::consts::PI;
+
+fn renderer(gpu: &Gpu) -> Renderer {
+    let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..RendererOptions::default() };
+    Renderer::new(&gpu.device, &gpu.queue, &options).unwrap()
+}
+
+fn params(eye: Vec3, light: Vec3, seen_m: f32, size: u32) -> FrameParams {
+    let projection = Projection::Orthographic { height_m: seen_m, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
+    FrameParams::new(Camera::look_at(2.0 * eye.normalize(), Vec3::ZERO, projection), [size; 2]).with(|p| {
+        p.light = Light::Directional { towards_light: light, color: Vec3::ONE };
+        p.ambient = Vec3::ZERO;
+    })
+}
+
+/// Colours of all pixels.
+fn pixels(
+    gpu: &Gpu,
+    renderer: &mut Renderer,
+    instance: &Instance,
+    params: &FrameParams,
+    passes: &[PassId],
+) -> Vec<[f32; 4]> {
+    let texels = draw_passes(gpu, renderer, params, &[instance], passes);
+    let texel = |t: &[u8]| [0, 2, 4, 6].map(|i| half_to_f32([t[i], t[i + 1]]));
+    texels.chunks_exact(8).map(texel).collect()
+}
+
+/// An opaque layer of upright grey fibres, from many sides, in light that no other hair takes.
+#[test]
+fn a_layer_scatters_what_its_fibres_do() {
+    let Some(gpu) = gpu("a_layer_scatters_what_its_fibres_do") else { return };
+    let fibre = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
+    let mut renderer = renderer(gpu);
+    let model = renderer.load_bytes(&with_fibres(&plane(2, 255), &fibre)).unwrap();
+    let instance = Instance::new(0, &model);
+    let exact = fibre.of_coat().fibre();
+    // 127 of 255, as the plane has it.
+    let color = [127.0 / 255.0; 3];
+    let sigma = colour::absorption(color, f64::from(fibre.of_coat().around));
+    let ways = [
+        Vec3::new(0.3, 0.2, 0.9),
+        Vec3::new(-0.6, 0.3, 0.5),
+        Vec3::new(0.8, -0.5, 0.3),
+        Vec3::new(-0.2, -0.9, 0.4),
+        Vec3::new(0.9, 0.1, 0.15),
+    ];
+    // The last, as an eye, looks past the plane.
+    for (eye, light) in ways[..4].iter().flat_map(|eye| ways.iter().map(move |light| (*eye, *light))) {
+        let single = params(eye, light, 0.02, 8).with(|p| p.soft_shadow = false).with_fur(|fur| {
+            fur.self_shadow = SelfShadow::Off;
+            fur.scattering = Scattering::Single;
+        });
+        let found = pixels(gpu, &mut renderer, &instance, &single, &[PassId::SHELLS])[27];
+        let of = |way: Vec3| way.as_dvec3().normalize();
+        let angles = Angles::between(Vec3::Z.as_dvec3(), of(light), of(eye));
+        for (found, expected) in found.into_iter().zip(exact.scatter(sigma, &angles)) {
+            let (found, expected) = (f64::from(found), PI * expected);
+            assert!((found - expected).abs() < 0.03 * expected + 2e-3, "{eye}, {light}: {found}, expected {expected}");
+        }
+    }
+}
+
+/// The hare in white and in black: light that goes on from hair to hair is most of the one's and little of the other's, layers and strands agree, and no pixel is
+/// anything but light from any side.
+#[test]
+fn light_goes_from_hair_to_hair() {
+    let Some(gpu) = gpu("light_goes_from_hair_to_hair") else { return };
+    let model = workspace().join("assets/models/hare.glb");
+    let mut renderer = renderer(gpu);
+    let passes: Vec<PassId> = PassId::all().collect();
+    let hares = ["0", "8", "0.3"].map(|eumelanin| {
+        let pigment = format!("fibre.eumelanin={eumelanin}");
+        let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", &pigment];
+        Instance::new(0, &renderer.load_bytes(&bake_plain("hare", &model, None, &set)).unwrap())
+    });
+    let mut mean = |hare: &Instance, hair: Hair, scattering: Scattering, light: Vec3| {
+        let view = params(Vec3::new(0.4, 0.2, 0.9), light, 0.6, 96).with_fur(|fur| {
+            fur.hair = hair;
+            fur.scattering = scattering;
+        });
+        let found = pixels(gpu, &mut renderer, hare, &view, &passes);
+        assert!(found.as_flattened().iter().all(|x| x.is_finite() && *x >= 0.0), "{hair:?} {scattering:?} {light}");
+        let covered: f32 = found.iter().map(|p| p[3]).sum();
+        found.iter().map(|p| p[1]).sum::<f32>() / covered
+    };
+    let front = Vec3::new(0.3, 0.5, 1.0);
+    let [white, black] = [&hares[0], &hares[1]].map(|hare| {
+        let multiple = mean(hare, Hair::Shells, Scattering::Multiple, front);
+        let strands = mean(hare, Hair::Strands, Scattering::Multiple, front);
+        assert!((strands / multiple - 1.0).abs() < 0.25, "layers {multiple}, strands {strands}");
+        [multiple, mean(hare, Hair::Shells, Scattering::Single, front)]
+    });
+    assert!(white[0] > 3.0 * white[1], "white: {white:?}");
+    assert!(black[0] < 2.0 * black[1] && black[0] < 0.2 * white[0], "black: {black:?}, white {white:?}");
+    // Along the hair, from behind, and from where the eye is.
+    for light in [Vec3::Y, Vec3::NEG_Y, -front, Vec3::new(0.4, 0.2, 0.9), Vec3::new(-0.4, -0.2, -0.9)] {
+        mean(&hares[2], Hair::Shells, Scattering::Multiple, light);
+    }
+}
