@@ -33,12 +33,13 @@ const KEY_VALUES: &str = "key/value data is not read: nothing in it changes what
 const PRIMARIES: &str = "colour primaries are not read: packages hold sRGB primaries only";
 
 /// What must open among the well-formed files: all that hold a format of ours in a 2D texture ready to upload.
-const OPENED: [&str; 10] = [
+const OPENED: [&str; 11] = [
     "cts_valid_R16G16B16A16_SFLOAT_2D.ktx2",
     "cts_valid_R8G8B8A8_SRGB_2D.ktx2",
     "cts_valid_R8G8B8A8_SRGB_2D_ARRAY_MIP.ktx2",
     "cts_valid_R8G8B8A8_SRGB_2D_MIP.ktx2",
     "gltftransform_2d_bc7.ktx2",
+    "gltftransform_2d_rgba16_linear.ktx2",
     "gltftransform_2d_rgba8.ktx2",
     "ktxparse_arraytex_7_mipmap_reference_u.ktx2",
     "ktxparse_luminance_alpha_reference_u.ktx2",
