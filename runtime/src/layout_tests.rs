@@ -13,7 +13,7 @@ use crate::passes::{
 };
 use crate::scene::{NEAREST, NearestHair, TILE};
 use crate::shared::deep_opacity::{self, DeepOpacity};
-use crate::shared::{frame, receiver, soft_shadow};
+use crate::shared::{frame, receiver, scattering, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform, SCAN_WORKGROUP};
 use crate::swing::WindBlock;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -326,6 +326,7 @@ fn uniform_structs_agree() {
     let (wgsl, size) = members(receiver::WGSL, "ShadowReceiver");
     let (fields, rust_size) = fields!(receiver::ShadowReceiver, map_from_world, soft_shadow, centred, reserved);
     assert_eq!((&wgsl[..3], wgsl[3].1, size), (&fields[..3], fields[3].1, rust_size));
+    assert_eq!(members(scattering::WGSL, "Fibre"), fields!(scattering::Fibre, optics, on, back));
     let (members, size) = members(&skin::SHADER.wgsl(), "Material");
     let (fields, rust_size) =
         fields!(MaterialUniform, base_color, alpha_cutoff, share_per_m, horizon, reserved, asides);

@@ -4,53 +4,45 @@ use crate::support::ktx2;
 use pelage_bake::recipe::FibreParams;
 use pelage_bake::stages::scatter;
 use pelage_runtime::formats::{
-    FibreInfo, Fin, FinData, FinInfo, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, TextureEntry,
+    Fin, FinData, FinInfo, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, TextureEntry,
     TextureFormat,
 };
 
+/// The same sections as another package, under another manifest: more can be added.
+fn carried<'a>(package: &Package<'a>, manifest: Manifest) -> PackageWriter<'a> {
+    let sections = package.sections().iter().enumerate().skip(1);
+    sections.fold(PackageWriter::new(manifest), |writer, (i, section)| {
+        writer.section(section.tag, package.section_bytes(i).expect("a valid section"))
+    })
+}
+
+fn opened(bytes: &[u8]) -> Package<'_> {
+    Package::open(bytes, &Limits::default()).expect("a valid package")
+}
+
 /// The same package with another manifest.
 pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8> {
-    let package = Package::open(bytes, &Limits::default()).expect("a valid package");
+    let package = opened(bytes);
     let mut manifest = package.manifest().clone();
     change(&mut manifest);
-    let sections = package.sections().iter().enumerate().skip(1);
-    sections
-        .fold(PackageWriter::new(manifest), |w, (i, s)| {
-            w.section(s.tag, package.section_bytes(i).expect("a valid section"))
-        })
-        .finish()
-        .expect("a valid package")
+    carried(&package, manifest).finish().expect("a valid package")
 }
 
 /// The package with strands of the tile.
 pub fn with_strands(bytes: &[u8], strands: &StrandsData) -> Vec<u8> {
-    let package = Package::open(bytes, &Limits::default()).expect("a valid package");
-    let sections = package.sections().iter().enumerate().skip(1);
-    sections
-        .fold(PackageWriter::new(package.manifest().clone()), |w, (i, s)| {
-            w.section(s.tag, package.section_bytes(i).expect("a valid section"))
-        })
-        .strands(strands)
-        .finish()
-        .expect("a valid package")
+    let package = opened(bytes);
+    carried(&package, package.manifest().clone()).strands(strands).finish().expect("a valid package")
 }
 
 /// The package with hair of those fibres.
 pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
     let made = scatter::tables(fibre, std::iter::empty()).expect("there is one fibre");
-    let package = Package::open(bytes, &Limits::default()).expect("a valid package");
+    let package = opened(bytes);
     let mut manifest = package.manifest().clone();
     let texture = manifest.textures.len() as u32;
     manifest.textures.push(TextureEntry { name: "fibres".into() });
-    let sections = package.sections().iter().enumerate().skip(1);
-    sections
-        .fold(PackageWriter::new(manifest), |w, (i, s)| {
-            w.section(s.tag, package.section_bytes(i).expect("a valid section"))
-        })
-        .texture(made.file)
-        .fibres(&FibreInfo { texture, fibres: made.fibres, of_groups: made.of_groups })
-        .finish()
-        .expect("a valid package")
+    let info = made.info(texture);
+    carried(&package, manifest).texture(made.file).fibres(&info).finish().expect("a valid package")
 }
 
 /// White strands that all light reaches, of five points on a straight line.
@@ -82,7 +74,7 @@ pub const ALPHA: u8 = 128;
 
 /// The package with fins of even opacity on pairs of its first part's vertices. What it has of ink is left out.
 pub fn with_fins(bytes: &[u8], edges: &[(u32, u32)]) -> Vec<u8> {
-    let package = Package::open(bytes, &Limits::default()).expect("a valid package");
+    let package = opened(bytes);
     let mut manifest = package.manifest().clone();
     let first = manifest.textures.len() as u32;
     manifest.fur.fins =

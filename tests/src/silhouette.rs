@@ -9,13 +9,9 @@ use pelage_bake::stages::import::ImportOptions;
 use pelage_needs::data;
 use std::path::{Path, PathBuf};
 
-/// IEEE 754 binary16, little-endian; normal numbers and zero.
+/// IEEE 754 binary16, little-endian.
 pub fn half_to_f32(bytes: [u8; 2]) -> f32 {
-    let bits = u32::from(u16::from_le_bytes(bytes));
-    if bits & 0x7fff == 0 {
-        return 0.0;
-    }
-    f32::from_bits(((bits & 0x8000) << 16) | (((bits & 0x7fff) << 13) + (112 << 23)))
+    half::f16::from_le_bytes(bytes).to_f32()
 }
 
 /// A model to be measured.

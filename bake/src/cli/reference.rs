@@ -4,10 +4,10 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file;
 use super::threads;
-use super::truth::{BOUNCES, Truth, encode};
+use super::truth::{Truth, encode};
 use super::view::View;
 use super::view_args::ViewArgs;
-use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera};
+use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueScattering};
 use pelage_bake::strands::GroomReport;
 use pelage_bake::{BakeError, io};
 use pelage_params::Knob;
@@ -70,7 +70,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
     let mut truth = pool.install(|| Truth::new(&file, &view))?;
     if args.fibre == FibreTruth::Exact || args.bounces.is_some() {
-        truth.scatter(args.bounces.unwrap_or(BOUNCES))?;
+        truth.scatter(args.bounces.unwrap_or(TrueScattering::BOUNCES))?;
     }
     let grown_s = start.elapsed().as_secs_f64();
     let start = Instant::now();

@@ -12,9 +12,6 @@ use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_formats::{FibreInfo, FibreOptics, HairGroup};
 use pelage_stage::{KeyLight, Look, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
 
-/// How often light meets hair and skin where nobody says it: enough for white coats.
-pub const BOUNCES: u32 = 64;
-
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
     /// Strands and skin.
@@ -147,7 +144,7 @@ impl Truth {
 /// The fibres of a package's strands: the coat's, and those of its groups of hair.
 fn scattering(info: &FibreInfo, groups: &[HairGroup], curves: &Curves) -> Result<TrueScattering, BakeError> {
     let first = info.fibres.first().map_or_else(Fibre::default, FibreOptics::fibre);
-    let mut all = TrueScattering::new(first, BOUNCES)?;
+    let mut all = TrueScattering::new(first, TrueScattering::BOUNCES)?;
     for run in curves.groups() {
         let number = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
         let fibre = number.and_then(|i| info.fibres.get(usize::from(*i))).map_or(first, FibreOptics::fibre);

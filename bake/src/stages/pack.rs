@@ -18,9 +18,9 @@ use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::{
-    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FibreInfo, FinData, FinInfo, FurInfo, GeometryVertex,
-    HairMotion, InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure,
-    RootsInfo, Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
+    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairMotion,
+    InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
+    Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
 };
 use std::sync::Arc;
 
@@ -259,11 +259,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
         wet_texture: pieces.wet_shells.and_then(|s| s.visibility.as_ref()).map(|f| add("wet_shell_visibility", f)),
         horizon: found.horizon,
     });
-    let fibres = pieces.fibres.map(|made| FibreInfo {
-        texture: textures.add(("fibres".into(), (&made.file).into())),
-        fibres: made.fibres.clone(),
-        of_groups: made.of_groups.clone(),
-    });
+    let fibres = pieces.fibres.map(|made| made.info(textures.add(("fibres".into(), (&made.file).into()))));
     let coat = pieces.shells.coat.as_ref();
     let mut materials = skin.manifest.materials.clone();
     for material in &mut materials {

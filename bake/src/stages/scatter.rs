@@ -4,6 +4,7 @@ use crate::BakeError;
 use crate::recipe::{BcQuality, FibreParams};
 use crate::stages::textures::{AlphaMode, RawLevel, TextureEncoder};
 use half::f16;
+use pelage_formats::meaning::scattering::means::Means;
 use pelage_formats::meaning::scattering::tables::Tables;
 use pelage_formats::{FibreInfo, FibreOptics, TextureFormat};
 use rayon::prelude::*;
@@ -13,10 +14,20 @@ use rayon::prelude::*;
 pub struct FibreTables {
     /// Each kind once, the coat's first.
     pub fibres: Vec<FibreOptics>,
+    /// Of each what needs no table.
+    pub means: Vec<Means>,
     /// For each group of hair which of them it is.
     pub of_groups: Vec<u8>,
     /// Their tables: a .ktx2 file.
     pub file: Vec<u8>,
+}
+
+impl FibreTables {
+    /// What a package says of them whose tables are that one of its textures.
+    pub fn info(&self, texture: u32) -> FibreInfo {
+        let Self { fibres, means, of_groups, .. } = self.clone();
+        FibreInfo { texture, fibres, means, of_groups }
+    }
 }
 
 /// Makes them.
@@ -49,7 +60,7 @@ pub fn tables<'a>(params: &FibreParams, groups: impl Iterator<Item = &'a str>) -
         let texels: Vec<u8> = layer.as_flattened().iter().flat_map(halves).collect();
         encoder.push_layer(&[RawLevel { width: size, height: size, texels: &texels }])?;
     }
-    Ok(FibreTables { fibres, of_groups, file: encoder.finish()? })
+    Ok(FibreTables { fibres, means: made.iter().map(|of| of.means).collect(), of_groups, file: encoder.finish()? })
 }
 
 #[cfg(test)]
@@ -67,10 +78,11 @@ mod tests {
         let made = tables(&params, ["mane", "tail", "tail tuft"].into_iter()).unwrap();
         assert_eq!((made.fibres.len(), &made.of_groups[..]), (2, &[0, 1, 0][..]));
         let view = TextureView::parse(&made.file, 0, &Limits::default()).unwrap();
-        assert_eq!((view.format, view.width, view.layers), (TextureFormat::Rgba16Float, 64, 8));
+        assert_eq!((view.format, view.width, view.layers), (TextureFormat::Rgba16Float, 64, 4));
         for (number, fibre) in made.fibres.iter().enumerate() {
-            let layers = [0, 1, 2, 3].map(|layer| view.floats(4 * number as u32 + layer).unwrap());
-            let (read, exact) = (Tables::of_layers(layers).unwrap(), fibre.fibre());
+            let layers = [0, 1].map(|layer| view.floats(2 * number as u32 + layer).unwrap());
+            let exact = fibre.fibre();
+            let read = Tables::of_layers(exact.eta, made.means[number], layers).unwrap();
             let (sin, cos) = (libm::sin(0.3), libm::cos(0.3));
             for phi in [0.2, 1.6, 3.0] {
                 let angles = Angles { from: (sin, cos), to: (-0.2, 0.96_f64.sqrt()), phi };

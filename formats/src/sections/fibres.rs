@@ -4,6 +4,7 @@ use super::kind::{Count, Kind, Row, faults};
 use super::textures::{TextureFormat, TextureView};
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
+use crate::meaning::scattering::means::Means;
 use crate::meaning::scattering::{Around, Fibre, Keeps};
 use crate::package::Package;
 use crate::tag::Tag;
@@ -25,8 +26,8 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[how fibres scatter light](#fibr-fibres)", how_many: "at most one", place: "any" },
 };
 
-/// Array layers that each fibre has in the texture: along it, around it, how far light goes within, and what goes on and comes back.
-pub const FIBRE_LAYERS: u32 = 4;
+/// Array layers that each fibre has in the texture: along it, and around it.
+pub const FIBRE_LAYERS: u32 = 2;
 
 /// How the fibres of a package scatter light.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,6 +37,8 @@ pub struct FibreInfo {
     pub texture: u32,
     /// The fibres: that of the coat first. At most [`FibreInfo::MOST`].
     pub fibres: Vec<FibreOptics>,
+    /// Of each fibre what needs no table.
+    pub means: Vec<Means>,
     /// For each group of the section `HAIR` which of them it is made of.
     pub of_groups: Vec<u8>,
 }
@@ -86,6 +89,9 @@ impl FibreInfo {
         if !(1..=Self::MOST).contains(&count) {
             return Some(format!("{count} fibres, expected 1 to {}", Self::MOST));
         }
+        if self.means.len() != count {
+            return Some(format!("means has {} entries, expected one for each of {count} fibres", self.means.len()));
+        }
         if self.of_groups.len() != groups {
             let found = self.of_groups.len();
             return Some(format!("of_groups has {found} entries, expected one for each of {groups} groups of hair"));
@@ -93,8 +99,9 @@ impl FibreInfo {
         if let Some((i, found)) = self.of_groups.iter().enumerate().find(|(_, of)| usize::from(**of) >= count) {
             return Some(format!("of_groups[{i}] is {found}, expected less than the {count} fibres"));
         }
-        let faults = self.fibres.iter().enumerate();
-        faults.filter_map(|(i, fibre)| Some(format!("fibres[{i}]: {}", fibre.fault()?))).next()
+        let of_optics = self.fibres.iter().enumerate().map(|(i, fibre)| ("fibres", i, fibre.fault()));
+        let of_means = self.means.iter().enumerate().map(|(i, means)| ("means", i, means.fault()));
+        of_optics.chain(of_means).find_map(|(list, i, fault)| Some(format!("{list}[{i}]: {}", fault?)))
     }
 }
 

@@ -7,11 +7,16 @@ const MAX_FILL_LIGHTS: u32 = 32u;
 // There are some.
 override FILL_LIGHTS: bool = false;
 
+// The frame in which a point of hair sees lights.
+fn tile_of(spot: Spot) -> TileFrame {
+    return tile_frame(normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)), spot.tangent.xyz, spot.tangent.w);
+}
+
 // The terms of eq. (1) and Attenu_Back of each.
 fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
     let spot = p.spot;
     let color = p.color * p.tint;
-    let tile = tile_frame(normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)), spot.tangent.xyz, spot.tangent.w);
+    let tile = tile_of(spot);
     let eye = direction_to(frame.eye_ws, spot.position_ws);
     var sum = vec3(0.0);
     for (var i = 0u; i < frame.fill_lights; i++) {
@@ -27,6 +32,17 @@ fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
             * (back_attenuation(light.z, instance.back_light_range) * visible_past_strands(p.baked, light));
         let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);
         sum += lit * fill_lights[i].color.rgb;
+    }
+    return sum;
+}
+
+// On the mat of an undercoat of that colour.
+fn fill_lights_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
+    let tile = tile_of(p.spot);
+    var sum = vec3(0.0);
+    for (var i = 0u; i < frame.fill_lights; i++) {
+        let light = to_tile(tile, direction_to(fill_lights[i].light_ws, p.spot.position_ws));
+        sum += fill_lights[i].color.rgb * reaches_mat(light.z, color, visible_past_strands(p.baked, light));
     }
     return sum;
 }

@@ -37,13 +37,7 @@ fn light_undercoat(p: HairPoint) -> vec3<f32> {
     let color = p.color * a.diffuse / max(p.opacity, 1e-6);
     var lit = p.color * a.diffuse * a.specular * (reaches_mat(a.light_ts.z, color, direct) * a.past);
     if FILL_LIGHTS {
-        let spot = p.spot;
-        let tile = tile_frame(normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)), spot.tangent.xyz, spot.tangent.w);
-        for (var i = 0u; i < frame.fill_lights; i++) {
-            let light = to_tile(tile, direction_to(fill_lights[i].light_ws, spot.position_ws));
-            let direct = visible_past_strands(p.baked, light);
-            lit += p.color * p.tint * fill_lights[i].color.rgb * reaches_mat(light.z, color, direct);
-        }
+        lit += p.color * p.tint * fill_lights_on_mat(p, color);
     }
     return p.color * a.ambient + lit;
 }

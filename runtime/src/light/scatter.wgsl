@@ -8,27 +8,12 @@ override MULTIPLE: bool = false;
 override FIBRE: u32 = 0u;
 
 @group(1) @binding(4) var fibre_tables: texture_2d_array<f32>;
+@group(1) @binding(5) var<uniform> fibres: array<Fibre, 64>;
 
 // A texel between those of a layer of the fibre's tables, by its place, 0..=1.
 fn fibre_texel(place: vec2<f32>, layer: u32) -> vec4<f32> {
     let size = f32(textureDimensions(fibre_tables).x);
-    return textureSampleLevel(fibre_tables, map_sampler, (place * (size - 1.0) + 0.5) / size, 4u * FIBRE + layer, 0.0);
-}
-
-// Of light at an angle of that cosine to the plane across a fibre in a coat of that colour: what goes on, and what comes back.
-fn fibre_sides(cos_theta: f32, color: vec3<f32>) -> array<vec3<f32>, 2> {
-    let row = fibre_row(cos_theta);
-    let r = fibre_texel(vec2(color.r, row), 3u);
-    let g = fibre_texel(vec2(color.g, row), 3u);
-    let b = fibre_texel(vec2(color.b, row), 3u);
-    return array(vec3(r.x, g.x, b.x), vec3(r.y, g.y, b.y));
-}
-
-// How much of the light that goes on from fibre to fibre there is under a light so high, over that under one straight above: of fibres that absorb all but
-// `left` (after Hapke 1981, whose H function's share beyond 1 it is).
-fn falls_in(left: vec3<f32>, sine: f32) -> vec3<f32> {
-    let root = 2.0 * sqrt(max(vec3(1.0) - left, vec3(0.0)));
-    return sine * (1.0 + root) / (1.0 + sine * root);
+    return textureSampleLevel(fibre_tables, map_sampler, (place * (size - 1.0) + 0.5) / size, 2u * FIBRE + layer, 0.0);
 }
 
 // What falls on a mat below a coat of that colour, over what falls on the coat: light that comes past the fibres, of which the share `direct` does, by the
@@ -38,7 +23,9 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     if !MULTIPLE {
         return straight;
     }
-    let sides = fibre_sides(1.0, clamp(color, vec3(0.0), vec3(1.0)));
+    let optics = fibres[FIBRE].optics;
+    let left = fibre_left(1.0, optics, fibre_absorption(color, optics.y));
+    let sides = fibre_sides(fibres[FIBRE], 1.0, left);
     let d = diffused(sides[0], sides[1], direct);
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
 }
@@ -46,16 +33,15 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
 // What a fibre in a coat of that colour sends to the eye of a light of colour 1, which brings an irradiance of pi. `direct`: share of the light that comes past
 // other fibres, `past` that comes past all else; above: sine of the light's height above the skin, as above_rim has it. All in one frame, the fibre towards its tip.
 fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f32>, above: f32, direct: f32, past: f32) -> vec3<f32> {
-    let tip = normalize_or(direction, vec3(0.0, 0.0, 1.0));
+    let optics = fibres[FIBRE].optics;
+    let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let angles = fibre_angles(tip, light, eye);
-    let along = fibre_texel(angles.along, 0u);
-    let around = fibre_texel(angles.around, 1u);
-    let lengths = fibre_texel(angles.around, 2u);
-    let absorbed = fibre_absorption(color, lengths.w);
-    var sent = direct * fibre_scatters(along, around, lengths, absorbed);
+    let absorbed = fibre_absorption(color, optics.y);
+    let left = fibre_left(angles.cos_d, optics, absorbed);
+    var sent = direct * fibre_scatters(fibre_texel(angles.along, 0u), fibre_texel(angles.around, 1u), absorbed, left);
     if MULTIPLE {
-        let c = clamp(color, vec3(0.0), vec3(1.0));
-        let sides = fibre_sides(angles.cos_i, c);
+        // What is left at the difference angle is at hand, and serves for the light's own.
+        let sides = fibre_sides(fibres[FIBRE], angles.cos_i, left);
         let d = diffused(sides[0], sides[1], direct);
         // Light that comes from half of all azimuths: from the light's side, and from the other.
         let turned = angles.around.x;
@@ -65,7 +51,7 @@ fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f
         // What was sent on has kept about a quarter turn of its way.
         let straight = mix(sides[1], sides[0], smoothstep(0.15, 0.85, turned));
         let reached = smoothstep(0.0, 0.05, above);
-        sent += (d.sent_on * straight * reached + spread * falls_in(sides[0] + sides[1], above)) / PI;
+        sent += (d.sent_on * straight * reached + spread * falls_in(d.root_lost, above)) / PI;
     }
     return sent * (PI * past);
 }

@@ -8,7 +8,8 @@ use super::upload::Uploader;
 use crate::error::RuntimeError;
 use crate::gpu::{Gpu, Sampling};
 use crate::params::RendererOptions;
-use crate::surface::{HairViews, MaterialUniform, Surfaces};
+use crate::shared::scattering::Fibre;
+use crate::surface::{FibreBlock, FibreResources, HairViews, MaterialUniform, Surfaces};
 use pelage_formats::{
     Aside, FinsView, Manifest, MeshView, Package, Part as PackagePart, ROOT_HEIGHTS, RootsInfo, SimplifiedView,
     TextureView,
@@ -89,12 +90,14 @@ pub(crate) fn load(
     gpu_bytes += strands.iter().map(strands::Strands::gpu_bytes).sum::<u64>();
     let base_sampler = sampler("pelage base colour", wgpu::AddressMode::Repeat, options.anisotropy);
     let fibres = package.fibres()?;
-    let tables = match (&fibres, package.fibre_tables()?) {
+    let scattering = match (&fibres, package.fibre_tables()?) {
         (Some(info), Some(view)) => {
-            gpu_bytes += uploader.bytes_here(&view);
-            uploader.array(info.texture, &view)?
+            gpu_bytes += uploader.bytes_here(&view) + size_of::<FibreBlock>() as u64;
+            let each: Vec<Fibre> =
+                info.fibres.iter().zip(&info.means).map(|(of, means)| Fibre::new(of, means)).collect();
+            FibreResources::new(gpu, uploader.array(info.texture, &view)?, &each)
         }
-        _ => surfaces.white_array.clone(),
+        _ => surfaces.no_fibres.clone(),
     };
     // Materials may share a texture.
     let mut uploaded = vec![None; manifest.textures.len()];
@@ -122,7 +125,7 @@ pub(crate) fn load(
             asides: asides(roots.as_ref(), i),
         };
         gpu_bytes += size_of::<MaterialUniform>() as u64;
-        materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom, &tables));
+        materials.push(surfaces.material_group(gpu, &uniform, &base_color, &base_sampler, &groom, &scattering));
     }
 
     let mut parts: Vec<Part> = Vec::new();

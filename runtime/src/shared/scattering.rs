@@ -1,4 +1,8 @@
+use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
+use pelage_formats::FibreOptics;
+use pelage_formats::meaning::scattering::colour;
+use pelage_formats::meaning::scattering::means::Means;
 use std::f32::consts::PI;
 
 /// The shader source; needs nothing else.
@@ -9,10 +13,36 @@ pub const WGSL: &str = include_str!("scattering.wgsl");
 pub struct FibreAngles {
     /// Place in the table of what happens along the fibre, 0..=1 (`FORMAT.md`, "FIBR", layer 0).
     pub along: Vec2,
-    /// Place in the tables of what happens around it, 0..=1 (layers 1 and 2).
+    /// Place in the table of what happens around it, 0..=1 (layer 1).
     pub around: Vec2,
     /// Cosine of the light's angle from the plane across the fibre, 0..=1.
     pub cos_i: f32,
+    /// Cosine of the difference angle, 0..=1.
+    pub cos_d: f32,
+}
+
+/// What of a fibre needs no table, as shaders have it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Fibre {
+    /// 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `Means::aside` of the package; 0.
+    pub optics: [f32; 4],
+    /// `Means::on` of the package.
+    pub on: [[f32; 4]; 3],
+    /// `Means::back`.
+    pub back: [[f32; 4]; 3],
+}
+
+impl Fibre {
+    /// A package's.
+    pub fn new(optics: &FibreOptics, means: &Means) -> Self {
+        let per_depth = colour::depth(optics.around.into()).recip() as f32;
+        Self {
+            optics: [(optics.eta * optics.eta).recip(), per_depth, means.aside, 0.0],
+            on: means.on,
+            back: means.back,
+        }
+    }
 }
 
 const DRAWN_OUT: f32 = 0.3;
@@ -39,6 +69,7 @@ pub fn fibre_angles(tip: Vec3, light: Vec3, eye: Vec3) -> FibreAngles {
         along: Vec2::new(0.5 + 0.5 * drawn_out, 0.5 + 0.5 * tilted),
         around: Vec2::new(cos_phi.acos() / PI, fibre_row(cos_d)),
         cos_i,
+        cos_d,
     }
 }
 
@@ -49,11 +80,32 @@ pub fn fibre_absorption(color: Vec3, per_depth: f32) -> Vec3 {
     root * root
 }
 
-/// What the tables' texels along and around a fibre come to, times the cosine of the light's angle: light a steradian, over its irradiance.
-pub fn fibre_scatters(along: Vec4, around: Vec4, lengths: Vec4, absorbed: Vec3) -> Vec3 {
+/// What a fibre that absorbs so much a radius leaves of light that crosses it once, at a difference angle of that cosine. `optics` as [`Fibre`] has it.
+pub fn fibre_left(cos_d: f32, optics: Vec4, absorbed: Vec3) -> Vec3 {
+    let c = cos_d.max(LEAST_COS_D);
+    // Squares of 1 / cos θt, and of the sine of the angle in the section that light is bent to, where it falls in so far aside.
+    let slant = 1.0 / (1.0 - (1.0 - c * c) * optics.x);
+    let bent = optics.z * c * c * optics.x * slant;
+    (-2.0 * (slant * (1.0 - bent)).sqrt() * absorbed).map(f32::exp)
+}
+
+/// What the tables' texels along and around a fibre come to, times the cosine of the light's angle: light a steradian, over its irradiance. `left` as
+/// [`fibre_left`] has it: TRT crosses the fibre twice, and all other light three times.
+pub fn fibre_scatters(along: Vec4, around: Vec4, absorbed: Vec3, left: Vec3) -> Vec3 {
     let ways = along * around;
-    let left = |length: f32| (-absorbed * length).map(f32::exp);
-    Vec3::splat(ways.x) + ways.y * left(lengths.x) + ways.z * left(lengths.y) + ways.w * left(lengths.z)
+    let through = (-absorbed * around.w).map(f32::exp);
+    Vec3::splat(ways.x) + ways.y * through + left * left * (Vec3::splat(ways.z) + along.w * left)
+}
+
+/// Of light at an angle of that cosine to the plane across a fibre: the share that goes on, to its far side, and the share that comes back.
+pub fn fibre_sides(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec3; 2] {
+    let u = 1.0 - cos_theta.max(LEAST_COS_D);
+    let square = u * u;
+    [&fibre.on, &fibre.back].map(|of| {
+        let [first, second, third] = of.map(Vec4::from);
+        let share = (first + square * (second + square * third)).to_array().map(Vec3::splat);
+        share[0] + left * (share[1] + left * (share[2] + left * share[3]))
+    })
 }
 
 /// Light in a coat of fibres, over what falls on it.
@@ -65,20 +117,31 @@ pub struct Diffused {
     pub from_light: Vec3,
     /// What comes back from below.
     pub from_below: Vec3,
+    /// Root of what a fibre absorbs of the light that it gets.
+    pub root_lost: Vec3,
 }
 
 /// Where the share `direct` of the light, 0..=1, comes past all fibres of a deep coat, of which each sends the shares `on` and `back` to either side
 /// (Kubelka and Munk 1931). Nothing is negative or infinite, also of fibres that absorb nothing.
 pub fn diffused(on: Vec3, back: Vec3, direct: f32) -> Diffused {
     let lost = (Vec3::ONE - on - back).max(Vec3::splat(1e-4));
-    let less = (lost * (lost + 2.0 * back)).map(f32::sqrt);
+    let root_lost = lost.map(f32::sqrt);
+    let less = root_lost * (lost + 2.0 * back).map(f32::sqrt);
     let given_back = back / (lost + back + less);
-    let depth = -direct.clamp(1e-6, 1.0).ln();
-    let arrives = (-less * depth).map(f32::exp);
-    let sent_on = (-(Vec3::ONE - on) * depth).map(f32::exp);
+    let depth = direct.clamp(1e-6, 1.0).log2();
+    let arrives = (less * depth).map(f32::exp2);
+    let sent_on = ((Vec3::ONE - on) * depth).map(f32::exp2);
     Diffused {
         sent_on: (sent_on - direct).max(Vec3::ZERO),
         from_light: (arrives - sent_on).max(Vec3::ZERO),
         from_below: given_back * arrives,
+        root_lost,
     }
+}
+
+/// How much of the light that goes on from fibre to fibre there is under a light at the height of that sine, 0..=1, over that under one straight above
+/// (after Hapke 1981, whose H function's share beyond 1 it is).
+pub fn falls_in(root_lost: Vec3, sine: f32) -> Vec3 {
+    let root = 2.0 * root_lost;
+    sine * (1.0 + root) / (1.0 + sine * root)
 }

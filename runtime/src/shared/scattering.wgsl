@@ -6,8 +6,17 @@ struct FibreAngles {
     // Places in the tables, 0..=1: of what happens along the fibre, and around it.
     along: vec2<f32>,
     around: vec2<f32>,
-    // Cosine of the light's angle from the plane across the fibre.
+    // Cosine of the light's angle from the plane across the fibre, and of the difference angle.
     cos_i: f32,
+    cos_d: f32,
+}
+
+// What of a fibre needs no table (FORMAT.md, "FIBR").
+struct Fibre {
+    // 1 / eta^2, 1 / d, mean square of how far aside light falls on it, 0.
+    optics: vec4<f32>,
+    on: array<vec4<f32>, 3>,
+    back: array<vec4<f32>, 3>,
 }
 
 // Share of the axis of sin theta_h that is as it was, and the least cosine of the difference angle.
@@ -33,7 +42,7 @@ fn fibre_angles(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>) -> FibreAngles
     let drawn_out = sin_h / (DRAWN_OUT + (1.0 - DRAWN_OUT) * abs(sin_h));
     let cos_phi = clamp((dot(light, eye) - sin_i * sin_o) / max(cos_i * cos_o, 1e-6), -1.0, 1.0);
     return FibreAngles(
-        vec2(0.5 + 0.5 * drawn_out, 0.5 + 0.5 * tilted), vec2(acos(cos_phi) / PI, fibre_row(cos_d)), cos_i,
+        vec2(0.5 + 0.5 * drawn_out, 0.5 + 0.5 * tilted), vec2(acos(cos_phi) / PI, fibre_row(cos_d)), cos_i, cos_d,
     );
 }
 
@@ -43,10 +52,32 @@ fn fibre_absorption(color: vec3<f32>, per_depth: f32) -> vec3<f32> {
     return root * root;
 }
 
+// What a fibre that absorbs so much a radius leaves of light that crosses it once, at a difference angle of that cosine.
+fn fibre_left(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
+    let c = max(cos_d, LEAST_COS_D);
+    // Squares of 1 / cos theta_t, and of the sine of the angle in the section that light is bent to, where it falls in so far aside.
+    let slant = 1.0 / (1.0 - (1.0 - c * c) * optics.x);
+    let bent = optics.z * c * c * optics.x * slant;
+    return exp(-2.0 * sqrt(slant * (1.0 - bent)) * absorbed);
+}
+
 // What the tables' texels along and around a fibre come to, times the cosine of the light's angle: light a steradian, over its irradiance.
-fn fibre_scatters(along: vec4<f32>, around: vec4<f32>, lengths: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
-    let ways = along * around;
-    return vec3(ways.x) + ways.y * exp(-absorbed * lengths.x) + ways.z * exp(-absorbed * lengths.y) + ways.w * exp(-absorbed * lengths.z);
+// left: as fibre_left has it. TRT crosses the fibre twice, and all other light three times.
+fn fibre_scatters(along: vec4<f32>, around: vec4<f32>, absorbed: vec3<f32>, left: vec3<f32>) -> vec3<f32> {
+    let ways = along.xyz * around.xyz;
+    return vec3(ways.x) + ways.y * exp(-absorbed * around.w) + left * left * (vec3(ways.z) + along.w * left);
+}
+
+// Of light at an angle of that cosine to the plane across a fibre: what goes on, and what comes back.
+fn fibre_sides(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
+    let u = 1.0 - max(cos_theta, LEAST_COS_D);
+    let square = u * u;
+    let on = fibre.on[0] + square * (fibre.on[1] + square * fibre.on[2]);
+    let back = fibre.back[0] + square * (fibre.back[1] + square * fibre.back[2]);
+    return array(
+        vec3(on.x) + left * (vec3(on.y) + left * (vec3(on.z) + on.w * left)),
+        vec3(back.x) + left * (vec3(back.y) + left * (vec3(back.z) + back.w * left)),
+    );
 }
 
 // Light in a coat of fibres of which each sends the shares `on` and `back` of it to either side (Kubelka and Munk 1931).
@@ -55,15 +86,25 @@ struct Diffused {
     sent_on: vec3<f32>,
     from_light: vec3<f32>,
     from_below: vec3<f32>,
+    // Root of what a fibre absorbs.
+    root_lost: vec3<f32>,
 }
 
 // Where the share `direct` of the light comes past all fibres.
 fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> Diffused {
     let lost = max(vec3(1.0) - on - back, vec3(1e-4));
-    let less = sqrt(lost * (lost + 2.0 * back));
+    let root_lost = sqrt(lost);
+    let less = root_lost * sqrt(lost + 2.0 * back);
     let given_back = back / (lost + back + less);
-    let depth = -log(clamp(direct, 1e-6, 1.0));
-    let arrives = exp(-less * depth);
-    let sent_on = exp(-(vec3(1.0) - on) * depth);
-    return Diffused(max(sent_on - direct, vec3(0.0)), max(arrives - sent_on, vec3(0.0)), given_back * arrives);
+    let depth = log2(clamp(direct, 1e-6, 1.0));
+    let arrives = exp2(less * depth);
+    let sent_on = exp2((vec3(1.0) - on) * depth);
+    return Diffused(max(sent_on - direct, vec3(0.0)), max(arrives - sent_on, vec3(0.0)), given_back * arrives, root_lost);
+}
+
+// How much of the light that goes on from fibre to fibre there is under a light so high, over that under one straight above: of fibres that absorb the square
+// of root_lost (after Hapke 1981, whose H function's share beyond 1 it is).
+fn falls_in(root_lost: vec3<f32>, sine: f32) -> vec3<f32> {
+    let root = 2.0 * root_lost;
+    return sine * (1.0 + root) / (1.0 + sine * root);
 }

@@ -3,8 +3,9 @@
 use crate::gpu::{Bound, Gpu, Sampling, Stream, attribute, sampler, storage, texture, uniform};
 use crate::params::MAX_FILL_LIGHTS;
 use crate::shared::frame;
+use crate::shared::scattering::Fibre;
 use bytemuck::{Pod, Zeroable};
-use pelage_formats::{AttributeVertex, Fin, GeometryVertex, ROOT_HEIGHTS};
+use pelage_formats::{AttributeVertex, FibreInfo, Fin, GeometryVertex, ROOT_HEIGHTS};
 use std::mem::offset_of;
 use wgpu::util::DeviceExt;
 
@@ -64,6 +65,8 @@ pub(crate) struct Surfaces {
     pub(crate) strands: bool,
     pub(crate) white: wgpu::TextureView,
     pub(crate) white_array: wgpu::TextureView,
+    /// Those of packages that say nothing of fibres.
+    pub(crate) no_fibres: FibreResources,
     pub(crate) map_sampler: wgpu::Sampler,
 }
 
@@ -114,9 +117,15 @@ impl Surfaces {
             sampler(5),
         ]
         .map(for_all);
-        let material =
-            [uniform::<MaterialUniform>(0, false), texture(1, D2), sampler(2), texture(3, D2), texture(4, D2Array)]
-                .map(for_all);
+        let material = [
+            uniform::<MaterialUniform>(0, false),
+            texture(1, D2),
+            sampler(2),
+            texture(3, D2),
+            texture(4, D2Array),
+            uniform::<FibreBlock>(5, false),
+        ]
+        .map(for_all);
         let hair = |binding| texture(binding, D2Array);
         let fur = [hair(0), directions(1), sampler(2), hair(3), directions(4), hair(5), hair(6)];
         let vertices = wgpu::ShaderStages::VERTEX;
@@ -127,7 +136,10 @@ impl Surfaces {
         ];
         let map_sampling =
             Sampling { mipmaps: false, ..Sampling::new("pelage shadow maps", wgpu::AddressMode::ClampToEdge) };
+        let white_array =
+            white.create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2Array), ..Default::default() });
         Self {
+            no_fibres: FibreResources::new(gpu, white_array.clone(), &[]),
             frame: layout(device, "pelage frame", &frame),
             material: layout(device, "pelage material", &material),
             fur: layout(device, "pelage fur", &fur),
@@ -135,8 +147,7 @@ impl Surfaces {
             strands,
             map_sampler: map_sampling.make(device),
             white: white.create_view(&wgpu::TextureViewDescriptor::default()),
-            white_array: white
-                .create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2Array), ..Default::default() }),
+            white_array,
         }
     }
 
@@ -148,7 +159,7 @@ impl Surfaces {
         base_color: &wgpu::TextureView,
         base_color_sampler: &wgpu::Sampler,
         groom: &wgpu::TextureView,
-        fibres: &wgpu::TextureView,
+        fibres: &FibreResources,
     ) -> wgpu::BindGroup {
         let bytes = bytemuck::bytes_of(constants);
         let entries = [
@@ -156,7 +167,8 @@ impl Surfaces {
             (1, Bound::View(base_color.clone())),
             (2, Bound::Sampler(base_color_sampler.clone())),
             (3, Bound::View(groom.clone())),
-            (4, Bound::View(fibres.clone())),
+            (4, Bound::View(fibres.tables.clone())),
+            (5, Bound::Buffer(fibres.constants.clone())),
         ];
         gpu.bind_group("pelage material", &self.material, &entries)
     }
@@ -176,6 +188,27 @@ impl Surfaces {
             view(6, wet_seen),
         ];
         gpu.bind_group("pelage fur", &self.fur, &entries)
+    }
+}
+
+/// As many fibres as a package may have.
+pub(crate) type FibreBlock = [Fibre; FibreInfo::MOST];
+
+/// How the fibres of a package scatter light.
+#[derive(Clone, Debug)]
+pub(crate) struct FibreResources {
+    tables: wgpu::TextureView,
+    /// A [`FibreBlock`].
+    constants: wgpu::Buffer,
+}
+
+impl FibreResources {
+    /// * `fibres`: at most [`FibreInfo::MOST`]
+    pub(crate) fn new(gpu: &Gpu, tables: wgpu::TextureView, fibres: &[Fibre]) -> Self {
+        let mut block: FibreBlock = [Fibre::default(); FibreInfo::MOST];
+        block.iter_mut().zip(fibres).for_each(|(to, from)| *to = *from);
+        let bytes = bytemuck::cast_slice(&block);
+        Self { tables, constants: gpu.buffer_of("pelage fibres", bytes, wgpu::BufferUsages::UNIFORM) }
     }
 }
 

@@ -821,25 +821,92 @@ fn light_in_a_coat_of_fibres() {
         |_, _| 2e-4,
     );
     three_ways(
-        "fibre_scatters",
+        "falls_in",
         scattering::WGSL,
-        "vec4(fibre_scatters(in_0, in_1, in_2, fibre_absorption(in_2.xyz, in_2.w)), 0.0)",
+        "vec4(falls_in(in_0.xyz, in_0.w), 0.0)",
         &cases,
-        |[along, around, lengths]| {
-            let ways = [0, 1, 2, 3].map(|p| f64::from(along[p]) * f64::from(around[p]));
+        |[root, ..]| {
             let [x, y, z] = [0, 1, 2].map(|i| {
-                let sigma = (f64::from(lengths[i]).clamp(1e-3, 1.0).ln() * f64::from(lengths[3])).powi(2);
-                let left = |p: usize| ways[p] * (-sigma * f64::from(lengths[p - 1])).exp();
-                ways[0] + left(1) + left(2) + left(3)
+                let (root, sine) = (2.0 * f64::from(root[i]), f64::from(root[3]));
+                sine * (1.0 + root) / (1.0 + sine * root)
             });
             [x, y, z, 0.0]
         },
-        |[along, around, lengths]| {
-            let absorbed = scattering::fibre_absorption(v(lengths), lengths[3]);
-            let found =
-                scattering::fibre_scatters(Vec4::from(*along), Vec4::from(*around), Vec4::from(*lengths), absorbed);
+        |[root, ..]| scattering::falls_in(v(root), root[3]).extend(0.0).to_array(),
+        |_, _| 1e-6,
+    );
+    three_ways(
+        "fibre_scatters",
+        scattering::WGSL,
+        &format!("vec4(fibre_scatters(in_0, in_1, {ABSORBED}, {LEFT}), 0.0)"),
+        &cases,
+        |[along, around, color]| {
+            let ways = [0, 1, 2].map(|p| f64::from(along[p]) * f64::from(around[p]));
+            let [x, y, z] = [0, 1, 2].map(|i| {
+                let sigma = sigma(color, i);
+                let left = left(color, i);
+                ways[0]
+                    + ways[1] * (-sigma * f64::from(around[3])).exp()
+                    + ways[2] * left.powi(2)
+                    + f64::from(along[3]) * left.powi(3)
+            });
+            [x, y, z, 0.0]
+        },
+        |[along, around, color]| {
+            let absorbed = scattering::fibre_absorption(v(color), color[3]);
+            let left = scattering::fibre_left(color[2], Vec4::from(OPTICS), absorbed);
+            let found = scattering::fibre_scatters(Vec4::from(*along), Vec4::from(*around), absorbed, left);
             found.extend(0.0).to_array()
         },
         |_, _| 3e-6,
     );
+    let fibre = scattering::Fibre { optics: OPTICS, on: FITTED, back: FITTED.map(|of| of.map(|x| 0.25 * x)) };
+    let wgsl = |of: &[[f32; 4]; 3]| of.map(|[x, y, z, w]| format!("vec4({x:?}, {y:?}, {z:?}, {w:?})")).join(", ");
+    let literal = format!("Fibre(vec4(0.0), array({}), array({}))", wgsl(&fibre.on), wgsl(&fibre.back));
+    let sides = format!("fibre_sides({literal}, in_2.z, {LEFT})");
+    three_ways(
+        "fibre_sides",
+        scattering::WGSL,
+        &format!("vec4({sides}[0].xy, {sides}[1].yz)"),
+        &cases,
+        |[_, _, color]| {
+            let square = (1.0 - f64::from(color[2]).max(0.1)).powi(2);
+            let share = |of: &[[f32; 4]; 3], i: usize| {
+                let of = |p: usize| {
+                    let [first, second, third] = of.map(|of| f64::from(of[p]));
+                    first + square * second + square * square * third
+                };
+                (0..4).map(|p| of(p) * left(color, i).powi(p as i32)).sum::<f64>()
+            };
+            [share(&fibre.on, 0), share(&fibre.on, 1), share(&fibre.back, 1), share(&fibre.back, 2)]
+        },
+        |[_, _, color]| {
+            let absorbed = scattering::fibre_absorption(v(color), color[3]);
+            let left = scattering::fibre_left(color[2], Vec4::from(OPTICS), absorbed);
+            let [on, back] = scattering::fibre_sides(&fibre, color[2], left);
+            [on.x, on.y, back.y, back.z]
+        },
+        |_, _| 3e-6,
+    );
+}
+
+/// Of a fibre of hair.
+const OPTICS: [f32; 4] = [0.41623, 0.17, 0.45, 0.0];
+const FITTED: [[f32; 4]; 3] = [[0.04, 0.85, 0.1, 0.01], [0.1, -0.5, 0.3, 0.1], [0.2, -0.3, 0.1, 0.0]];
+/// What it absorbs and leaves in the shader of these cases.
+const ABSORBED: &str = "fibre_absorption(in_2.xyz, in_2.w)";
+const LEFT: &str = "fibre_left(in_2.z, vec4(0.41623, 0.17, 0.45, 0.0), fibre_absorption(in_2.xyz, in_2.w))";
+
+/// What a fibre absorbs a radius of the colour's channel.
+fn sigma(color: &[f32; 4], channel: usize) -> f64 {
+    (f64::from(color[channel]).clamp(1e-3, 1.0).ln() * f64::from(color[3])).powi(2)
+}
+
+/// What it leaves of light that crosses it once, where the colour's blue is the cosine of the difference angle.
+fn left(color: &[f32; 4], channel: usize) -> f64 {
+    let cos = f64::from(color[2]).max(0.1);
+    let [per_eta2, _, aside, _] = OPTICS.map(f64::from);
+    let cos_t2 = 1.0 - (1.0 - cos * cos) * per_eta2;
+    let sin_section2 = aside * cos * cos * per_eta2 / cos_t2;
+    (-sigma(color, channel) * 2.0 * (1.0 - sin_section2).sqrt() / cos_t2.sqrt()).exp()
 }

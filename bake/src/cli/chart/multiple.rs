@@ -10,9 +10,9 @@ use crate::cli::truth::Truth;
 use crate::cli::view::View;
 use pelage_bake::judge::chart::Cell;
 use pelage_bake::judge::chart::multiple::{
-    AMBIENT, BOUNCES, COATS, COLUMNS, Configuration, FORMS, LIGHTS, PANELS, SAMPLES, SIZE, Squares, cells,
-    configurations,
+    AMBIENT, COATS, COLUMNS, Configuration, FORMS, LIGHTS, PANELS, SAMPLES, SIZE, Squares, cells, configurations,
 };
+use pelage_bake::judge::truth::TrueScattering;
 use pelage_bake::recipe::{Recipe, ShadingModel};
 use pelage_formats::Shading;
 use pelage_stage::{Gpu, LookHair, Meter, NamedPackage, Samples, Viewpoint, framing};
@@ -57,8 +57,9 @@ impl Topic for MultipleTopic<'_> {
         Plan {
             topic: "multiple",
             title: format!(
-                "{}: coats of fibres in three lights, {SIZE}x{SIZE} pixels, against {BOUNCES} bounces of {SAMPLES} paths a pixel",
-                self.subject.name
+                "{}: coats of fibres in three lights, {SIZE}x{SIZE} pixels, against {} bounces of {SAMPLES} paths a pixel",
+                self.subject.name,
+                TrueScattering::BOUNCES
             ),
             adapter: measured_on(&self.gpu.info.name),
             columns: COLUMNS.to_vec(),
@@ -106,7 +107,7 @@ impl Coat {
         };
         let package = source.bake(&recipe)?;
         let mut truth = Truth::new(&package, &View::default())?;
-        truth.scatter(BOUNCES)?;
+        truth.scatter(TrueScattering::BOUNCES)?;
         let camera = truth.framed(&View::sized((SIZE, SIZE)), framing::TOWARDS_CAMERA);
         let mut made = Self { package, camera, truths: Vec::new() };
         for (light, (name, _)) in LIGHTS.iter().enumerate() {

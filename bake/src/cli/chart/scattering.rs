@@ -76,7 +76,7 @@ fn expression(form: Form) -> Option<&'static str> {
         Form::Tables(_) => Some(TABLES),
         Form::Cubic(_) => Some(CUBIC),
         Form::Fit => Some(FIT),
-        Form::CosPhi(_) | Form::EvenLengths(_) | Form::Printed(_) => None,
+        Form::CosPhi(_) | Form::EvenLengths(_) | Form::AllLengths(_) | Form::Printed(_) => None,
     }
 }
 
@@ -85,13 +85,15 @@ const EMPTY: &str = "sum += light * eye;";
 const TABLES: &str = "
     let angles = fibre_angles(tip, light, eye);
     let absorbed = fibre_absorption(color, 0.17);
-    sum += fibre_scatters(texel(angles.along, 0u), texel(angles.around, 1u), texel(angles.around, 2u), absorbed);
+    let left = fibre_left(angles.cos_d, vec4(0.42, 0.0, 0.45, 0.0), absorbed);
+    sum += fibre_scatters(texel(angles.along, 0u), texel(angles.around, 1u), absorbed, left);
 ";
 
 const CUBIC: &str = "
     let angles = fibre_angles(tip, light, eye);
     let absorbed = fibre_absorption(color, 0.17);
-    sum += fibre_scatters(cubic(angles.along, 0u), cubic(angles.around, 1u), cubic(angles.around, 2u), absorbed);
+    let left = fibre_left(angles.cos_d, vec4(0.42, 0.0, 0.45, 0.0), absorbed);
+    sum += fibre_scatters(cubic(angles.along, 0u), cubic(angles.around, 1u), absorbed, left);
 ";
 
 const FIT: &str = "
@@ -241,7 +243,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
         &gpu.queue,
         &wgpu::TextureDescriptor {
             label: None,
-            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 3 },
+            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 2 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -251,7 +253,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
         },
         wgpu::util::TextureDataOrder::LayerMajor,
         // A half in each number.
-        &[0x00, 0x38].repeat(12 * size * size),
+        &[0x00, 0x38].repeat(8 * size * size),
     );
     let view = texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),

@@ -17,10 +17,8 @@ pub const LIGHTS: [(&str, [f32; 3]); 3] =
 pub const SIZE: u32 = 480;
 /// Width and height of the squares that are compared, pixels.
 const BLOCK: u32 = 16;
-/// Paths of each pixel of the truth, and times that light meets something.
+/// Paths of each pixel of the truth.
 pub const SAMPLES: u32 = 32;
-/// As [`SAMPLES`].
-pub const BOUNCES: u32 = 64;
 /// The ambient light of rows that have a constant one.
 pub const AMBIENT: f32 = 0.35;
 

@@ -5,11 +5,12 @@
 
 use super::{Cell, Panel};
 use crate::noise::{hash, uniform};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use pelage_formats::FibreOptics;
 use pelage_formats::meaning::scattering::azimuthal::Way;
+use pelage_formats::meaning::scattering::means::REFERENCE_SIGMA;
 use pelage_formats::meaning::scattering::optics::LEAST_COS_D;
-use pelage_formats::meaning::scattering::tables::{Tables, drawn_out};
+use pelage_formats::meaning::scattering::tables::{Tables, between};
 use pelage_formats::meaning::scattering::{Angles, Fibre, PATHS};
 use std::f64::consts::PI;
 
@@ -59,6 +60,8 @@ pub enum Form {
     CosPhi(usize),
     /// Ours, but one length of each path for all azimuths.
     EvenLengths(usize),
+    /// Ours, but lengths of all paths by their azimuth, from a third table.
+    AllLengths(usize),
     /// As printed (Nguyen and Donnelly 2005): along by sin θi and sin θo, around by cos θd and cos φ, TT taken for TRT and the other way round.
     Printed(usize),
     /// Without tables, by a fit (Karis 2016).
@@ -83,6 +86,7 @@ pub fn configurations() -> Vec<Configuration> {
     all.extend(sized("tables, cubic", Form::Cubic, &[16, 32, 64]));
     all.extend(sized("azimuth by its cosine", Form::CosPhi, &[32, 64, 128, 256]));
     all.extend(sized("one length for all azimuths", Form::EvenLengths, &[64]));
+    all.extend(sized("all lengths by azimuth", Form::AllLengths, &[64, 128]));
     all.extend(sized("as printed", Form::Printed, &[64, 128, 256]));
     all.push(Configuration { series: "a fit without tables", form: Form::Fit });
     all
@@ -92,7 +96,8 @@ impl Form {
     /// Texels along an edge of its tables; `None` without.
     pub fn size(self) -> Option<usize> {
         match self {
-            Self::Tables(n) | Self::Cubic(n) | Self::CosPhi(n) | Self::EvenLengths(n) | Self::Printed(n) => Some(n),
+            Self::Tables(n) | Self::Cubic(n) | Self::CosPhi(n) | Self::Printed(n) => Some(n),
+            Self::EvenLengths(n) | Self::AllLengths(n) => Some(n),
             Self::Fit => None,
         }
     }
@@ -105,18 +110,18 @@ impl Form {
     /// Texels that a sampler is asked for, each between four or one.
     pub fn fetches(self) -> u32 {
         match self {
-            Self::Tables(_) | Self::CosPhi(_) => 3,
-            // Sixteen texels by four fetches between them.
-            Self::Cubic(_) => 12,
-            Self::EvenLengths(_) | Self::Printed(_) => 2,
+            // Sixteen texels by five fetches between them.
+            Self::Cubic(_) => 10,
+            Self::Tables(_) | Self::CosPhi(_) | Self::EvenLengths(_) => 2,
+            Self::AllLengths(_) | Self::Printed(_) => 3,
             Self::Fit => 0,
         }
     }
 
     /// Bytes of a fibre's tables.
     pub fn bytes(self) -> usize {
-        // What light that many fibres have scattered needs is one more.
-        let layers = if matches!(self, Self::Tables(_) | Self::Cubic(_) | Self::CosPhi(_)) { 3 } else { 2 };
+        // Printed: what is along it, what is around it, and two lengths.
+        let layers = if matches!(self, Self::AllLengths(_) | Self::Printed(_)) { 3 } else { 2 };
         self.size().map_or(0, |n| 8 * layers * n * n)
     }
 }
@@ -131,6 +136,13 @@ pub enum Known {
         cubic: bool,
         /// The azimuth's axis is its cosine.
         by_cosine: bool,
+    },
+    /// Our tables, and one more of the lengths of TRT and all other paths.
+    AllLengths {
+        /// They.
+        tables: Box<Tables>,
+        /// Of the texels of what is around the fibre.
+        lengths: Vec<[f64; 2]>,
     },
     /// The printed tables.
     Printed {
@@ -154,6 +166,7 @@ impl Known {
             Form::Cubic(size) => Self::ours(Tables::new(&fibre, size), true, false),
             Form::CosPhi(size) => Self::ours(by_cosine(&fibre, size), false, true),
             Form::EvenLengths(size) => Self::ours(even_lengths(Tables::new(&fibre, size)), false, false),
+            Form::AllLengths(size) => all_lengths(&fibre, size),
             Form::Printed(size) => printed(&fibre, size),
             Form::Fit => Self::Fit(*optics),
         }
@@ -166,27 +179,32 @@ impl Known {
     /// What it says that the fibre scatters, times cos θi.
     pub fn scatter(&self, angles: &Angles) -> [f64; 3] {
         match self {
-            Self::Ours { tables, cubic: false, by_cosine: false } => tables.scatter(SIGMAS, angles),
             Self::Ours { tables, cubic, by_cosine } => {
-                let phi = angles.phi.abs().min(PI);
-                let azimuth = if *by_cosine { 0.5 - 0.5 * phi.cos() } else { phi / PI };
-                let at = DVec2::new(azimuth, (angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D));
+                let [mut azimuth, row] = Tables::around_place(angles);
+                if *by_cosine {
+                    azimuth = 0.5 - 0.5 * libm::cos(angles.phi);
+                }
                 let read = |layer: &[[f32; PATHS]], at| match cubic {
                     true => cubic_between(layer, tables.size, at),
-                    false => linear_between(layer, tables.size, at),
+                    false => between(layer, tables.size, at),
                 };
-                let (along, light) = (read(&tables.along, along_place(angles)), read(&tables.around, at));
-                let [tt, trt, rest, _] = read(&tables.lengths, at);
-                let lengths = [0.0, tt, trt, rest];
-                SIGMAS.map(|sigma| {
-                    (0..PATHS).map(|p| along[p] * Way { light: light[p], length: lengths[p] }.left(sigma)).sum()
-                })
+                let along = read(&tables.along, Tables::along_place(angles));
+                tables.of_texels(along, read(&tables.around, [azimuth, row]), SIGMAS, angles)
+            }
+            Self::AllLengths { tables, lengths } => {
+                let (size, place) = (tables.size, Tables::around_place(angles));
+                let along = between(&tables.along, size, Tables::along_place(angles));
+                let [r, tt, trt, through] = between(&tables.around, size, place);
+                let [within, others] = between(lengths, size, place);
+                let ways =
+                    [(along[0] * r, 0.0), (along[1] * tt, through), (along[2] * trt, within), (along[3], others)];
+                SIGMAS.map(|sigma| ways.iter().map(|(light, length)| light * libm::exp(-sigma * length)).sum())
             }
             Self::Printed { size, along, around } => {
                 let half = |sine: f64| 0.5 + 0.5 * sine;
-                let along = linear_between(along, *size, DVec2::new(half(angles.from.0), half(angles.to.0)));
-                let place = DVec2::new(half(libm::cos(angles.phi)), angles.cos_d());
-                let [r, tt, trt, through, within] = linear_between(around, *size, place);
+                let along = between(along, *size, [half(angles.from.0), half(angles.to.0)]);
+                let place = [half(libm::cos(angles.phi)), angles.cos_d()];
+                let [r, tt, trt, through, within] = between(around, *size, place);
                 SIGMAS.map(|sigma| {
                     let [tt, trt] =
                         [(tt, through), (trt, within)].map(|(light, length)| Way { light, length }.left(sigma));
@@ -198,47 +216,20 @@ impl Known {
     }
 }
 
-/// Where the angles are in the table of what happens along the fibre.
-fn along_place(angles: &Angles) -> DVec2 {
-    let cos_d = angles.cos_d();
-    let sin_h = (0.5 * (angles.from.0 + angles.to.0) / cos_d.max(1e-9)).clamp(-1.0, 1.0);
-    let half = (1.0 - cos_d * cos_d).max(0.0).sqrt().copysign(angles.to.0 - angles.from.0) / (1.0 + cos_d);
-    DVec2::new(0.5 + 0.5 * drawn_out(sin_h), 0.5 + 0.5 * half)
-}
-
-fn number<T: Copy + Into<f64>, const N: usize>(texel: &[T; N]) -> [f64; N] {
-    texel.map(Into::into)
-}
-
-fn mix<const N: usize>(a: [f64; N], b: [f64; N], share: f64) -> [f64; N] {
-    std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
-}
-
-fn linear_between<T: Copy + Into<f64>, const N: usize>(table: &[[T; N]], size: usize, at: DVec2) -> [f64; N] {
-    let at = at.clamp(DVec2::ZERO, DVec2::ONE) * (size - 1) as f64;
-    let [left, top] = [at.x, at.y].map(|place| (place as usize).min(size - 2));
-    let share = at - DVec2::new(left as f64, top as f64);
-    let row = |j: usize| {
-        let first = (top + j) * size + left;
-        mix(number(&table[first]), number(&table[first + 1]), share.x)
-    };
-    mix(row(0), row(1), share.y)
-}
-
-fn cubic_between<T: Copy + Into<f64>, const N: usize>(table: &[[T; N]], size: usize, at: DVec2) -> [f64; N] {
-    let at = at.clamp(DVec2::ZERO, DVec2::ONE) * (size - 1) as f64;
+fn cubic_between<const N: usize>(table: &[[f32; N]], size: usize, at: [f64; 2]) -> [f64; N] {
+    let at = at.map(|place| place.clamp(0.0, 1.0) * (size - 1) as f64);
     let weights = |t: f64| {
         let (t2, t3) = (t * t, t * t * t);
         [-0.5 * t3 + t2 - 0.5 * t, 1.5 * t3 - 2.5 * t2 + 1.0, -1.5 * t3 + 2.0 * t2 + 0.5 * t, 0.5 * t3 - 0.5 * t2]
     };
-    let [left, top] = [at.x, at.y].map(|place| (place as usize).min(size - 2));
-    let (across, down) = (weights(at.x - left as f64), weights(at.y - top as f64));
+    let [left, top] = at.map(|place| (place as usize).min(size - 2));
+    let (across, down) = (weights(at[0] - left as f64), weights(at[1] - top as f64));
     let mut sum = [0.0; N];
     for (j, down) in down.iter().enumerate() {
         for (i, across) in across.iter().enumerate() {
             let place = |first: usize, step: usize| (first + step).saturating_sub(1).min(size - 1);
-            let texel = number(&table[place(top, j) * size + place(left, i)]);
-            sum = std::array::from_fn(|k| sum[k] + across * down * texel[k]);
+            let texel = &table[place(top, j) * size + place(left, i)];
+            sum = std::array::from_fn(|k| sum[k] + across * down * f64::from(texel[k]));
         }
     }
     sum
@@ -252,10 +243,10 @@ fn by_cosine(fibre: &Fibre, size: usize) -> Tables {
     for j in 0..size {
         let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
         for p in 0..3 {
-            for (i, way) in section.mean_ways(p, &phis, 0.5).into_iter().enumerate() {
+            for (i, way) in section.mean_ways(p, &phis, REFERENCE_SIGMA).into_iter().enumerate() {
                 tables.around[j * size + i][p as usize] = way.light as f32;
-                if p > 0 {
-                    tables.lengths[j * size + i][p as usize - 1] = way.length as f32;
+                if p == 1 {
+                    tables.around[j * size + i][3] = way.length as f32;
                 }
             }
         }
@@ -263,18 +254,26 @@ fn by_cosine(fibre: &Fibre, size: usize) -> Tables {
     tables
 }
 
-/// The same with the mean of each row's lengths, by their light.
+/// The same with the mean of each row's length of TT, by its light.
 fn even_lengths(mut tables: Tables) -> Tables {
-    let size = tables.size;
-    for (lengths, around) in tables.lengths.chunks_mut(size).zip(tables.around.chunks(size)) {
-        for p in 0..3 {
-            let light: f32 = around.iter().map(|of| of[p + 1]).sum();
-            let mean =
-                lengths.iter().zip(around).map(|(length, of)| length[p] * of[p + 1]).sum::<f32>() / light.max(1e-20);
-            lengths.iter_mut().for_each(|length| length[p] = mean);
-        }
+    for row in tables.around.chunks_mut(tables.size) {
+        let light: f32 = row.iter().map(|of| of[1]).sum();
+        let mean = row.iter().map(|of| of[3] * of[1]).sum::<f32>() / light.max(1e-20);
+        row.iter_mut().for_each(|of| of[3] = mean);
     }
     tables
+}
+
+fn all_lengths(fibre: &Fibre, size: usize) -> Known {
+    let share = |i: usize| i as f64 / (size - 1) as f64;
+    let phis: Vec<f64> = (0..size).map(|i| PI * share(i)).collect();
+    let mut lengths = Vec::with_capacity(size * size);
+    for j in 0..size {
+        let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
+        let others = section.mean_rest(REFERENCE_SIGMA).length;
+        lengths.extend(section.mean_ways(2, &phis, REFERENCE_SIGMA).into_iter().map(|way| [way.length, others]));
+    }
+    Known::AllLengths { tables: Box::new(Tables::new(fibre, size)), lengths }
 }
 
 fn printed(fibre: &Fibre, size: usize) -> Known {
@@ -291,7 +290,7 @@ fn printed(fibre: &Fibre, size: usize) -> Known {
             along.push([r, tt, trt]);
         }
         let section = fibre.section(share(j).max(LEAST_COS_D));
-        let [r, tt, trt] = [0, 1, 2].map(|p| section.mean_ways(p, &phis, 0.5));
+        let [r, tt, trt] = [0, 1, 2].map(|p| section.mean_ways(p, &phis, REFERENCE_SIGMA));
         around.extend((0..size).map(|i| [r[i].light, tt[i].light, trt[i].light, tt[i].length, trt[i].length]));
     }
     Known::Printed { size, along, around }
@@ -417,6 +416,11 @@ mod tests {
         let (small, large) = (of(Form::Tables(64)), of(Form::Tables(128)));
         assert!(small.error < 0.02 && large.error < 0.007 && small.energy.abs() < 0.01, "{small:?} {large:?}");
         assert!(of(Form::Cubic(32)).error < of(Form::Tables(32)).error);
+        let (all, even) = (of(Form::AllLengths(64)), of(Form::EvenLengths(64)));
+        assert!(
+            all.error < small.error && small.error < 1.1 * all.error && even.error > 1.5 * small.error,
+            "{all:?} {even:?}"
+        );
         let printed = of(Form::Printed(64));
         assert!(printed.error > 10.0 * small.error && of(Form::CosPhi(64)).error > small.error, "{printed:?}");
         assert!(of(Form::Fit).error.is_finite() && of(Form::Fit).error > printed.error * 0.1);

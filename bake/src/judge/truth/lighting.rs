@@ -87,6 +87,24 @@ pub struct TrueLighting {
     pub scattering: Option<TrueScattering>,
 }
 
+impl TrueLighting {
+    /// A light as the papers have it, with all shadows and attenuations, and nothing else.
+    pub fn of(key: TrueLight) -> Self {
+        Self {
+            key,
+            penumbra: 0.0,
+            fill: Vec::new(),
+            ambient_attenuation: true,
+            back_attenuation: true,
+            hair_shadows: true,
+            fill_shadows: true,
+            skin_shadows: true,
+            rolled_off: false,
+            scattering: None,
+        }
+    }
+}
+
 /// Constants and the tile's roots: what lights need to know besides the scene.
 pub(super) struct Material {
     pub(super) dry: Shading,

@@ -28,18 +28,9 @@ fn camera() -> TrueCamera {
 }
 
 fn lighting(sun: f32, bounces: u32) -> TrueLighting {
-    TrueLighting {
-        key: TrueLight::Directional { towards_light_ws: Vec3::new(0.3, 0.4, 0.8), color: Vec3::splat(sun) },
-        penumbra: 0.0,
-        fill: Vec::new(),
-        ambient_attenuation: true,
-        back_attenuation: true,
-        hair_shadows: true,
-        fill_shadows: true,
-        skin_shadows: true,
-        rolled_off: false,
-        scattering: Some(TrueScattering::new(Fibre::default(), bounces).unwrap()),
-    }
+    let key = TrueLight::Directional { towards_light_ws: Vec3::new(0.3, 0.4, 0.8), color: Vec3::splat(sun) };
+    let scattering = Some(TrueScattering::new(Fibre::default(), bounces).unwrap());
+    TrueLighting { scattering, ..TrueLighting::of(key) }
 }
 
 /// Mean light of what is covered, of a picture.

@@ -31,18 +31,7 @@ fn camera() -> TrueCamera {
 }
 
 fn lighting() -> TrueLighting {
-    TrueLighting {
-        key: TrueLight::Directional { towards_light_ws: Vec3::Z, color: Vec3::ONE },
-        penumbra: 0.0,
-        fill: Vec::new(),
-        ambient_attenuation: true,
-        back_attenuation: true,
-        hair_shadows: true,
-        fill_shadows: true,
-        skin_shadows: true,
-        rolled_off: false,
-        scattering: None,
-    }
+    TrueLighting::of(TrueLight::Directional { towards_light_ws: Vec3::Z, color: Vec3::ONE })
 }
 
 fn trace(scene: &TrueScene, lighting: &TrueLighting, size: u32, spp: u32) -> TracedPicture {

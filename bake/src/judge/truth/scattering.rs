@@ -21,6 +21,9 @@ pub(super) struct TrueFibre {
 }
 
 impl TrueScattering {
+    /// How often light meets hair and skin where nobody says it: enough for white coats.
+    pub const BOUNCES: u32 = 64;
+
     /// Of strands that are all that fibre. Light meets hair or skin at most `bounces` times, at least 1: 1 is what comes from the lights by one fibre.
     ///
     /// # Errors

@@ -8,6 +8,7 @@
 pub mod azimuthal;
 pub mod colour;
 pub mod longitudinal;
+pub mod means;
 pub mod near;
 pub mod optics;
 pub mod tables;
@@ -185,6 +186,11 @@ impl FibreSection {
             section.rest(section.fresnel(libm::cos(gamma)), through)
         });
         0.5 * left / core::f64::consts::TAU
+    }
+
+    /// The light that is reflected within more than once, a radian, without absorption, and how far it goes within the fibre, as it is at that absorption.
+    pub fn mean_rest(&self, sigma: f64) -> Way {
+        mean_of(self.rest(0.0), self.rest(sigma), sigma)
     }
 
     /// [`FibreSection::mean_way`] of path `p` at many azimuths.

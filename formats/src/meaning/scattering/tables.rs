@@ -3,33 +3,32 @@
 //! - Along it lobes are narrow about sin θh = 0 and change slowly with tan(θd / 2); those are the axes, the first drawn out about its middle.
 //! - Around it: cos θd, and φ / π. Printed was cos φ, which has next to no texels where glints are.
 //! - Colour is no part of them: with the light of a path stands how far it goes within the fibre, and what absorbs is applied to that. One table serves all colours.
-//! - What fibres do to light that many of them have scattered needs less: how much of it goes on, and how much comes back, by the colour of the coat.
+//! - What does not depend on the azimuth, or hardly, is no table: [`Means`].
 
 use super::azimuthal::Way;
+use super::means::{Means, REFERENCE_SIGMA};
 use super::optics::LEAST_COS_D;
-use super::{Angles, Around, Fibre, PATHS, colour, mean_of};
+use super::{Angles, Fibre, PATHS};
 use core::array::from_fn;
 use core::f64::consts::PI;
 
 /// Share of the drawn-out axis that is as it was.
 const DRAWN_OUT: f64 = 0.3;
-/// What is absorbed a radius where mean lengths are right.
-pub const REFERENCE_SIGMA: f64 = 0.5;
 
 /// The tables of a fibre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tables {
     /// Texels along each edge, 2 or more.
     pub size: usize,
-    /// Row by row from tan(θd / 2) = −1 to 1, by [`drawn_out`] of sin θh from −1 to 1: the four paths along the fibre, times cos θi.
+    /// Index of refraction.
+    pub eta: f64,
+    /// Row by row from tan(θd / 2) = −1 to 1, by [`drawn_out`] of sin θh from −1 to 1: the paths along the fibre, times cos θi. The last is that of all light
+    /// that was reflected within more than once, times what of it leaves around the fibre, a radian: it is the same everywhere.
     pub along: Vec<[f32; PATHS]>,
-    /// Row by row from [`LEAST_COS_D`] to cos θd = 1, by φ / π from 0 to 1: the light of R, TT, TRT and all other paths, a radian.
+    /// Row by row from [`LEAST_COS_D`] to cos θd = 1, by φ / π from 0 to 1: the light of R, TT and TRT, a radian; how far TT goes within the fibre, radii.
     pub around: Vec<[f32; PATHS]>,
-    /// By the same: how far TT, TRT and all other paths go within the fibre; 1 / [`colour::depth`], everywhere.
-    pub lengths: Vec<[f32; PATHS]>,
-    /// Row by row from [`LEAST_COS_D`] to cos θ = 1, by the colour of the coat from 0 to 1: the share of light that goes on, on the far side of the fibre,
-    /// and the share that comes back; 0; 0.
-    pub sides: Vec<[f32; PATHS]>,
+    /// What needs no table.
+    pub means: Means,
 }
 
 /// Where sin θh is on its axis, −1..=1.
@@ -42,36 +41,19 @@ fn drawn_in(place: f64) -> f64 {
     DRAWN_OUT * place / (1.0 - (1.0 - DRAWN_OUT) * place.abs())
 }
 
-/// A value between four texels.
-fn between<const N: usize>(table: &[[f32; N]], size: usize, [x, y]: [f64; 2]) -> [f64; N] {
+/// A value between the four texels about a place in a square table, each coordinate 0..=1.
+///
+/// * `size`: texels along each edge, 2 or more
+pub fn between<T: Copy + Into<f64>, const N: usize>(table: &[[T; N]], size: usize, [x, y]: [f64; 2]) -> [f64; N] {
     let last = (size - 1) as f64;
     let [x, y] = [x, y].map(|of| of.clamp(0.0, 1.0) * last);
     let (left, top) = ((x as usize).min(size - 2), (y as usize).min(size - 2));
     let (a, b) = (x - left as f64, y - top as f64);
     let texel = |i: usize, j: usize| &table[(top + j) * size + left + i];
     from_fn(|k| {
-        let row = |j: usize| f64::from(texel(0, j)[k]) * (1.0 - a) + f64::from(texel(1, j)[k]) * a;
+        let row = |j: usize| texel(0, j)[k].into() * (1.0 - a) + texel(1, j)[k].into() * a;
         row(0) * (1.0 - b) + row(1) * b
     })
-}
-
-/// Integrals of an even function of φ over the half of the turn about φ = 0, and over the other half, from its values evenly from 0 to π.
-fn halves(values: &[f64]) -> [f64; 2] {
-    let step = PI / (values.len() - 1) as f64;
-    let at = |phi: f64| {
-        let place = phi / step;
-        let below = (place as usize).min(values.len() - 2);
-        values[below] + (values[below + 1] - values[below]) * (place - below as f64)
-    };
-    // Trapezia over both quarters, each of as many as there are texels.
-    let pieces = values.len();
-    let quarter = |from: f64| {
-        let width = 0.5 * PI / pieces as f64;
-        (0..pieces)
-            .map(|i| 0.5 * width * (at(from + width * i as f64) + at(from + width * (i + 1) as f64)))
-            .sum::<f64>()
-    };
-    [2.0 * quarter(0.0), 2.0 * quarter(0.5 * PI)]
 }
 
 impl Tables {
@@ -84,78 +66,72 @@ impl Tables {
         let mut along = Vec::with_capacity(size * size);
         for j in 0..size {
             let d = 2.0 * libm::atan(2.0 * share(j) - 1.0);
+            let rest = fibre.section(libm::cos(d)).rest(0.0);
             for i in 0..size {
                 let h = libm::asin(drawn_in(2.0 * share(i) - 1.0).clamp(-1.0, 1.0));
                 // Beyond a quarter turn neither direction is one: the lobe goes on evenly, for what is between texels.
                 let [from, to] = [h - d, h + d].map(|theta| theta.clamp(-0.5 * PI, 0.5 * PI));
                 let of = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
                 let angles = Angles { from: of(from), to: of(to), phi: 0.0 };
-                along.push(fibre.along(&angles).map(|x| x as f32));
+                let [r, tt, trt, others] = fibre.along(&angles);
+                along.push([r, tt, trt, others * rest].map(|x| x as f32));
             }
         }
         let phis: Vec<f64> = (0..size).map(|i| PI * share(i)).collect();
-        let (mut around, mut lengths, mut sides) = (Vec::new(), Vec::new(), Vec::new());
-        let scale = if let Around::Rough(scale) = fibre.around { scale } else { 0.0 };
-        let depth = colour::depth(scale);
-        let sigmas: Vec<f64> = (0..size).map(|i| colour::absorption([share(i); 3], scale)[0]).collect();
+        let mut around = Vec::with_capacity(size * size);
         for j in 0..size {
             let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
             let [r, tt, trt] = from_fn(|p| section.mean_ways(p as u32, &phis, REFERENCE_SIGMA));
-            let rest = mean_of(section.rest(0.0), section.rest(REFERENCE_SIGMA), REFERENCE_SIGMA);
-            let ways = |i: usize| [r[i], tt[i], trt[i], rest];
-            around.extend((0..size).map(|i| ways(i).map(|way| way.light as f32)));
-            let lengths_of = |[_, tt, trt, rest]: [Way; PATHS]| [tt.length, trt.length, rest.length, 1.0 / depth];
-            lengths.extend((0..size).map(|i| lengths_of(ways(i)).map(|length| length as f32)));
-            sides.extend(sigmas.iter().map(|sigma| {
-                let left = |i: usize| ways(i).iter().map(|way| way.left(*sigma)).sum::<f64>();
-                let [back, on] = halves(&(0..size).map(left).collect::<Vec<_>>());
-                [on as f32, back as f32, 0.0, 0.0]
-            }));
+            around.extend((0..size).map(|i| [r[i].light, tt[i].light, trt[i].light, tt[i].length].map(|x| x as f32)));
         }
-        Self { size, along, around, lengths, sides }
+        Self { size, eta: fibre.eta, along, around, means: Means::new(fibre) }
     }
 
-    /// What is along a fibre, as [`Fibre::along`].
-    pub fn along(&self, angles: &Angles) -> [f64; PATHS] {
+    /// Where two directions are in the table of what is along a fibre.
+    pub fn along_place(angles: &Angles) -> [f64; 2] {
         let cos_d = angles.cos_d();
         let sin_h = (0.5 * (angles.from.0 + angles.to.0) / cos_d.max(1e-9)).clamp(-1.0, 1.0);
         // Which of both is nearer to the tip is known, where the sign of the difference is.
         let half = (1.0 - cos_d * cos_d).max(0.0).sqrt().copysign(angles.to.0 - angles.from.0) / (1.0 + cos_d);
-        between(&self.along, self.size, [drawn_out(sin_h), half].map(|place| 0.5 + 0.5 * place))
+        [drawn_out(sin_h), half].map(|place| 0.5 + 0.5 * place)
     }
 
-    /// The four paths around it.
-    pub fn around(&self, angles: &Angles) -> [Way; PATHS] {
-        let place = [angles.phi.abs() / PI, (angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D)];
-        let light = between(&self.around, self.size, place);
-        let [tt, trt, rest, _] = between(&self.lengths, self.size, place);
-        let lengths = [0.0, tt, trt, rest];
-        from_fn(|p| Way { light: light[p], length: lengths[p] })
+    /// Where they are in that of what is around it.
+    pub fn around_place(angles: &Angles) -> [f64; 2] {
+        [angles.phi.abs() / PI, (angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D)]
     }
 
-    /// Of light at an angle of that cosine to the plane across the fibre, the share that goes on and the share that comes back, of each channel of the colour
-    /// of a coat, 0..=1.
-    pub fn sides(&self, cos_theta: f64, color: [f64; 3]) -> [[f64; 3]; 2] {
-        let row = (cos_theta - LEAST_COS_D) / (1.0 - LEAST_COS_D);
-        let of = color.map(|c| between(&self.sides, self.size, [c, row]));
-        [0, 1].map(|side| of.map(|of| of[side]))
+    /// The two layers of a texture, one after the other, row by row.
+    pub fn layers(&self) -> [&[[f32; PATHS]]; 2] {
+        [&self.along, &self.around]
     }
 
-    /// The four layers of a texture, one after the other, row by row.
-    pub fn layers(&self) -> [&[[f32; PATHS]]; 4] {
-        [&self.along, &self.around, &self.lengths, &self.sides]
-    }
-
-    /// The tables of such layers; `None` where they are not square, not all of one size, or smaller than 2.
-    pub fn of_layers([along, around, lengths, sides]: [Vec<[f32; PATHS]>; 4]) -> Option<Self> {
+    /// The tables of such layers; `None` where they are not square, not of one size, or smaller than 2.
+    pub fn of_layers(eta: f64, means: Means, [along, around]: [Vec<[f32; PATHS]>; 2]) -> Option<Self> {
         let size = along.len().isqrt();
-        let same = [&along, &around, &lengths, &sides].iter().all(|layer| layer.len() == size * size);
-        (same && size >= 2).then_some(Self { size, along, around, lengths, sides })
+        let same = along.len() == size * size && around.len() == size * size;
+        (same && size >= 2).then_some(Self { size, eta, along, around, means })
     }
 
     /// As [`Fibre::scatter`], from the tables.
     pub fn scatter(&self, sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
-        let (along, around) = (self.along(angles), self.around(angles));
-        sigma.map(|sigma| along.iter().zip(&around).map(|(along, way)| along * way.left(sigma)).sum())
+        let along = between(&self.along, self.size, Self::along_place(angles));
+        let around = between(&self.around, self.size, Self::around_place(angles));
+        self.of_texels(along, around, sigma, angles)
+    }
+
+    /// What texels of both tables come to.
+    pub fn of_texels(&self, along: [f64; PATHS], around: [f64; PATHS], sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
+        let [r, tt, trt, length] = around;
+        let [r, tt, trt, others] = [along[0] * r, along[1] * tt, along[2] * trt, along[3]];
+        sigma.map(|sigma| {
+            let left = self.means.left(angles.cos_d(), self.eta, sigma);
+            r + Way { light: tt, length }.left(sigma) + left * left * (trt + left * others)
+        })
+    }
+
+    /// [`Means::sides`] of the fibre.
+    pub fn sides(&self, cos_theta: f64, sigma: [f64; 3]) -> [[f64; 3]; 2] {
+        self.means.sides(cos_theta, self.eta, sigma)
     }
 }

@@ -238,22 +238,32 @@ fn light_goes_on_and_comes_back() {
     let fibre = Fibre::default();
     let tables = Tables::new(&fibre, 64);
     for cos in [0.15, 0.4, 0.7, 1.0] {
-        let [on, back] = tables.sides(cos, [1.0, 0.5, 0.1]);
-        assert!((on[0] + back[0] - 1.0).abs() < 5e-3, "cos θ {cos}: {on:?} {back:?}");
+        let sigmas = colour::absorption([1.0, 0.5, 0.1], 0.12);
+        let [on, back] = tables.sides(cos, sigmas);
+        assert!((on[0] + back[0] - 1.0).abs() < 1e-6, "cos θ {cos}: {on:?} {back:?}");
         let section = fibre.section(cos);
-        for (c, color) in [0.5, 0.1].into_iter().enumerate() {
-            let [sigma, ..] = colour::absorption([color; 3], 0.12);
+        for (c, sigma) in sigmas.into_iter().enumerate().skip(1) {
             let of_ways = |p: u32, phi: f64| {
                 let mut sum = 0.0;
                 section.ways(p, phi, &mut |way| sum += way.left(sigma));
                 sum
             };
-            let whole = around(400, |phi| (0..3).map(|p| of_ways(p, phi)).sum::<f64>() + section.rest(sigma));
-            let found = on[c + 1] + back[c + 1];
-            assert!((found - whole).abs() < 0.02, "cos θ {cos}, colour {color}: {found}, expected {whole}");
+            let half = |from: f64| {
+                let of = |k: u32| from + (f64::from(k) + 0.5) * PI / 200.0;
+                let ways = |phi: f64| (0..3).map(|p| of_ways(p, phi)).sum::<f64>() + section.rest(sigma);
+                (0..200).map(|k| ways(of(k))).sum::<f64>() * PI / 200.0
+            };
+            for (found, from, side) in [(on[c], 0.5 * PI, "on"), (back[c], -0.5 * PI, "back")] {
+                let expected = half(from);
+                assert!(
+                    (found - expected).abs() < 0.02,
+                    "cos θ {cos}, σ {sigma}, {side}: {found}, expected {expected}"
+                );
+            }
         }
     }
-    assert_eq!(Tables::of_layers(tables.layers().map(<[_]>::to_vec)).as_ref(), Some(&tables));
+    let layers = tables.layers().map(<[_]>::to_vec);
+    assert_eq!(Tables::of_layers(tables.eta, tables.means, layers).as_ref(), Some(&tables));
 }
 
 #[test]
