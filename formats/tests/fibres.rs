@@ -58,7 +58,7 @@ fn what_does_not_fit_is_told() {
         (|f| f.fibres[1].eta = 1.0, "fibres[1]: eta is 1, expected 1.01 to 3"),
         (|f| f.fibres[0].along = f32::NAN, "fibres[0]: along is NaN"),
         (|f| f.fibres[0].tilt = 0.6, "fibres[0]: tilt is 0.6, expected -0.5 to 0.5"),
-        (|f| f.fibres[0].around = 0.0, "fibres[0]: around is 0, expected 0.01 to 2"),
+        (|f| f.fibres[0].around = 0.0, "fibres[0]: around is 0, expected 0.01 to 5"),
         (|f| f.means.truncate(1), "means has 1 entries, expected one for each of 2 fibres"),
         (|f| f.means[1].aside = -1.0, "means[1]: aside is -1, expected 0 to 1"),
         (|f| f.means[0].back[2][3] = f32::INFINITY, "means[0]: back holds inf, expected -10 to 10"),

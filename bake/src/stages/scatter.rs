@@ -72,6 +72,24 @@ mod tests {
     use pelage_formats::{Limits, TextureView};
 
     #[test]
+    fn what_recipes_may_say_packages_may_hold() {
+        for eta in [1.2, 2.0] {
+            for (along_deg, tilt_deg) in [(1.0, -15.0), (45.0, 15.0)] {
+                for around in [0.0, 0.5, 1.0] {
+                    let params =
+                        FibreParams { eta, along_deg, tilt_deg, around, table_texels: 16, ..FibreParams::default() };
+                    let made = tables(&params, std::iter::empty()).unwrap();
+                    let faults = [made.fibres[0].fault(), made.means[0].fault()];
+                    assert_eq!(faults, [None, None], "{params:?} {:?}", made.means);
+                    let view = TextureView::parse(&made.file, 0, &Limits::default()).unwrap();
+                    let finite = |layer: u32| view.floats(layer).unwrap().as_flattened().iter().all(|x| x.is_finite());
+                    assert!(finite(0) && finite(1), "{params:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn tables_keep_what_half_floats_can() {
         let other = FibreOfGroup { name: "tail".into(), along_deg: Some(15.0), ..FibreOfGroup::default() };
         let params = FibreParams { group: vec![other], ..FibreParams::default() };

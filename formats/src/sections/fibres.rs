@@ -52,7 +52,7 @@ pub struct FibreOptics {
     pub along: f32,
     /// By how much its scales tilt that lobe towards the root, radians of the half angle, −0.5..=0.5.
     pub tilt: f32,
-    /// Scale of the logistic distribution around it, radians, 0.01..=2.
+    /// Scale of the logistic distribution around it, radians, 0.01..=5: even all around from 4 on.
     pub around: f32,
 }
 
@@ -68,12 +68,13 @@ impl FibreOptics {
         }
     }
 
-    fn fault(&self) -> Option<String> {
+    /// What is wrong with it, if anything is: numbers out of their ranges.
+    pub fn fault(&self) -> Option<String> {
         let ranges = [
             ("eta", self.eta, 1.01, 3.0),
             ("along", self.along, 0.01, 1.0),
             ("tilt", self.tilt, -0.5, 0.5),
-            ("around", self.around, 0.01, 2.0),
+            ("around", self.around, 0.01, 5.0),
         ];
         let outside = ranges.into_iter().find(|(_, found, least, most)| !(*least..=*most).contains(found));
         outside.map(|(name, found, least, most)| format!("{name} is {found}, expected {least} to {most}"))

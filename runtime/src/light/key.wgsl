@@ -36,7 +36,7 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
         let eye = eye_of(a.light_ts, a.half_ts, 1.0);
         if !BAKED_SHADOW || DEEP_SHADOW {
             // Maps do not say where the body hides the light from its own fur.
-            visible *= back_attenuation(a.light_ts.z, RIM);
+            visible *= back_attenuation(a.light_ts.z, max(RIM * p.baked.texel.w, 1e-3));
         }
         let color = p.color * a.diffuse / max(p.opacity, 1e-6);
         let sent = scatter(p.direction, normalize_or(a.light_ts, eye), eye, color, above_rim(a.light_ts.z, p.baked.texel.w), visible, a.past);

@@ -29,7 +29,8 @@ pub struct Means {
 
 /// Squares of 1 / cos θt and of 1 / η′ of light at an angle of that cosine to the plane across the fibre.
 fn bent(cos_theta: f64, eta: f64) -> [f64; 2] {
-    let (square, per_eta) = (cos_theta.max(LEAST_COS_D).powi(2), 1.0 / (eta * eta));
+    let cos = cos_theta.max(LEAST_COS_D);
+    let (square, per_eta) = (cos * cos, 1.0 / (eta * eta));
     let slant = 1.0 / (1.0 - (1.0 - square) * per_eta);
     [slant, square * per_eta * slant]
 }
@@ -105,7 +106,7 @@ impl Means {
     }
 
     /// What is wrong with it, if anything is: numbers that no fibre has.
-    pub(crate) fn fault(&self) -> Option<String> {
+    pub fn fault(&self) -> Option<String> {
         if !(0.0..=1.0).contains(&self.aside) {
             return Some(format!("aside is {}, expected 0 to 1", self.aside));
         }
