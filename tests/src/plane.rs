@@ -2,6 +2,7 @@
 
 use crate::support::ktx2;
 use crate::support::sphere::{SphereParams, manifest};
+use glam::Vec3;
 use pelage_runtime::formats::{
     AttributeVertex, GeometryVertex, MeshData, PackageWriter, Shading, ShellTextures, StrandsData, TextureEntry,
     TextureFormat,
@@ -12,6 +13,8 @@ use pelage_runtime::formats::{
 pub struct PlaneGroom {
     /// Lean of all vertices.
     pub lean: f32,
+    /// Slope by which normals of the corners lean outwards.
+    pub outwards: f32,
     /// Bareness and wetness of all vertices.
     pub vertex: [u8; 2],
     /// Groom texture: share of the hair and wetness of its texels, row by row, with their number on a row; all of the plane.
@@ -33,9 +36,9 @@ pub fn groomed_plane(layers: u32, opacity: u8, shading: Shading, groom: &PlaneGr
     let corner = |x: f32, y: f32| GeometryVertex {
         position: [0.1 * x, 0.1 * y, 0.0],
         fur_height: params.height_m,
-        normal: [0.0, 0.0, 1.0],
+        normal: Vec3::new(groom.outwards * x, groom.outwards * y, 1.0).normalize().to_array(),
         lean: groom.lean,
-        tangent: [1.0, 0.0, 0.0, 1.0],
+        tangent: Vec3::new(1.0, 0.0, -groom.outwards * x).normalize().extend(1.0).to_array(),
     };
     let [bareness, wetness] = groom.vertex;
     let tiles = groom.strands.as_ref().map_or(0.0, |(_, tiles)| *tiles);

@@ -28,7 +28,8 @@ fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: v
         let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last), PLANAR_DIRECTIONS);
         direction = mix(direction, wet, wetness);
     }
-    let eye = 2.0 * dot(half, light) * half - light;
+    // Between vertices that look different ways H is short. Taken for one of length 1 it would put the eye opposite the light.
+    let eye = 2.0 * dot(half, light) / max(dot(half, half), 1e-12) * half - light;
     return vec3(fibre(grown(direction, share, slope), light, half, wetness), atan2(eye.y, eye.x));
 }
 
@@ -45,6 +46,7 @@ fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
         let across = sqrt(max(1.0 - n_dot_e * n_dot_e, 0.0));
         return vec3(across * cos(half.z), across * sin(half.z), n_dot_e);
     }
-    let eye = 2.0 * dot(half, light) * half - light;
+    // Between vertices that look different ways H is short. Taken for one of length 1 it would put the eye opposite the light.
+    let eye = 2.0 * dot(half, light) / max(dot(half, half), 1e-12) * half - light;
     return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
 }

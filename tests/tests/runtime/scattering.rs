@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_bake::recipe::FibreParams;
+use pelage_runtime::formats::Shading;
 use pelage_runtime::formats::meaning::scattering::{Angles, colour};
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{
@@ -13,7 +14,7 @@ use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
 use pelage_tests::packages::with_fibres;
 use pelage_tests::pictures::draw_passes;
-use pelage_tests::plane::plane;
+use pelage_tests::plane::{PlaneGroom, groomed_plane, plane};
 use pelage_tests::silhouette::{bake_plain, half_to_f32};
 use std::f64::consts::PI;
 
@@ -76,6 +77,39 @@ fn a_layer_scatters_what_its_fibres_do() {
             assert!((found - expected).abs() < 0.03 * expected + 2e-3, "{eye}, {light}: {found}, expected {expected}");
         }
     }
+}
+
+/// Between corners whose normals stand far apart, what vertices hand on is short. That is no light from behind, which would be blinding.
+#[test]
+fn sharp_edges_are_no_light_from_behind() {
+    let Some(gpu) = gpu("sharp_edges_are_no_light_from_behind") else { return };
+    let mut renderer = renderer(gpu);
+    let mut brightest = |outwards: f32| {
+        let groom = PlaneGroom { outwards, ..PlaneGroom::default() };
+        let bytes = with_fibres(&groomed_plane(2, 255, Shading::default(), &groom), &FibreParams::default());
+        let model = renderer.load_bytes(&bytes).unwrap();
+        let instance = Instance::new(0, &model);
+        let ways = [(0.1, 0.05, 0.3, 0.2), (-0.2, 0.1, 0.3, -0.3), (0.05, -0.3, -0.1, 0.4)];
+        let of_ways = ways.map(|(x, y, to_x, to_y)| {
+            let view =
+                params(Vec3::new(x, y, 1.0), Vec3::new(to_x, to_y, 1.0), 0.16, 32).with(|p| p.soft_shadow = false);
+            let view = view.with_fur(|fur| {
+                fur.self_shadow = SelfShadow::Off;
+                fur.scattering = Scattering::Single;
+            });
+            let found = pixels(gpu, &mut renderer, &instance, &view, &[PassId::SHELLS]);
+            found.iter().map(|p| p[1]).fold(0.0, f32::max)
+        });
+        of_ways.into_iter().fold(0.0, f32::max)
+    };
+    let (even, sharp) = (brightest(0.0), brightest(6.0));
+    println!("even {even}, sharp {sharp}");
+    // Hair across the look and the light is the brightest that there is from here: upright hair is less bright.
+    let across = FibreParams::default().of_coat().fibre();
+    let angles = Angles::between(Vec3::X.as_dvec3(), Vec3::Z.as_dvec3(), Vec3::Z.as_dvec3());
+    let sigma = colour::absorption([127.0 / 255.0; 3], f64::from(FibreParams::default().of_coat().around));
+    let most = 1.5 * PI * across.scatter(sigma, &angles)[1];
+    assert!(f64::from(even) < most && f64::from(sharp) < most, "even {even}, sharp {sharp}, expected less than {most}");
 }
 
 /// The hare in white and in black: light that goes on from hair to hair is most of the one's and little of the other's, layers and strands agree, and no pixel is
