@@ -1,5 +1,6 @@
 //! Header and section table: the outermost shell of the file. Byte positions are those of `FORMAT.md`.
 
+use crate::checksum::crc32;
 use crate::error::FormatError;
 use crate::limits::Limits;
 use crate::tag::Tag;
@@ -163,10 +164,7 @@ fn expect_zero_padding(bytes: &[u8], from: u64, to: u64) -> Result<(), FormatErr
 
 /// CRC-32 of header and table with the checksum field itself left out.
 fn head_checksum(head: &[u8]) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&head[..24]);
-    hasher.update(&head[28..]);
-    hasher.finalize()
+    crc32(&[&head[..24], &head[28..]])
 }
 
 /// Lays out header, table and sections. The inverse of [`read_table`].
@@ -185,7 +183,7 @@ pub(crate) fn write(version: u32, sections: &[(Tag, impl AsRef<[u8]>)]) -> Vec<u
         out.extend_from_slice(&[0; 4]);
         out.extend_from_slice(&offset.to_le_bytes());
         out.extend_from_slice(&(data.len() as u64).to_le_bytes());
-        out.extend_from_slice(&crc32fast::hash(data).to_le_bytes());
+        out.extend_from_slice(&crc32(&[data]).to_le_bytes());
         out.extend_from_slice(&[0; 4]);
         offset += data.len() as u64;
     }

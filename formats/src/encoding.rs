@@ -41,12 +41,11 @@ impl Reader for SectionReader<'_> {
 ///
 /// Memory stays in proportion to `bytes`, which the caller has bounded by [`crate::Limits`]: serde reserves at most 1 MiB for
 /// a list ahead of the elements that it has read, and bincode's own limit, without which it would allocate whatever length a
-/// string states, is set to the next of a few steps above the section's size (bincode takes it as a constant).
+/// string states, is set to the next of a few steps above the section's size (bincode takes it as a constant, and each is a decoder of its own, which a page loads).
 pub(crate) fn decode_section<T: DeserializeOwned>(tag: Tag, offset: u64, bytes: &[u8]) -> Result<T, FormatError> {
     let mut reader = SectionReader { bytes, position: 0 };
     let decoded = match bytes.len() {
-        0..=0x1_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x1_0000>()),
-        0x1_0001..=0x10_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x10_0000>()),
+        0..=0x10_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x10_0000>()),
         0x10_0001..=0x100_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x100_0000>()),
         0x100_0001..=0x1000_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x1000_0000>()),
         found => {

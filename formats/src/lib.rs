@@ -33,6 +33,7 @@
 #[cfg(target_endian = "big")]
 compile_error!("pelage-formats needs a little-endian target: packages hold vertex data that is uploaded in place");
 
+mod checksum;
 mod container;
 mod encoding;
 mod error;

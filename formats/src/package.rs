@@ -1,6 +1,7 @@
 //! An opened package: its bytes, its table, its manifest, and what is kept of its sections. What a section means stands in
 //! [`crate::sections`]; how a package is opened and validated, in [`crate::whole`].
 
+use crate::checksum::crc32;
 use crate::container::Section;
 use crate::error::FormatError;
 use crate::limits::Limits;
@@ -101,7 +102,7 @@ impl<'a> Package<'a> {
         let data = &self.bytes[section.offset as usize..(section.offset + section.length) as usize];
         let verified = &self.slots[index].verified;
         if !verified.load(Ordering::Relaxed) {
-            let found = crc32fast::hash(data);
+            let found = crc32(&[data]);
             if found != section.checksum {
                 let (tag, offset, expected) = (section.tag, section.offset, section.checksum);
                 return Err(FormatError::Checksum { tag, offset, found, expected });

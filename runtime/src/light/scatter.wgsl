@@ -4,6 +4,8 @@
 override SCATTERING: bool = false;
 // Light goes on from hair to hair.
 override MULTIPLE: bool = false;
+// It hangs far from the skin that it grows from, as hair on guides does.
+override HANGS: bool = false;
 // Which of the package's fibres the hair is.
 override FIBRE: u32 = 0u;
 
@@ -42,7 +44,13 @@ fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f
     if MULTIPLE {
         // What is left at the difference angle is at hand, and serves for the light's own.
         let sides = fibre_sides(fibres[FIBRE], angles.cos_i, left);
-        let d = diffused(sides[0], sides[1], direct);
+        var met = sides;
+        var cones = vec2(1.0);
+        if HANGS {
+            met = hanging_sides(sides);
+            cones = hanging_cones(fibres[FIBRE], angles.cos_i, dot(left, vec3(1.0 / 3.0)), direct, dot(tip, light), dot(tip, eye));
+        }
+        let d = diffused(met[0], met[1], direct);
         // Light that comes from half of all azimuths: from the light's side, and from the other.
         let turned = angles.around.x;
         let to_here = mix(sides[1], sides[0], turned);
@@ -51,7 +59,7 @@ fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f
         // What was sent on has kept about a quarter turn of its way.
         let straight = mix(sides[1], sides[0], smoothstep(0.15, 0.85, turned));
         let reached = smoothstep(0.0, 0.05, above);
-        sent += (d.sent_on * straight * reached + spread * falls_in(d.root_lost, above)) / PI;
+        sent += (cones.x * d.sent_on * straight * reached + cones.y * spread * falls_in(d.root_lost, above)) / PI;
     }
     return sent * (PI * past);
 }

@@ -12,6 +12,9 @@ override GUIDED_SHADOW: bool = false;
 // Things throw soft shadows: Attenu_Shadow of eq. (3).
 override SOFT_SHADOW: bool = false;
 
+// Hair on guides is told where skin hides the light from it, far from its own: fibres need no rule for what faces away.
+override KNOWS_SKIN: bool = false;
+
 // What the key light falls on.
 struct Receiver {
     // Place in the shadow maps: (u w, v w, depth, w).
@@ -71,6 +74,17 @@ fn visible_past_things(r: Receiver) -> f32 {
     }
     let path = slanted_path(r.n_dot_l);
     return past * soft_shadow(width_texel(r.place), r.place.z, r.place.w, path, soft_shadow_of_frame(), CENTRED);
+}
+
+// Share of the key light that comes past the first skin on its way, for hair far from its own: how wide shadows are is known where skin lies in
+// them, and behind a body there may be none. Only with SOFT_SHADOW.
+fn visible_past_skin(r: Receiver) -> f32 {
+    let uv = r.place.xy / r.place.w;
+    let s = soft_shadow_of_frame();
+    let nearest = r.place.z - depth_bias(r.place.w, slanted_path(r.n_dot_l), s) / s.range_m;
+    let lit = select(vec4(0.0), vec4(1.0), textureGather(2, width_map, map_sampler, uv) >= vec4(nearest));
+    let share = fract(uv * vec2<f32>(textureDimensions(width_map)) - 0.5);
+    return mix(mix(lit.w, lit.z, share.x), mix(lit.x, lit.y, share.x), share.y);
 }
 
 // Both, for skin without hair of its own. The maps of hair know the first surface only: where that is another, its hair is not what is

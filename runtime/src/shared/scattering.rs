@@ -25,7 +25,7 @@ pub struct FibreAngles {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Fibre {
-    /// 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `Means::aside` of the package; 0.
+    /// 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `Means::aside` of the package; variance of the reflected lobe along the fibre, of whole angles.
     pub optics: [f32; 4],
     /// `Means::on` of the package.
     pub on: [[f32; 4]; 3],
@@ -38,7 +38,7 @@ impl Fibre {
     pub fn new(optics: &FibreOptics, means: &Means) -> Self {
         let per_depth = colour::depth(optics.around.into()).recip() as f32;
         Self {
-            optics: [(optics.eta * optics.eta).recip(), per_depth, means.aside, 0.0],
+            optics: [(optics.eta * optics.eta).recip(), per_depth, means.aside, 4.0 * optics.along * optics.along],
             on: means.on,
             back: means.back,
         }
@@ -97,13 +97,21 @@ pub fn fibre_scatters(along: Vec4, around: Vec4, absorbed: Vec3, left: Vec3) -> 
     Vec3::splat(ways.x) + ways.y * through + left * left * (Vec3::splat(ways.z) + along.w * left)
 }
 
-/// Of light at an angle of that cosine to the plane across a fibre: the share that goes on, to its far side, and the share that comes back.
-pub fn fibre_sides(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec3; 2] {
+/// Of light at an angle of that cosine to the plane across a fibre that absorbs nothing: the share that goes on, to its far side, and the share that comes back,
+/// by R, TT, TRT and the rest.
+pub fn fibre_shares(fibre: &Fibre, cos_theta: f32) -> [Vec4; 2] {
     let u = 1.0 - cos_theta.max(LEAST_COS_D);
     let square = u * u;
     [&fibre.on, &fibre.back].map(|of| {
         let [first, second, third] = of.map(Vec4::from);
-        let share = (first + square * (second + square * third)).to_array().map(Vec3::splat);
+        first + square * (second + square * third)
+    })
+}
+
+/// The same of a fibre that absorbs: the share that goes on, and the share that comes back.
+pub fn fibre_sides(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec3; 2] {
+    fibre_shares(fibre, cos_theta).map(|share| {
+        let share = share.to_array().map(Vec3::splat);
         share[0] + left * (share[1] + left * (share[2] + left * share[3]))
     })
 }
@@ -128,7 +136,7 @@ pub fn diffused(on: Vec3, back: Vec3, direct: f32) -> Diffused {
     let root_lost = lost.map(f32::sqrt);
     let less = root_lost * (lost + 2.0 * back).map(f32::sqrt);
     let given_back = back / (lost + back + less);
-    let depth = direct.clamp(1e-6, 1.0).log2();
+    let depth = direct.clamp(1e-30, 1.0).log2();
     let arrives = (less * depth).map(f32::exp2);
     let sent_on = ((Vec3::ONE - on) * depth).map(f32::exp2);
     Diffused {
@@ -144,4 +152,48 @@ pub fn diffused(on: Vec3, back: Vec3, direct: f32) -> Diffused {
 pub fn falls_in(root_lost: Vec3, sine: f32) -> Vec3 {
     let root = 2.0 * root_lost;
     sine * (1.0 + root) / (1.0 + sine * root)
+}
+
+/// What of the light that a fibre sends on, or back, turns back in a sheet of hair that hangs free.
+const TURNED_ON: f32 = 0.15;
+const TURNED_BACK: f32 = 0.8;
+/// What leaves such a sheet at its edges, of light that a fibre has scattered.
+const LEAKS: f32 = 0.12;
+
+/// What goes on, and what comes back, in a sheet of fibres of which each sends `sides` on and back: for [`diffused`]. A fibre's sides are not those of the
+/// sheet: light that is turned aside by many goes back in the end, and some of it leaves the sheet at its edges.
+pub fn hanging_sides(sides: [Vec3; 2]) -> [Vec3; 2] {
+    let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
+    [(1.0 - LEAKS) * (sides[0] + sides[1]) - back, back]
+}
+
+/// How much more light goes from one angle to another, of those sines to the plane across the fibre, than if it went to all heights alike: of a lobe of that
+/// `variance` (d'Eon 2011), of which I0 is taken to 2 %.
+pub fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
+    let k = variance.max(1e-3).recip();
+    let a = k * ((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o)).max(0.0).sqrt();
+    let i0e = (1.0 + 2.0 * a + 4.2832 * a * a / (a + 0.9183) - 0.6664 * a / (1.0 + 0.3884 * a * a)).sqrt().recip();
+    2.0 * k * i0e * (a - k * (1.0 + sin_i * sin_o)).exp() / (1.0 - (-2.0 * k).exp())
+}
+
+/// [`along_cone`] of light in hair that hangs side by side: of what was sent on and never back, and of other light. Fibres side by side keep light near the cone
+/// on which it came, and each that scatters it makes the cone wider (after Zinke 2008). `left`: as [`fibre_left`] has it, of grey; `direct`: share of the light that comes past all fibres.
+pub fn hanging_cones(fibre: &Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> [f32; 2] {
+    let [shares_on, shares_back] = fibre_shares(fibre, cos_i);
+    let light = Vec4::new(1.0, left, left * left, left * left * left);
+    // TT's lobe is half as wide, and TRT's twice.
+    let wide = fibre.optics[3] * Vec4::new(1.0, 0.25, 4.0, 4.0);
+    let on = shares_on.dot(light);
+    let all = on + shares_back.dot(light);
+    let width = (shares_on + shares_back).dot(light * wide) / all;
+    let depth = -direct.clamp(1e-30, 1.0).ln();
+    // Of what was sent on at all.
+    let sent = (on * depth).max(1e-3);
+    let sent_on = shares_on.dot(light * wide) / on * sent / (1.0 - (-sent).exp());
+    // How often light has been scattered that comes back from such a sheet: by how much less there is, the more each fibre absorbs.
+    let back = TURNED_ON * on + TURNED_BACK * (all - on);
+    let lost = 1.0 - (1.0 - LEAKS) * all;
+    let met = back / (lost * (lost + 2.0 * back)).sqrt();
+    let times = 1.0 + depth * all + all / back * met * (1.0 + met / 1.5) / (1.0 + met);
+    [sent_on + width, (times + 1.0) * width].map(|variance| along_cone(sin_i, sin_o, variance))
 }

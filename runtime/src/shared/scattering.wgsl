@@ -13,7 +13,7 @@ struct FibreAngles {
 
 // What of a fibre needs no table (FORMAT.md, "FIBR").
 struct Fibre {
-    // 1 / eta^2, 1 / d, mean square of how far aside light falls on it, 0.
+    // 1 / eta^2, 1 / d, mean square of how far aside light falls on it, variance of the reflected lobe along the fibre.
     optics: vec4<f32>,
     on: array<vec4<f32>, 3>,
     back: array<vec4<f32>, 3>,
@@ -68,12 +68,21 @@ fn fibre_scatters(along: vec4<f32>, around: vec4<f32>, absorbed: vec3<f32>, left
     return vec3(ways.x) + ways.y * exp(-absorbed * around.w) + left * left * (vec3(ways.z) + along.w * left);
 }
 
-// Of light at an angle of that cosine to the plane across a fibre: what goes on, and what comes back.
-fn fibre_sides(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
+// Of light at an angle of that cosine to the plane across a fibre that absorbs nothing: what goes on, and what comes back, by R, TT, TRT and the rest.
+fn fibre_shares(fibre: Fibre, cos_theta: f32) -> array<vec4<f32>, 2> {
     let u = 1.0 - max(cos_theta, LEAST_COS_D);
     let square = u * u;
-    let on = fibre.on[0] + square * (fibre.on[1] + square * fibre.on[2]);
-    let back = fibre.back[0] + square * (fibre.back[1] + square * fibre.back[2]);
+    return array(
+        fibre.on[0] + square * (fibre.on[1] + square * fibre.on[2]),
+        fibre.back[0] + square * (fibre.back[1] + square * fibre.back[2]),
+    );
+}
+
+// The same of a fibre that absorbs: what goes on, and what comes back.
+fn fibre_sides(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
+    let shares = fibre_shares(fibre, cos_theta);
+    let on = shares[0];
+    let back = shares[1];
     return array(
         vec3(on.x) + left * (vec3(on.y) + left * (vec3(on.z) + on.w * left)),
         vec3(back.x) + left * (vec3(back.y) + left * (vec3(back.z) + back.w * left)),
@@ -96,7 +105,7 @@ fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> Diffused {
     let root_lost = sqrt(lost);
     let less = root_lost * sqrt(lost + 2.0 * back);
     let given_back = back / (lost + back + less);
-    let depth = log2(clamp(direct, 1e-6, 1.0));
+    let depth = log2(clamp(direct, 1e-30, 1.0));
     let arrives = exp2(less * depth);
     let sent_on = exp2((vec3(1.0) - on) * depth);
     return Diffused(max(sent_on - direct, vec3(0.0)), max(arrives - sent_on, vec3(0.0)), given_back * arrives, root_lost);
@@ -107,4 +116,46 @@ fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> Diffused {
 fn falls_in(root_lost: vec3<f32>, sine: f32) -> vec3<f32> {
     let root = 2.0 * root_lost;
     return sine * (1.0 + root) / (1.0 + sine * root);
+}
+
+// Hair that hangs free: what of the light that a fibre sends on or back turns back in a sheet of it, and what leaves it at its edges.
+const TURNED_ON: f32 = 0.15;
+const TURNED_BACK: f32 = 0.8;
+const LEAKS: f32 = 0.12;
+
+// What goes on, and what comes back, in a sheet of fibres of which each sends that on and back.
+fn hanging_sides(sides: array<vec3<f32>, 2>) -> array<vec3<f32>, 2> {
+    let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
+    return array((1.0 - LEAKS) * (sides[0] + sides[1]) - back, back);
+}
+
+// How much more light goes that way than if it went to all heights alike, of sines of the light's and the eye's angle to the plane across the fibre: of a
+// lobe of that variance (d'Eon 2011, around which I0 is taken to 2 %).
+fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
+    let k = 1.0 / max(variance, 1e-3);
+    let a = k * sqrt(max((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o), 0.0));
+    let i0e = inverseSqrt(1.0 + 2.0 * a + 4.2832 * a * a / (a + 0.9183) - 0.6664 * a / (1.0 + 0.3884 * a * a));
+    return 2.0 * k * i0e * exp(a - k * (1.0 + sin_i * sin_o)) / (1.0 - exp(-2.0 * k));
+}
+
+// Fibres side by side keep light near the cone on which it came, and each that scatters it makes the cone wider: along_cone of what was sent on and never back
+// (x), and of other light (y). Of light of which the share `direct` comes past all fibres. left: as fibre_left has it, of grey.
+fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> vec2<f32> {
+    let shares = fibre_shares(fibre, cos_i);
+    let light = vec4(1.0, left, left * left, left * left * left);
+    // TT's lobe is half as wide, and TRT's twice.
+    let wide = fibre.optics.w * vec4(1.0, 0.25, 4.0, 4.0);
+    let on = dot(shares[0], light);
+    let all = on + dot(shares[1], light);
+    let width = dot(shares[0] + shares[1], light * wide) / all;
+    let depth = -log(clamp(direct, 1e-30, 1.0));
+    // Of what was sent on at all.
+    let sent = max(on * depth, 1e-3);
+    let sent_on = dot(shares[0], light * wide) / on * sent / (1.0 - exp(-sent));
+    // How often light has been scattered that comes back from such a sheet: by how much less there is, the more each fibre absorbs.
+    let back = TURNED_ON * on + TURNED_BACK * (all - on);
+    let lost = 1.0 - (1.0 - LEAKS) * all;
+    let met = back * inverseSqrt(lost * (lost + 2.0 * back));
+    let times = 1.0 + depth * all + all / back * met * (1.0 + met / 1.5) / (1.0 + met);
+    return vec2(along_cone(sin_i, sin_o, sent_on + width), along_cone(sin_i, sin_o, (times + 1.0) * width));
 }

@@ -149,3 +149,29 @@ fn light_goes_from_hair_to_hair() {
         mean(&hares[2], Hair::Shells, Scattering::Multiple, light);
     }
 }
+
+/// Long brown hair around a head: skin hides the light from what hangs behind it, hair that goes around it shadows what lies on its other side, and light that goes
+/// from hair to hair leaves a sheet of hair. Traced paths find 0.185 and 0.083 of the light that they find in front; without all that it is 0.27 and 0.22.
+#[test]
+fn hair_around_a_body_is_dark_behind_it() {
+    let Some(gpu) = gpu("hair_around_a_body_is_dark_behind_it") else { return };
+    let model = workspace().join("assets/models/head.glb");
+    let mut renderer = renderer(gpu);
+    let passes: Vec<PassId> = PassId::all().collect();
+    let bytes = bake_plain("head", &model, Some("assets/recipes/head.toml"), &["shading.model=marschner"]);
+    let head = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
+    let mut light_of = |towards: Vec3| {
+        let middle = Vec3::new(0.0, 0.19, 0.0);
+        let projection = Projection::Orthographic { height_m: 0.5, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
+        let mut view = params(Vec3::Z, towards, 0.4, 640);
+        view.camera = Camera::look_at(middle + Vec3::new(1.2, 0.5, 1.4), middle, projection);
+        let found = pixels(gpu, &mut renderer, &head, &view.with_fur(|fur| fur.hair = Hair::Strands), &passes);
+        assert!(found.as_flattened().iter().all(|x| x.is_finite() && *x >= 0.0), "{towards}");
+        found.iter().map(|p| p[1]).sum::<f32>()
+    };
+    let [front, side, behind] =
+        [Vec3::new(0.3, 0.5, 1.0), Vec3::new(-1.0, 0.4, 0.2), Vec3::new(-0.5, 0.35, -0.9)].map(&mut light_of);
+    let [side, behind] = [side / front, behind / front];
+    println!("side {side}, behind {behind}");
+    assert!((0.15..0.22).contains(&side) && (0.05..0.14).contains(&behind), "side {side}, behind {behind}");
+}

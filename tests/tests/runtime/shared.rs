@@ -798,7 +798,7 @@ fn light_in_a_coat_of_fibres() {
         [0, 1, 2].map(|i| {
             let lost = (1.0 - f64::from(on[i]) - f64::from(back[i])).max(1e-4);
             let less = (lost * (lost + 2.0 * f64::from(back[i]))).sqrt();
-            let direct = f64::from(on[3]).clamp(1e-6, 1.0);
+            let direct = f64::from(on[3]).clamp(1e-30, 1.0);
             let (arrives, sent_on) = (direct.powf(less), direct.powf(1.0 - f64::from(on[i])));
             let given_back = f64::from(back[i]) / (lost + f64::from(back[i]) + less);
             [(sent_on - f64::from(on[3])).max(0.0), (arrives - sent_on).max(0.0), given_back * arrives]
@@ -888,6 +888,111 @@ fn light_in_a_coat_of_fibres() {
         },
         |_, _| 3e-6,
     );
+}
+
+#[test]
+fn light_in_hair_that_hangs() {
+    let mut random = Random(31);
+    // Sines of the light's and the eye's angle, variance, share of the light; what goes on and comes back; what is left, and the cosine.
+    let mut cases: Vec<Case<3>> = Vec::new();
+    for i in 0..3000 {
+        let sine = |random: &mut Random, which| match which {
+            0 => -1.0,
+            1 => 1.0,
+            _ => 2.0 * random.next_f32() - 1.0,
+        };
+        let [sin_i, sin_o] = [i % 17, i % 23].map(|which| sine(&mut random, which));
+        let variance = [random.next_f32(), 0.0, 4.0 * random.next_f32(), 0.02, 50.0][i % 5];
+        let direct = [random.next_f32(), 0.0, 1.0, 1e-5][i / 3 % 4];
+        let on = Vec3::new(random.next_f32(), random.next_f32(), random.next_f32());
+        let back = (Vec3::ONE - on) * random.next_f32();
+        cases.push([
+            [sin_i, sin_o, variance, direct],
+            on.extend(random.next_f32()).to_array(),
+            back.extend(random.next_f32()).to_array(),
+        ]);
+    }
+    three_ways(
+        "hanging_sides",
+        scattering::WGSL,
+        "vec4(hanging_sides(array(in_1.xyz, in_2.xyz))[0].xy, hanging_sides(array(in_1.xyz, in_2.xyz))[1].yz)",
+        &cases,
+        |[_, on, back]| {
+            let of = |i: usize| {
+                let (on, back) = (f64::from(on[i]), f64::from(back[i]));
+                let turned = 0.15 * on + 0.8 * back;
+                [0.88 * (on + back) - turned, turned]
+            };
+            [of(0)[0], of(1)[0], of(1)[1], of(2)[1]]
+        },
+        |[_, on, back]| {
+            let [on, back] = scattering::hanging_sides([v(on), v(back)]);
+            [on.x, on.y, back.y, back.z]
+        },
+        |_, _| 1e-6,
+    );
+    let of_i0 = |_: &Case<3>, exact: f64| 0.025 * exact.abs() + 2e-3;
+    three_ways(
+        "along_cone",
+        scattering::WGSL,
+        "vec4(along_cone(in_0.x, in_0.y, in_0.z), 0.0, 0.0, 0.0)",
+        &cases,
+        |[angles, ..]| x(along_cone(angles[0].into(), angles[1].into(), angles[2].into())),
+        |[angles, ..]| xf(scattering::along_cone(angles[0], angles[1], angles[2])),
+        of_i0,
+    );
+    let fibre = scattering::Fibre {
+        optics: [0.41623, 0.17, 0.45, 0.07],
+        on: FITTED,
+        back: FITTED.map(|of| of.map(|x| 0.25 * x)),
+    };
+    let wgsl = |of: &[[f32; 4]; 3]| of.map(|[x, y, z, w]| format!("vec4({x:?}, {y:?}, {z:?}, {w:?})")).join(", ");
+    let literal =
+        format!("Fibre(vec4(0.41623, 0.17, 0.45, 0.07), array({}), array({}))", wgsl(&fibre.on), wgsl(&fibre.back));
+    three_ways(
+        "hanging_cones",
+        scattering::WGSL,
+        &format!("vec4(hanging_cones({literal}, in_1.w, in_2.w, in_0.w, in_0.x, in_0.y), 0.0, 0.0)"),
+        &cases,
+        |[angles, on, back]| {
+            let (square, left) = ((1.0 - f64::from(on[3]).max(0.1)).powi(2), f64::from(back[3]));
+            let light = |of: &[[f32; 4]; 3], p: usize| {
+                let [first, second, third] = of.map(|of| f64::from(of[p]));
+                (first + square * second + square * square * third) * left.powi(p as i32)
+            };
+            let wide = [0.07, 0.0175, 0.28, 0.28];
+            let sum = |of: &[[f32; 4]; 3]| (0..4).map(|p| light(of, p)).sum::<f64>();
+            let widths = |of: &[[f32; 4]; 3]| (0..4).map(|p| light(of, p) * wide[p]).sum::<f64>();
+            let (on, all) = (sum(&fibre.on), sum(&fibre.on) + sum(&fibre.back));
+            let width = (widths(&fibre.on) + widths(&fibre.back)) / all;
+            let depth = -f64::from(angles[3]).clamp(1e-30, 1.0).ln();
+            let sent = (on * depth).max(1e-3);
+            let turned = 0.15 * on + 0.8 * (all - on);
+            let lost = 1.0 - 0.88 * all;
+            let met = turned / (lost * (lost + 2.0 * turned)).sqrt();
+            let times = 1.0 + depth * all + all / turned * met * (1.0 + met / 1.5) / (1.0 + met);
+            let variances = [widths(&fibre.on) / on * sent / (1.0 - (-sent).exp()) + width, (times + 1.0) * width];
+            let [a, b] = variances.map(|variance| along_cone(angles[0].into(), angles[1].into(), variance));
+            [a, b, 0.0, 0.0]
+        },
+        |[angles, on, back]| {
+            let [a, b] = scattering::hanging_cones(&fibre, on[3], back[3], angles[3], angles[0], angles[1]);
+            [a, b, 0.0, 0.0]
+        },
+        of_i0,
+    );
+}
+
+/// By its integral.
+fn along_cone(sin_i: f64, sin_o: f64, variance: f64) -> f64 {
+    let k = variance.max(1e-3).recip();
+    let a = k * ((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o)).max(0.0).sqrt();
+    let steps = 2000;
+    let turn = |i: usize| {
+        (a * (std::f64::consts::PI * (i as f64 + 0.5) / f64::from(steps)).cos() - k * (1.0 + sin_i * sin_o)).exp()
+    };
+    let mean = (0..steps as usize).map(turn).sum::<f64>() / f64::from(steps);
+    2.0 * k * mean / (1.0 - (-2.0 * k).exp())
 }
 
 /// Of a fibre of hair.

@@ -46,6 +46,8 @@ fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str
     // The skin and its groom say nothing of hair on guides.
     if let Some(guided) = set.strands.guided() {
         constants.push(on("OWN_COLOR", true));
+        constants.push(on("HANGS", true));
+        constants.push(on("KNOWS_SKIN", seen.look.soft_shadow));
         constants.push(("FIBRE", guided.fibre));
     } else {
         constants.extend(material(part));

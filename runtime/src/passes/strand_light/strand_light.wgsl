@@ -11,7 +11,7 @@
 @group(2) @binding(8) var<uniform> deep_opacity: DeepOpacity;
 
 const DRAW_ARGUMENTS: u32 = 5u;
-// Roots whose skin faces farther away than this grow hair that the skin hides.
+// Roots whose skin faces farther away than this grow fur that the skin hides.
 const FARTHEST_TURNED: f32 = -0.5;
 // How much wider than the picture a strand's first, middle and last point are looked for.
 const MARGIN: f32 = 1.1;
@@ -38,7 +38,7 @@ fn may_be_seen(number: u32) -> bool {
     let first = number * (constants.points + POSED_BEFORE);
     let root = first + POSED_BEFORE;
     let position = world_place(root);
-    if dot(world_normal(first), direction_to(frame.eye_ws, position)) < FARTHEST_TURNED {
+    if !HANGS && dot(world_normal(first), direction_to(frame.eye_ws, position)) < FARTHEST_TURNED {
         return false;
     }
     let a = frame.clip_from_world * vec4(position, 1.0);
@@ -189,7 +189,11 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let light_ts = to_tile(skin, light);
         let half_ts = to_tile(skin, half_vector(light, eye));
         let place = map_place(position + eye * (radius * radii_towards_eye()));
-        let past = visible_past_things(Receiver(place, height * frame.last_map_layer, true, light_ts.z));
+        let receiver = Receiver(place, height * frame.last_map_layer, true, light_ts.z);
+        var past = visible_past_things(receiver);
+        if KNOWS_SKIN {
+            past *= visible_past_skin(receiver);
+        }
         let slope = lean_slope(strand.lean, height);
         let arriving = arriving_at(height, light_ts, half_ts, visible_through_strands(place), past);
         let hair = HairPoint(

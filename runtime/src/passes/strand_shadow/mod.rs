@@ -42,8 +42,10 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Strands are walked to so many points at least.
+/// Strands are walked in so many pieces at least.
 const FEWEST_PIECES: u32 = 4;
+/// Those on guides, which go around bodies: what a piece cuts off of a bend lies in the skin, and throws no shadow.
+const FEWEST_GUIDED: u32 = 16;
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
@@ -70,7 +72,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     for (seen, set) in strand_sets(&instances) {
         let strands = set.strands;
         let pieces = strands.points - 1;
-        let step = strands.steps().rfind(|step| pieces / step >= FEWEST_PIECES).unwrap_or(1);
+        let fewest = if strands.guided().is_some() { FEWEST_GUIDED } else { FEWEST_PIECES };
+        let step = strands.steps().rfind(|step| pieces / step >= fewest).unwrap_or(1);
         // Always of the same share, so that the map does not depend on what the eye was near to when it was drawn.
         let share = strands.shadow_share();
         let thrown = DrawnSet { share, widened: share.recip(), step, ..*set.drawn };

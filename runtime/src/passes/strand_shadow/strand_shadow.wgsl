@@ -23,8 +23,8 @@ fn walk(number: u32, deposits: bool) {
     let points = constants.points;
     let first = number * (points + POSED_BEFORE);
     var a = world_place(first + POSED_BEFORE);
-    // Behind the skin nothing is lit.
-    if dot(world_normal(first), direction_to(frame.light_ws, a)) < -0.5 {
+    // Behind the skin no fur is lit; other hair reaches beyond it.
+    if !GUIDED && dot(world_normal(first), direction_to(frame.light_ws, a)) < -0.5 {
         return;
     }
     let side = f32(deep_opacity.size);
