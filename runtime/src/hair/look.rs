@@ -76,7 +76,7 @@ pub(crate) struct Look {
     /// There are lights without shadow.
     pub(crate) fill_lights: bool,
     /// How hair scatters light by tables of its fibres, where it does.
-    scattering: Option<Scattering>,
+    pub(crate) scattering: Option<Scattering>,
     /// Constants of the lighting equation.
     shading: Shading,
 }

@@ -12,7 +12,7 @@ override GUIDED_SHADOW: bool = false;
 // Things throw soft shadows: Attenu_Shadow of eq. (3).
 override SOFT_SHADOW: bool = false;
 
-// Hair on guides is told where skin hides the light from it, far from its own: fibres need no rule for what faces away.
+// Hair that skin is far from, or that faces away, is told where skin hides the light from it: fibres need no rule for what faces away. With SOFT_SHADOW.
 override KNOWS_SKIN: bool = false;
 
 // What the key light falls on.
@@ -77,7 +77,7 @@ fn visible_past_things(r: Receiver) -> f32 {
 }
 
 // Share of the key light that comes past the first skin on its way, for hair far from its own: how wide shadows are is known where skin lies in
-// them, and behind a body there may be none. Only with SOFT_SHADOW.
+// them, and behind a body there may be none. 
 fn visible_past_skin(r: Receiver) -> f32 {
     let uv = r.place.xy / r.place.w;
     let s = soft_shadow_of_frame();

@@ -43,11 +43,11 @@ pub(crate) const PASS: Pass = Pass {
 fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
     let mut constants = seen.look.strand_lights();
     constants.push(on("DEEP_SHADOW", seen.look.deep_shadow));
+    constants.push(on("KNOWS_SKIN", seen.look.soft_shadow));
     // The skin and its groom say nothing of hair on guides.
     if let Some(guided) = set.strands.guided() {
         constants.push(on("OWN_COLOR", true));
         constants.push(on("HANGS", true));
-        constants.push(on("KNOWS_SKIN", seen.look.soft_shadow));
         constants.push(("FIBRE", guided.fibre));
     } else {
         constants.extend(material(part));
