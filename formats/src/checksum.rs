@@ -8,11 +8,29 @@ pub(crate) fn crc32(parts: &[&[u8]]) -> u32 {
     hasher.finalize()
 }
 
-/// The same for a page, which loads the tables of a checksum before it computes any.
 #[cfg(target_arch = "wasm32")]
-pub(crate) fn crc32(parts: &[&[u8]]) -> u32 {
+pub(crate) use by_one_table as crc32;
+
+/// The same for a page, which loads the tables of a checksum before it computes any.
+#[cfg(any(test, target_arch = "wasm32"))]
+pub(crate) fn by_one_table(parts: &[&[u8]]) -> u32 {
     static CRC: crc::Crc<u32, crc::Table<1>> = crc::Crc::<u32, crc::Table<1>>::new(&crc::CRC_32_ISO_HDLC);
     let mut digest = CRC.digest();
     parts.iter().for_each(|part| digest.update(part));
     digest.finalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_and_programs_have_one_checksum() {
+        let bytes: Vec<u8> = (0..1000u32).map(|i| ((i * i) >> 3) as u8).collect();
+        assert_eq!(crc32(&[b"123456789"]), 0xcbf4_3926);
+        for cut in [0, 1, 24, 999, 1000] {
+            let (first, second) = bytes.split_at(cut);
+            assert_eq!(by_one_table(&[first, second]), crc32(&[&bytes]), "cut at {cut}");
+        }
+    }
 }

@@ -72,11 +72,11 @@ pub(crate) struct Look {
     /// The layer-wise maps have another number of layers than were baked.
     pub(crate) maps_resampled: bool,
     /// Things throw soft shadows.
-    pub(crate) soft_shadow: bool,
+    soft_shadow: bool,
     /// There are lights without shadow.
     pub(crate) fill_lights: bool,
     /// How hair scatters light by tables of its fibres, where it does.
-    pub(crate) scattering: Option<Scattering>,
+    scattering: Option<Scattering>,
     /// Constants of the lighting equation.
     shading: Shading,
 }

@@ -5,6 +5,13 @@ override SQUARED_DIFFUSE: bool = false;
 // ks is not zero.
 override SPECULAR: bool = false;
 
+// The light's direction mirrored at H: the eye's. Between vertices that look different ways H is short, and taken for one of length 1 it would put
+// the eye opposite the light.
+fn mirrored(light: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
+    let eye = 2.0 * dot(half, light) / max(dot(half, half), 1e-12) * half - light;
+    return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
+}
+
 // What a hair sends to the eye of light from one direction: `x` takes the hair's colour, sin^pd; `y` does not, sin^ps as strong as wet and
 // dry hair have it together. All in the tile frame; `half` is H of light and eye.
 fn fibre(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {

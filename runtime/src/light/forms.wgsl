@@ -13,9 +13,7 @@ fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: v
 
 // Towards the eye: that of which H is the middle with the light. n_dot_e: its cosine with the normal.
 fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
-    // Between vertices that look different ways H is short. Taken for one of length 1 it would put the eye opposite the light.
-    let eye = 2.0 * dot(half, light) / max(dot(half, half), 1e-12) * half - light;
-    return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
+    return mirrored(light, half);
 }
 
 // What a fragment shows of its geometry (0 skin, 1 far coat, 2 shells, 3 fins), or on the way from it to the next: its light.

@@ -34,8 +34,8 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
     if SCATTERING {
         // The light's colour stands where that of the highlight does, and the diffuse constant is 1.
         let eye = eye_of(a.light_ts, a.half_ts, 1.0);
-        if (!BAKED_SHADOW || DEEP_SHADOW) && !KNOWS_SKIN {
-            // Maps do not say where the body hides the light from its own fur.
+        if (!BAKED_SHADOW || DEEP_SHADOW) && !(HANGS && SOFT_SHADOW) {
+            // Maps do not say where the body hides the light from its own fur beside the outline.
             visible *= back_attenuation(a.light_ts.z, max(RIM * p.baked.texel.w, 1e-3));
         }
         let color = p.color * a.diffuse / max(p.opacity, 1e-6);

@@ -12,9 +12,6 @@ override GUIDED_SHADOW: bool = false;
 // Things throw soft shadows: Attenu_Shadow of eq. (3).
 override SOFT_SHADOW: bool = false;
 
-// Hair that skin is far from, or that faces away, is told where skin hides the light from it: fibres need no rule for what faces away. With SOFT_SHADOW.
-override KNOWS_SKIN: bool = false;
-
 // What the key light falls on.
 struct Receiver {
     // Place in the shadow maps: (u w, v w, depth, w).
@@ -62,6 +59,22 @@ fn width_texel(place: vec4<f32>) -> vec4<f32> {
     return textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0);
 }
 
+// Share of the key light that comes past the first surface on its way: behind a body in whose shadow nothing else lies, the map's occlusion is none. Deep
+// in a shadow that it knows, it knows more: how soft.
+fn visible_past_first(place: vec4<f32>, path: f32, occlusion: f32) -> f32 {
+    let uv = place.xy / place.w;
+    if any(abs(uv - 0.5) > vec2(0.5)) {
+        return 1.0;
+    }
+    let s = soft_shadow_of_frame();
+    // The map's half floats are good to a 2048th of its range.
+    let nearest = place.z - depth_bias(place.w, path, s) / s.range_m - 1.0 / 2048.0;
+    let lit = select(vec4(0.0), vec4(1.0), textureGather(2, width_map, map_sampler, uv) >= vec4(nearest));
+    let share = fract(uv * vec2<f32>(textureDimensions(width_map)) - 0.5);
+    let past = mix(mix(lit.w, lit.z, share.x), mix(lit.x, lit.y, share.x), share.y);
+    return mix(past, 1.0, clamp(10.0 * occlusion - 4.0, 0.0, 1.0));
+}
+
 // Share of the key light that other things let through: Attenu_Shadow of eq. (3).
 fn visible_past_things(r: Receiver) -> f32 {
     var past = 1.0;
@@ -73,18 +86,16 @@ fn visible_past_things(r: Receiver) -> f32 {
         return past;
     }
     let path = slanted_path(r.n_dot_l);
-    return past * soft_shadow(width_texel(r.place), r.place.z, r.place.w, path, soft_shadow_of_frame(), CENTRED);
-}
-
-// Share of the key light that comes past the first skin on its way, for hair far from its own: how wide shadows are is known where skin lies in
-// them, and behind a body there may be none. 
-fn visible_past_skin(r: Receiver) -> f32 {
-    let uv = r.place.xy / r.place.w;
-    let s = soft_shadow_of_frame();
-    let nearest = r.place.z - depth_bias(r.place.w, slanted_path(r.n_dot_l), s) / s.range_m;
-    let lit = select(vec4(0.0), vec4(1.0), textureGather(2, width_map, map_sampler, uv) >= vec4(nearest));
-    let share = fract(uv * vec2<f32>(textureDimensions(width_map)) - 0.5);
-    return mix(mix(lit.w, lit.z, share.x), mix(lit.x, lit.y, share.x), share.y);
+    let texel = width_texel(r.place);
+    past *= soft_shadow(texel, r.place.z, r.place.w, path, soft_shadow_of_frame(), CENTRED);
+    if HANGS {
+        // Hair on guides hangs anywhere, and its root's skin says nothing of the way there.
+        past *= visible_past_first(r.place, 4.0, texel.x);
+    } else if SCATTERING && r.n_dot_l < 0.0 {
+        // Fur that faces away is lit where it stands out beyond the outline, and not farther behind.
+        past *= mix(1.0, visible_past_first(r.place, path, texel.x), min(-10.0 * r.n_dot_l, 1.0));
+    }
+    return past;
 }
 
 // Both, for skin without hair of its own. The maps of hair know the first surface only: where that is another, its hair is not what is

@@ -170,7 +170,7 @@ pub fn hanging_sides(sides: [Vec3; 2]) -> [Vec3; 2] {
 /// How much more light goes from one angle to another, of those sines to the plane across the fibre, than if it went to all heights alike: of a lobe of that
 /// `variance` (d'Eon 2011), of which I0 is taken to 2 %.
 pub fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
-    let k = variance.max(1e-3).recip();
+    let k = variance.clamp(1e-3, 1e3).recip();
     let a = k * ((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o)).max(0.0).sqrt();
     let i0e = (1.0 + 2.0 * a + 4.2832 * a * a / (a + 0.9183) - 0.6664 * a / (1.0 + 0.3884 * a * a)).sqrt().recip();
     2.0 * k * i0e * (a - k * (1.0 + sin_i * sin_o)).exp() / (1.0 - (-2.0 * k).exp())
@@ -183,8 +183,9 @@ pub fn hanging_cones(fibre: &Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f
     let light = Vec4::new(1.0, left, left * left, left * left * left);
     // TT's lobe is half as wide, and TRT's twice.
     let wide = fibre.optics[3] * Vec4::new(1.0, 0.25, 4.0, 4.0);
-    let on = shares_on.dot(light);
-    let all = on + shares_back.dot(light);
+    // Fits of fibres that let nothing through may be nothing, or less.
+    let on = shares_on.dot(light).max(1e-4);
+    let all = on + shares_back.dot(light).max(0.0);
     let width = (shares_on + shares_back).dot(light * wide) / all;
     let depth = -direct.clamp(1e-30, 1.0).ln();
     // Of what was sent on at all.
@@ -192,7 +193,7 @@ pub fn hanging_cones(fibre: &Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f
     let sent_on = shares_on.dot(light * wide) / on * sent / (1.0 - (-sent).exp());
     // How often light has been scattered that comes back from such a sheet: by how much less there is, the more each fibre absorbs.
     let back = TURNED_ON * on + TURNED_BACK * (all - on);
-    let lost = 1.0 - (1.0 - LEAKS) * all;
+    let lost = (1.0 - (1.0 - LEAKS) * all).max(1e-4);
     let met = back / (lost * (lost + 2.0 * back)).sqrt();
     let times = 1.0 + depth * all + all / back * met * (1.0 + met / 1.5) / (1.0 + met);
     [sent_on + width, (times + 1.0) * width].map(|variance| along_cone(sin_i, sin_o, variance))

@@ -132,7 +132,7 @@ fn hanging_sides(sides: array<vec3<f32>, 2>) -> array<vec3<f32>, 2> {
 // How much more light goes that way than if it went to all heights alike, of sines of the light's and the eye's angle to the plane across the fibre: of a
 // lobe of that variance (d'Eon 2011, around which I0 is taken to 2 %).
 fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
-    let k = 1.0 / max(variance, 1e-3);
+    let k = 1.0 / clamp(variance, 1e-3, 1e3);
     let a = k * sqrt(max((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o), 0.0));
     let i0e = inverseSqrt(1.0 + 2.0 * a + 4.2832 * a * a / (a + 0.9183) - 0.6664 * a / (1.0 + 0.3884 * a * a));
     return 2.0 * k * i0e * exp(a - k * (1.0 + sin_i * sin_o)) / (1.0 - exp(-2.0 * k));
@@ -145,8 +145,9 @@ fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, s
     let light = vec4(1.0, left, left * left, left * left * left);
     // TT's lobe is half as wide, and TRT's twice.
     let wide = fibre.optics.w * vec4(1.0, 0.25, 4.0, 4.0);
-    let on = dot(shares[0], light);
-    let all = on + dot(shares[1], light);
+    // Fits of fibres that let nothing through may be nothing, or less.
+    let on = max(dot(shares[0], light), 1e-4);
+    let all = on + max(dot(shares[1], light), 0.0);
     let width = dot(shares[0] + shares[1], light * wide) / all;
     let depth = -log(clamp(direct, 1e-30, 1.0));
     // Of what was sent on at all.
@@ -154,7 +155,7 @@ fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, s
     let sent_on = dot(shares[0], light * wide) / on * sent / (1.0 - exp(-sent));
     // How often light has been scattered that comes back from such a sheet: by how much less there is, the more each fibre absorbs.
     let back = TURNED_ON * on + TURNED_BACK * (all - on);
-    let lost = 1.0 - (1.0 - LEAKS) * all;
+    let lost = max(1.0 - (1.0 - LEAKS) * all, 1e-4);
     let met = back * inverseSqrt(lost * (lost + 2.0 * back));
     let times = 1.0 + depth * all + all / back * met * (1.0 + met / 1.5) / (1.0 + met);
     return vec2(along_cone(sin_i, sin_o, sent_on + width), along_cone(sin_i, sin_o, (times + 1.0) * width));

@@ -46,7 +46,5 @@ fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
         let across = sqrt(max(1.0 - n_dot_e * n_dot_e, 0.0));
         return vec3(across * cos(half.z), across * sin(half.z), n_dot_e);
     }
-    // Between vertices that look different ways H is short. Taken for one of length 1 it would put the eye opposite the light.
-    let eye = 2.0 * dot(half, light) / max(dot(half, half), 1e-12) * half - light;
-    return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
+    return mirrored(light, half);
 }

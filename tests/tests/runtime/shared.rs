@@ -963,12 +963,13 @@ fn light_in_hair_that_hangs() {
             let wide = [0.07, 0.0175, 0.28, 0.28];
             let sum = |of: &[[f32; 4]; 3]| (0..4).map(|p| light(of, p)).sum::<f64>();
             let widths = |of: &[[f32; 4]; 3]| (0..4).map(|p| light(of, p) * wide[p]).sum::<f64>();
-            let (on, all) = (sum(&fibre.on), sum(&fibre.on) + sum(&fibre.back));
+            let on = sum(&fibre.on).max(1e-4);
+            let all = on + sum(&fibre.back).max(0.0);
             let width = (widths(&fibre.on) + widths(&fibre.back)) / all;
             let depth = -f64::from(angles[3]).clamp(1e-30, 1.0).ln();
             let sent = (on * depth).max(1e-3);
             let turned = 0.15 * on + 0.8 * (all - on);
-            let lost = 1.0 - 0.88 * all;
+            let lost = (1.0 - 0.88 * all).max(1e-4);
             let met = turned / (lost * (lost + 2.0 * turned)).sqrt();
             let times = 1.0 + depth * all + all / turned * met * (1.0 + met / 1.5) / (1.0 + met);
             let variances = [widths(&fibre.on) / on * sent / (1.0 - (-sent).exp()) + width, (times + 1.0) * width];
@@ -983,9 +984,24 @@ fn light_in_hair_that_hangs() {
     );
 }
 
+/// Packages may hold any of them.
+#[test]
+fn fibres_without_light_are_no_trouble_to_hair_that_hangs() {
+    for (on, back) in [(0.0, 0.0), (1e-30, 0.0), (0.0, 1.0), (1.0, 1.0), (-10.0, 10.0), (10.0, 10.0), (-10.0, -10.0)] {
+        let of = |x: f32| [[x, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]];
+        for width in [0.0, 1e-8, 0.07, 4.0] {
+            let fibre = scattering::Fibre { optics: [0.4, 0.2, 0.4, width], on: of(on), back: of(back) };
+            for (direct, sine) in [(0.0, 1.0), (1.0, -1.0), (0.3, 0.0)] {
+                let found = scattering::hanging_cones(&fibre, 0.5, 1.0, direct, sine, 0.4);
+                assert!(found.iter().all(|x| x.is_finite() && *x >= 0.0), "{on} {back} {width} {direct}: {found:?}");
+            }
+        }
+    }
+}
+
 /// By its integral.
 fn along_cone(sin_i: f64, sin_o: f64, variance: f64) -> f64 {
-    let k = variance.max(1e-3).recip();
+    let k = variance.clamp(1e-3, 1e3).recip();
     let a = k * ((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o)).max(0.0).sqrt();
     let steps = 2000;
     let turn = |i: usize| {

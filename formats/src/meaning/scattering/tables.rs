@@ -129,9 +129,4 @@ impl Tables {
             r + Way { light: tt, length }.left(sigma) + left * left * (trt + left * others)
         })
     }
-
-    /// [`Means::sides`] of the fibre.
-    pub fn sides(&self, cos_theta: f64, sigma: [f64; 3]) -> [[f64; 3]; 2] {
-        self.means.sides(cos_theta, self.eta, sigma)
-    }
 }

@@ -239,7 +239,7 @@ fn light_goes_on_and_comes_back() {
     let tables = Tables::new(&fibre, 64);
     for cos in [0.15, 0.4, 0.7, 1.0] {
         let sigmas = colour::absorption([1.0, 0.5, 0.1], 0.12);
-        let [on, back] = tables.sides(cos, sigmas);
+        let [on, back] = tables.means.sides(cos, tables.eta, sigmas);
         assert!((on[0] + back[0] - 1.0).abs() < 1e-6, "cos θ {cos}: {on:?} {back:?}");
         let section = fibre.section(cos);
         for (c, sigma) in sigmas.into_iter().enumerate().skip(1) {

@@ -52,7 +52,6 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
     };
     let mut constants = material(part);
     constants.extend(look.lights());
-    constants.push(on("KNOWS_SKIN", look.soft_shadow && look.scattering.is_some()));
     constants.extend(groom(model, part));
     constants.extend([
         on("LEAN", varies.lean),

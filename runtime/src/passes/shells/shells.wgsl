@@ -76,10 +76,6 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     let receiver = Receiver(in.place, in.map_layer, MAPS_BETWEEN, n_dot_l);
     arriving.visible = visible_through_hair(receiver);
     arriving.past = visible_past_things(receiver);
-    // Fur that faces the light is above its skin.
-    if KNOWS_SKIN && receiver.n_dot_l < 0.0 {
-        arriving.past *= visible_past_skin(receiver);
-    }
     if SELF_SHADOW && LIGHT_SLANTED {
         // The layer is as thick as the hair between it and the next: on average half of it is above its hair.
         let path = path_through(slanted_path(n_dot_l), in.length);

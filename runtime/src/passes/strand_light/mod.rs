@@ -43,7 +43,6 @@ pub(crate) const PASS: Pass = Pass {
 fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str, u32)> {
     let mut constants = seen.look.strand_lights();
     constants.push(on("DEEP_SHADOW", seen.look.deep_shadow));
-    constants.push(on("KNOWS_SKIN", seen.look.soft_shadow));
     // The skin and its groom say nothing of hair on guides.
     if let Some(guided) = set.strands.guided() {
         constants.push(on("OWN_COLOR", true));

@@ -190,10 +190,7 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let half_ts = to_tile(skin, half_vector(light, eye));
         let place = map_place(position + eye * (radius * radii_towards_eye()));
         let receiver = Receiver(place, height * frame.last_map_layer, true, light_ts.z);
-        var past = visible_past_things(receiver);
-        if KNOWS_SKIN {
-            past *= visible_past_skin(receiver);
-        }
+        let past = visible_past_things(receiver);
         let slope = lean_slope(strand.lean, height);
         let arriving = arriving_at(height, light_ts, half_ts, visible_through_strands(place), past);
         let hair = HairPoint(
