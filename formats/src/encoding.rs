@@ -41,7 +41,8 @@ impl Reader for SectionReader<'_> {
 ///
 /// Memory stays in proportion to `bytes`, which the caller has bounded by [`crate::Limits`]: serde reserves at most 1 MiB for
 /// a list ahead of the elements that it has read, and bincode's own limit, without which it would allocate whatever length a
-/// string states, is set to the next of a few steps above the section's size (bincode takes it as a constant, and each is a decoder of its own, which a page loads).
+/// string states, is set to the next of a few steps above the section's size, 1 MiB at least. (bincode takes it as a constant,
+/// and each is a decoder of its own, which a page loads.)
 pub(crate) fn decode_section<T: DeserializeOwned>(tag: Tag, offset: u64, bytes: &[u8]) -> Result<T, FormatError> {
     let mut reader = SectionReader { bytes, position: 0 };
     let decoded = match bytes.len() {

@@ -38,7 +38,12 @@ impl Fibre {
     pub fn new(optics: &FibreOptics, means: &Means) -> Self {
         let per_depth = colour::depth(optics.around.into()).recip() as f32;
         Self {
-            optics: [(optics.eta * optics.eta).recip(), per_depth, means.aside, 4.0 * optics.along * optics.along],
+            optics: [
+                (optics.eta * optics.eta).recip(),
+                per_depth,
+                means.aside,
+                optics.fibre().spread(0).variance() as f32,
+            ],
             on: means.on,
             back: means.back,
         }

@@ -6,6 +6,7 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+use pelage_runtime::formats::meaning::scattering::longitudinal::i0e;
 use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{
     deep_opacity, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, scattering, skinning, soft_shadow,
@@ -861,9 +862,7 @@ fn light_in_a_coat_of_fibres() {
         |_, _| 3e-6,
     );
     let fibre = scattering::Fibre { optics: OPTICS, on: FITTED, back: FITTED.map(|of| of.map(|x| 0.25 * x)) };
-    let wgsl = |of: &[[f32; 4]; 3]| of.map(|[x, y, z, w]| format!("vec4({x:?}, {y:?}, {z:?}, {w:?})")).join(", ");
-    let literal = format!("Fibre(vec4(0.0), array({}), array({}))", wgsl(&fibre.on), wgsl(&fibre.back));
-    let sides = format!("fibre_sides({literal}, in_2.z, {LEFT})");
+    let sides = format!("fibre_sides({}, in_2.z, {LEFT})", literal(&fibre));
     three_ways(
         "fibre_sides",
         scattering::WGSL,
@@ -946,13 +945,10 @@ fn light_in_hair_that_hangs() {
         on: FITTED,
         back: FITTED.map(|of| of.map(|x| 0.25 * x)),
     };
-    let wgsl = |of: &[[f32; 4]; 3]| of.map(|[x, y, z, w]| format!("vec4({x:?}, {y:?}, {z:?}, {w:?})")).join(", ");
-    let literal =
-        format!("Fibre(vec4(0.41623, 0.17, 0.45, 0.07), array({}), array({}))", wgsl(&fibre.on), wgsl(&fibre.back));
     three_ways(
         "hanging_cones",
         scattering::WGSL,
-        &format!("vec4(hanging_cones({literal}, in_1.w, in_2.w, in_0.w, in_0.x, in_0.y), 0.0, 0.0)"),
+        &format!("vec4(hanging_cones({}, in_1.w, in_2.w, in_0.w, in_0.x, in_0.y), 0.0, 0.0)", literal(&fibre)),
         &cases,
         |[angles, on, back]| {
             let (square, left) = ((1.0 - f64::from(on[3]).max(0.1)).powi(2), f64::from(back[3]));
@@ -999,16 +995,17 @@ fn fibres_without_light_are_no_trouble_to_hair_that_hangs() {
     }
 }
 
-/// By its integral.
 fn along_cone(sin_i: f64, sin_o: f64, variance: f64) -> f64 {
     let k = variance.clamp(1e-3, 1e3).recip();
     let a = k * ((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o)).max(0.0).sqrt();
-    let steps = 2000;
-    let turn = |i: usize| {
-        (a * (std::f64::consts::PI * (i as f64 + 0.5) / f64::from(steps)).cos() - k * (1.0 + sin_i * sin_o)).exp()
-    };
-    let mean = (0..steps as usize).map(turn).sum::<f64>() / f64::from(steps);
-    2.0 * k * mean / (1.0 - (-2.0 * k).exp())
+    2.0 * k * i0e(a) * (a - k * (1.0 + sin_i * sin_o)).exp() / (1.0 - (-2.0 * k).exp())
+}
+
+/// As a shader writes it.
+fn literal(fibre: &scattering::Fibre) -> String {
+    let vec4 = |[x, y, z, w]: [f32; 4]| format!("vec4({x:?}, {y:?}, {z:?}, {w:?})");
+    let [on, back] = [fibre.on, fibre.back].map(|of| of.map(vec4).join(", "));
+    format!("Fibre({}, array({on}), array({back}))", vec4(fibre.optics))
 }
 
 /// Of a fibre of hair.

@@ -45,7 +45,6 @@ fn constants(seen: &Seen, set: &StrandSet<'_>, part: &Part) -> Vec<(&'static str
     constants.push(on("DEEP_SHADOW", seen.look.deep_shadow));
     // The skin and its groom say nothing of hair on guides.
     if let Some(guided) = set.strands.guided() {
-        constants.push(on("OWN_COLOR", true));
         constants.push(on("HANGS", true));
         constants.push(("FIBRE", guided.fibre));
     } else {

@@ -16,11 +16,9 @@ const FARTHEST_TURNED: f32 = -0.5;
 // How much wider than the picture a strand's first, middle and last point are looked for.
 const MARGIN: f32 = 1.1;
 
-// Hair on guides, whose colour is its own.
-override OWN_COLOR: bool = false;
-
 fn strand_tint(strand: Strand) -> vec4<f32> {
-    if OWN_COLOR {
+    // The colour of hair on guides is its own.
+    if HANGS {
         return vec4(1.0);
     }
     let tint = unpack4x8unorm(strand.color) * material.base_color;
