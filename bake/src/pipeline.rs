@@ -91,7 +91,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "scatter",
         makes: Fibres,
-        reads: &[Guided],
+        reads: &[Model, Guided],
         tables: &["fibre", "shading.model"],
         run: making::scatter,
     },

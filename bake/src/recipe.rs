@@ -29,14 +29,14 @@ mod style;
 
 pub use coats::{Coat, coats_page};
 pub use comb_marks::CombMarkParams;
-pub use fibre::{FibreOfGroup, FibreParams};
+pub use fibre::{FibreParams, OtherFibre};
 pub use hair_group::{HairColliderParams, HairGroupParams, TuftParams};
 pub use ink::{InkFill, InkParams, MaterialInk};
 pub use joint_groom::JointGroom;
 pub use key_pictures::{KEY_PICTURES, KeyPicture};
 pub use maps::{Channel, ColorMap, FilePath, ScalarMap, VectorMap};
 pub use material_groom::MaterialGroom;
-pub use named_table::MaterialTable;
+pub use named_table::NamedTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomCoordinates,
     GroomParams, HairColors, HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap,

@@ -14,7 +14,7 @@ const HAIR: FibreOptics = FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, arou
 fn sample() -> FibreInfo {
     let fibres = vec![HAIR, FibreOptics { tilt: -0.05, ..HAIR }];
     let means = Means { aside: 0.45, on: [[0.25; 4], [0.0; 4], [0.0; 4]], back: [[0.0; 4]; 3] };
-    FibreInfo { texture: 0, fibres, means: vec![means; 2], of_groups: Vec::new() }
+    FibreInfo { texture: 0, fibres, means: vec![means; 2], of_groups: Vec::new(), of_materials: vec![1, 0] }
 }
 
 /// A file of half floats whose bytes are all 1: none of them is infinite.
@@ -52,7 +52,7 @@ fn fibres_come_back() {
 #[test]
 fn what_does_not_fit_is_told() {
     type Change = fn(&mut FibreInfo);
-    let cases: [(Change, &str); 10] = [
+    let cases: [(Change, &str); 12] = [
         (|f| f.fibres.clear(), "0 fibres, expected 1 to 64"),
         (|f| f.fibres = vec![HAIR; 65], "65 fibres, expected 1 to 64"),
         (|f| f.fibres[1].eta = 1.0, "fibres[1]: eta is 1, expected 1.01 to 3"),
@@ -63,6 +63,8 @@ fn what_does_not_fit_is_told() {
         (|f| f.means[1].aside = -1.0, "means[1]: aside is -1, expected 0 to 1"),
         (|f| f.means[0].back[2][3] = f32::INFINITY, "means[0]: back holds inf, expected -10 to 10"),
         (|f| f.of_groups = vec![1], "of_groups has 1 entries, expected one for each of 0 groups"),
+        (|f| f.of_materials.clear(), "of_materials has 0 entries, expected one for each of 2 materials"),
+        (|f| f.of_materials[0] = 2, "of_materials[0] is 2, expected less than the 2 fibres"),
     ];
     for (change, expected) in cases {
         let mut info = sample();

@@ -34,11 +34,12 @@ pub fn with_strands(bytes: &[u8], strands: &StrandsData) -> Vec<u8> {
     carried(&package, package.manifest().clone()).strands(strands).finish().expect("a valid package")
 }
 
-/// The package with hair of those fibres.
+/// The package, which has no hair on guides, with hair of those fibres.
 pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
-    let made = scatter::tables(fibre, std::iter::empty()).expect("there is one fibre");
     let package = opened(bytes);
     let mut manifest = package.manifest().clone();
+    let materials = manifest.materials.iter().map(|material| material.name.as_str());
+    let made = scatter::tables(fibre, materials, std::iter::empty()).expect("there are few fibres");
     let texture = manifest.textures.len() as u32;
     manifest.textures.push(TextureEntry { name: "fibres".into() });
     let info = made.info(texture);

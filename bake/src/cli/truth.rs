@@ -52,7 +52,7 @@ impl Truth {
             skin.materials.iter_mut().for_each(|material| material.furred = false);
         }
         let info = package.fibres().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
-        let scattering = info.map(|info| scattering(&info, &groups, &curves)).transpose()?;
+        let scattering = info.map(|info| scattering(&info, &groups, &skin, &curves)).transpose()?;
         Ok(Self {
             scattering,
             forced: false,
@@ -141,13 +141,20 @@ impl Truth {
     }
 }
 
-/// The fibres of a package's strands: the coat's, and those of its groups of hair.
-fn scattering(info: &FibreInfo, groups: &[HairGroup], curves: &Curves) -> Result<TrueScattering, BakeError> {
+/// The fibres of a package's strands: those of its coat, and of its groups of hair.
+fn scattering(
+    info: &FibreInfo,
+    groups: &[HairGroup],
+    skin: &Skin,
+    curves: &Curves,
+) -> Result<TrueScattering, BakeError> {
     let first = info.fibres.first().map_or_else(Fibre::default, FibreOptics::fibre);
     let mut all = TrueScattering::new(first, TrueScattering::BOUNCES)?;
     for run in curves.groups() {
-        let number = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
-        let fibre = number.and_then(|i| info.fibres.get(usize::from(*i))).map_or(first, FibreOptics::fibre);
+        let group = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
+        let of_coat = || info.of_materials.iter().find(|fibre| skin.coat_of(**fibre) == run.name);
+        let fibre =
+            group.or_else(of_coat).and_then(|i| info.fibres.get(usize::from(*i))).map_or(first, FibreOptics::fibre);
         all = all.with_run(&run.name, run.strands.end, fibre)?;
     }
     Ok(all)

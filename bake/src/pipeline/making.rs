@@ -6,7 +6,7 @@ use crate::BakeError;
 use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel, Style};
 use crate::stages::detail;
 use crate::stages::fins;
-use crate::stages::groom::{self, Atlas, BesideBare, Lengths, Pattern, RootAtlas, Rooting, Vertices};
+use crate::stages::groom::{self, Atlas, BesideBare, Lengths, Pattern, RootAtlas, Rooting, Vertices, names_of};
 use crate::stages::hair::{Asides, TileHair};
 use crate::stages::hair_groups;
 use crate::stages::ink::{self, Canvas, SkinInk};
@@ -166,10 +166,11 @@ pub(super) fn fin_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result
 }
 
 pub(super) fn scatter(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let guided = made(&outputs.guided, Guided)?;
+    let (model, guided) = (made(&outputs.model, Model)?, made(&outputs.guided, Guided)?);
+    let materials = names_of(&model.materials);
     let groups = guided.groups.iter().map(|group| group.name.as_str());
     let scatters = told.recipe.shading.model == ShadingModel::Marschner;
-    outputs.fibres = Some(scatters.then(|| scatter::tables(&told.recipe.fibre, groups)).transpose()?);
+    outputs.fibres = Some(scatters.then(|| scatter::tables(&told.recipe.fibre, materials, groups)).transpose()?);
     Ok(())
 }
 

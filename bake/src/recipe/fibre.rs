@@ -1,4 +1,4 @@
-//! The fibres that hair is made of: `[fibre]` and `[[fibre.group]]`.
+//! The fibres that hair is made of: `[fibre]`, `[[fibre.material]]` and `[[fibre.group]]`.
 
 use super::named_table::named_table;
 use super::params::HairColors;
@@ -36,15 +36,18 @@ params! {
         pheomelanin: Option<f32> = None, in 0.0..=100.0;
         /// Width and height of the tables that light is looked up in, texels.
         table_texels: u32 = 64, in 16..=256, as PowerOfTwo;
+        /// Fibres of the coat on single materials: `[[fibre.material]]` with the `name` of a material, in which `*` stands for any characters and `?` for one,
+        /// and any of `eta`, `along_deg`, `tilt_deg`, `around`. Later ones win.
+        material: Vec<OtherFibre> = Vec::new();
         /// Fibres of hair on guides, where they are others than the coat's: `[[fibre.group]]` with the `name` of a group or tuft of `[strands]`, in which `*` stands
         /// for any characters and `?` for one, and any of `eta`, `along_deg`, `tilt_deg`, `around`. Later ones win.
-        group: Vec<FibreOfGroup> = Vec::new();
+        group: Vec<OtherFibre> = Vec::new();
     }
 }
 
 named_table! {
-    /// The fibres of the groups that `name` matches. A key that is left out is as `[fibre]` says.
-    FibreOfGroup of "a group of hair" {
+    /// The fibres of the groups, or of the coat on the materials, that `name` matches. A key that is left out is as `[fibre]` says.
+    OtherFibre of "a material or a group of hair" {
         /// As `fibre.eta`.
         eta: f32, in ETA;
         /// As `fibre.along_deg`.
@@ -64,8 +67,17 @@ impl FibreParams {
 
     /// The fibre of a group of hair.
     pub fn of_group(&self, name: &str) -> FibreOptics {
+        self.other(&self.group, name)
+    }
+
+    /// The fibre of the coat on a material.
+    pub fn of_material(&self, name: &str) -> FibreOptics {
+        self.other(&self.material, name)
+    }
+
+    fn other(&self, tables: &[OtherFibre], name: &str) -> FibreOptics {
         let mut found = [self.eta, self.along_deg, self.tilt_deg, self.around];
-        for table in self.group.iter().filter(|table| pelage_params::glob(&table.name, name)) {
+        for table in tables.iter().filter(|table| pelage_params::glob(&table.name, name)) {
             for (value, said) in found.iter_mut().zip([table.eta, table.along_deg, table.tilt_deg, table.around]) {
                 *value = said.unwrap_or(*value);
             }
@@ -98,12 +110,15 @@ mod tests {
     use crate::recipe::Recipe;
 
     #[test]
-    fn groups_have_fibres_of_their_own() {
-        let text = "[fibre]\ntilt_deg = 4.0\n[[fibre.group]]\nname = \"ta*\"\nalong_deg = 12.0\n";
+    fn groups_and_materials_have_fibres_of_their_own() {
+        let text = "[fibre]\ntilt_deg = 4.0\n[[fibre.group]]\nname = \"ta*\"\nalong_deg = 12.0\n[[fibre.material]]\nname = \"M*\"\n\
+                    eta = 1.4\n";
         let recipe = Recipe::parse("pony.toml", text).unwrap();
         let (coat, tail) = (recipe.fibre.of_coat(), recipe.fibre.of_group("tail"));
         assert_eq!(recipe.fibre.of_group("mane"), coat);
         assert_eq!((tail.tilt, tail.eta), (coat.tilt, coat.eta));
+        let [mane, hoof] = ["Mane", "tail"].map(|name| recipe.fibre.of_material(name));
+        assert_eq!((mane.eta, mane.along, hoof), (1.4, coat.along, coat));
         assert!((tail.along - 12f32.to_radians()).abs() < 1e-6);
         assert_eq!(Recipe::parse("again.toml", &recipe.to_toml()).unwrap(), recipe);
     }

@@ -2,7 +2,7 @@
 
 use super::maps::{FilePath, ScalarMap};
 use super::material_groom::SHARE;
-use super::named_table::{MaterialTable, named_table};
+use super::named_table::named_table;
 use pelage_formats::InkShading;
 use pelage_params::{PowerOfTwo, Range, params, words};
 
@@ -33,12 +33,6 @@ named_table! {
         amount: ScalarMap, in SHARE;
         /// As `ink.lines`.
         line: ScalarMap, in SHARE;
-    }
-}
-
-impl MaterialTable for MaterialInk {
-    fn material_name(&self) -> &str {
-        &self.name
     }
 }
 

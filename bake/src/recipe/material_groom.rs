@@ -1,7 +1,7 @@
 //! What a recipe says about the hair of single materials: `[[groom.material]]`.
 
 use super::maps::{ColorMap, ScalarMap, VectorMap};
-use super::named_table::{MaterialTable, named_table};
+use super::named_table::named_table;
 use pelage_params::Range;
 
 /// Range of maps that are shares.
@@ -26,11 +26,5 @@ named_table! {
         bare: ScalarMap, in SHARE;
         /// As `groom.color`.
         color: ColorMap, in ();
-    }
-}
-
-impl MaterialTable for MaterialGroom {
-    fn material_name(&self) -> &str {
-        &self.name
     }
 }

@@ -1,4 +1,4 @@
-//! Tables with a name: for single materials, `[[groom.material]]` and `[[ink.material]]`, and for groups of hair.
+//! Tables with a name: for single materials, `[[groom.material]]`, `[[ink.material]]` and `[[fibre.material]]`, and for groups of hair.
 
 /// Declares such a table, and how its list and each of its keys are read, checked and written. Every key besides `name` may be left out, unless
 /// the function behind `checked by` says otherwise.
@@ -22,6 +22,12 @@ macro_rules! named_table {
                     _ => return Err(pelage_params::unknown_key(key, &[$(stringify!($key)),+])),
                 }
                 Ok(())
+            }
+        }
+
+        impl crate::recipe::NamedTable for $table {
+            fn table_name(&self) -> &str {
+                &self.name
             }
         }
 
@@ -79,8 +85,8 @@ macro_rules! named_table {
 }
 pub(super) use named_table;
 
-/// What a recipe says about the materials of a name.
-pub trait MaterialTable {
-    /// Name of a material. `*` stands for any characters, `?` for one.
-    fn material_name(&self) -> &str;
+/// What a recipe says about the materials, or the groups of hair, of a name.
+pub trait NamedTable {
+    /// The name. `*` stands for any characters, `?` for one.
+    fn table_name(&self) -> &str;
 }

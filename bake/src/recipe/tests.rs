@@ -470,7 +470,11 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             fibre: FibreParams {
                 eta: 1.2 + 0.8 * color.2,
                 eumelanin: model.2.map(|x| x.min(100.0)),
-                group: vec![FibreOfGroup { name: "x".into(), around: Some(color.2), ..FibreOfGroup::default() }],
+                group: vec![OtherFibre { name: "x".into(), around: Some(color.2), ..OtherFibre::default() }],
+                material: vec![
+                    OtherFibre { name: "y".into(), eta: Some(1.3), ..OtherFibre::default() };
+                    slice.1 as usize % 3
+                ],
                 ..FibreParams::default()
             },
             slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },

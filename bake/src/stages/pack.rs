@@ -269,6 +269,7 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     }
     let mut warnings = skin.manifest.warnings.clone();
     warnings.extend(pieces.hair.warnings.iter().cloned());
+    warnings.extend(pieces.fibres.iter().flat_map(|made| made.warnings.iter().cloned()));
     warnings.extend(pieces.ink.iter().flat_map(|(ink, _)| ink.warnings.iter().cloned()));
     let (names, files) = textures.finish();
     // What the model's size decides may lie where no recipe may.

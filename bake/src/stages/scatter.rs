@@ -2,6 +2,7 @@
 
 use crate::BakeError;
 use crate::recipe::{BcQuality, FibreParams};
+use crate::stages::groom::report_unmatched;
 use crate::stages::textures::{AlphaMode, RawLevel, TextureEncoder};
 use half::f16;
 use pelage_formats::meaning::scattering::means::Means;
@@ -18,40 +19,52 @@ pub struct FibreTables {
     pub means: Vec<Means>,
     /// For each group of hair which of them it is.
     pub of_groups: Vec<u8>,
+    /// For each material which of them the coat on it is.
+    pub of_materials: Vec<u8>,
     /// Their tables: a .ktx2 file.
     pub file: Vec<u8>,
+    /// Names in the recipe that nothing has.
+    pub warnings: Vec<String>,
 }
 
 impl FibreTables {
     /// What a package says of them whose tables are that one of its textures.
     pub fn info(&self, texture: u32) -> FibreInfo {
-        let Self { fibres, means, of_groups, .. } = self.clone();
-        FibreInfo { texture, fibres, means, of_groups }
+        let Self { fibres, means, of_groups, of_materials, .. } = self.clone();
+        FibreInfo { texture, fibres, means, of_groups, of_materials }
     }
 }
 
 /// Makes them.
 ///
-/// * `groups`: names of the groups of hair, in their order
+/// * `materials`, `groups`: names of the materials, and of the groups of hair, in their order
 ///
 /// # Errors
 /// [`BakeError::Params`] for more kinds of fibres than a package has room for.
-pub fn tables<'a>(params: &FibreParams, groups: impl Iterator<Item = &'a str>) -> Result<FibreTables, BakeError> {
+pub fn tables<'a>(
+    params: &FibreParams,
+    materials: impl Iterator<Item = &'a str> + Clone,
+    groups: impl Iterator<Item = &'a str> + Clone,
+) -> Result<FibreTables, BakeError> {
+    let mut warnings = Vec::new();
+    report_unmatched("fibre.material", &params.material, "material", materials.clone(), &mut warnings);
+    report_unmatched("fibre.group", &params.group, "group of hair", groups.clone(), &mut warnings);
     let mut fibres = vec![params.of_coat()];
-    let mut of_groups = Vec::new();
-    for group in groups {
-        let fibre = params.of_group(group);
-        let known = fibres.iter().position(|known| *known == fibre);
-        let number = known.unwrap_or_else(|| {
-            fibres.push(fibre);
-            fibres.len() - 1
-        });
+    let mut number = |what, fibre: FibreOptics| {
+        let number = fibres.iter().position(|known| *known == fibre).unwrap_or(fibres.len());
         if number >= FibreInfo::MOST {
             let reason = format!("more than {} kinds of fibres, expected fewer", FibreInfo::MOST);
-            return Err(BakeError::Params { what: "fibre.group", reason });
+            return Err(BakeError::Params { what, reason });
         }
-        of_groups.push(number as u8);
-    }
+        if number == fibres.len() {
+            fibres.push(fibre);
+        }
+        Ok(number as u8)
+    };
+    let of_materials: Vec<u8> =
+        materials.map(|name| number("fibre.material", params.of_material(name))).collect::<Result<_, _>>()?;
+    let of_groups: Vec<u8> =
+        groups.map(|name| number("fibre.group", params.of_group(name))).collect::<Result<_, _>>()?;
     let size = params.table_texels;
     let made: Vec<Tables> = fibres.par_iter().map(|of| Tables::new(&of.fibre(), size as usize)).collect();
     let mut encoder = TextureEncoder::new(TextureFormat::Rgba16Float, AlphaMode::Opaque, BcQuality::Basic);
@@ -60,14 +73,15 @@ pub fn tables<'a>(params: &FibreParams, groups: impl Iterator<Item = &'a str>) -
         let texels: Vec<u8> = layer.as_flattened().iter().flat_map(halves).collect();
         encoder.push_layer(&[RawLevel { width: size, height: size, texels: &texels }])?;
     }
-    Ok(FibreTables { fibres, means: made.iter().map(|of| of.means).collect(), of_groups, file: encoder.finish()? })
+    let means = made.iter().map(|of| of.means).collect();
+    Ok(FibreTables { fibres, means, of_groups, of_materials, file: encoder.finish()?, warnings })
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use super::*;
-    use crate::recipe::FibreOfGroup;
+    use crate::recipe::OtherFibre;
     use pelage_formats::meaning::scattering::Angles;
     use pelage_formats::{Limits, TextureView};
 
@@ -78,7 +92,7 @@ mod tests {
                 for around in [0.0, 0.5, 1.0] {
                     let params =
                         FibreParams { eta, along_deg, tilt_deg, around, table_texels: 16, ..FibreParams::default() };
-                    let made = tables(&params, std::iter::empty()).unwrap();
+                    let made = tables(&params, std::iter::empty(), std::iter::empty()).unwrap();
                     let faults = [made.fibres[0].fault(), made.means[0].fault()];
                     assert_eq!(faults, [None, None], "{params:?} {:?}", made.means);
                     let view = TextureView::parse(&made.file, 0, &Limits::default()).unwrap();
@@ -91,10 +105,14 @@ mod tests {
 
     #[test]
     fn tables_keep_what_half_floats_can() {
-        let other = FibreOfGroup { name: "tail".into(), along_deg: Some(15.0), ..FibreOfGroup::default() };
-        let params = FibreParams { group: vec![other], ..FibreParams::default() };
-        let made = tables(&params, ["mane", "tail", "tail tuft"].into_iter()).unwrap();
-        assert_eq!((made.fibres.len(), &made.of_groups[..]), (2, &[0, 1, 0][..]));
+        let other = |name: &str| vec![OtherFibre { name: name.into(), along_deg: Some(15.0), ..OtherFibre::default() }];
+        let params = FibreParams { group: other("tail"), material: other("belly"), ..FibreParams::default() };
+        let made = tables(&params, ["back", "belly"].into_iter(), ["mane", "tail", "tail tuft"].into_iter()).unwrap();
+        assert_eq!((made.fibres.len(), &made.of_groups[..], &made.of_materials[..]), (2, &[0, 1, 0][..], &[0, 1][..]));
+        assert_eq!(made.warnings, [] as [&str; 0]);
+        let without = tables(&params, std::iter::once("hide"), std::iter::once("mane")).unwrap().warnings;
+        assert_eq!(without[0], "fibre.material: \"belly\" matches no material; the model has [\"hide\"]");
+        assert_eq!(without[1], "fibre.group: \"tail\" matches no group of hair; the model has [\"mane\"]");
         let view = TextureView::parse(&made.file, 0, &Limits::default()).unwrap();
         assert_eq!((view.format, view.width, view.layers), (TextureFormat::Rgba16Float, 64, 4));
         for (number, fibre) in made.fibres.iter().enumerate() {

@@ -9,7 +9,7 @@
 //! * Its colour is its own times the skin's at its root.
 //! * Where the groom lets a share of the hair grow, strands stand with that probability; where it is wet to a share, they are wet with it.
 
-use super::curves::{COAT, CurvePoint, Curves, simplified};
+use super::curves::{CurvePoint, Curves, simplified};
 use super::skin::{Skin, mix};
 use crate::BakeError;
 use crate::noise::{hash, uniform};
@@ -21,6 +21,7 @@ use pelage_formats::Manifest;
 use pelage_formats::meaning::hair_offset;
 use pelage_formats::meaning::planting::{Crossed, Footing, Roots, SurfaceWalk};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Points of a strand that lie this near to the line without them are left out, radii of the strand. A tenth moves no edge by more than a
 /// tenth of the hair's half width, and is far below what a pixel shows.
@@ -112,7 +113,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
 ///
 /// * `tile_size_m`: width of the tile on the skin
 ///
-/// The same arguments give the same strands in the same order on any number of threads.
+/// Strands of one fibre are one group, as [`Skin::coat_of`] names it. The same arguments give the same strands in the same order on any number of threads.
 ///
 /// # Errors
 /// [`BakeError::Params`] where that would be more strands than memory holds.
@@ -135,8 +136,14 @@ pub fn grow_on(skin: &Skin, hair: &TileHair, tile_size_m: f64) -> Result<(Curves
         (!hair.strands.range(i).is_empty()).then_some((root.truncate().as_dvec2(), i as u32))
     });
     let gardener = Gardener { skin, walk: &walk, hair, tile_size_m, roots: Roots::new(roots) };
-    let parts: Vec<(Curves, GroomReport)> =
-        furred.par_chunks(64).map(|chunk| gardener.plant(chunk.iter().copied())).collect();
+    let fibre_at = |t: &usize| skin.material(*t).fibre;
+    let fibres: BTreeSet<u8> = furred.iter().map(fibre_at).collect();
+    let mut parts: Vec<(Curves, GroomReport)> = Vec::new();
+    for fibre in fibres {
+        let of: Vec<usize> = furred.iter().copied().filter(|t| fibre_at(t) == fibre).collect();
+        let name = skin.coat_of(fibre);
+        parts.par_extend(of.par_chunks(64).map(|chunk| gardener.plant(&name, chunk.iter().copied())));
+    }
     let mut curves = Curves::default();
     let mut report = GroomReport {
         triangles_without_coordinates: (0..skin.triangles.len())
@@ -168,9 +175,9 @@ struct Gardener<'a> {
 }
 
 impl Gardener<'_> {
-    fn plant(&self, triangles: impl Iterator<Item = usize>) -> (Curves, GroomReport) {
+    fn plant(&self, name: &str, triangles: impl Iterator<Item = usize>) -> (Curves, GroomReport) {
         let mut out = (Curves::default(), GroomReport::default());
-        out.0.begin_group(COAT);
+        out.0.begin_group(name);
         for triangle in triangles {
             let corners = self.skin.corners(triangle).map(|c| c.tile_uv);
             self.roots.for_each_in(corners, |strand, weights| {

@@ -1,5 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
+use crate::strands::COAT;
 use crate::strands::{SkinMaterial, SkinPoint};
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
@@ -132,6 +133,27 @@ fn strands_are_the_coat_and_know_where_they_root() {
         let root = curves.strand(i)[0].position_ws;
         assert!(uv.distance(Vec2::new(root.x, -root.z)) < 1e-5, "{uv} at {root}");
     }
+}
+
+/// Coat of a material whose fibre is another is a group of its own, and the same strands stand.
+#[test]
+fn coats_of_other_fibres_are_other_groups() {
+    let hair = leaning(40);
+    let mut skin = sheet(6, 99, DVec2::ZERO);
+    let (alike, all) = grow_on(&skin, &hair, 1.0).unwrap();
+    let belly = SkinMaterial { name: "belly".into(), fibre: 3, ..skin.materials[0].clone() };
+    skin.materials.push(belly);
+    skin.material_of.iter_mut().step_by(3).for_each(|material| *material = 1);
+    let (curves, report) = grow_on(&skin, &hair, 1.0).unwrap();
+    let names: Vec<_> = curves.groups().iter().map(|group| group.name.as_str()).collect();
+    assert_eq!((names, report), (vec![COAT, "coat/belly"], all));
+    let roots = |curves: &Curves| {
+        let mut roots: Vec<_> =
+            (0..curves.len()).map(|i| curves.strand(i)[0].position_ws.to_array().map(f32::to_bits)).collect();
+        roots.sort_unstable();
+        roots
+    };
+    assert_eq!(roots(&curves), roots(&alike));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The skin of an opened package in one pose: what strands stand on and what they throw shadows on.
 
+use super::curves::COAT;
 use crate::BakeError;
 use crate::mesh::Image;
 use crate::sample::{Encoding, Wrap, bilinear};
@@ -66,6 +67,8 @@ pub struct SkinMaterial {
     pub furred: bool,
     /// Whether back faces show.
     pub double_sided: bool,
+    /// Which of the package's fibres its coat is.
+    pub fibre: u8,
 }
 
 impl Skin {
@@ -117,6 +120,7 @@ impl Skin {
         for part in &package.manifest().parts {
             out.material_of.extend(std::iter::repeat_n(part.material, part.index_count as usize / 3));
         }
+        let fibres = package.fibres().map_err(fault)?;
         for (index, material) in package.manifest().materials.iter().enumerate() {
             let read = |view: Option<pelage_formats::TextureView<'_>>| {
                 view.map(|view| {
@@ -133,6 +137,7 @@ impl Skin {
                 alpha_cutoff: material.alpha_cutoff,
                 furred: material.furred,
                 double_sided: material.double_sided,
+                fibre: fibres.as_ref().and_then(|info| info.of_materials.get(index)).copied().unwrap_or(0),
             });
         }
         Ok(out)
@@ -152,6 +157,14 @@ impl Skin {
     /// Corners of a triangle.
     pub fn corners(&self, triangle: usize) -> [&SkinPoint; 3] {
         self.triangles[triangle].map(|v| &self.vertices[v as usize])
+    }
+
+    /// Name of the group that coat strands of that fibre are: by the first material that has it, where it is not the coat's own.
+    pub fn coat_of(&self, fibre: u8) -> String {
+        match self.materials.iter().find(|material| material.furred && material.fibre == fibre) {
+            Some(material) if fibre > 0 => format!("{COAT}/{}", material.name),
+            _ => COAT.to_owned(),
+        }
     }
 
     /// The material of a triangle.

@@ -41,6 +41,8 @@ pub struct FibreInfo {
     pub means: Vec<Means>,
     /// For each group of the section `HAIR` which of them it is made of.
     pub of_groups: Vec<u8>,
+    /// For each of the manifest's materials which of them the coat on it is made of.
+    pub of_materials: Vec<u8>,
 }
 
 /// A fibre of one kind.
@@ -85,7 +87,7 @@ impl FibreInfo {
     /// Most fibres of a package.
     pub const MOST: usize = 64;
 
-    fn fault(&self, groups: usize) -> Option<String> {
+    fn fault(&self, groups: usize, materials: usize) -> Option<String> {
         let count = self.fibres.len();
         if !(1..=Self::MOST).contains(&count) {
             return Some(format!("{count} fibres, expected 1 to {}", Self::MOST));
@@ -93,12 +95,18 @@ impl FibreInfo {
         if self.means.len() != count {
             return Some(format!("means has {} entries, expected one for each of {count} fibres", self.means.len()));
         }
-        if self.of_groups.len() != groups {
-            let found = self.of_groups.len();
-            return Some(format!("of_groups has {found} entries, expected one for each of {groups} groups of hair"));
-        }
-        if let Some((i, found)) = self.of_groups.iter().enumerate().find(|(_, of)| usize::from(**of) >= count) {
-            return Some(format!("of_groups[{i}] is {found}, expected less than the {count} fibres"));
+        let lists = [
+            ("of_groups", &self.of_groups, groups, "groups of hair"),
+            ("of_materials", &self.of_materials, materials, "materials"),
+        ];
+        for (name, list, expected, of) in lists {
+            if list.len() != expected {
+                let found = list.len();
+                return Some(format!("{name} has {found} entries, expected one for each of {expected} {of}"));
+            }
+            if let Some((i, found)) = list.iter().enumerate().find(|(_, of)| usize::from(**of) >= count) {
+                return Some(format!("{name}[{i}] is {found}, expected less than the {count} fibres"));
+            }
         }
         let of_optics = self.fibres.iter().enumerate().map(|(i, fibre)| ("fibres", i, fibre.fault()));
         let of_means = self.means.iter().enumerate().map(|(i, means)| ("means", i, means.fault()));
@@ -109,13 +117,14 @@ impl FibreInfo {
 impl<'a> Package<'a> {
     /// How its fibres scatter light; `None` for a package that does not know.
     ///
-    /// Fails where the section is damaged, or does not fit the groups of hair.
+    /// Fails where the section is damaged, or does not fit the groups of hair or the materials.
     pub fn fibres(&self) -> Result<Option<Arc<FibreInfo>>, FormatError> {
         let Some((index, section)) = self.find(Tag::FIBRES, 0) else { return Ok(None) };
         let info = self.keep(index, || {
             let info: FibreInfo = decode_section(Tag::FIBRES, section.offset, self.section_bytes(index)?)?;
             let fail = |reason| FormatError::Content { tag: Tag::FIBRES, offset: section.offset, reason };
-            info.fault(self.hair_groups()?.len()).map_or(Ok(Arc::new(info)), |reason| Err(fail(reason)))
+            let fault = info.fault(self.hair_groups()?.len(), self.manifest().materials.len());
+            fault.map_or(Ok(Arc::new(info)), |reason| Err(fail(reason)))
         })?;
         Ok(Some(info))
     }

@@ -6,16 +6,20 @@ override SCATTERING: bool = false;
 override MULTIPLE: bool = false;
 // It hangs far from the skin that it grows from, as hair on guides does.
 override HANGS: bool = false;
-// Which of the package's fibres the hair is.
+// Which of the package's fibres hair on guides is; the coat's hangs on the material.
 override FIBRE: u32 = 0u;
 
 @group(1) @binding(4) var fibre_tables: texture_2d_array<f32>;
 @group(1) @binding(5) var<uniform> fibres: array<Fibre, 64>;
 
+fn fibre_number() -> u32 {
+    return select(material.fibre, FIBRE, HANGS);
+}
+
 // A texel between those of a layer of the fibre's tables, by its place, 0..=1.
 fn fibre_texel(place: vec2<f32>, layer: u32) -> vec4<f32> {
     let size = f32(textureDimensions(fibre_tables).x);
-    return textureSampleLevel(fibre_tables, map_sampler, (place * (size - 1.0) + 0.5) / size, 2u * FIBRE + layer, 0.0);
+    return textureSampleLevel(fibre_tables, map_sampler, (place * (size - 1.0) + 0.5) / size, 2u * fibre_number() + layer, 0.0);
 }
 
 // What falls on a mat below a coat of that colour, over what falls on the coat: light that comes past the fibres, of which the share `direct` does, by the
@@ -25,9 +29,10 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     if !MULTIPLE {
         return straight;
     }
-    let optics = fibres[FIBRE].optics;
+    let number = fibre_number();
+    let optics = fibres[number].optics;
     let left = fibre_left(1.0, optics, fibre_absorption(color, optics.y));
-    let sides = fibre_sides(fibres[FIBRE], 1.0, left);
+    let sides = fibre_sides(fibres[number], 1.0, left);
     let d = diffused(sides[0], sides[1], direct);
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
 }
@@ -35,7 +40,8 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
 // What a fibre in a coat of that colour sends to the eye of a light of colour 1, which brings an irradiance of pi. `direct`: share of the light that comes past
 // other fibres, `past` that comes past all else; above: sine of the light's height above the skin, as above_rim has it. All in one frame, the fibre towards its tip.
 fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f32>, above: f32, direct: f32, past: f32) -> vec3<f32> {
-    let optics = fibres[FIBRE].optics;
+    let number = fibre_number();
+    let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let angles = fibre_angles(tip, light, eye);
     let absorbed = fibre_absorption(color, optics.y);
@@ -43,12 +49,12 @@ fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f
     var sent = direct * fibre_scatters(fibre_texel(angles.along, 0u), fibre_texel(angles.around, 1u), absorbed, left);
     if MULTIPLE {
         // What is left at the difference angle is at hand, and serves for the light's own.
-        let sides = fibre_sides(fibres[FIBRE], angles.cos_i, left);
+        let sides = fibre_sides(fibres[number], angles.cos_i, left);
         var met = sides;
         var cones = vec2(1.0);
         if HANGS {
             met = hanging_sides(sides);
-            cones = hanging_cones(fibres[FIBRE], angles.cos_i, dot(left, vec3(1.0 / 3.0)), direct, dot(tip, light), dot(tip, eye));
+            cones = hanging_cones(fibres[number], angles.cos_i, dot(left, vec3(1.0 / 3.0)), direct, dot(tip, light), dot(tip, eye));
         }
         let d = diffused(met[0], met[1], direct);
         // Light that comes from half of all azimuths: from the light's side, and from the other.

@@ -121,7 +121,7 @@ pub(crate) fn load(
             alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
             share_per_m: if manifest.fur.height_m > 0.0 { manifest.fur.height_m.recip() } else { 0.0 },
             horizon: package.visibility()?.map_or(1.0, |info| info.horizon),
-            reserved: 0.0,
+            fibre: fibres.as_ref().and_then(|info| info.of_materials.get(i)).copied().unwrap_or(0).into(),
             asides: asides(roots.as_ref(), i),
         };
         gpu_bytes += size_of::<MaterialUniform>() as u64;

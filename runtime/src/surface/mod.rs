@@ -19,7 +19,8 @@ pub(crate) struct MaterialUniform {
     pub(crate) share_per_m: f32,
     /// `VisibilityInfo::horizon`; 1 where the package does not know.
     pub(crate) horizon: f32,
-    pub(crate) reserved: f32,
+    /// Which of the package's fibres its coat is.
+    pub(crate) fibre: u32,
     /// At each of the heights: mean and along of `RootsInfo::asides`, in coordinates of the base colour, and 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
 }

@@ -21,7 +21,8 @@ struct Material {
     share_per_m: f32,
     // How low a light begins to fade in the hair.
     horizon: f32,
-    reserved2: f32,
+    // Which of the package's fibres its coat is.
+    fibre: u32,
     // At heights spread evenly from the skin to the outermost layer: how far hair lies aside of its root, in coordinates of the base colour, as
     // root_aside takes it.
     asides: array<vec4<f32>, 8>,

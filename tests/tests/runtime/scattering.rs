@@ -1,9 +1,9 @@
 //! Hair as fibres that scatter light: what a layer sends the eye against the equations, and what light from hair to hair does to coats.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use pelage_bake::recipe::FibreParams;
+use pelage_bake::recipe::{FibreParams, OtherFibre};
 use pelage_runtime::formats::Shading;
-use pelage_runtime::formats::meaning::scattering::{Angles, colour};
+use pelage_runtime::formats::meaning::scattering::{Angles, Fibre, colour};
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{
     Camera, FrameParams, Hair, Instance, Light, PassId, Projection, Renderer, RendererOptions, Scattering, SelfShadow,
@@ -44,15 +44,22 @@ fn pixels(
     texels.chunks_exact(8).map(texel).collect()
 }
 
-/// An opaque layer of upright grey fibres, from many sides, in light that no other hair takes.
+/// An opaque layer of upright grey fibres, from many sides, in light that no other hair takes: of the coat's own, and of its material's.
 #[test]
 fn a_layer_scatters_what_its_fibres_do() {
     let Some(gpu) = gpu("a_layer_scatters_what_its_fibres_do") else { return };
-    let fibre = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
+    let coat = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
+    let other = OtherFibre { name: "*".into(), eta: Some(1.35), along_deg: Some(15.0), ..OtherFibre::default() };
+    let of_material = FibreParams { material: vec![other], ..coat.clone() };
+    scatters(gpu, &coat, &coat.of_coat().fibre());
+    assert_ne!(of_material.of_material("any"), coat.of_coat());
+    scatters(gpu, &of_material, &of_material.of_material("any").fibre());
+}
+
+fn scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
     let mut renderer = renderer(gpu);
-    let model = renderer.load_bytes(&with_fibres(&plane(2, 255), &fibre)).unwrap();
+    let model = renderer.load_bytes(&with_fibres(&plane(2, 255), fibre)).unwrap();
     let instance = Instance::new(0, &model);
-    let exact = fibre.of_coat().fibre();
     // 127 of 255, as the plane has it.
     let color = [127.0 / 255.0; 3];
     let sigma = colour::absorption(color, f64::from(fibre.of_coat().around));

@@ -10,9 +10,7 @@ use crate::BakeError;
 use crate::decision::Decision;
 use crate::guides::Guides;
 use crate::mesh::{Image, Material, Mesh, MeshPart, RestPose};
-use crate::recipe::{
-    ColorMap, GroomCoordinates, GroomParams, JointGroom, MaterialTable, ScalarMap, SrgbColor, VectorMap,
-};
+use crate::recipe::{ColorMap, GroomCoordinates, GroomParams, JointGroom, NamedTable, ScalarMap, SrgbColor, VectorMap};
 use crate::sample::{Encoding, Wrap, bilinear};
 use glam::{Vec2, Vec3};
 use pelage_formats::InputRecord;
@@ -158,7 +156,7 @@ impl<'a> Maps<'a> {
         images: &'a MapImages,
         warnings: &mut Vec<String>,
     ) -> Self {
-        report_unmatched("groom.material", &groom.material, materials, warnings);
+        report_unmatched("groom.material", &groom.material, "material", names_of(materials), warnings);
         let convert = |(i, m): (usize, &Material)| MaterialMaps {
             furred: furred.get(i).copied().unwrap_or(false),
             silent: Silent {
@@ -503,25 +501,33 @@ pub(crate) fn scalar_at(
 }
 
 /// What the last table that matches a material of that name and has the key says.
-pub(crate) fn last<'a, M: MaterialTable, T>(
+pub(crate) fn last<'a, M: NamedTable, T>(
     tables: &'a [M],
     material: &str,
     key: impl Fn(&'a M) -> Option<&'a T>,
 ) -> Option<&'a T> {
-    tables.iter().rev().filter(|t| glob(t.material_name(), material)).find_map(key)
+    tables.iter().rev().filter(|t| glob(t.table_name(), material)).find_map(key)
 }
 
-/// Reports tables whose name matches no material; `key` is theirs in the recipe.
-pub(crate) fn report_unmatched<M: MaterialTable>(
+/// Reports tables whose name matches none of those; `key` is theirs in the recipe.
+///
+/// * `what`: what has those names, such as "material"
+pub(crate) fn report_unmatched<'n, M: NamedTable>(
     key: &str,
     tables: &[M],
-    materials: &[Material],
+    what: &str,
+    names: impl Iterator<Item = &'n str>,
     warnings: &mut Vec<String>,
 ) {
-    for table in tables.iter().filter(|t| !materials.iter().any(|m| glob(t.material_name(), &m.name))) {
-        let names: Vec<_> = materials.iter().map(|m| m.name.as_str()).collect();
-        warnings.push(format!("{key}: {:?} matches no material; the model has {names:?}", table.material_name()));
+    let names: Vec<_> = names.collect();
+    for table in tables.iter().filter(|t| !names.iter().any(|name| glob(t.table_name(), name))) {
+        warnings.push(format!("{key}: {:?} matches no {what}; the model has {names:?}", table.table_name()));
     }
+}
+
+/// Names of materials, in their order.
+pub(crate) fn names_of(materials: &[Material]) -> impl Iterator<Item = &str> + Clone {
+    materials.iter().map(|material| material.name.as_str())
 }
 
 #[cfg(test)]

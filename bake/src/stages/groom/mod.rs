@@ -32,7 +32,7 @@ pub use colors::{Colors, MaterialColor, colors, is_colored};
 pub(crate) use features::tell_apart;
 pub use joints::JointValues;
 pub use maps::{Coat, GroomTextures, Lay, MapImages, Maps, Water};
-pub(crate) use maps::{average, last, report_unmatched, scalar_at};
+pub(crate) use maps::{average, last, names_of, report_unmatched, scalar_at};
 pub use margin::{BesideBare, chosen_margin_m, margin_decision};
 pub use marks::MarkValues;
 pub use model_atlas::ModelAtlas;

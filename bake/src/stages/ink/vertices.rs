@@ -5,7 +5,7 @@ use super::product::product;
 use crate::BakeError;
 use crate::mesh::{Material, Mesh, MeshPart, RestPose};
 use crate::recipe::{InkFill, InkParams, ScalarMap};
-use crate::stages::groom::{MapImages, average, last, report_unmatched, scalar_at};
+use crate::stages::groom::{MapImages, average, last, names_of, report_unmatched, scalar_at};
 use glam::{Vec2, Vec3};
 use pelage_formats::{InkShading, InkVertex};
 
@@ -73,7 +73,7 @@ pub fn vertices(
     warnings: &mut Vec<String>,
 ) -> Result<InkVertices, BakeError> {
     let Canvas { mesh, rest, radius, materials, images } = *canvas;
-    report_unmatched("ink.material", &params.material, materials, warnings);
+    report_unmatched("ink.material", &params.material, "material", names_of(materials), warnings);
     let paints: Vec<_> = materials.iter().map(|m| MaterialPaint::of(params, &m.name)).collect();
     let parts = || mesh.parts.iter().filter_map(|part| paints.get(part.material).map(|paint| (part, paint)));
     let share = |map: &ScalarMap, part: &MeshPart, v: usize, without_uvs: f32| -> Result<_, BakeError> {
