@@ -21,7 +21,7 @@ use pelage_params::{Knob, Tables as _};
 
 /// The stages after `import`, in order; what a progress display counts.
 pub const STAGES: [&str; 10] =
-    ["surface", "simulate", "visibility", "slice", "groom", "fins", "scatter", "ink", "textures", "pack"];
+    ["surface", "simulate", "visibility", "slice", "groom", "fins", "ink", "textures", "scatter", "pack"];
 
 /// One step of a stage: it makes one thing.
 #[derive(Clone, Copy, Debug)]
@@ -88,13 +88,6 @@ pub const STEPS: &[Step] = &[
         tables: &["fins", "slice", "pack"],
         run: making::fin_textures,
     },
-    Step {
-        stage: "scatter",
-        makes: Fibres,
-        reads: &[Model, Guided],
-        tables: &["fibre", "shading.model"],
-        run: making::scatter,
-    },
     Step { stage: "ink", makes: Ink, reads: &[Model, Laid, Groomed], tables: &["ink", "fins"], run: making::ink },
     Step {
         stage: "ink",
@@ -109,6 +102,13 @@ pub const STEPS: &[Step] = &[
         reads: &[Model, Laid, Hair, Groomed],
         tables: &["pack", "detail"],
         run: making::skin,
+    },
+    Step {
+        stage: "scatter",
+        makes: Fibres,
+        reads: &[Guided, Skin],
+        tables: &["fibre", "shading.model"],
+        run: making::scatter,
     },
     Step {
         stage: "pack",

@@ -6,7 +6,7 @@ use crate::BakeError;
 use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel, Style};
 use crate::stages::detail;
 use crate::stages::fins;
-use crate::stages::groom::{self, Atlas, BesideBare, Lengths, Pattern, RootAtlas, Rooting, Vertices, names_of};
+use crate::stages::groom::{self, Atlas, BesideBare, Lengths, Pattern, RootAtlas, Rooting, Vertices};
 use crate::stages::hair::{Asides, TileHair};
 use crate::stages::hair_groups;
 use crate::stages::ink::{self, Canvas, SkinInk};
@@ -166,8 +166,8 @@ pub(super) fn fin_textures(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result
 }
 
 pub(super) fn scatter(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (model, guided) = (made(&outputs.model, Model)?, made(&outputs.guided, Guided)?);
-    let materials = names_of(&model.materials);
+    let (skin, guided) = (made(&outputs.skin, Skin)?, made(&outputs.guided, Guided)?);
+    let materials = skin.manifest.materials.iter().map(|material| material.name.as_str());
     let groups = guided.groups.iter().map(|group| group.name.as_str());
     let scatters = told.recipe.shading.model == ShadingModel::Marschner;
     outputs.fibres = Some(scatters.then(|| scatter::tables(&told.recipe.fibre, materials, groups)).transpose()?);

@@ -102,14 +102,14 @@ outputs! {
     Fins fins: SkinFins<'a>,
     /// What fins show; none where the package is to have no fins.
     FinTextures fin_textures: Option<FinTextures>,
-    /// How the hair's fibres scatter light; none where it is lit without.
-    Fibres fibres: Option<FibreTables>,
     /// What vertices take of the ink style; none without the style.
     Ink ink: Option<SkinInk>,
     /// What the ink style is painted with; none without the style.
     InkTextures ink_textures: Option<InkFiles<'a>>,
     /// The skin, with its textures in the package's formats.
     Skin skin: Skin<'a>,
+    /// How the hair's fibres scatter light; none where it is lit without.
+    Fibres fibres: Option<FibreTables>,
     /// The package.
     Package package: Packed,
 }

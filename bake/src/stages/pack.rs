@@ -269,7 +269,9 @@ pub fn pack<'a>(pieces: &Pieces<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError
     }
     let mut warnings = skin.manifest.warnings.clone();
     warnings.extend(pieces.hair.warnings.iter().cloned());
-    warnings.extend(pieces.fibres.iter().flat_map(|made| made.warnings.iter().cloned()));
+    // A package that is sliced anew has said them before.
+    let of_fibres = pieces.fibres.iter().flat_map(|made| &made.warnings).filter(|text| !warnings.contains(text));
+    warnings.extend(of_fibres.cloned().collect::<Vec<_>>());
     warnings.extend(pieces.ink.iter().flat_map(|(ink, _)| ink.warnings.iter().cloned()));
     let (names, files) = textures.finish();
     // What the model's size decides may lie where no recipe may.

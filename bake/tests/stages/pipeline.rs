@@ -325,6 +325,8 @@ fn a_package_sliced_anew_is_the_one_that_the_model_would_give() {
     let mut tufted = fur("torus");
     let tuft = HairGroupParams { name: "mop".into(), hairs: Some(40), guides: Some(8), ..HairGroupParams::default() };
     tufted.strands.group.push(tuft);
+    tufted.set("shading.model=marschner").unwrap();
+    tufted.set("fibre.material=[{ name = \"*\", eta = 1.4 }, { name = \"none such\", eta = 1.3 }]").unwrap();
     for (name, recipe) in [("hare", fur("hare")), ("torus", recipe("torus")), ("torus", tufted)] {
         let first = bake(name, &recipe).unwrap().package;
         let package = Package::open(&first, &Limits::default()).unwrap();
