@@ -234,7 +234,7 @@ pub struct Glints {
 
 impl Glints {
     /// How much of the light at `phi` stays out of them.
-    fn kept(&self, phi: f64) -> f64 {
+    pub(super) fn kept(&self, phi: f64) -> f64 {
         let of = |x: f64| 1.0 - self.share * libm::exp(-0.5 * (x / self.width) * (x / self.width));
         of(wrapped(phi - self.phi)) * of(wrapped(phi + self.phi))
     }
@@ -261,7 +261,7 @@ pub fn over_section(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// Places and weights of the rule of [`RULE`] points over −1..=1.
-fn legendre() -> &'static [(f64, f64); RULE] {
+pub(super) fn legendre() -> &'static [(f64, f64); RULE] {
     static POINTS: OnceLock<[(f64, f64); RULE]> = OnceLock::new();
     POINTS.get_or_init(|| {
         core::array::from_fn(|i| {

@@ -1,4 +1,4 @@
-//! How a fibre scatters light (Marschner 2003; d'Eon 2011; Chiang 2016): reflected at its surface (R), through it (TT), and reflected once within (TRT).
+//! How a fibre scatters light (Marschner 2003; d'Eon 2011; Chiang 2016; of broad lights Xu 2011): reflected at its surface (R), through it (TT), and reflected once within (TRT).
 //!
 //! Angles: θ from the plane across the fibre, towards its tip, −π/2..=π/2; φ around it, from where light comes to where it goes, 0 straight back. Both
 //! directions point away from the fibre. θd = (θo − θi) / 2. Lengths within the fibre are radii; it absorbs σ a radius, for each colour by itself.
@@ -7,6 +7,7 @@
 
 pub mod azimuthal;
 pub mod colour;
+pub mod gaussian_light;
 pub mod longitudinal;
 pub mod means;
 pub mod near;
@@ -116,17 +117,20 @@ impl Fibre {
 
     /// How much of the light from θi leaves at θo, of each path; times what [`FibreSection::ways`] gives it is what the fibre scatters, times cos θi.
     pub fn along(&self, angles: &Angles) -> [f64; PATHS] {
-        let cos_d = angles.cos_d().max(optics::LEAST_COS_D);
-        from_fn(|p| {
-            let spread = self.spread(p as u32);
-            match self.keeps {
-                Keeps::Energy => spread.conserving(angles.from, angles.to),
-                Keeps::Reciprocity => {
-                    let [i, o] = [angles.from, angles.to].map(|(sin, cos)| libm::atan2(sin, cos));
-                    spread.by_half_angle(i, o) * angles.from.1 / (cos_d * cos_d)
-                }
+        from_fn(|p| self.path_along(p as u32, angles))
+    }
+
+    /// The same of path `p` alone.
+    pub fn path_along(&self, p: u32, angles: &Angles) -> f64 {
+        let spread = self.spread(p);
+        match self.keeps {
+            Keeps::Energy => spread.conserving(angles.from, angles.to),
+            Keeps::Reciprocity => {
+                let cos_d = angles.cos_d().max(optics::LEAST_COS_D);
+                let [i, o] = [angles.from, angles.to].map(|(sin, cos)| libm::atan2(sin, cos));
+                spread.by_half_angle(i, o) * angles.from.1 / (cos_d * cos_d)
             }
-        })
+        }
     }
 
     /// What is common to all azimuths of a difference angle of that cosine.
@@ -175,6 +179,22 @@ impl FibreSection {
             (None, 0) => each(Way { light: section.reflected(phi), length: 0.0 }),
             (None, 1) => each(section.through(phi)),
             (None, _) => section.glinting(phi, self.glints.as_ref()).for_each(each),
+        }
+    }
+
+    /// Cuts path `p` into bundles: gives the azimuth that each leaves at, the standard deviation by which it is spread beside what roughness does, and its light with
+    /// its way.
+    pub fn cut(&self, p: u32, each: &mut dyn FnMut(f64, f64, Way)) {
+        let section = &self.section;
+        let glints = self.glints.as_ref().filter(|_| p == 2);
+        for (phi, way) in section.bundles(p) {
+            let kept = glints.map_or(1.0, |glints| glints.kept(azimuthal::wrapped(phi)));
+            each(phi, 0.0, Way { light: kept * way.light, ..way });
+        }
+        if let Some(glints) = glints {
+            for phi in [glints.phi, -glints.phi] {
+                each(phi, glints.width, Way { light: glints.light, length: glints.length });
+            }
         }
     }
 

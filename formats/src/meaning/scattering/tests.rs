@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use super::azimuthal::{Glint, over_section, wrapped};
+use super::gaussian_light::{BroadlyLit, GaussianLight};
 use super::longitudinal::{Spread, i0e};
 use super::near::{Drawn, Hit};
 use super::optics::Section;
@@ -378,5 +379,68 @@ fn what_is_drawn_comes_as_often_as_it_says() {
             expected *= 2.0 * TAU / (BOXES * BOXES * FINE * FINE) as f64;
             assert!((fallen - expected).abs() < 2e-3, "box {a} {b}: {fallen}, expected {expected}");
         }
+    }
+}
+
+/// The integral over all directions, by a fine grid.
+fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DVec3) -> f64 {
+    const ROWS: usize = 120;
+    const AROUND: usize = 96;
+    let across = tip.any_orthonormal_vector();
+    let beside = tip.cross(across);
+    // Azimuths from the eye's.
+    let start = libm::atan2(eye.dot(beside), eye.dot(across));
+    let phis: Vec<f64> = (0..AROUND).map(|j| TAU * (j as f64 + 0.5) / AROUND as f64 - PI).collect();
+    let mut sum = 0.0;
+    for i in 0..ROWS {
+        let theta = PI * ((i as f64 + 0.5) / ROWS as f64 - 0.5);
+        let (sin, cos) = (libm::sin(theta), libm::cos(theta));
+        let angles = Angles { from: (sin, cos), ..Angles::between(tip, light.towards, eye) };
+        let (along, section) = (fibre.along(&angles), fibre.section(angles.cos_d()));
+        let ways: [Vec<_>; 3] = from_fn(|p| section.mean_ways(p as u32, &phis, sigma));
+        let rest = section.rest(sigma);
+        for (j, phi) in phis.iter().enumerate() {
+            let from = tip * sin + (across * libm::cos(start + phi) + beside * libm::sin(start + phi)) * cos;
+            let around: f64 = (0..3).map(|p| along[p] * ways[p][j].left(sigma)).sum();
+            sum += (around + along[3] * rest) * light.radiance(from) * cos;
+        }
+    }
+    sum * PI / ROWS as f64 * TAU / AROUND as f64
+}
+
+#[test]
+fn lights_that_are_gaussians_scatter_as_all_their_directions_do() {
+    let rough = Fibre { tilt: 0.1, ..Fibre::default() };
+    let smooth = Fibre { around: Around::Smooth(Glint { width: 0.2, ..Glint::default() }), ..Fibre::default() };
+    let marschner = Fibre { keeps: Keeps::Reciprocity, ..rough };
+    let tip = DVec3::new(0.2, 0.9, 0.3).normalize();
+    let eye = DVec3::new(0.5, 0.3, 0.8).normalize();
+    let [before, behind, aside] = [(-0.2, 0.4, 0.9), (0.1, -0.3, -0.9), (0.9, 0.3, -0.3)].map(DVec3::from);
+    let cases = [
+        (rough, behind, 8.0),
+        (rough, aside, 25.0),
+        (rough, tip, 60.0),
+        (smooth, behind, 25.0),
+        (smooth, before, 60.0),
+    ];
+    let others = [(marschner, behind, 25.0), (Fibre { eta: 1.8, ..rough }, before, 25.0)];
+    for (fibre, towards, degrees) in cases.into_iter().chain(others) {
+        let sharpness = f64::to_radians(degrees).powi(-2);
+        let light = GaussianLight { towards: towards.normalize(), sharpness };
+        let found = BroadlyLit::new(&fibre).scatter([0.2; 3], tip, &light, eye)[0];
+        let expected = by_grid(&fibre, 0.2, tip, &light, eye);
+        let off = (found - expected) / light.whole();
+        assert!(off.abs() < 2e-5, "{fibre:?} {towards} {degrees}: {found}, expected {expected}");
+    }
+    // Even light all around: a white fibre looks as that does. From afar it gains a little where scales tilt its lobes apart.
+    let even = GaussianLight { towards: eye, sharpness: 0.0 };
+    for fibre in [Fibre::default(), rough, smooth] {
+        let found = BroadlyLit::new(&fibre).scatter([0.0; 3], tip, &even, eye)[0];
+        assert!((found - 1.0).abs() < 0.02, "{fibre:?}: {found}");
+    }
+    // Narrow lights overflow nothing, and lights along the fibre have no azimuth.
+    for (towards, sharpness) in [(tip, 1e6), (-tip, 3.0), (eye, 1e9), (behind.normalize(), 1e4)] {
+        let found = BroadlyLit::new(&rough).scatter([0.0; 3], tip, &GaussianLight { towards, sharpness }, eye);
+        assert!(found.iter().all(|x| x.is_finite() && *x >= 0.0), "{towards} {sharpness}: {found:?}");
     }
 }

@@ -1,0 +1,159 @@
+//! What a fibre scatters of a light that is spread about a direction as a spherical Gaussian (after Xu 2011): a sky is a sum of such.
+//!
+//! A spherical Gaussian is a Gaussian of θ times one of φ, exactly. Around the fibre both it and the light of each path are sums of cosines of n φ, whose products
+//! are integrated in closed form; what is printed fits the paths by Gaussians instead, which fails where glints meet (η′ near 2). Along the fibre it is a rule of
+//! 24 points about where lobe and light are.
+
+use super::azimuthal::{legendre, logistic};
+use super::longitudinal::{Spread, i0e};
+use super::{Angles, Around, Fibre, FibreSection, PATHS};
+use core::array::from_fn;
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use glam::DVec3;
+
+/// A light of radiance exp(κ (ω · ω_j − 1)) from each direction ω.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaussianLight {
+    /// ω_j, a unit vector towards its middle.
+    pub towards: DVec3,
+    /// κ, 0 for a light that is even all around; that of a standard deviation of so many radians is 1 over its square.
+    pub sharpness: f64,
+}
+
+impl GaussianLight {
+    /// Its radiance from a direction, a unit vector.
+    pub fn radiance(&self, from: DVec3) -> f64 {
+        libm::exp(self.sharpness * (from.dot(self.towards) - 1.0))
+    }
+
+    /// ∫ of it over all directions.
+    pub fn whole(&self) -> f64 {
+        let k = self.sharpness;
+        if k < 1e-9 { 2.0 * TAU } else { TAU * -libm::expm1(-2.0 * k) / k }
+    }
+}
+
+/// Terms of the sums of cosines: enough for lights and glints from 8 degrees on.
+const TERMS: usize = 49;
+/// How far from where lobe and light meet there is light, standard deviations.
+const REACH: f64 = 5.0;
+
+/// A fibre, ready for such lights.
+#[derive(Clone, Debug)]
+pub struct BroadlyLit {
+    fibre: Fibre,
+    /// What roughness around leaves of each term.
+    rough: [f64; TERMS],
+}
+
+impl BroadlyLit {
+    /// That of a fibre.
+    pub fn new(fibre: &Fibre) -> Self {
+        let rough = match fibre.around {
+            Around::Smooth(_) => [1.0; TERMS],
+            Around::Rough(scale) => from_fn(|n| cosine_of_logistic(scale, n)),
+        };
+        Self { fibre: *fibre, rough }
+    }
+
+    /// ∫ of [`Fibre::scatter`] over the directions of the light, of each colour: what the fibre sends to the eye.
+    ///
+    /// * `sigma`: what the fibre absorbs a radius, 0 or more
+    /// * `tip`, `eye`: unit vectors
+    pub fn scatter(&self, sigma: [f64; 3], tip: DVec3, light: &GaussianLight, eye: DVec3) -> [f64; 3] {
+        let middle = Angles::between(tip, light.towards, eye);
+        let [theta_j, theta_o] = [middle.from, middle.to].map(|(sin, cos)| libm::atan2(sin, cos));
+        let mut sum = [0.0; 3];
+        for p in 0..PATHS {
+            let (from, to) = window(&self.fibre.spread(p as u32), theta_j, theta_o, light.sharpness);
+            let (centre, half) = (0.5 * (from + to), 0.5 * (to - from).max(0.0));
+            for (x, weight) in legendre() {
+                let theta = centre + half * x;
+                let (sin, cos) = (libm::sin(theta), libm::cos(theta).max(0.0));
+                let angles = Angles { from: (sin, cos), ..middle };
+                let sharpness = light.sharpness * cos * middle.from.1;
+                let near = libm::exp(light.sharpness * (libm::cos(theta - theta_j) - 1.0));
+                let along = weight * half * cos * near * self.fibre.path_along(p as u32, &angles);
+                if along > 0.0 {
+                    let section = self.fibre.section(angles.cos_d());
+                    let around = self.around(&section, p, sigma, sharpness, middle.phi);
+                    for (sum, around) in sum.iter_mut().zip(around) {
+                        *sum += along * around;
+                    }
+                }
+            }
+        }
+        sum
+    }
+
+    /// ∫ of path `p` around the fibre times exp(κ (cos(φ − δ) − 1)).
+    fn around(&self, section: &FibreSection, p: usize, sigma: [f64; 3], sharpness: f64, delta: f64) -> [f64; 3] {
+        let light = cosines_of_gaussian(sharpness, delta);
+        if p == 3 {
+            return sigma.map(|sigma| TAU * light[0] * section.rest(sigma));
+        }
+        // Light that leaves at φ meets cos(n φ) of both series.
+        let mut sum = [0.0; 3];
+        section.cut(p as u32, &mut |phi, width, way| {
+            let mut met = 0.0;
+            let (mut before, mut now, twice) = (libm::cos(phi), 1.0, 2.0 * libm::cos(phi));
+            for (n, (light, rough)) in light.iter().zip(&self.rough).enumerate() {
+                let spread = if width > 0.0 { libm::exp(-0.5 * (n as f64 * width) * (n as f64 * width)) } else { 1.0 };
+                met += light * rough * spread * now;
+                (before, now) = (now, twice * now - before);
+            }
+            for (sum, sigma) in sum.iter_mut().zip(sigma) {
+                *sum += way.left(sigma) * met;
+            }
+        });
+        // A sum of cosines that is cut off may fall below nothing where there is none.
+        sum.map(|sum| sum.max(0.0))
+    }
+}
+
+/// Angles of light between which it is that a lobe and light about `theta_j` meet: both are nearly Gaussians, and so is their product.
+fn window(spread: &Spread, theta_j: f64, theta_o: f64, sharpness: f64) -> (f64, f64) {
+    let lobe = 1.0 / spread.variance();
+    let whole = lobe + sharpness;
+    let middle = ((2.0 * spread.shift - theta_o) * lobe + theta_j * sharpness) / whole;
+    let reach = REACH / whole.sqrt();
+    let within = |theta: f64| theta.clamp(-FRAC_PI_2, FRAC_PI_2);
+    (within(middle - reach), within(middle + reach))
+}
+
+/// ∫ of the logistic distribution of that scale times cos(n x).
+fn cosine_of_logistic(scale: f64, n: usize) -> f64 {
+    // Half of it in parts of a scale, or narrow enough for the cosine.
+    let parts = libm::ceil(PI / scale.min(1.0)).clamp(4.0, 400.0) as usize;
+    let half = 0.5 * PI / parts as f64;
+    let of_part = |k: usize| {
+        let at = |(x, weight): &(f64, f64)| {
+            let x = half * (2.0 * k as f64 + 1.0 + x);
+            weight * half * logistic(scale, x) * libm::cos(n as f64 * x)
+        };
+        legendre().iter().map(at).sum::<f64>()
+    };
+    2.0 * (0..parts).map(of_part).sum::<f64>()
+}
+
+/// exp(κ (cos(φ − δ) − 1)) over φ as a sum of cosines of n φ, for what is even in φ: exp(−κ) times I₀(κ), and 2 I_n(κ) cos(n δ).
+fn cosines_of_gaussian(sharpness: f64, delta: f64) -> [f64; TERMS] {
+    let mut terms = [0.0; TERMS];
+    // Ratios of neighbouring Bessel functions, from where they do not matter any more downwards.
+    let last = 2 * TERMS;
+    let mut ratio = 0.0;
+    let mut ratios = [0.0; TERMS];
+    for n in (1..=last).rev() {
+        ratio = if sharpness > 0.0 { 1.0 / (2.0 * n as f64 / sharpness + ratio) } else { 0.0 };
+        if n < TERMS {
+            ratios[n] = ratio;
+        }
+    }
+    let mut bessel = i0e(sharpness);
+    terms[0] = bessel;
+    for n in 1..TERMS {
+        bessel *= ratios[n];
+        terms[n] = 2.0 * bessel * libm::cos(n as f64 * delta);
+    }
+    terms
+}
