@@ -152,7 +152,9 @@ fn scattering(
     let mut all = TrueScattering::new(first, TrueScattering::BOUNCES)?;
     for run in curves.groups() {
         let group = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
-        let of_coat = || info.of_materials.iter().find(|fibre| skin.coat_of(**fibre) == run.name);
+        // A bare material may name a fibre that no coat is.
+        let furred = || skin.materials.iter().filter(|material| material.furred).map(|material| &material.fibre);
+        let of_coat = || furred().find(|fibre| skin.coat_of(**fibre) == run.name);
         let fibre =
             group.or_else(of_coat).and_then(|i| info.fibres.get(usize::from(*i))).map_or(first, FibreOptics::fibre);
         all = all.with_run(&run.name, run.strands.end, fibre)?;
