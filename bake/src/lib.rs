@@ -25,6 +25,7 @@ pub mod recorded;
 pub mod remade;
 pub mod reslice;
 pub(crate) mod sample;
+pub mod sky_file;
 pub mod stages;
 pub mod steps;
 pub mod strands;

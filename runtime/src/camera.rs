@@ -2,6 +2,7 @@
 
 use crate::error::RuntimeError;
 use glam::{Mat4, Vec3, Vec4};
+use pelage_formats::meaning::environment::Sun;
 use pelage_formats::meaning::view_from_world;
 
 /// From where the scene is seen.
@@ -157,6 +158,11 @@ impl Default for Light {
 }
 
 impl Light {
+    /// That of an environment's sun, from far away.
+    pub fn sun(sun: &Sun) -> Self {
+        Self::Directional { towards_light: Vec3::from(sun.towards).normalize_or(Vec3::Y), color: sun.color.into() }
+    }
+
     /// Linear RGB of the light.
     pub fn color(&self) -> Vec3 {
         match *self {

@@ -206,7 +206,7 @@ fn uniform_structs_agree() {
             last_map_layer,
             fill_lights,
             hair_density,
-            reserved,
+            environment_most,
         )
     );
     assert_eq!(

@@ -99,6 +99,7 @@ pub use report::{Created, FrameReport, InstanceDetail, PassReport};
 pub use glam;
 pub use pelage_formats as formats;
 pub use pelage_formats::ClipLayer;
+pub use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
 pub use pelage_formats::meaning::hair_motion::Capsule;
 pub use wgpu;
 

@@ -6,6 +6,7 @@ use crate::frame::{self, Frame};
 use crate::gpu::{Cache, Gpu, Ring, Shelf};
 use crate::hooks::Hooks;
 use crate::instance::Instance;
+use crate::light::Skies;
 use crate::model::{self, Model};
 use crate::motion::States;
 use crate::params::{Detail, FrameParams, Hair, RendererOptions, StrandEdges, Style};
@@ -36,6 +37,7 @@ impl Renderer {
             shadows: Shelf::default(),
             ribbons: Shelf::default(),
             nearest: Shelf::default(),
+            skies: Skies::default(),
             ring: Ring::default(),
         };
         Ok(Self { kept })

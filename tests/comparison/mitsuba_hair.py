@@ -38,7 +38,7 @@ def scene(strands, skin, exported, light, given):
             "type": "obj",
             "filename": str(skin),
             "to_world": mi.ScalarTransform4f().scale(SCALE),
-            "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": given.skin}},
+            "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": given.skin or colour_of(fibre)}},
         },
         "hair": {
             # Linear curves know no direction along them, which the fibre needs.
@@ -55,6 +55,13 @@ def scene(strands, skin, exported, light, given):
             },
         },
     })  # fmt: skip
+
+
+def colour_of(fibre):
+    """Colour of a deep coat of such fibres (Chiang 2016, section 4.2), which the undercoat has."""
+    b = fibre["azimuthal_roughness"]
+    depth = 5.969 - 0.215 * b + 2.532 * b**2 - 10.73 * b**3 + 5.574 * b**4 + 0.245 * b**5
+    return np.exp(-depth * np.sqrt(fibre["absorption_per_radius"])).tolist()
 
 
 def splines(path):
@@ -86,7 +93,7 @@ def main():
     arguments.add_argument("--spp", type=int, default=64)
     arguments.add_argument("--bounces", type=int, default=64)
     arguments.add_argument("--light", default="-0.25,0.75,0.6")
-    arguments.add_argument("--skin", type=float, nargs=3, default=[0.5, 0.5, 0.5], help="reflectance of the skin, linear")
+    arguments.add_argument("--skin", type=float, nargs=3, help="reflectance of the skin, linear, where it is not the coat's colour")
     arguments.add_argument("--variant", default="scalar_rgb", help="scalar_rgb or llvm_ad_rgb")
     arguments.add_argument("--limit", type=float, default=0.03)
     arguments.add_argument("-o", "--output", type=Path, default=Path("."), help="folder for the pictures")

@@ -56,7 +56,8 @@ impl LookArgs {
 /// Reads a look file over `look`.
 fn read(path: &Path, look: &mut Look) -> Result<(), Failure> {
     let text = read_text(path, LOOK)?;
-    look.read(&text).map_err(|error| input(&path.display().to_string(), error).into())
+    let folder = path.parent().unwrap_or(Path::new(""));
+    look.read_in(folder, &text).map_err(|error| input(&path.display().to_string(), error).into())
 }
 
 /// What a look file should be, in words.

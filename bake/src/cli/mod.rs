@@ -16,6 +16,7 @@ mod doctor;
 mod doctor_trial;
 mod exit;
 mod export;
+mod fit_sky;
 mod groom;
 mod inspect;
 mod journal;
@@ -39,6 +40,7 @@ mod sequence;
 mod shell_judge;
 #[cfg(feature = "preview")]
 mod shoot;
+mod sky;
 #[cfg(feature = "preview")]
 mod staged;
 mod threads;
@@ -99,6 +101,7 @@ enum Command {
     Reference(reference::ReferenceArgs),
     Export(export::ExportArgs),
     Groom(groom::GroomArgs),
+    Sky(fit_sky::SkyArgs),
     Chart(chart::ChartArgs),
     CommandsPage(commands_page::CommandsPageArgs),
     Compare(compare::CompareArgs),
@@ -124,6 +127,7 @@ impl Command {
             Self::Reference(args) => reference::run(&args, output),
             Self::Export(args) => export::run(&args, output),
             Self::Groom(args) => groom::run(&args, output),
+            Self::Sky(args) => fit_sky::run(&args, output),
             Self::Chart(args) => chart::run(&args, output),
             Self::CommandsPage(_) => commands_page::run(Cli::command(), output),
             Self::Compare(args) => compare::run(&args, output),

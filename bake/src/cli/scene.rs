@@ -27,11 +27,12 @@ impl Scene {
     pub fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
         let file = SceneFile::parse(&path.display().to_string(), bytes)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let look = file.look(|path| {
+        let mut look = file.look(|path| {
             let path = folder.join(path);
             let text = read_text(&path, look_args::LOOK).map_err(|error| error.to_string())?;
             Ok((path.display().to_string(), text))
         })?;
+        look.files_in(folder);
         let loaded = file.load(&package_file::Folder(folder))?;
         Ok(Self { file, loaded, look })
     }

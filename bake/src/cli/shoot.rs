@@ -44,7 +44,7 @@ pub struct Shoot {
     pub shot: Shot,
     /// The key light as it stands.
     pub light: Light,
-    /// The light goes once around while the pictures last.
+    /// The light, and the environment with it, goes once around while the pictures last.
     pub turn_light: bool,
     /// The camera goes once around the vertical axis through its target while the pictures last.
     pub auto_rotate: bool,
@@ -86,6 +86,10 @@ impl Shoot {
         }
         if self.turn_light {
             self.scene.params.light = turned(self.light, angle_rad);
+            let sky = self.view.sky.as_ref().map(|sky| sky.environment().turned(angle_rad.to_degrees()));
+            if sky.is_some() {
+                self.scene.params.environment = sky;
+            }
         }
         let (drawn, pixels) = picture(&mut self.scene)?;
         // A long sequence of a large crowd would fill memory and journal with what nobody is told.

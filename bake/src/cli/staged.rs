@@ -22,7 +22,7 @@ pub fn stage(
     view: &View,
     open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
 ) -> Result<Stage, StageError> {
-    Stage::new(cast, &view.look.picture(), view.look.frame_params(), view.time_s, open_gpu)
+    Stage::new(cast, &view.look.picture(), view.frame_params(), view.time_s, open_gpu)
 }
 
 /// The canvas as a picture: sRGB-encoded, straight alpha.

@@ -10,7 +10,7 @@ use pelage_formats::meaning::scattering::Fibre;
 use pelage_formats::meaning::up_of_view;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_formats::{FibreInfo, FibreOptics, HairGroup};
-use pelage_stage::{KeyLight, Look, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
+use pelage_stage::{KeyLight, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
 
 /// A package in one pose and style, ready to be traced from any side and in any light.
 pub struct Truth {
@@ -97,7 +97,7 @@ impl Truth {
     /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
     /// for. `progress` gets the pixels that are done and all of them.
     pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
-        self.scene.picture(&self.camera(view), &self.lighting(&view.look), view.size(), spp, progress)
+        self.scene.picture(&self.camera(view), &self.lighting(view), view.size(), spp, progress)
     }
 
     /// Those samples alone of the same picture; `None` where `progress` breaks off.
@@ -108,7 +108,7 @@ impl Truth {
         samples: std::ops::Range<u32>,
         progress: &mut dyn FnMut(u64, u64) -> std::ops::ControlFlow<()>,
     ) -> Option<TracedPicture> {
-        self.scene.samples(&self.camera(view), &self.lighting(&view.look), view.size(), samples, progress)
+        self.scene.samples(&self.camera(view), &self.lighting(view), view.size(), samples, progress)
     }
 }
 
@@ -130,14 +130,15 @@ impl Truth {
     }
 
     /// The lights of a look, and how hair is lit.
-    fn lighting(&self, look: &Look) -> TrueLighting {
+    fn lighting(&self, view: &View) -> TrueLighting {
+        let look = &view.look;
         let scattering = match look.fur.scattering {
             _ if self.forced => self.scattering.clone(),
             LookScattering::Multiple => self.scattering.clone(),
             LookScattering::Single => self.scattering.clone().map(|scattering| scattering.with_bounces(1)),
             LookScattering::Off => None,
         };
-        TrueLighting { scattering, ..lighting(look) }
+        TrueLighting { scattering, ..lighting(view) }
     }
 }
 
@@ -163,12 +164,16 @@ fn scattering(
 }
 
 /// The lights of a look, and what of the lighting equation it leaves out.
-fn lighting(look: &Look) -> TrueLighting {
+fn lighting(view: &View) -> TrueLighting {
+    let look = &view.look;
     let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
+    let strength = Vec3::splat(look.key_strength());
+    let (sky, sun) = view.sky.as_ref().map(|sky| sky.truth()).unzip();
     TrueLighting {
-        key: match look.key_light() {
-            KeyLight::Distant(towards) => distant(towards, Vec3::ONE),
-            KeyLight::Nearby(position_ws) => TrueLight::Point { position_ws, color: Vec3::ONE },
+        key: match (look.key_light(), sun.flatten().filter(|_| look.light.strength.is_none())) {
+            (_, Some(sun)) => distant(sun.towards.into(), sun.color.into()),
+            (KeyLight::Distant(towards), None) => distant(towards, strength),
+            (KeyLight::Nearby(position_ws), None) => TrueLight::Point { position_ws, color: strength },
         },
         penumbra: f64::from(look.shadow.penumbra),
         fill: look.fill_lights().map(|(towards, strength)| distant(towards, Vec3::splat(strength))).collect(),
@@ -179,6 +184,7 @@ fn lighting(look: &Look) -> TrueLighting {
         skin_shadows: look.shadow.soft_shadow,
         rolled_off: look.picture.style == LookStyle::Bare,
         scattering: None,
+        sky,
     }
 }
 
@@ -214,6 +220,8 @@ pub fn encode(picture: &TracedPicture, background: Option<[u8; 3]>) -> image::Rg
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec2;
+    use pelage_bake::strands::{CurvePoint, SkinMaterial};
 
     #[test]
     fn pixels_become_what_a_canvas_holds() {
@@ -227,5 +235,22 @@ mod tests {
         let over = encode(&picture, Some([255, 0, 0]));
         assert_eq!(over.get_pixel(0, 0).0, [255, 0, 0, 255]);
         assert_eq!(over.get_pixel(1, 0).0, [255, linear_to_srgb(0.25), 0, 255]);
+    }
+
+    #[test]
+    fn a_bare_material_has_no_say_in_which_fibre_a_coat_is() {
+        let optics = |eta| FibreOptics { eta, along: 0.2, tilt: 0.0, around: 0.3 };
+        let info = FibreInfo { fibres: vec![optics(1.5), optics(1.6), optics(1.7)], ..FibreInfo::default() };
+        let material =
+            |name: &str, furred, fibre| SkinMaterial { name: name.into(), furred, fibre, ..Default::default() };
+        let materials = vec![material("Hoof", false, 2), material("Body", true, 0), material("Mane", true, 1)];
+        let skin = Skin { materials, ..Skin::default() };
+        let mut curves = Curves::default();
+        for name in [skin.coat_of(0), skin.coat_of(1)] {
+            curves.begin_group(&name);
+            curves.push(&[CurvePoint::default(); 2], false, Vec2::ZERO);
+        }
+        let found = scattering(&info, &[], &skin, &curves).expect("fibres that paths can meet");
+        assert_eq!(["coat", "coat/Mane"].map(|name| found.of_group(name).0.eta), [1.5, 1.6].map(f64::from));
     }
 }

@@ -2,18 +2,24 @@
 
 use super::camera_args::CameraArgs;
 use super::exit::Failure;
+use super::sky::Sky;
 use super::view_args::{Blend, MorphWeight, ViewArgs};
 use glam::Vec3;
 use pelage_formats::{ClipLayer, Package};
+#[cfg(feature = "preview")]
+use pelage_runtime::FrameParams;
 use pelage_stage::{
     Framing, Look, NamedPackage, Playing, Size, StageError, Viewpoint, find_clip, find_morph, nothing_named, outline,
 };
+use std::sync::Arc;
 
 /// How a package is looked at; what the arguments that `render` and `bench` share come to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// Picture, light and style.
     pub look: Look,
+    /// Light from all around that the look names.
+    pub sky: Option<Arc<Sky>>,
     /// From where; `None` frames what is drawn.
     pub camera: Option<Viewpoint>,
     /// How it is framed.
@@ -34,6 +40,7 @@ impl Default for View {
     fn default() -> Self {
         Self {
             look: Look::default(),
+            sky: None,
             camera: None,
             framing: Framing::default(),
             clip: None,
@@ -50,11 +57,12 @@ impl View {
     ///
     /// # Errors
     ///
-    /// A look file that cannot be read or says something wrong.
+    /// A look file, or the sky that it names, that cannot be read or says something wrong.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
         let (clip, blend, morphs) = (args.clip.clone(), args.blend.clone(), args.morph.clone());
-        let view = Self { look, clip, blend, morphs, time_s: args.time, crowd: args.crowd, ..Self::default() };
+        let sky = Sky::of(&look)?.map(Arc::new);
+        let view = Self { look, sky, clip, blend, morphs, time_s: args.time, crowd: args.crowd, ..Self::default() };
         Ok(view.seen_from(&args.camera))
     }
 
@@ -72,6 +80,17 @@ impl View {
     /// The default view in a picture of that size, pixels.
     pub fn sized((width, height): (u32, u32)) -> Self {
         Self::default().with(|look| look.picture.size = Size { width, height })
+    }
+
+    /// What a frame is told of it.
+    #[cfg(feature = "preview")]
+    pub fn frame_params(&self) -> FrameParams {
+        let mut look = self.look.clone();
+        if let Some(sky) = &self.sky {
+            // It was read with the look.
+            let _ = look.take_lights(&mut |_, _| Ok(Arc::new(sky.lights())));
+        }
+        look.frame_params()
     }
 
     /// Width and height of the picture, pixels.

@@ -6,6 +6,7 @@
 
 mod coat;
 mod direction;
+pub mod environment;
 mod fins;
 pub mod fur_motion;
 mod groom;

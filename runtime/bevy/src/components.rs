@@ -6,7 +6,7 @@ use bevy_camera::visibility::{self, NoFrustumCulling, Visibility, VisibilityClas
 use bevy_ecs::prelude::*;
 use bevy_math::Mat4;
 use bevy_transform::components::Transform;
-use pelage_runtime::{FurParams, HairMotionParams, InkBackground, InkParams, ShadowParams, Style};
+use pelage_runtime::{Environment, FurParams, HairMotionParams, InkBackground, InkParams, ShadowParams, Style};
 
 /// An animal: the model of a package, drawn in a style where the entity stands.
 ///
@@ -94,6 +94,16 @@ pub struct ShadesPelage;
 /// in a picture, maps have up to four times as many texels a side.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct PelageShadows(pub ShadowParams);
+
+/// Light from all around for fur: the lights that a sky is taken for (`pelage sky` writes them), in place of ambient light. Bevy's own meshes have it as
+/// `EnvironmentMapLight`; a sun in it is left to a `DirectionalLight`.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct PelageEnvironment {
+    /// `None` for ambient light alone.
+    pub lights: Option<Environment>,
+    /// Candela per square metre that a radiance of 1 stands for, as `EnvironmentMapLight::intensity`.
+    pub intensity: f32,
+}
 
 /// What moves hair on guides, manes and tails: gravity and wind, for all animals (default gravity, and air that stands still). `None` leaves it as it was
 /// groomed. Hair lives as Bevy's `Time` passes.

@@ -1,7 +1,7 @@
 //! What the render world sees of the main world in a frame: plain data.
 
 use crate::components::{
-    ClipPlace, Pelage, PelageClip, PelageHair, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage,
+    ClipPlace, Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage,
 };
 use crate::lights::{Ambient, Sun};
 use crate::model::PelageModel;
@@ -16,7 +16,7 @@ use bevy_render::Extract;
 use bevy_render::sync_world::MainEntity;
 use bevy_time::Time;
 use bevy_transform::components::GlobalTransform;
-use pelage_runtime::{FrameParams, HairMotionParams, Motion, ShadowParams, Sphere, Style};
+use pelage_runtime::{Environment, FrameParams, HairMotionParams, Motion, ShadowParams, Sphere, Style};
 use pelage_stage::NamedPackage;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -54,6 +54,8 @@ pub(crate) struct Scene {
     pub(crate) suns: Vec<Sun>,
     /// For cameras that have none of their own.
     pub(crate) ambient: Ambient,
+    /// Candela per square metre.
+    pub(crate) environment: Option<Environment>,
     /// Of cameras that have one, by the entity in the main world.
     pub(crate) ambients: HashMap<MainEntity, Ambient>,
     pub(crate) shadows: ShadowParams,
@@ -149,6 +151,13 @@ pub(crate) fn lights(
 /// What moves hair, and the moment.
 pub(crate) fn hair(mut scene: ResMut<Scene>, hair: Extract<Res<PelageHair>>, time: Extract<Res<Time>>) {
     (scene.hair_motion, scene.time_s) = (hair.0, time.elapsed_secs_f64());
+}
+
+/// Light from all around, in candela per square metre.
+pub(crate) fn environment(mut scene: ResMut<Scene>, environment: Extract<Res<PelageEnvironment>>) {
+    if environment.is_changed() {
+        scene.environment = environment.lights.as_ref().map(|lights| lights.times(environment.intensity));
+    }
 }
 
 /// The meshes that throw shadows on fur.

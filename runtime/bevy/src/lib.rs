@@ -13,7 +13,9 @@ mod reach;
 mod renderers;
 mod view;
 
-pub use components::{Pelage, PelageClip, PelageHair, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage};
+pub use components::{
+    Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage,
+};
 pub use model::{PelageLoadError, PelageModel, PelageModelLoader};
 pub use pelage_runtime as runtime;
 pub use renderers::PelageRenderers;
@@ -48,6 +50,7 @@ impl Plugin for PelagePlugin {
             .register_asset_loader(PelageModelLoader)
             .init_resource::<PelageShadows>()
             .init_resource::<PelageHair>()
+            .init_resource::<PelageEnvironment>()
             .add_systems(PostUpdate, (motion::fit_boxes, (motion::find_clips, motion::play_clips).chain()));
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
         let options = RendererOptions {
@@ -61,7 +64,7 @@ impl Plugin for PelagePlugin {
             .init_gpu_resource::<PelageRenderers>()
             .init_gpu_resource::<renderers::Frames>()
             .init_gpu_resource::<casters::CasterPipelines>()
-            .add_systems(ExtractSchedule, (extract::animals, extract::lights, extract::hair, extract::casters))
+            .add_systems(ExtractSchedule, (extract::animals, extract::lights, extract::hair, extract::environment, extract::casters))
             .add_systems(
                 Render,
                 (

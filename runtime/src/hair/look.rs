@@ -16,6 +16,7 @@ macro_rules! hair_wgsl {
     ($($geometry:expr),+ $(,)?) => {
         &[
             include_str!("../../shared/detail.wgsl"),
+            include_str!("../../shared/environment.wgsl"),
             include_str!("../../shared/fins.wgsl"),
             include_str!("../../shared/frame.wgsl"),
             include_str!("../../shared/kajiya_kay.wgsl"),
@@ -31,6 +32,7 @@ macro_rules! hair_wgsl {
             include_str!("../../light/fibre.wgsl"),
             include_str!("../../light/scatter.wgsl"),
             include_str!("../../light/fills.wgsl"),
+            include_str!("../../light/environment.wgsl"),
             $crate::study::form_wgsl!("shown"),
             $crate::study::form_wgsl!("light"),
             include_str!("../../light/key.wgsl"),
@@ -75,6 +77,10 @@ pub(crate) struct Look {
     soft_shadow: bool,
     /// There are lights without shadow.
     pub(crate) fill_lights: bool,
+    /// There is light from all around: the first of the tables of broad light that is of the model's fibres.
+    pub(crate) environment: Option<u32>,
+    /// The key light is black.
+    dark_key: bool,
     /// How hair scatters light by tables of its fibres, where it does.
     scattering: Option<Scattering>,
     /// Constants of the lighting equation.
@@ -89,6 +95,7 @@ impl Look {
         drawing: &Drawing,
         sets: &[DrawnSet],
         maps: Option<&ShadowKey>,
+        broad_first: u32,
     ) -> Self {
         let manifest = instance.model.manifest();
         let baked = manifest.fur.layers;
@@ -112,6 +119,8 @@ impl Look {
             maps_resampled: map_layers != baked,
             soft_shadow: maps.is_some_and(|key| key.soft_shadow),
             fill_lights: !params.fill_lights.is_empty(),
+            environment: params.environment.as_ref().map(|_| broad_first),
+            dark_key: params.is_key_dark(),
             scattering: instance.scattering(params),
             shading: params.shading.unwrap_or(manifest.shading),
         }
@@ -133,6 +142,9 @@ impl Look {
             on("BAKED_SHADOW", self.baked_shadow),
             on("SOFT_SHADOW", self.soft_shadow),
             on("FILL_LIGHTS", self.fill_lights),
+            on("ENVIRONMENT", self.environment.is_some()),
+            ("BROAD_FIRST", self.environment.unwrap_or(0)),
+            on("DARK_KEY", self.dark_key),
             on("SCATTERING", self.scattering.is_some()),
             on("MULTIPLE", self.scattering == Some(Scattering::Multiple)),
         ]

@@ -12,6 +12,15 @@ fn mirrored(light: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
     return eye * inverseSqrt(max(dot(eye, eye), 1e-30));
 }
 
+// Strength of the highlight over that of dry hair, and ps / 2.
+fn highlight(wetness: f32) -> vec2<f32> {
+    var lobe = vec2(1.0, instance.specular_half_exponent);
+    if WET {
+        lobe = mix(lobe, vec2(instance.wet_specular, instance.wet_specular_half_exponent), wetness);
+    }
+    return lobe;
+}
+
 // What a hair sends to the eye of light from one direction: `x` takes the hair's colour, sin^pd; `y` does not, sin^ps as strong as wet and
 // dry hair have it together. All in the tile frame; `half` is H of light and eye.
 fn fibre(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {
@@ -22,11 +31,6 @@ fn fibre(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) 
     if !SPECULAR {
         return vec2(diffuse, 0.0);
     }
-    var strength = 1.0;
-    var half_exponent = instance.specular_half_exponent;
-    if WET {
-        strength = mix(1.0, instance.wet_specular, wetness);
-        half_exponent = mix(half_exponent, instance.wet_specular_half_exponent, wetness);
-    }
-    return vec2(diffuse, strength * sin_power(sin_squared(direction, half), half_exponent));
+    let lobe = highlight(wetness);
+    return vec2(diffuse, lobe.x * sin_power(sin_squared(direction, half), lobe.y));
 }

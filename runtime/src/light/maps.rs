@@ -214,14 +214,17 @@ impl ShadowKey {
         instances: Vec<InstanceKey>,
         casters: Option<u64>,
     ) -> Option<Self> {
+        // Beside an environment a black light says how deep hair lies, and throws no shadows.
+        let soft_shadow = params.soft_shadow && !params.is_key_dark();
         let guided = deep.as_ref().is_some_and(|(hair, _)| hair.guided);
         let hair = match params.self_shadow() && (layers > 1 || guided) {
             true if by_maps => HairMaps::LayerWise,
-            true if params.soft_shadow => HairMaps::Total,
+            true if soft_shadow => HairMaps::Total,
             _ => HairMaps::None,
         };
         // A light without light throws no shadow.
-        if !(hair != HairMaps::None || params.soft_shadow || deep.is_some()) || params.light.color() == Vec3::ZERO {
+        let is_black = params.light.color() == Vec3::ZERO && !params.is_key_dark();
+        if !(hair != HairMaps::None || soft_shadow || deep.is_some()) || is_black {
             return None;
         }
         let shadows = params.shadows;
@@ -232,7 +235,7 @@ impl ShadowKey {
             hair,
             deep: deep.map(|(hair, limits)| DeepKey::new(params, hair, hull, &view, &limits)),
             view,
-            soft_shadow: params.soft_shadow,
+            soft_shadow,
             slanted: hair != HairMaps::None && study::light_is_slanted(params),
             centred: study::penumbra_is_centred(params),
             map_layers: match hair {

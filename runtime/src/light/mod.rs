@@ -4,10 +4,12 @@
 mod casters;
 mod deep;
 mod maps;
+mod sky;
 mod view;
 
 pub use casters::{CasterPass, Casters};
 pub(crate) use deep::DeepHair;
 pub use maps::ShadowMaps;
 pub(crate) use maps::{HairMaps, InstanceKey, ShadowKey, settle};
+pub(crate) use sky::Skies;
 pub use view::LightView;

@@ -39,14 +39,23 @@ fn light_undercoat(p: HairPoint) -> vec3<f32> {
     if FILL_LIGHTS {
         lit += p.color * p.tint * fill_lights_on_mat(p, color);
     }
+    if ENVIRONMENT {
+        lit += p.color * p.tint * environment_on_mat(p, color * p.tint);
+    }
     return p.color * a.ambient + lit;
 }
 
 // Premultiplied light that a point of hair sends to the eye: the sum of what each of the lights makes of it.
 fn light_hair(p: HairPoint) -> vec3<f32> {
-    var lit = key_light_on_hair(p);
+    var lit = vec3(0.0);
+    if !DARK_KEY {
+        lit = key_light_on_hair(p);
+    }
     if FILL_LIGHTS {
         lit += fill_lights_on_hair(p);
+    }
+    if ENVIRONMENT {
+        lit += environment_on_hair(p);
     }
     return lit;
 }

@@ -221,8 +221,8 @@ impl Model {
     }
 
     /// How its fibres scatter light, where the package says it.
-    pub(crate) fn fibres(&self) -> Option<&FibreInfo> {
-        self.resources.fibres.as_deref()
+    pub(crate) fn fibres(&self) -> Option<&Arc<FibreInfo>> {
+        self.resources.fibres.as_ref()
     }
 
     /// Whether the package says how much light reaches its hair.

@@ -11,6 +11,7 @@ use crate::camera::{Camera, Light};
 use crate::error::RuntimeError;
 use glam::Vec3;
 use pelage_formats::Shading;
+use pelage_formats::meaning::environment::Environment;
 
 /// Set per frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +33,8 @@ pub struct FrameParams {
     pub fill_lights: Vec<Light>,
     /// Light from everywhere, linear RGB, multiplies the package's ambient constant (default 1).
     pub ambient: Vec3,
+    /// Light from all around, in place of ambient light (default `None`). Its sun is no light of the frame: give it as key light ([`Light::sun`]).
+    pub environment: Option<Environment>,
     /// Whether things throw soft shadows, Attenu_Shadow of Yang 2006, eq. (3), by a shadow-width map (default true): skins on fur, and
     /// what [`crate::Casters`] brings. Without it [`crate::Frame::shadow_receiver`] lights everything.
     pub soft_shadow: bool,
@@ -57,6 +60,7 @@ impl FrameParams {
             light: Light::default(),
             fill_lights: Vec::new(),
             ambient: Vec3::ONE,
+            environment: None,
             soft_shadow: true,
             shadows: ShadowParams::default(),
             style: Style::default(),
@@ -87,6 +91,11 @@ impl FrameParams {
     pub fn with_ink(mut self, ink: InkParams) -> Self {
         self.style = Style::Ink(ink);
         self
+    }
+
+    /// Whether no light comes from the key light beside an environment: only where it would shine from is looked at then.
+    pub(crate) fn is_key_dark(&self) -> bool {
+        self.environment.is_some() && self.light.color() == Vec3::ZERO
     }
 
     /// Whether hair shadows hair.
@@ -123,6 +132,11 @@ impl FrameParams {
         }
         if !self.ambient.is_finite() {
             return fail("FrameParams::ambient", self.ambient.to_string(), "finite numbers");
+        }
+        if let Some((key, found)) = self.environment.as_ref().and_then(Environment::fault) {
+            let expected = "an environment that Environment::fault finds nothing wrong with".into();
+            let found = format!("{key}: {found}");
+            return Err(RuntimeError::Params { field: "FrameParams::environment", found, expected });
         }
         self.shading.iter().try_for_each(|shading| check_shading("FrameParams::shading", shading))
     }

@@ -105,10 +105,23 @@ pub(crate) fn begin<'f>(
     let targets = take_targets(&mut kept.cache.targets, gpu, params.viewport, targets);
     let (maps, redraw) = key.map(|key| settle(&mut kept.shadows, gpu, key)).unzip();
 
+    let sky = params.environment.as_ref().map(|environment| kept.skies.sky(gpu, environment));
+    let broad = match &sky {
+        Some(_) => Some(kept.skies.broad(gpu, instances.iter().map(|instance| instance.model.fibres()))?),
+        None => None,
+    };
+
     let mut uniforms = kept.ring.take(gpu);
     let fills = uniforms.put(gpu, &[fills]);
     let eye_ws = params.camera.eye_ws(clip_from_view);
-    let frame = frame_block(params, clip_from_world, eye_ws, light_ws, maps.as_deref());
+    let frame = frame_block(
+        params,
+        clip_from_world,
+        eye_ws,
+        light_ws,
+        maps.as_deref(),
+        sky.as_ref().map_or(0.0, |sky| sky.most),
+    );
     let blocks_of = |maps: Option<&ShadowMaps>| -> Vec<_> {
         let block = |(instance, drawing): (&&Instance, &Drawing)| {
             let layers = maps.map_or(drawing.layers, |maps| maps.key.map_layers);
@@ -140,7 +153,10 @@ pub(crate) fn begin<'f>(
         };
         Seen {
             model: instance.model.clone(),
-            look: Look::new(instance, params, &drawing, drawn, maps.as_ref().map(|maps| &maps.key)),
+            look: {
+                let first = broad.as_ref().map_or(0, |(_, firsts)| firsts[index]);
+                Look::new(instance, params, &drawing, drawn, maps.as_ref().map(|maps| &maps.key), first)
+            },
             sets: drawn.iter().map(&mut set).collect(),
             moved,
             drawing,
@@ -166,6 +182,8 @@ pub(crate) fn begin<'f>(
             (3, Bound::View(layers.clone())),
             (4, Bound::View(width.clone())),
             (5, Bound::Sampler(surfaces.map_sampler.clone())),
+            (6, Bound::View(sky.as_ref().map_or(&surfaces.white_array, |sky| &sky.map).clone())),
+            (7, Bound::View(broad.as_ref().map_or(&surfaces.white_array, |(broad, _)| &broad.tables).clone())),
         ];
         kept.cache.bind_groups.get(gpu, "pelage frame", &surfaces.frame, entries)
     };

@@ -10,13 +10,14 @@ use crate::study;
 use glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_formats::{CoatInfo, Shading};
 
-/// As the eye sees the scene. `maps`: those that it reads.
+/// As the eye sees the scene. `maps`: those that it reads; `sky_most`: irradiance of the environment where it is most, over π.
 pub(super) fn frame_block(
     params: &FrameParams,
     clip_from_world: Mat4,
     eye_ws: Vec4,
     light_ws: Vec4,
     maps: Option<&ShadowMaps>,
+    sky_most: f32,
 ) -> blocks::Frame {
     blocks::Frame {
         clip_from_world: clip_from_world.to_cols_array_2d(),
@@ -31,7 +32,7 @@ pub(super) fn frame_block(
         fill_lights: params.fill_lights.len() as u32,
         // Also what the hair of a far coat meets, which has no maps.
         hair_density: if params.self_shadow() { params.shadows.density } else { 0.0 },
-        reserved: 0,
+        environment_most: sky_most,
     }
 }
 
@@ -82,7 +83,8 @@ pub(super) fn instance_block(
         normal_x: cofactor(linear.y_axis, linear.z_axis),
         normal_y: cofactor(linear.z_axis, linear.x_axis),
         normal_z: cofactor(linear.x_axis, linear.y_axis),
-        ambient: constant(shading.ambient, params.ambient),
+        // An environment takes its place.
+        ambient: if params.environment.is_some() { [0.0; 3] } else { constant(shading.ambient, params.ambient) },
         diffuse_half_exponent: 0.5 * shading.diffuse_exponent,
         diffuse: constant(shading.diffuse, if scattered { Vec3::ONE } else { params.light.color() }),
         specular_half_exponent: 0.5 * shading.specular_exponent,

@@ -8,7 +8,7 @@ use crate::gpu::{
     Cache, ComputeSpec, Constants, Draw, Gpu, Group, RenderSpec, Ring, Shader, Shelf, TargetSet, Uniforms, depth_state,
     faces,
 };
-use crate::light::{Casters, ShadowMaps};
+use crate::light::{Casters, ShadowMaps, Skies};
 use crate::model::Part;
 use crate::motion::States;
 use crate::params::{FrameParams, RendererOptions};
@@ -28,6 +28,7 @@ pub(crate) struct Kept {
     pub(crate) shadows: Shelf<ShadowMaps>,
     pub(crate) ribbons: Shelf<Ribbons>,
     pub(crate) nearest: Shelf<NearestLists>,
+    pub(crate) skies: Skies,
     pub(crate) ring: Ring,
 }
 

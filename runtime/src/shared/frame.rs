@@ -16,7 +16,7 @@ pub(crate) struct Frame {
     pub last_map_layer: f32,
     pub fill_lights: u32,
     pub hair_density: f32,
-    pub reserved: u32,
+    pub environment_most: f32,
 }
 
 /// A light without shadow.

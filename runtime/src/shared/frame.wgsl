@@ -17,7 +17,8 @@ struct Frame {
     fill_lights: u32,
     // Share of the layers' optical depth that the key light meets.
     hair_density: f32,
-    reserved: u32,
+    // Irradiance of the environment where it is most, over pi, in its strongest channel.
+    environment_most: f32,
 }
 
 // A light without shadow. 32 bytes.

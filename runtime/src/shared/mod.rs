@@ -8,6 +8,8 @@
 pub mod deep_opacity;
 /// Levels of detail: which layers of hair a level draws, and how many layers each stands for (formulas 4.7, 4.8).
 pub mod detail;
+/// Light that is spread about a direction, as skies are (formulas 4.14, 4.15).
+pub mod environment;
 /// How much of a fin shows, and of the shells beside it (formulas 4.6).
 pub mod fins;
 /// Where camera, light and the drawn copy stand: the uniform blocks of every pass.

@@ -116,6 +116,8 @@ impl Surfaces {
             texture(3, D2Array),
             texture(4, D2),
             sampler(5),
+            texture(6, D2Array),
+            texture(7, D2Array),
         ]
         .map(for_all);
         let material = [

@@ -1,7 +1,8 @@
 //! The stage: what an application, a tool or a test needs to put animals into a picture, beside the animals.
 //!
 //! Without features it is plain data: packages with their names ([`NamedPackage`]), models that stand, walk and play clips ([`Cast`], [`Place`],
-//! [`Playing`]), values over time ([`Track`]), cameras ([`Viewpoint`], [`Shot`], [`framing`]; [`Navigator`] for those that people move), and scene files that say all of it ([`SceneFile`]).
+//! [`Playing`]), values over time ([`Track`]), cameras ([`Viewpoint`], [`Shot`], [`framing`]; [`Navigator`] for those that people move), scene files that say all of it ([`SceneFile`]), and skies as light
+//! ([`sky`]).
 //! Nothing of it knows a GPU, a window or the file system.
 //!
 //! With the feature `draw` there is a device without a window ([`Gpu`]), targets to draw on and read back ([`Canvas`]), a cast on a canvas
@@ -23,8 +24,10 @@ mod meter;
 mod navigator;
 mod package;
 mod scene_file;
+pub mod sky;
 #[cfg(feature = "draw")]
 mod stage;
+mod toml_text;
 mod track;
 mod viewpoint;
 
@@ -39,10 +42,10 @@ pub use framing::{Framing, Orbit};
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;
 pub use look::{
-    Background, FillLight, Interval, KeyLight, Look, LookAnchoring, LookDetail, LookFur, LookFurShow, LookHair,
-    LookInk, LookLight, LookLighting, LookMotion, LookPenumbra, LookPicture, LookRule, LookScattering, LookSelfShadow,
-    LookShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth, Rgb, SAMPLES, SHORT_FORMS,
-    Samples, ShortForm, Size,
+    Background, FillLight, Interval, KeyLight, LightsRead, Look, LookAnchoring, LookDetail, LookEnvironment, LookFur,
+    LookFurShow, LookHair, LookInk, LookLight, LookLighting, LookMotion, LookPenumbra, LookPicture, LookRule,
+    LookScattering, LookSelfShadow, LookShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
+    LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyOf, SkySource,
 };
 #[cfg(feature = "draw")]
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};

@@ -8,6 +8,7 @@
 
 mod app;
 mod knobs;
+mod lights;
 mod save;
 mod script;
 mod show;
@@ -20,6 +21,7 @@ mod worker;
 mod workshop;
 
 pub use knobs::{Edit, Edits, Knobs};
+pub use lights::LightsOf;
 pub use subject::{ClipInfo, Subject};
 pub use watch::{Stamp, stamp};
 pub use window::{ViewError, ViewOptions, view};

@@ -1,6 +1,7 @@
 //! The window itself: winit's events in, a surface out, egui between.
 
 use crate::app::App;
+use crate::lights::{Lights, LightsOf};
 use crate::save;
 use crate::script::Events;
 use crate::show::Show;
@@ -36,6 +37,8 @@ pub struct ViewOptions {
     pub folder: PathBuf,
     /// Whether panels are to be seen at first.
     pub panels: bool,
+    /// Reads a file of light from all around: told its path and how many lobes a panorama is taken for.
+    pub lights_of: LightsOf,
     /// Where what happens is told to scripts, a line of JSON each.
     pub events: Option<Box<dyn Write + Send>>,
     /// When the program began, for the times in those lines.
@@ -214,6 +217,7 @@ impl Open {
         events.tell("adapter", json!({ "adapter": adapter, "software": is_software }));
         let mut app = App::new(Show::new(gpu.clone()), workers, events, options.folder, options.look);
         app.panels = options.panels;
+        app.lights = Lights::new(options.lights_of);
         app.adapter = if is_software { format!("{adapter} (software: smaller while it moves)") } else { adapter };
         if let Some(path) = &options.open {
             app.open(path);

@@ -186,6 +186,9 @@ export class Pelage extends EventTarget {
   setLight(light: Light): void;
   /** Sets one key of the look, as `pelage render --look key=value`: bake/docs/look.md lists them. */
   setLook(key: string, value: string | number | boolean | readonly number[]): void;
+  /** Light from all around as TOML: lights that `pelage sky` fitted to a panorama. It takes the place of ambient light; null ends it. A colour, or two, are
+   *  `setLook("environment.sky", "1,1,1/0.2,0.2,0.2")`. */
+  setEnvironment(toml: string | null): void;
   /** The look as TOML. What an assignment leaves out has its default; `picture.size` is that of the canvas. */
   look: string;
   /** `ink` needs a package with `info.hasInk`. */
@@ -288,6 +291,9 @@ export class PelagePass {
   setLight(light: Light): void;
   /** Sets one key of the look, of its tables light, shadow and fur. */
   setLook(key: string, value: string | number | boolean | readonly number[]): void;
+  /** Light from all around as TOML: lights that `pelage sky` fitted to a panorama. It takes the place of ambient light; null ends it. A colour, or two, are
+   *  `setLook("environment.sky", "1,1,1/0.2,0.2,0.2")`. */
+  setEnvironment(toml: string | null): void;
   /** Draws over what is there; what the other renderer draws behind it must be submitted before, what it draws before it after. */
   draw(frame: PassFrame): void;
   /** Frees what it holds on the device; the device stays. */

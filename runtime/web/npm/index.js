@@ -160,6 +160,10 @@ export class Pelage extends EventTarget {
     this.#do((viewer) => viewer.set_look(`${key}=${written(value)}`));
   }
 
+  setEnvironment(toml) {
+    this.#do((viewer) => (toml === null ? viewer.set_look("environment.sky=none") : viewer.set_environment(toml)));
+  }
+
   get look() {
     return this.#alive().look();
   }

@@ -51,6 +51,10 @@ export class PelagePass {
     guarded(() => this.#pass.set_look(`${key}=${written(value)}`));
   }
 
+  setEnvironment(toml) {
+    guarded(() => (toml === null ? this.#pass.set_look("environment.sky=none") : this.#pass.set_environment(toml)));
+  }
+
   draw({ color, depth, viewFromWorld, clipFromView, worldFromModel = IDENTITY, clip, timeS = 0, clockS }) {
     const index = clip === undefined ? -1 : (this.#info?.clips.findIndex(({ name }) => name === clip) ?? -1);
     if (clip !== undefined && index < 0) {

@@ -3,7 +3,7 @@
 use crate::canvas::Opened;
 use crate::report;
 use crate::thrown::{asked, fault, thrown};
-use crate::viewer::lit;
+use crate::viewer::{lit, under, without_files};
 use glam::{Mat4, Vec3};
 use js_sys::Reflect;
 use pelage_runtime::{Camera, Instance, Model, Motion, Projection, Renderer, RendererOptions, RuntimeError, wgpu};
@@ -71,7 +71,17 @@ impl Pass {
         if look.picture.style == LookStyle::Ink {
             return Err(asked("picture.style: found ink, expected fur or bare: ink paints the whole picture"));
         }
-        self.look = look;
+        self.look = without_files(look)?;
+        Ok(())
+    }
+
+    /// Takes light from all around from TOML, as [`crate::viewer::Viewer::set_environment`] does.
+    ///
+    /// # Errors
+    ///
+    /// `asked` with line, key, what was found and expected.
+    pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
+        self.look = under(&self.look, text)?;
         Ok(())
     }
 

@@ -6,9 +6,12 @@ use crate::report::{self, object};
 use crate::thrown::{asked, fault, thrown};
 use glam::{Vec2, Vec3};
 use pelage_runtime::{FrameParams, Light};
+use pelage_stage::sky::environment_from_toml;
 use pelage_stage::{
-    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, Stage, Viewpoint, find_clip, find_morph,
+    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, SkyOf, SkySource, Stage, Viewpoint, find_clip,
+    find_morph,
 };
+use std::sync::Arc;
 use wasm_bindgen::prelude::*;
 
 /// Seconds between two moments that are no movement but a leap: hair begins anew there.
@@ -144,7 +147,7 @@ impl Viewer {
     pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.set(assignment).map_err(asked)?;
-        self.take(look)
+        self.take(without_files(look)?)
     }
 
     /// Takes a whole look from TOML; what it leaves out has its default. The size stays that of the canvas.
@@ -156,6 +159,16 @@ impl Viewer {
         let mut look = Look::of_picture();
         look.read(text).map_err(asked)?;
         look.picture.size = self.look.picture.size;
+        self.take(without_files(look)?)
+    }
+
+    /// Takes light from all around from TOML, lights that were fitted to a sky; it takes the place of ambient light. `environment.sky = "none"` ends it.
+    ///
+    /// # Errors
+    ///
+    /// `asked` with line, key, what was found and expected.
+    pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
+        let look = under(&self.look, text)?;
         self.take(look)
     }
 
@@ -393,6 +406,27 @@ fn parts(opened: Opened) -> Result<(Gpu, Screen), JsValue> {
     let screen =
         opened.screen.ok_or_else(|| asked("opened: found a device without a canvas, expected that of open()"))?;
     Ok((opened.gpu, screen))
+}
+
+/// The look under lights in TOML.
+pub(crate) fn under(look: &Look, text: &str) -> Result<Look, JsValue> {
+    let lights = environment_from_toml("environment", text).map_err(asked)?;
+    let mut look = look.clone();
+    let of = SkyOf::File("environment.toml".into());
+    look.environment.sky = Some(SkySource { of, yaw_deg: 0.0, lights: Some(Arc::new(lights)) });
+    Ok(look)
+}
+
+/// Refuses a look that names a file of light: a page has none to read.
+pub(crate) fn without_files(look: Look) -> Result<Look, JsValue> {
+    let unread =
+        look.environment.sky.as_ref().is_some_and(|sky| matches!(sky.of, SkyOf::File(_)) && sky.lights.is_none());
+    if unread {
+        return Err(asked(
+            "environment.sky: found a file, expected a colour or two; setEnvironment takes lights as text",
+        ));
+    }
+    Ok(look)
 }
 
 /// What a frame is told of a look whose key light has that colour, linear.

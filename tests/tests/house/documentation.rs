@@ -161,9 +161,20 @@ fn documents_keep_their_size() {
 fn what_documents_tell_to_type_is_understood() {
     let sandbox = Sandbox::new();
     let mut options = String::new();
-    for command in
-        ["bake", "render", "reference", "export", "bench", "doctor", "compare", "chart", "demo", "inspect", "groom"]
-    {
+    for command in [
+        "bake",
+        "render",
+        "reference",
+        "export",
+        "bench",
+        "doctor",
+        "compare",
+        "chart",
+        "demo",
+        "inspect",
+        "groom",
+        "sky",
+    ] {
         options += &sandbox.run(&[command, "--help"]).stdout;
     }
     // Options of cargo.

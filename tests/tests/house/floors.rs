@@ -33,7 +33,7 @@ const BAKE: [&[&str]; 11] = [
     &["stages"],
     &["strands", "io", "recorded"],
     &["pipeline"],
-    &["reslice", "rebake", "groom_map"],
+    &["reslice", "rebake", "groom_map", "sky_file"],
     &["judge"],
     &["cli"],
 ];

@@ -6,11 +6,12 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+use pelage_runtime::formats::meaning::scattering::broad;
 use pelage_runtime::formats::meaning::scattering::longitudinal::i0e;
-use pelage_runtime::glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
+use pelage_runtime::glam::{DMat3, DVec2, DVec3, Mat3, Mat4, Vec3, Vec4};
 use pelage_runtime::shared::{
-    deep_opacity, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, scattering, skinning, soft_shadow,
-    tile_frame, visibility,
+    deep_opacity, environment, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, scattering, skinning,
+    soft_shadow, tile_frame, visibility,
 };
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
@@ -781,6 +782,57 @@ fn angles_about_a_fibre() {
         },
         // Lavapipe's acos is good to about 1e-4.
         |_, _| 3e-4,
+    );
+}
+
+#[test]
+fn light_that_is_spread_about_a_direction() {
+    let mut random = Random(31);
+    let mut cases: Vec<Case<2>> = Vec::new();
+    for i in 0..3000 {
+        let way = unit(&mut random) * [1.0, 0.01, 3.0][i % 3];
+        let mean = [random.next_f32(), 0.0, 0.999, 0.5][i % 4];
+        cases.push([way.extend(0.0).to_array(), [mean, 2.0 * random.next_f32() - 1.0, 0.0, 0.0]]);
+    }
+    three_ways(
+        "octahedral",
+        environment::WGSL,
+        "vec4(octahedral(in_0.xyz), 0.0, 0.0)",
+        &cases,
+        |[way, _]| {
+            let way = d(way);
+            let flat = DVec2::new(way.x, way.z) / way.abs().element_sum();
+            let folded = (1.0 - DVec2::new(flat.y.abs(), flat.x.abs())) * flat.signum();
+            let place = if way.y >= 0.0 { flat } else { folded };
+            [place.x, place.y, 0.0, 0.0]
+        },
+        |[way, _]| environment::octahedral(v(way)).extend(0.0).extend(0.0).to_array(),
+        |_, _| 1e-6,
+    );
+    for [way, _] in &cases {
+        let back = environment::from_octahedral(environment::octahedral(v(way)));
+        assert!(back.distance(v(way).normalize()) < 1e-5, "{way:?}: {back}");
+    }
+    three_ways(
+        "broad_light",
+        environment::WGSL,
+        "vec4(mean_square(in_1.x, in_1.y), broad_place(in_1.x), broad_variance(in_1.x), 0.0)",
+        &cases,
+        |[_, [mean, cosine, ..]]| {
+            let (mean, cosine) = (f64::from(*mean), f64::from(*cosine));
+            let clamped = mean.clamp(1e-3, 0.9999);
+            let variance = (1.0 - clamped * clamped) / (clamped * (3.0 - clamped * clamped));
+            [broad::mean_square(mean, cosine), broad::mean_place(mean), variance, 0.0]
+        },
+        |[_, [mean, cosine, ..]]| {
+            [
+                environment::mean_square(*mean, *cosine),
+                environment::broad_place(*mean),
+                environment::broad_variance(*mean),
+                0.0,
+            ]
+        },
+        |_, expected| 2e-6 * (1.0 + expected.abs()),
     );
 }
 

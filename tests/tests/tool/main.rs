@@ -22,6 +22,7 @@ mod packages;
 mod reference;
 mod roots;
 mod sequences;
+mod skies;
 mod strands;
 mod strangers;
 mod unpacked_hair;

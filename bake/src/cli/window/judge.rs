@@ -1,5 +1,6 @@
 //! True pictures for the window, traced in ever more samples, and how far the drawn one is from them.
 
+use crate::cli::sky::Sky;
 use crate::cli::truth::{Truth as TrueView, encode};
 use crate::cli::view::View;
 use pelage_bake::judge::compare::{CompareParams, compare};
@@ -28,8 +29,10 @@ impl Judge for Tracer {
         if asked.look.picture.style == LookStyle::Ink {
             return Err("the truth of ink is no picture of strands; expected fur or bare skin".into());
         }
+        let sky = Sky::of(&asked.look).map_err(|failure| failure.to_string())?;
         let view = View {
             look: asked.look.clone(),
+            sky: sky.map(Arc::new),
             camera: Some(asked.camera),
             clip: asked.clip.clone(),
             time_s: asked.time_s,

@@ -10,6 +10,7 @@ use super::bake::RecipeArgs;
 use super::exit::{Exit, Failure};
 use super::look_args::LookArgs;
 use super::output::{Output, require_parent};
+use super::sky::lights_of;
 use pelage_bake::BakeError;
 use pelage_stage::{Look, Size};
 use pelage_viewer::{ViewError, ViewOptions};
@@ -52,6 +53,7 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
     let began = Instant::now();
     let mut look = Look::of_picture();
     args.look.apply(&mut look)?;
+    look.take_lights(&mut lights_of).map_err(|reason| Failure::Usage(format!("--environment: {reason}")))?;
     if !args.save_to.is_dir() {
         return Err(Failure::Usage(format!("--save-to {}: there is no such folder", args.save_to.display())));
     }
@@ -74,6 +76,7 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
         size: (args.window.width, args.window.height),
         folder: args.save_to.clone(),
         panels: !args.no_panels,
+        lights_of,
         events,
         began,
     };

@@ -205,6 +205,7 @@ fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Cov
         skin_shadows: false,
         rolled_off: false,
         scattering: None,
+        sky: None,
     };
     let traced = scene.picture(&camera, &lighting, size, TRUE_SAMPLES, &mut |_, _| ());
     Ok(Coverage { size, alpha: traced.pixels.iter().map(|p| f64::from(p[3])).collect() })

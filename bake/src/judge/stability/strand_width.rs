@@ -107,6 +107,7 @@ fn truth(package: &[u8], camera: &TrueCamera) -> Result<f64, BakeError> {
         skin_shadows: false,
         rolled_off: false,
         scattering: None,
+        sky: None,
     };
     let size = (TRUE_SIZE, TRUE_SIZE);
     let picture = strands_of(package)?.picture(camera, &lighting, size, TRUE_SAMPLES, &mut |_, _| ());

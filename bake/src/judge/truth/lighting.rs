@@ -12,6 +12,7 @@
 
 use super::disc_light::disc;
 use super::scattering::TrueScattering;
+use super::sky::TrueSky;
 use super::tracer::{Hit, Start, Tracer};
 use crate::noise::{hash, uniform};
 use crate::stages::hair::Strands;
@@ -85,6 +86,8 @@ pub struct TrueLighting {
     pub rolled_off: bool,
     /// Light goes from hair to hair: not this equation holds, but paths do. Attenuations, and constants but for ka, have no meaning then.
     pub scattering: Option<TrueScattering>,
+    /// Light from all around, in place of ambient light. Strands and skin throw its shadows.
+    pub sky: Option<TrueSky>,
 }
 
 impl TrueLighting {
@@ -101,6 +104,7 @@ impl TrueLighting {
             skin_shadows: true,
             rolled_off: false,
             scattering: None,
+            sky: None,
         }
     }
 }
@@ -184,7 +188,7 @@ impl Sample<'_> {
         let side = if front { 1.0 } else { -1.0 };
         let start = Start { strand: None, triangle: Some(triangle) };
         let visible = self.visibility(place_ws, start, shadow_rays);
-        let bare = self.bare(base, normal * side, place_ws, visible);
+        let bare = self.bare(base, normal * side, place_ws, visible, start);
         if !self.has_undercoat(triangle) {
             return bare;
         }
@@ -223,13 +227,15 @@ impl Sample<'_> {
         let lighting = self.lighting;
         let floor = if lighting.ambient_attenuation { f64::from(k.ambient_floor) } else { 1.0 };
         let gamma = floor + (1.0 - floor) * hair.height;
-        let mut sum = vector(k.ambient) * gamma * hair.color * lighting.key.color();
+        let mut sum = vector(k.ambient) * gamma * hair.color * self.ambient();
         let past_strands = |light: &TrueLight| {
             let (towards, distance) = light.seen_from(place_ws);
             f64::from(self.tracer.is_lit(place_ws, towards, distance, start, (lighting.fill_shadows, false)))
         };
         let fills = lighting.fill.iter().map(|light| (light, past_strands(light)));
-        for (light, visible) in std::iter::once((&lighting.key, visible)).chain(fills) {
+        let sky = self.of_sky(place_ws, start);
+        let sky = sky.iter().map(|(light, visible)| (light, *visible));
+        for (light, visible) in std::iter::once((&lighting.key, visible)).chain(fills).chain(sky) {
             let (towards, _) = light.seen_from(place_ws);
             let half = (towards + to_eye).normalize_or_zero();
             let sine = |to: DVec3| (1.0 - hair.tangent.dot(to).powi(2)).clamp(0.0, 1.0).sqrt();
@@ -245,12 +251,29 @@ impl Sample<'_> {
         sum
     }
 
-    fn bare(&self, color: DVec3, normal: DVec3, place_ws: DVec3, visible: f64) -> DVec3 {
+    /// Light that comes everywhere alike.
+    fn ambient(&self) -> DVec3 {
+        if self.lighting.sky.is_some() { DVec3::ZERO } else { self.lighting.key.color() }
+    }
+
+    /// A light as strong as one direction of the sky stands for, and whether it is seen: 1 or 0.
+    fn of_sky(&self, place_ws: DVec3, start: Start) -> Option<(TrueLight, f64)> {
+        let sky = self.lighting.sky.as_ref()?;
+        let (way, likely) = sky.draw([self.draw(4), self.draw(5)])?;
+        // A light of colour 1 brings an irradiance of π.
+        let color = (sky.radiance(way) / (likely * std::f64::consts::PI)).as_vec3();
+        let visible = self.tracer.is_lit(place_ws, way, f64::INFINITY, start, (true, true));
+        Some((TrueLight::Directional { towards_light_ws: way.as_vec3(), color }, f64::from(visible)))
+    }
+
+    fn bare(&self, color: DVec3, normal: DVec3, place_ws: DVec3, visible: f64, start: Start) -> DVec3 {
         let k = &self.material.dry;
         let key = self.lighting.key;
-        let mut sum = vector(k.ambient) * key.color();
+        let mut sum = vector(k.ambient) * self.ambient();
         let mut full = sum;
-        let lights = std::iter::once((&key, visible)).chain(self.lighting.fill.iter().map(|l| (l, 1.0)));
+        let sky = self.of_sky(place_ws, start);
+        let sky = sky.iter().map(|(light, visible)| (light, *visible));
+        let lights = std::iter::once((&key, visible)).chain(self.lighting.fill.iter().map(|l| (l, 1.0))).chain(sky);
         for (light, visible) in lights {
             let cosine = normal.dot(light.seen_from(place_ws).0).max(0.0);
             sum += vector(k.diffuse) * cosine * visible * light.color();

@@ -2,13 +2,14 @@
 //! as Lambert's law has it.
 //!
 //! A light of colour 1 brings an irradiance of π, so that a white surface square to it has radiance 1, as the lighting equation has it. Ambient light is
-//! an even sky of radiance ka times the key light's colour: what leaves all there is meets it.
+//! an even sky of radiance ka times the key light's colour, where there is no other: what leaves all there is meets it.
 //!
 //! A fibre absorbs as much as makes a deep coat of its colour ([`colour::absorption`]). Light enters a strand and leaves it at one place: it is thin
 //! against all that is about it.
 
 use super::lighting::{Sample, TrueLight, frame, vector};
 use super::scattering::TrueScattering;
+use super::sky::TrueSky;
 use super::tracer::{Hit, Start};
 use crate::noise::{hash, uniform};
 use glam::DVec3;
@@ -37,7 +38,7 @@ impl Sample<'_> {
         to_eye: DVec3,
         shadow_rays: &mut u64,
     ) -> DVec3 {
-        let sky = vector(self.material.dry.ambient) * self.lighting.key.color();
+        let ambient = vector(self.material.dry.ambient) * self.lighting.key.color();
         let (mut sum, mut left) = (DVec3::ZERO, DVec3::ONE);
         let (mut hit, mut place, mut to_eye) = (*hit, place_ws, to_eye);
         for bounce in 0..scattering.bounces() {
@@ -55,6 +56,10 @@ impl Sample<'_> {
                     sum += left * met.value(way) * light.color() * PI;
                 }
             }
+            if let Some(sky) = &self.lighting.sky {
+                *shadow_rays += 1;
+                sum += left * self.seen_sky(sky, &met, place, start, [draw(13), draw(14)]);
+            }
             let (way, weight) = met.draw(std::array::from_fn(|i| draw(i as u64)));
             left *= weight;
             if left.max_element() <= 0.0 {
@@ -62,7 +67,12 @@ impl Sample<'_> {
             }
             *shadow_rays += 1;
             let Some((next, distance)) = self.tracer.first_from(place, way, start) else {
-                sum += left * sky;
+                sum += left
+                    * self.lighting.sky.as_ref().map_or(ambient, |sky| {
+                        // The sky's own directions have brought the rest of it.
+                        let (ours, other) = (met.likely(way), sky.likely(way));
+                        sky.radiance(way) * (ours / (ours + other))
+                    });
                 break;
             };
             if bounce >= SURE_BOUNCES {
@@ -85,6 +95,17 @@ impl Sample<'_> {
         let skin = key && self.lighting.skin_shadows;
         let hair = if key { self.lighting.hair_shadows } else { self.lighting.fill_shadows };
         (way, self.tracer.is_lit(place, way, distance / axis.dot(way), start, (hair, skin)))
+    }
+
+    /// What is scattered to the eye of the sky's light from one of the directions that it has drawn, weighed against what scattering draws (Veach and Guibas 1995, the
+    /// balance heuristic).
+    fn seen_sky(&self, sky: &TrueSky, met: &Met<'_>, place: DVec3, start: Start, even: [f64; 2]) -> DVec3 {
+        let Some((way, likely)) = sky.draw(even) else { return DVec3::ZERO };
+        let value = met.value(way);
+        if value.max_element() <= 0.0 || !self.tracer.is_lit(place, way, f64::INFINITY, start, (true, true)) {
+            return DVec3::ZERO;
+        }
+        value * sky.radiance(way) / (likely + met.likely(way))
     }
 
     fn met<'a>(&self, scattering: &'a TrueScattering, hit: &Hit, to_eye: DVec3, place: DVec3) -> Met<'a> {
@@ -130,6 +151,17 @@ impl Met<'_> {
                 hit.value(angles.from, -angles.phi).0.into()
             }
             Self::Skin { albedo, normal } => *albedo * (normal.dot(way).max(0.0) / PI),
+        }
+    }
+
+    /// How likely [`Self::draw`] takes a direction, a steradian.
+    fn likely(&self, way: DVec3) -> f64 {
+        match self {
+            Self::Hair { hit, tip, to_eye } => {
+                let angles = Angles::between(*tip, way, *to_eye);
+                hit.value(angles.from, -angles.phi).1
+            }
+            Self::Skin { normal, .. } => normal.dot(way).max(0.0) / PI,
         }
     }
 

@@ -1,10 +1,11 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-use crate::judge::truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
+use crate::judge::truth::{Lens, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene, TrueSky};
 use crate::noise::uniform;
 use crate::strands::{CurvePoint, Curves, Skin};
 use glam::{Vec2, Vec3};
 use pelage_formats::Shading;
 use pelage_formats::meaning::scattering::{Angles, Around, Fibre, colour};
+use pelage_stage::sky::{Environment, LightLobe, Panorama};
 
 /// A tangle of strands of that colour in a ball of 1 m.
 fn tangle(color: Vec3, count: u64) -> Curves {
@@ -89,4 +90,24 @@ fn a_fibre_over_its_width_is_the_fibre_from_afar() {
         let off = ((found - expected) / expected).abs().max_element();
         assert!(off < 0.05, "towards {light}: {found}, expected {expected}");
     }
+}
+
+/// What absorbs nothing vanishes in an even sky, whether it is drawn from or only met; and a bright window is met by all as its lobe is.
+#[test]
+fn skies_light_a_tangle_from_where_they_are_bright() {
+    let under = |sky: TrueSky, color: Vec3, spp: u32| {
+        let lighting = TrueLighting { sky: Some(sky), ..lighting(0.0, 1_000) };
+        mean(tangle(color, 300), 0.0, &lighting, 32, spp)
+    };
+    let even = TrueSky::of_environment(Environment::constant([1.0, 0.5, 2.0]));
+    let found = under(even, Vec3::ONE, 64) / Vec3::new(1.0, 0.5, 2.0);
+    assert!((found - 1.0).abs().max_element() < 0.01, "{found}");
+    // The same light as a picture and as a lobe, of hair that absorbs.
+    let lobe = LightLobe { towards: [0.3, 0.4, 0.8], width_deg: 10.0, radiance: [20.0; 3] };
+    let window = Environment { lobes: vec![lobe], ..Environment::default() };
+    let picture = Panorama::painted((256, 128), |way| window.radiance(way)).unwrap();
+    let color = Vec3::new(0.6, 0.3, 0.1);
+    let [painted, formula] =
+        [TrueSky::of_panorama(picture, 0.0, 1.0), TrueSky::of_environment(window)].map(|sky| under(sky, color, 64));
+    assert!(((painted - formula) / formula).abs().max_element() < 0.03, "{painted} {formula}");
 }

@@ -34,7 +34,7 @@ impl GaussianLight {
 }
 
 /// Terms of the sums of cosines: enough for lights and glints from 8 degrees on.
-const TERMS: usize = 49;
+pub(super) const TERMS: usize = 49;
 /// How far from where lobe and light meet there is light, standard deviations.
 const REACH: f64 = 5.0;
 
@@ -54,6 +54,17 @@ impl BroadlyLit {
             Around::Rough(scale) => from_fn(|n| cosine_of_logistic(scale, n)),
         };
         Self { fibre: *fibre, rough }
+    }
+
+    /// The fibre.
+    pub(super) fn fibre(&self) -> &Fibre {
+        &self.fibre
+    }
+
+    /// What roughness leaves of term `n` of light that leaves at an azimuth by a bundle so wide.
+    pub(super) fn kept(&self, n: usize, width: f64) -> f64 {
+        let around = n as f64 * width;
+        self.rough[n] * if width > 0.0 { libm::exp(-0.5 * around * around) } else { 1.0 }
     }
 
     /// ∫ of [`Fibre::scatter`] over the directions of the light, of each colour: what the fibre sends to the eye.
@@ -97,9 +108,8 @@ impl BroadlyLit {
         section.cut(p as u32, &mut |phi, width, way| {
             let mut met = 0.0;
             let (mut before, mut now, twice) = (libm::cos(phi), 1.0, 2.0 * libm::cos(phi));
-            for (n, (light, rough)) in light.iter().zip(&self.rough).enumerate() {
-                let spread = if width > 0.0 { libm::exp(-0.5 * (n as f64 * width) * (n as f64 * width)) } else { 1.0 };
-                met += light * rough * spread * now;
+            for (n, light) in light.iter().enumerate() {
+                met += light * self.kept(n, width) * now;
                 (before, now) = (now, twice * now - before);
             }
             for (sum, sigma) in sum.iter_mut().zip(sigma) {
@@ -112,7 +122,7 @@ impl BroadlyLit {
 }
 
 /// Angles of light between which it is that a lobe and light about `theta_j` meet: both are nearly Gaussians, and so is their product.
-fn window(spread: &Spread, theta_j: f64, theta_o: f64, sharpness: f64) -> (f64, f64) {
+pub(super) fn window(spread: &Spread, theta_j: f64, theta_o: f64, sharpness: f64) -> (f64, f64) {
     let lobe = 1.0 / spread.variance();
     let whole = lobe + sharpness;
     let middle = ((2.0 * spread.shift - theta_o) * lobe + theta_j * sharpness) / whole;
@@ -137,7 +147,7 @@ fn cosine_of_logistic(scale: f64, n: usize) -> f64 {
 }
 
 /// exp(κ (cos(φ − δ) − 1)) over φ as a sum of cosines of n φ, for what is even in φ: exp(−κ) times I₀(κ), and 2 I_n(κ) cos(n δ).
-fn cosines_of_gaussian(sharpness: f64, delta: f64) -> [f64; TERMS] {
+pub(super) fn cosines_of_gaussian(sharpness: f64, delta: f64) -> [f64; TERMS] {
     let mut terms = [0.0; TERMS];
     // Ratios of neighbouring Bessel functions, from where they do not matter any more downwards.
     let last = 2 * TERMS;

@@ -42,6 +42,12 @@ fn basis(cos_theta: f64) -> DVec3 {
 }
 
 impl Means {
+    /// Share of light that was reflected within more than once, of all that was reflected within and comes out.
+    pub fn often(&self) -> f64 {
+        let of = |path: usize| f64::from(self.on[0][path] + self.back[0][path]);
+        of(3) / (of(2) + of(3)).max(1e-6)
+    }
+
     /// Those of a fibre: fitted by least squares, the shares so that none is lost without absorption.
     pub fn new(fibre: &Fibre) -> Self {
         let phis: Vec<f64> = (0..PHIS).map(|i| PI * i as f64 / (PHIS - 1) as f64).collect();

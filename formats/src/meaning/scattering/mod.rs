@@ -6,6 +6,7 @@
 //! All of it in f64, because tables are made of it and the truth is traced with it. A frame looks up tables.
 
 pub mod azimuthal;
+pub mod broad;
 pub mod colour;
 pub mod gaussian_light;
 pub mod longitudinal;

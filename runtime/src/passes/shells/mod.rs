@@ -43,7 +43,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
     let of_material = part.has_texture || part.cutout || part.has_groom_texture;
     let of_coat = varies.lean || varies.groom || model.manifest().fur.wet.is_some();
     // No more slots between vertices and fragments than are needed.
-    let entries = if look.fill_lights {
+    let entries = if look.fill_lights || look.environment.is_some() {
         ["vs_shells_filled", "fs_shells_filled"]
     } else if of_material || of_coat || look.resampled || look.maps_between {
         ["vs_shells_mapped", "fs_shells_mapped"]

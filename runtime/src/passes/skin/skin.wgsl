@@ -62,7 +62,7 @@ fn side_of(front: bool) -> f32 {
 }
 
 fn bare_color(base: vec3<f32>, n_dot_l: f32, visible: f32, spot: Spot, side: f32) -> vec3<f32> {
-    return key_light_on_bare(base, n_dot_l, visible) + fill_lights_on_bare(base, spot, side);
+    return key_light_on_bare(base, n_dot_l, visible) + fill_lights_on_bare(base, spot, side) + environment_on_bare(base, spot, side);
 }
 
 @fragment
@@ -90,6 +90,7 @@ fn full_light() -> vec3<f32> {
             full += instance.diffuse_constant * fill_lights[i].color.rgb;
         }
     }
+    full += instance.diffuse_constant * frame.environment_most;
     return full;
 }
 

@@ -24,7 +24,9 @@ impl Look {
         Picture { size: (size.width, size.height), samples: self.picture.samples.0, background: self.background() }
     }
 
-    /// What a frame is told of the look; its camera is any, until a [`crate::Stage`] or the application sets it.
+    /// What a frame is told of the look; its camera is any, until a [`crate::Stage`] or the application sets it. Under light from all around its sun is the key light, where
+    /// the look says no strength of one; without a sun there is none, but where it would shine from says how deep hair lies. A file of such light has to be read before
+    /// ([`Look::take_lights`]).
     pub fn frame_params(&self) -> FrameParams {
         let size = self.picture.size;
         let style = match self.picture.style {
@@ -34,9 +36,13 @@ impl Look {
         };
         FrameParams::new(camera(&ANY_VIEW, 1.0), [size.width, size.height]).with(|params| {
             params.light = match self.key_light() {
-                KeyLight::Distant(towards) => distant(towards, 1.0),
-                KeyLight::Nearby(position) => Light::Point { position, color: Vec3::ONE },
+                KeyLight::Distant(towards) => distant(towards, self.key_strength()),
+                KeyLight::Nearby(position) => Light::Point { position, color: Vec3::splat(self.key_strength()) },
             };
+            params.environment = self.light_around();
+            if let (Some(around), None) = (&params.environment, self.light.strength) {
+                params.light = around.sun.as_ref().map_or_else(|| distant(around.middle().as_vec3(), 0.0), Light::sun);
+            }
             params.style = style;
             params.fill_lights = self.fill_lights().map(|(towards, strength)| distant(towards, strength)).collect();
             params.soft_shadow = self.shadow.soft_shadow;

@@ -1,7 +1,9 @@
 //! Types of the look's knobs: words, and values that have a short form as text.
 
 use glam::Vec3;
+use pelage_formats::meaning::environment::Environment;
 use pelage_params::{Control, Field, Item, Range, Raw, hex, words};
+use std::sync::Arc;
 
 words! {
     /// How models are drawn.
@@ -368,6 +370,66 @@ text_field!(
         LookWidth::Pixels(px) => format!("\"{px}px\""),
         LookWidth::Metres(metres) => format!("\"{metres}m\""),
     }
+);
+
+/// Where light from all around comes from, and how far it is turned about the vertical. As text `sky.hdr:90`, `0.2,0.3,0.5` or `0.9,1,1.2/0.1,0.1,0.1`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkySource {
+    /// What it is.
+    pub of: SkyOf,
+    /// Degrees, from +x towards −z, as a model turns.
+    pub yaw_deg: f32,
+    /// What a file came to, once it was read ([`crate::Look::take_lights`]); no part of the text.
+    pub lights: Option<Arc<Environment>>,
+}
+
+/// What light from all around is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SkyOf {
+    /// A file: a panorama, `.hdr` or `.exr`, or lights, `.toml`.
+    File(String),
+    /// The same from everywhere, linear RGB, 0 or more.
+    Even([f32; 3]),
+    /// From above and from below, linear RGB, 0 or more.
+    Gradient([f32; 3], [f32; 3]),
+}
+
+impl SkySource {
+    fn of_text(text: &str) -> Option<Self> {
+        let turned = text.rsplit_once(':').and_then(|(of, yaw)| Some((of, yaw.trim().parse::<f32>().ok()?)));
+        let (of, yaw_deg) = turned.unwrap_or((text, 0.0));
+        let colour = |text: &str| {
+            let numbers: Option<Vec<f32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+            let colour = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok());
+            colour.filter(|colour| colour.iter().all(|x| (0.0..=1e6).contains(x)))
+        };
+        let end = of.rsplit_once('.').map(|(_, end)| end.to_lowercase());
+        let of = match (of.split_once('/'), end.as_deref()) {
+            (Some((above, below)), _) if colour(above).is_some() => SkyOf::Gradient(colour(above)?, colour(below)?),
+            _ if colour(of).is_some() => SkyOf::Even(colour(of)?),
+            (_, Some("hdr" | "exr" | "toml")) => SkyOf::File(of.to_owned()),
+            _ => return None,
+        };
+        yaw_deg.is_finite().then_some(Self { of, yaw_deg, lights: None })
+    }
+
+    fn text(&self) -> String {
+        let colour = |[r, g, b]: [f32; 3]| format!("{r:?},{g:?},{b:?}");
+        let of = match &self.of {
+            SkyOf::File(path) => path.clone(),
+            SkyOf::Even(rgb) => colour(*rgb),
+            SkyOf::Gradient(above, below) => format!("{}/{}", colour(*above), colour(*below)),
+        };
+        if self.yaw_deg == 0.0 { of } else { format!("{of}:{:?}", self.yaw_deg) }
+    }
+}
+
+text_field!(
+    SkySource,
+    expected "the path of a .hdr, .exr or .toml, a colour such as \"0.2,0.3,0.5\", or two, \"above/below\"; behind it \":90\" to turn it",
+    control Control::Text,
+    read |raw| SkySource::of_text(string(raw)?),
+    write |source| toml::Value::String(source.text()).to_string()
 );
 
 /// Two distances, metres, the second greater. As text `10,60`.

@@ -22,10 +22,12 @@ mod tables;
 pub use kinds::{
     Background, FillLight, Interval, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra,
     LookRule, LookScattering, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
-    LookWidth, Rgb, Samples, Size,
+    LookWidth, Rgb, Samples, Size, SkyOf, SkySource,
 };
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
-pub use tables::{KeyLight, Look, LookFur, LookInk, LookLight, LookMotion, LookPicture, LookShadow};
+pub use tables::{
+    KeyLight, LightsRead, Look, LookEnvironment, LookFur, LookInk, LookLight, LookMotion, LookPicture, LookShadow,
+};
 
 #[cfg(test)]
 mod tests;

@@ -3,11 +3,14 @@
 use super::kinds::{
     Background, FillLight, Interval, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra,
     LookRule, LookScattering, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
-    LookWidth, PLACE, Rgb, Samples, Size, Towards,
+    LookWidth, PLACE, Rgb, Samples, Size, SkyOf, SkySource, Towards,
 };
 use crate::framing::TOWARDS_LIGHT;
 use glam::Vec3;
+use pelage_formats::meaning::environment::Environment;
 use pelage_params::{ParamError, params, tables};
+use std::path::Path;
+use std::sync::Arc;
 
 params! {
     /// `[picture]`: the picture itself.
@@ -30,8 +33,23 @@ params! {
         direction: [f32; 3] = TOWARDS_LIGHT.to_array(), in PLACE, as Towards, clears position_m;
         /// Place of a key light nearby, x,y,z in metres; takes the place of `direction`.
         position_m: Option<[f32; 3]> = None, in PLACE, or "none";
+        /// Strength of the key light. `auto` is 1, and 0 where an environment lights the scene: its sun then is the key light, where it has one.
+        strength: Option<f32> = None, in 0.0..=1000.0, or "auto";
         /// Lights without shadow, each with the direction towards it, x,y,z, and a strength of 0 to 1000 (default 1).
         fill: Vec<FillLight> = Vec::new();
+    }
+}
+
+params! {
+    /// `[environment]`: light from all around, a sky or a room. It takes the place of ambient light.
+    LookEnvironment in environment {
+        /// Where it comes from: a panorama (.hdr, .exr: equirectangular, linear radiance), lights in TOML that were fitted to one (.toml), a colour r,g,b, or
+        /// two, above/below; with `:` and degrees behind it turned about the vertical.
+        sky: Option<SkySource> = None, or "none";
+        /// How many times as bright it is.
+        strength: f32 = 1.0, in 0.0..=1000.0;
+        /// How many lights spread about a direction a panorama is taken for; a sun, and what is even, come on top.
+        lobes: u32 = 16, in 1..=32;
     }
 }
 
@@ -161,6 +179,8 @@ tables! {
         picture: LookPicture,
         /// The lights.
         light: LookLight,
+        /// Light from all around.
+        environment: LookEnvironment,
         /// The shadows of the key light.
         shadow: LookShadow,
         /// How fur is drawn.
@@ -171,6 +191,9 @@ tables! {
         ink: LookInk,
     }
 }
+
+/// Lights that a file came to, or what is wrong with it.
+pub type LightsRead = Result<Arc<Environment>, String>;
 
 impl Look {
     /// The look of a picture of which nothing is said: as the default, but in four samples a pixel, because it is looked at for longer than a frame.
@@ -228,6 +251,55 @@ impl Look {
             None if self.light.direction == LookLight::default().direction => KeyLight::Distant(TOWARDS_LIGHT),
             None => KeyLight::Distant(unit(self.light.direction)),
         }
+    }
+
+    /// The light from all around, turned and as bright as it is said; `None` where there is none, and for a file that was not read yet.
+    pub fn light_around(&self) -> Option<Environment> {
+        let source = self.environment.sky.as_ref()?;
+        let lights = match &source.of {
+            SkyOf::File(_) => source.lights.as_deref()?.clone(),
+            SkyOf::Even(radiance) => Environment::constant(*radiance),
+            SkyOf::Gradient(above, below) => Environment::gradient(*above, *below),
+        };
+        Some(lights.turned(source.yaw_deg).times(self.environment.strength))
+    }
+
+    /// Has the file of the environment read, where there is one and it was not yet: `read` is told its path and how many lobes a panorama is taken for.
+    ///
+    /// # Errors
+    /// What `read` says.
+    pub fn take_lights(&mut self, read: &mut dyn FnMut(&Path, u32) -> LightsRead) -> Result<(), String> {
+        let lobes = self.environment.lobes;
+        if let Some(SkySource { of: SkyOf::File(path), lights: lights @ None, .. }) = &mut self.environment.sky {
+            *lights = Some(read(Path::new(path), lobes)?);
+        }
+        Ok(())
+    }
+
+    /// Strength of the key light: none beside an environment, but where it is said.
+    pub fn key_strength(&self) -> f32 {
+        self.light.strength.unwrap_or(if self.environment.sky.is_some() { 0.0 } else { 1.0 })
+    }
+
+    /// Lets the file of the environment be looked for in that folder, where its path is not a whole one.
+    pub fn files_in(&mut self, folder: &Path) {
+        if let Some(SkySource { of: SkyOf::File(path), .. }) = &mut self.environment.sky {
+            *path = folder.join(&*path).display().to_string();
+        }
+    }
+
+    /// As [`Look::read`], of a look file in that folder: files that it names are looked for there.
+    ///
+    /// # Errors
+    /// As [`Look::read`].
+    pub fn read_in(&mut self, folder: &Path, text: &str) -> Result<(), ParamError> {
+        let before = self.environment.sky.take();
+        let read = self.read(text);
+        match &self.environment.sky {
+            Some(_) => self.files_in(folder),
+            None => self.environment.sky = before,
+        }
+        read
     }
 
     /// The lights without shadow: towards each, length 1, and its strength.

@@ -4,6 +4,7 @@ use super::SceneFile;
 use super::text::SceneLook;
 use crate::{Look, SAMPLES, SHORT_FORMS, ShortForm, StageError};
 use pelage_params::{ParamError, unknown_key};
+use std::path::Path;
 
 /// What has another place in a scene than `[view]`, or none.
 const ELSEWHERE: [(&str, &str); 9] = [
@@ -20,7 +21,7 @@ const ELSEWHERE: [(&str, &str); 9] = [
 
 impl SceneFile {
     /// The look of the scene: of two places that say something, `[view]` counts least, then `look`, and `[light]` most. `file` is told the path
-    /// of a look file from the scene file's folder; it gives the name that messages use and the text, or says why the file cannot be had.
+    /// of a look file from the scene file's folder, from where the paths of its own files are, too ([`Look::files_in`]); it gives the name that messages use and the text, or says why the file cannot be had.
     ///
     /// # Errors
     ///
@@ -37,9 +38,10 @@ impl SceneFile {
                 read.map_err(|error| self.fault(&format!("look.{}", error.key), error.reason))?;
             }
             Some(SceneLook::File(path)) => {
+                let folder = Path::new(path).parent().unwrap_or(Path::new(""));
                 let (file, text) = file(path).map_err(|reason| self.fault("look", reason))?;
                 let fault = |error: ParamError| StageError::Input { file, place: error.place(), reason: error.reason };
-                look.read(&text).map_err(fault)?;
+                look.read_in(folder, &text).map_err(fault)?;
             }
         }
         if let Some(light) = &self.scene.light {

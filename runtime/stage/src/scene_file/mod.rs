@@ -29,13 +29,13 @@ mod text;
 
 use crate::cast::{Actor, Cast, Place, Playing, carried_by, clip_named, framed, morph_named};
 use crate::framing::{FOV_DEG, Framing};
+use crate::toml_text::Source;
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
 use glam::Vec3;
 use pelage_formats::Animation;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use text::Source;
 pub use text::{
     CameraKey, FieldOfView, Number, PlaceKey, Point, Scale, Scene, SceneCamera, SceneLight, SceneLook, SceneModel,
     SceneSequence, Whole,
@@ -104,7 +104,7 @@ impl SceneFile {
         // Some editors begin a text file with a byte order mark.
         let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
         let source = Source { name, text: &text };
-        let scene = source.parse()?;
+        let scene: Scene = source.parse()?;
         if scene.models.is_empty() {
             return Err(source.fault("model", "found none, expected at least one [[model]] with a package"));
         }

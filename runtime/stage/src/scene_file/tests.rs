@@ -92,7 +92,7 @@ fn places_and_cameras_are_those_of_the_file() {
         "path = [{ time_s = 1, position = [0, 0, 0] }, { time_s = 3, position = [2, 0, 0] }]\nscale = 2",
     );
     let source = Source { name: "a.toml", text: &text };
-    let words = source.parse().unwrap();
+    let words: Scene = source.parse().unwrap();
     let shot = shot(&source, words.camera.as_ref().unwrap()).unwrap();
     let at = |time_s| (shot.at(time_s).eye, shot.at(time_s).target, shot.at(time_s).fov_deg);
     assert_eq!(at(0.0), (Vec3::new(0.0, 1.0, 5.0), Vec3::ZERO, FOV_DEG));

@@ -1,11 +1,8 @@
-//! What a scene file may say, and where in it something is wrong.
+//! What a scene file may say.
 
-use crate::StageError;
-use crate::track::{LEAST_STEP_S, Track, Value};
 use glam::Vec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use toml::de::{DeTable, DeValue};
 
 /// Largest coordinate, metres, and largest time, seconds.
 const FARTHEST: f64 = 1e6;
@@ -219,80 +216,4 @@ fn within(x: f64, least: f64, most: f64) -> Result<f32, String> {
     // NaN is in no range.
     let inside = (least..=most).contains(&x);
     if inside { Ok(x as f32) } else { Err(format!("found {x}, expected a number from {least} to {most}")) }
-}
-
-/// A scene file's text, for messages that name the line.
-#[derive(Clone, Copy, Debug)]
-pub struct Source<'a> {
-    /// As the user named it.
-    pub name: &'a str,
-    /// All of it.
-    pub text: &'a str,
-}
-
-impl Source<'_> {
-    /// Reads the words.
-    ///
-    /// # Errors
-    ///
-    /// [`StageError::Input`] with line and key for broken TOML, a key that there is none of, and a value that is not what it should be.
-    pub fn parse(&self) -> Result<Scene, StageError> {
-        let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
-        let document = toml::Deserializer::parse(self.text).map_err(broken)?;
-        serde_path_to_error::deserialize(document).map_err(|e| {
-            let key = e.path().to_string();
-            let key = if key == "." { "" } else { &key };
-            let inner = e.inner();
-            let at = inner.span().map(|s| s.start).or_else(|| self.find(key));
-            self.fault_at(at, key, inner.message().trim().to_owned())
-        })
-    }
-
-    /// An error at a key such as `model[1].path[0].time_s`.
-    pub fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
-        self.fault_at(self.find(key), key, reason.into())
-    }
-
-    fn fault_at(&self, byte: Option<usize>, key: &str, reason: String) -> StageError {
-        let line = byte.map(|byte| self.text.bytes().take(byte).filter(|b| *b == b'\n').count() + 1);
-        let place = match (line, key) {
-            (Some(line), "") => format!("line {line}"),
-            (Some(line), key) => format!("line {line}, {key}"),
-            (None, "") => "whole file".to_owned(),
-            (None, key) => key.to_owned(),
-        };
-        StageError::Input { file: self.name.to_owned(), place, reason }
-    }
-
-    /// The byte where a key's value stands, or that of the nearest thing around it that is there.
-    fn find(&self, key: &str) -> Option<usize> {
-        let document = DeTable::parse(self.text).ok()?;
-        let mut steps = key.split(['.', '[']).map(|step| step.trim_end_matches(']'));
-        let mut here = document.get_ref().get(steps.next()?)?;
-        for step in steps {
-            let inner = match here.get_ref() {
-                DeValue::Table(table) => table.get(step),
-                DeValue::Array(array) => step.parse().ok().and_then(|i: usize| array.get(i)),
-                _ => None,
-            };
-            let Some(inner) = inner else { break };
-            here = inner;
-        }
-        Some(here.span().start)
-    }
-
-    /// A path of keys at `key`, times and values, which must rise.
-    pub fn track<T>(&self, key: &str, keys: Vec<(f32, T)>) -> Result<Track<T>, StageError>
-    where
-        T: Value,
-    {
-        let times: Vec<f32> = keys.iter().map(|key| key.0).collect();
-        Track::new(keys).map_err(|i| match (i.checked_sub(1).and_then(|before| times.get(before)), times.get(i)) {
-            (Some(before), Some(time)) => self.fault(
-                &format!("{key}[{i}].time_s"),
-                format!("found {time} after {before}, expected at least {LEAST_STEP_S} s later than the key before"),
-            ),
-            _ => self.fault(key, "found no keys, expected at least one"),
-        })
-    }
 }

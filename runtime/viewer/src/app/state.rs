@@ -1,6 +1,7 @@
 //! What a window is about, and what all that is done to it has in common.
 
 use crate::knobs::{Edits, Knobs, Search};
+use crate::lights::Lights;
 use crate::script::Events;
 use crate::show::Show;
 use crate::truth::TruthBeside;
@@ -56,6 +57,8 @@ pub struct App {
     pub(super) moved_at: Option<Instant>,
     pub truth: TruthBeside,
     pub panels: bool,
+    /// Files of light from all around.
+    pub(crate) lights: Lights,
     pub help: bool,
     /// The picture in the window, physical pixels.
     pub(super) area: (u32, u32),
@@ -104,6 +107,7 @@ impl App {
             moved_at: None,
             truth: TruthBeside::default(),
             panels: true,
+            lights: Lights::default(),
             help: false,
             area: (1, 1),
             settles: false,

@@ -12,6 +12,8 @@ impl App {
             // Each was taken before.
             let _ = look.set(&assignment);
         }
+        // What is wrong with a file is told of when it is named.
+        let _ = self.lights.give(&mut look);
         look
     }
 
@@ -26,6 +28,9 @@ impl App {
         match refused {
             Some(reason) => self.fail(reason),
             None => self.mended(),
+        }
+        if let Err(reason) = self.lights.give(&mut self.look_now()) {
+            self.fail(format!("environment.sky: {reason}"));
         }
         self.changed();
     }

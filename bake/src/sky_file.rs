@@ -1,0 +1,51 @@
+//! Skies on disk: panoramas in Radiance HDR and OpenEXR, and lights in TOML.
+
+use crate::BakeError;
+use crate::image_file::bounded_reader;
+use crate::io::{read_file, read_text};
+use pelage_stage::sky::{Environment, Panorama, environment_from_toml};
+use std::path::Path;
+
+/// What shines from all around, as a file says it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SkyFile {
+    /// A picture.
+    Panorama(Panorama),
+    /// Few lights.
+    Lights(Environment),
+}
+
+impl SkyFile {
+    /// Reads one by its name's end: `.hdr`, `.exr` or `.toml`.
+    ///
+    /// # Errors
+    /// [`BakeError::Input`] for a file that cannot be read or is not what its name says.
+    pub fn read(path: &Path) -> Result<Self, BakeError> {
+        let file = path.display().to_string();
+        let input = |place: &str, reason: String| BakeError::Input { file: file.clone(), place: place.into(), reason };
+        let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let format = match end.as_str() {
+            "toml" => {
+                let text = read_text(path, "lights in TOML")?;
+                let lights = environment_from_toml(&file, &text).map_err(|error| match error {
+                    pelage_stage::StageError::Input { place, reason, .. } => input(&place, reason),
+                    other => input("whole file", other.to_string()),
+                })?;
+                return Ok(Self::Lights(lights));
+            }
+            "hdr" => image::ImageFormat::Hdr,
+            "exr" => image::ImageFormat::OpenExr,
+            _ => {
+                let reason = format!("has a name that ends in {end:?}, expected .hdr, .exr or .toml");
+                return Err(input("whole file", reason));
+            }
+        };
+        let bytes = read_file(path)?;
+        let (pixels, width, height) = bounded_reader(&bytes, format).map_err(|reason| input("header", reason))?;
+        let broken = |error: image::ImageError| input("pixels", format!("cannot be decoded: {error}"));
+        let pixels = pixels.decode().map_err(broken)?.into_rgb32f().into_raw();
+        let pixels = pixels.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
+        let panorama = Panorama::new(width, height, pixels);
+        panorama.map(Self::Panorama).map_err(|error| input("pixels", error.to_string()))
+    }
+}

@@ -1,0 +1,276 @@
+//! Light from all around: what is even, spherical Gaussians (Xu 2011), and a sun. It is what a sky or a room is taken for, small enough to be written down, turned
+//! and blended.
+
+use super::scattering::gaussian_light::GaussianLight;
+use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// A sky or a room as hair is lit by it. Colours are linear RGB. Radiance 1 from everywhere makes a white surface as bright as a light of colour 1 that stands
+/// square to it does.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Environment {
+    /// Radiance from everywhere, 0 or more.
+    #[serde(default)]
+    pub even: [f32; 3],
+    /// What is as bright as to be a light of its own and small enough to throw sharp shadows: the sun.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sun: Option<Sun>,
+    /// Lights that are spread about a direction; at most [`Environment::MOST_LOBES`].
+    #[serde(default, rename = "lobe", skip_serializing_if = "Vec::is_empty")]
+    pub lobes: Vec<LightLobe>,
+}
+
+/// A light that is spread about a direction as a spherical Gaussian: radiance · exp((cos − 1) / width²) at the angle of that cosine from its middle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightLobe {
+    /// Towards its middle, of any length but 0; y is up.
+    pub towards: [f32; 3],
+    /// Standard deviation, degrees, [`LightLobe::WIDTHS`].
+    pub width_deg: f32,
+    /// Of its middle, 0 or more.
+    pub radiance: [f32; 3],
+}
+
+/// A light that is as small as to be one direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sun {
+    /// Towards it, of any length but 0; y is up.
+    pub towards: [f32; 3],
+    /// As that of any light: 1 brings an irradiance of π to a surface that is square to it.
+    pub color: [f32; 3],
+}
+
+impl LightLobe {
+    /// Degrees that a lobe may be wide. What is narrower is a sun; wider ones are even.
+    pub const WIDTHS: core::ops::RangeInclusive<f32> = 4.0..=120.0;
+
+    /// Its shape.
+    pub fn light(&self) -> GaussianLight {
+        let width = f64::from(self.width_deg).to_radians();
+        GaussianLight { towards: unit(self.towards), sharpness: 1.0 / (width * width) }
+    }
+
+    /// ∫ of its radiance over all directions.
+    pub fn whole(&self) -> DVec3 {
+        color(self.radiance) * self.light().whole()
+    }
+}
+
+impl Environment {
+    /// Most lobes of one.
+    pub const MOST_LOBES: usize = 32;
+    /// Most that a colour may be: what half floats hold, with room for sums.
+    pub const BRIGHTEST: f32 = 1e9;
+    /// Width of the lobe that a gradient is, degrees.
+    const GRADIENT_DEG: f32 = 55.0;
+
+    /// The same light from everywhere.
+    pub fn constant(radiance: [f32; 3]) -> Self {
+        Self { even: radiance, ..Self::default() }
+    }
+
+    /// Light that goes over from what comes from straight below to what comes from straight above.
+    pub fn gradient(above: [f32; 3], below: [f32; 3]) -> Self {
+        let lobe = |up: f32, more: [f32; 3], less: [f32; 3]| LightLobe {
+            towards: [0.0, up, 0.0],
+            width_deg: Self::GRADIENT_DEG,
+            radiance: core::array::from_fn(|i| (more[i] - less[i]).max(0.0)),
+        };
+        let lobes = [lobe(1.0, above, below), lobe(-1.0, below, above)];
+        Self {
+            even: core::array::from_fn(|i| above[i].min(below[i])),
+            lobes: lobes.into_iter().filter(|lobe| lobe.radiance != [0.0; 3]).collect(),
+            sun: None,
+        }
+    }
+
+    /// Radiance from a direction of length 1; the sun is not seen.
+    pub fn radiance(&self, from: DVec3) -> DVec3 {
+        let of = |lobe: &LightLobe| color(lobe.radiance) * lobe.light().radiance(from);
+        self.lobes.iter().fold(color(self.even), |sum, lobe| sum + of(lobe))
+    }
+
+    /// ∫ of all light over all directions, the sun's irradiance with it.
+    pub fn whole(&self) -> DVec3 {
+        let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * core::f64::consts::PI);
+        let even = color(self.even) * (4.0 * core::f64::consts::PI);
+        self.lobes.iter().fold(sun + even, |sum, lobe| sum + lobe.whole())
+    }
+
+    /// The direction that most of its light comes from, of length 1; upwards where it comes from nowhere in particular.
+    pub fn middle(&self) -> DVec3 {
+        let lobe = |lobe: &LightLobe| {
+            let light = lobe.light();
+            light.towards * (brightness(lobe.whole()) * mean_cosine(light.sharpness))
+        };
+        let sun = self
+            .sun
+            .map_or(DVec3::ZERO, |sun| unit(sun.towards) * (brightness(color(sun.color)) * core::f64::consts::PI));
+        let sum = self.lobes.iter().map(lobe).fold(sun, |sum, of| sum + of);
+        sum.normalize_or(DVec3::Y)
+    }
+
+    /// The same turned about the vertical, degrees: from +x towards −z, as a model turns.
+    pub fn turned(&self, yaw_deg: f32) -> Self {
+        let (sin, cos) = libm::sincos(f64::from(yaw_deg).to_radians());
+        let turn = |way: [f32; 3]| {
+            let [x, y, z] = way.map(f64::from);
+            [x * cos + z * sin, y, z * cos - x * sin].map(|x| x as f32)
+        };
+        let mut out = self.clone();
+        out.lobes.iter_mut().for_each(|lobe| lobe.towards = turn(lobe.towards));
+        if let Some(sun) = &mut out.sun {
+            sun.towards = turn(sun.towards);
+        }
+        out
+    }
+
+    /// The same as many times as bright.
+    pub fn times(&self, strength: f32) -> Self {
+        let scaled = |color: [f32; 3]| color.map(|x| x * strength);
+        let mut out = self.clone();
+        out.even = scaled(out.even);
+        out.lobes.iter_mut().for_each(|lobe| lobe.radiance = scaled(lobe.radiance));
+        if let Some(sun) = &mut out.sun {
+            sun.color = scaled(sun.color);
+        }
+        out
+    }
+
+    /// Between this and another: 0 is this, 1 the other. Their radiance is mixed, so that nothing wanders; where that makes too many lobes, those that are most alike
+    /// become one. Of two suns the middle is one: they are the same sun some time later.
+    pub fn blended(&self, other: &Self, share: f32) -> Self {
+        let (here, there) = (self.times(1.0 - share), other.times(share));
+        let mut lobes = here.lobes;
+        lobes.extend(there.lobes);
+        lobes.retain(|lobe| lobe.radiance != [0.0; 3]);
+        while lobes.len() > Self::MOST_LOBES {
+            merge_nearest(&mut lobes);
+        }
+        let sun = match (here.sun, there.sun) {
+            (Some(a), Some(b)) => {
+                let [from, to] = [self.sun, other.sun].map(|sun| sun.map_or(DVec3::Y, |sun| unit(sun.towards)));
+                let towards = from.lerp(to, f64::from(share)).normalize_or(from).as_vec3();
+                Some(Sun { towards: towards.into(), color: core::array::from_fn(|i| a.color[i] + b.color[i]) })
+            }
+            (a, b) => a.or(b),
+        };
+        Self { even: core::array::from_fn(|i| here.even[i] + there.even[i]), lobes, sun }
+    }
+
+    /// Its light as at most so many lobes, at least 1, beside what is even: those that are most alike become one.
+    pub fn with_fewer(&self, most: usize) -> Self {
+        let mut out = self.clone();
+        while out.lobes.len() > most.max(1) {
+            merge_nearest(&mut out.lobes);
+        }
+        out
+    }
+
+    /// The first of its values that is wrong, if one is: where it stands, `lobe[0].width_deg`, and what was found and expected.
+    pub fn fault(&self) -> Option<(String, String)> {
+        let (least, most) = (LightLobe::WIDTHS.start(), LightLobe::WIDTHS.end());
+        let colour = |key: String, found: [f32; 3]| {
+            let bad = !found.iter().all(|x| (0.0..=Self::BRIGHTEST).contains(x));
+            bad.then(|| (key, format!("found {found:?}, expected 0 to 1e9 each")))
+        };
+        let direction = |key: String, found: [f32; 3]| {
+            let bad = !(1e-6..=1e6).contains(&Vec3::from(found).length());
+            bad.then(|| (key, format!("found {found:?}, expected a direction with a length")))
+        };
+        let of_sun =
+            |sun: Sun| direction("sun.towards".into(), sun.towards).or_else(|| colour("sun.color".into(), sun.color));
+        let of_lobe = |(i, lobe): (usize, &LightLobe)| {
+            let width = !LightLobe::WIDTHS.contains(&lobe.width_deg);
+            direction(format!("lobe[{i}].towards"), lobe.towards)
+                .or_else(|| {
+                    let reason = || format!("found {}, expected {least} to {most} degrees", lobe.width_deg);
+                    width.then(|| (format!("lobe[{i}].width_deg"), reason()))
+                })
+                .or_else(|| colour(format!("lobe[{i}].radiance"), lobe.radiance))
+        };
+        let too_many = || {
+            let count = self.lobes.len();
+            (count > Self::MOST_LOBES)
+                .then(|| ("lobe".into(), format!("found {count} lobes, expected at most {}", Self::MOST_LOBES)))
+        };
+        colour("even".into(), self.even)
+            .or_else(|| self.sun.and_then(of_sun))
+            .or_else(too_many)
+            .or_else(|| self.lobes.iter().enumerate().find_map(of_lobe))
+    }
+}
+
+/// Mean cosine of the light of a spherical Gaussian about its middle: coth κ − 1/κ.
+pub fn mean_cosine(sharpness: f64) -> f64 {
+    if sharpness < 1e-3 {
+        return sharpness / 3.0;
+    }
+    1.0 / libm::tanh(sharpness) - 1.0 / sharpness
+}
+
+/// The κ whose light has that mean cosine, below 1: a start after Banerjee 2005, and Newton's steps.
+pub fn sharpness_of(mean: f64) -> f64 {
+    let mean = mean.clamp(0.0, 1.0 - 1e-6);
+    let mut k = mean * (3.0 - mean * mean) / (1.0 - mean * mean);
+    for _ in 0..4 {
+        // d/dκ of coth κ − 1/κ is 1/κ² − 1/sinh² κ; 1/3 at 0.
+        let slope = if k < 1e-2 { 1.0 / 3.0 } else { 1.0 / (k * k) - libm::pow(libm::sinh(k.min(300.0)), -2.0) };
+        k = (k - (mean_cosine(k) - mean) / slope).max(0.0);
+    }
+    k
+}
+
+/// Makes one lobe of the two that are most alike: it has their light, and as much of it about the same direction.
+fn merge_nearest(lobes: &mut Vec<LightLobe>) {
+    let pairs = (0..lobes.len()).flat_map(|i| (i + 1..lobes.len()).map(move |j| (i, j)));
+    // How far apart the light of a pair would be moved.
+    let cost = |(i, j): (usize, usize)| {
+        let [a, b] = [i, j].map(|i| (brightness(lobes[i].whole()), lobes[i].light()));
+        let moved = [a.1, b.1].map(|light| light.towards * mean_cosine(light.sharpness));
+        a.0 * b.0 / (a.0 + b.0).max(1e-30) * moved[0].distance_squared(moved[1])
+    };
+    let nearest = pairs.map(|pair| (pair, cost(pair))).min_by(|a, b| a.1.total_cmp(&b.1));
+    let Some(((i, j), _)) = nearest else { return };
+    let other = lobes.swap_remove(j);
+    lobes[i] = merged(&lobes[i], &other);
+}
+
+fn merged(a: &LightLobe, b: &LightLobe) -> LightLobe {
+    let (first, second) = (a.whole(), b.whole());
+    let moment = |lobe: &LightLobe, whole: DVec3| {
+        let light = lobe.light();
+        light.towards * (brightness(whole) * mean_cosine(light.sharpness))
+    };
+    let whole = first + second;
+    let middle = moment(a, first) + moment(b, second);
+    let mean = middle.length() / brightness(whole).max(1e-30);
+    let width = libm::sqrt(1.0 / sharpness_of(mean).max(1e-6)).to_degrees() as f32;
+    let towards = middle.normalize_or(unit(a.towards)).as_vec3();
+    let shape = LightLobe {
+        towards: towards.into(),
+        width_deg: width.clamp(*LightLobe::WIDTHS.start(), *LightLobe::WIDTHS.end()),
+        radiance: [1.0; 3],
+    };
+    LightLobe { radiance: (whole / shape.whole()).as_vec3().into(), ..shape }
+}
+
+/// How bright a colour looks (Rec. 709).
+pub fn brightness(color: DVec3) -> f64 {
+    color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+fn color(rgb: [f32; 3]) -> DVec3 {
+    Vec3::from(rgb).as_dvec3()
+}
+
+fn unit(way: [f32; 3]) -> DVec3 {
+    Vec3::from(way).as_dvec3().normalize_or(DVec3::Y)
+}
+
+#[cfg(test)]
+#[path = "environment_tests.rs"]
+mod tests;

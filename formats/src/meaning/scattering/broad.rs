@@ -1,0 +1,283 @@
+//! What a frame looks up for light that is spread about a direction: tables of what [`BroadlyLit`] integrates, over the light's mean cosine, θo, θj and φ.
+//!
+//! Around the fibre the light of each path is a sum of cosines of n φ, which depends on θd alone and is found once for all lights; along it is a rule of 24 points.
+//! Colour is no part of the tables: a path that crosses the fibre n times keeps what n mean ways leave of it ([`Means::left`]).
+
+use super::gaussian_light::{BroadlyLit, GaussianLight, TERMS, cosines_of_gaussian, window};
+use super::means::{Means, REFERENCE_SIGMA};
+use super::optics::LEAST_COS_D;
+use super::{Angles, Fibre, PATHS};
+use crate::meaning::environment::{mean_cosine, sharpness_of};
+use core::array::from_fn;
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use glam::DVec3;
+
+/// Texels along each axis of [`BroadTables`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BroadSize {
+    /// Over the mean cosine of the light.
+    pub means: usize,
+    /// Over θo, from −π/2 to π/2.
+    pub to: usize,
+    /// Over θj, from −π/2 to π/2.
+    pub from: usize,
+    /// Over φ, from 0 to π.
+    pub phi: usize,
+}
+
+impl Default for BroadSize {
+    fn default() -> Self {
+        Self { means: 8, to: 24, from: 24, phi: 16 }
+    }
+}
+
+impl BroadSize {
+    /// Texels of all of it.
+    pub fn texels(&self) -> usize {
+        self.means * self.to * self.from * self.phi
+    }
+}
+
+/// Of the axis of mean cosines r, which is 1 − √(1 − r), the last place: light that is narrower is taken for light so wide, a standard deviation of 11.6 degrees.
+const LAST_MEAN: f64 = 0.8;
+
+/// What a fibre scatters of broad light of which as much comes as of a light of 1 in whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BroadTables {
+    /// Texels along each axis, 2 or more.
+    pub size: BroadSize,
+    /// By mean cosine, θo, φ and θj, of which the last runs fastest: without absorption R, TT, and all light that was reflected within; how far TT goes within the
+    /// fibre, radii.
+    pub texels: Vec<[f32; 4]>,
+    /// What is left of light that crosses the fibre.
+    pub means: Means,
+    eta: f64,
+}
+
+/// Values of cos θd at which paths are found, and of κ at which the terms of a light are.
+const SECTIONS: usize = 64;
+const LIGHTS: usize = 96;
+/// Sums of cosines: R, TT, TRT, and what is left of TT where [`REFERENCE_SIGMA`] is absorbed a radius.
+const SERIES: usize = 4;
+/// Path of each.
+const PATH_OF: [usize; SERIES] = [0, 1, 2, 1];
+
+/// The paths around a fibre as sums of cosines, by cos θd.
+struct Around {
+    /// Of each section the terms of the series, and what the rest has, a radian.
+    sections: Vec<([[f64; TERMS]; SERIES], f64)>,
+}
+
+/// Which two of evenly spread values a share is between, 0..=1, and how far it lies between them.
+fn between(share: f64, count: usize) -> (usize, f64) {
+    let place = share.clamp(0.0, 1.0) * (count - 1) as f64;
+    let below = (place as usize).min(count - 2);
+    (below, place - below as f64)
+}
+
+impl Around {
+    fn new(lit: &BroadlyLit) -> Self {
+        let section = |i: usize| {
+            let share = i as f64 / (SECTIONS - 1) as f64;
+            let section = lit.fibre().section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share);
+            let mut terms = [[0.0; TERMS]; SERIES];
+            for p in 0..3 {
+                section.cut(p as u32, &mut |phi, width, way| {
+                    let left = if p == 1 { way.left(REFERENCE_SIGMA) } else { 0.0 };
+                    let mut cosines = [0.0; TERMS];
+                    let (mut before, mut now, twice) = (libm::cos(phi), 1.0, 2.0 * libm::cos(phi));
+                    for (n, cosine) in cosines.iter_mut().enumerate() {
+                        *cosine = lit.kept(n, width) * now;
+                        (before, now) = (now, twice * now - before);
+                    }
+                    for (series, light) in [(p, way.light), (3, left)] {
+                        terms[series].iter_mut().zip(cosines).for_each(|(term, cosine)| *term += light * cosine);
+                    }
+                });
+            }
+            (terms, section.rest(0.0))
+        };
+        Self { sections: (0..SECTIONS).map(section).collect() }
+    }
+}
+
+/// Lights of one sharpness, which reach a fibre at all angles.
+struct Light<'a> {
+    fibre: &'a Fibre,
+    around: &'a Around,
+    sharpness: f64,
+    /// Terms of what they are around it, by how sharp they are there over how sharp they are.
+    terms: Vec<[f64; TERMS]>,
+    /// Terms that do not matter any more.
+    last: usize,
+}
+
+impl<'a> Light<'a> {
+    fn new(fibre: &'a Fibre, around: &'a Around, sharpness: f64) -> Self {
+        let at = |i: usize| cosines_of_gaussian(sharpness * i as f64 / (LIGHTS - 1) as f64, 0.0);
+        let terms: Vec<_> = (0..LIGHTS).map(at).collect();
+        let sharpest = &terms[LIGHTS - 1];
+        let last = sharpest.iter().position(|term| *term < 1e-7 * sharpest[0]).unwrap_or(TERMS);
+        Self { fibre, around, sharpness, terms, last }
+    }
+
+    /// What comes of light about θj at azimuths `phis`: the four series, and the rest.
+    fn of_angles(&self, theta_o: f64, theta_j: f64, cosines: &[[f64; TERMS]]) -> Vec<([f64; SERIES], f64)> {
+        let sines = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
+        let (to, middle) = (sines(theta_o), sines(theta_j));
+        let mut sums = [[0.0; TERMS]; SERIES];
+        let mut rest = 0.0;
+        for p in 0..PATHS {
+            let (begin, end) = window(&self.fibre.spread(p as u32), theta_j, theta_o, self.sharpness);
+            let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin).max(0.0));
+            for (x, weight) in super::azimuthal::legendre() {
+                let theta = (centre + half * x).clamp(-FRAC_PI_2, FRAC_PI_2);
+                let from = sines(theta);
+                let angles = Angles { from, to, phi: 0.0 };
+                let near = libm::exp(self.sharpness * (libm::cos(theta - theta_j) - 1.0));
+                let along = weight * half * from.1 * near * self.fibre.path_along(p as u32, &angles);
+                if along <= 0.0 {
+                    continue;
+                }
+                let (below, share) = between(from.1 * middle.1, LIGHTS);
+                let [dull, sharp] = [&self.terms[below], &self.terms[below + 1]];
+                let (below, between) = between((angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D), SECTIONS);
+                let [a, b] = [&self.around.sections[below], &self.around.sections[below + 1]];
+                if p == 3 {
+                    let light = dull[0] + (sharp[0] - dull[0]) * share;
+                    rest += along * TAU * light * (a.1 + (b.1 - a.1) * between);
+                    continue;
+                }
+                for n in 0..self.last {
+                    let light = along * (dull[n] + (sharp[n] - dull[n]) * share);
+                    for (series, _) in PATH_OF.iter().enumerate().filter(|(_, path)| **path == p) {
+                        sums[series][n] += light * (a.0[series][n] + (b.0[series][n] - a.0[series][n]) * between);
+                    }
+                }
+            }
+        }
+        let of = |cosines: &[f64; TERMS]| {
+            // A sum of cosines that is cut off may fall below nothing where there is none.
+            let sum =
+                |terms: &[f64; TERMS]| terms[..self.last].iter().zip(cosines).map(|(a, b)| a * b).sum::<f64>().max(0.0);
+            (from_fn(|series| sum(&sums[series])), rest)
+        };
+        cosines.iter().map(of).collect()
+    }
+}
+
+impl BroadTables {
+    /// Those of a fibre.
+    pub fn new(fibre: &Fibre, size: BroadSize) -> Self {
+        let lit = BroadlyLit::new(fibre);
+        let around = Around::new(&lit);
+        let cosines: Vec<[f64; TERMS]> =
+            (0..size.phi).map(|f| from_fn(|n| libm::cos(n as f64 * PI * f as f64 / (size.phi - 1) as f64))).collect();
+        let mut texels = Vec::with_capacity(size.texels());
+        for m in 0..size.means {
+            let sharpness = sharpness_of(mean_at(m as f64 / (size.means - 1) as f64));
+            let whole = GaussianLight { towards: DVec3::Y, sharpness }.whole();
+            let light = Light::new(fibre, &around, sharpness);
+            for o in 0..size.to {
+                let theta_o = angle_at(o, size.to);
+                // By θj, each all around.
+                let row = |j: usize| light.of_angles(theta_o, angle_at(j, size.from), &cosines);
+                let rows: Vec<_> = (0..size.from).map(row).collect();
+                for f in 0..size.phi {
+                    texels.extend(rows.iter().map(|row| {
+                        let ([r, tt, trt, left], rest) = row[f];
+                        let length = if tt > 0.0 && left > 0.0 { libm::log(tt / left) / REFERENCE_SIGMA } else { 2.0 };
+                        [r / whole, tt / whole, (trt + rest) / whole, length.clamp(0.0, 16.0)].map(|x| x as f32)
+                    }));
+                }
+            }
+        }
+        Self { size, texels, means: Means::new(fibre), eta: fibre.eta }
+    }
+
+    /// Texels along the edges of one picture of all of them: a column of pictures of φ and θj for each θo, and such columns side by side by mean cosine.
+    pub fn edges(size: BroadSize) -> [usize; 2] {
+        [size.means * size.from, size.to * size.phi]
+    }
+
+    /// That picture, row by row.
+    pub fn picture(&self) -> Vec<[f32; 4]> {
+        let BroadSize { means, to, from, phi } = self.size;
+        let at = |(row, column): (usize, usize)| {
+            let (o, f, m, j) = (row / phi, row % phi, column / from, column % from);
+            self.texels[((m * to + o) * phi + f) * from + j]
+        };
+        (0..to * phi).flat_map(|row| (0..means * from).map(move |column| (row, column))).map(at).collect()
+    }
+
+    /// As [`BroadlyLit::scatter`], from the tables.
+    pub fn scatter(&self, sigma: [f64; 3], tip: DVec3, light: &GaussianLight, eye: DVec3) -> [f64; 3] {
+        let angles = Angles::between(tip, light.towards, eye);
+        let mean = mean_cosine(light.sharpness);
+        let size = &self.size;
+        let places = [
+            (mean_place(mean), size.means),
+            (0.5 + angle(angles.to) / PI, size.to),
+            (angles.phi.abs() / PI, size.phi),
+            (0.5 + angle(angles.from) / PI, size.from),
+        ];
+        let about = places.map(|(share, count)| between(share, count));
+        let mut texel = [0.0; 4];
+        for corner in 0..16 {
+            let (mut index, mut weight) = (0, 1.0);
+            for (axis, ((below, share), (_, count))) in about.iter().zip(&places).enumerate() {
+                let above = corner >> axis & 1;
+                index = index * count + below + above;
+                weight *= if above == 1 { *share } else { 1.0 - share };
+            }
+            for (sum, x) in texel.iter_mut().zip(self.texels[index]) {
+                *sum += weight * f64::from(x);
+            }
+        }
+        let cos_d = mean_cos_d(tip, light.towards, mean, eye);
+        let [r, tt, within, length] = texel;
+        sigma.map(|sigma| {
+            let left = self.means.left(cos_d, self.eta, sigma);
+            let again = self.means.often();
+            let sum = r + tt * libm::exp(-sigma * length) + left * left * within * (1.0 - again + again * left);
+            light.whole() * sum
+        })
+    }
+}
+
+/// Cosine of the difference angle of light of that mean cosine about a direction, on average.
+fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
+    let (sin_i, sin_o) = (mean * tip.dot(towards), tip.dot(eye).clamp(-1.0, 1.0));
+    let cos_i = (1.0 - mean_square(mean, tip.dot(towards))).max(0.0).sqrt();
+    let cos_o = (1.0 - sin_o * sin_o).max(0.0).sqrt();
+    (0.5 * (1.0 + cos_i * cos_o + sin_i * sin_o)).clamp(0.0, 1.0).sqrt()
+}
+
+/// Mean of the squared cosine between a direction and light of that mean cosine, of which the middle is at that cosine: a third for light that is even all around.
+pub fn mean_square(mean: f64, cosine: f64) -> f64 {
+    // r / κ, which goes from 1/3 to 0 as r goes from 0 to 1: within 2 % of what r = coth κ − 1/κ says.
+    let across = (1.0 - mean * mean) / (3.0 - mean * mean);
+    across + (1.0 - 3.0 * across) * cosine * cosine
+}
+
+fn mean_at(share: f64) -> f64 {
+    let rest = 1.0 - LAST_MEAN * share;
+    1.0 - rest * rest
+}
+
+/// Where light of that mean cosine is on its axis, 0..=1.
+pub fn mean_place(mean: f64) -> f64 {
+    ((1.0 - (1.0 - mean.clamp(0.0, 1.0)).sqrt()) / LAST_MEAN).clamp(0.0, 1.0)
+}
+
+fn angle_at(i: usize, count: usize) -> f64 {
+    PI * (i as f64 / (count - 1) as f64 - 0.5)
+}
+
+fn angle((sin, cos): (f64, f64)) -> f64 {
+    libm::atan2(sin, cos)
+}
+
+#[cfg(test)]
+#[path = "broad_tests.rs"]
+mod tests;

@@ -1,0 +1,215 @@
+//! Which lobes are like a sky: chosen one by one, each the one that most is missing, and then moved.
+
+use super::panorama::Panorama;
+use super::squares::least_squares;
+use glam::DVec3;
+use pelage_formats::meaning::scattering::gaussian_light::GaussianLight;
+
+/// Directions that lobes are first looked for in.
+const DIRECTIONS: usize = 256;
+/// Standard deviations of lobes, degrees: narrower ones are no broad light.
+const WIDTHS_DEG: [f64; 6] = [8.0, 12.0, 18.0, 27.0, 40.0, 60.0];
+const LEAST_DEG: f64 = 8.0;
+const MOST_DEG: f64 = 75.0;
+/// A lobe that would explain less of what there is than that is none.
+const WORTH: f64 = 1e-7;
+
+/// A sky in cells.
+pub(super) struct Cells {
+    towards: Vec<DVec3>,
+    /// Roots of solid angles: what squares are weighed by.
+    weights: Vec<f64>,
+    /// Radiance times weight, of each colour.
+    light: [Vec<f64>; 3],
+    /// Σ light², of all colours.
+    size: f64,
+}
+
+impl Cells {
+    pub(super) fn new(sky: &Panorama) -> Self {
+        let (width, height) = sky.size();
+        let mut cells = Self { towards: Vec::new(), weights: Vec::new(), light: Default::default(), size: 0.0 };
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let weight = sky.solid_angle(y).sqrt();
+            cells.towards.push(sky.towards(x, y));
+            cells.weights.push(weight);
+            for (of, light) in cells.light.iter_mut().zip(sky.at(x, y).to_array()) {
+                of.push(light * weight);
+            }
+        }
+        cells.size = cells.light.iter().flatten().map(|x| x * x).sum();
+        cells
+    }
+
+    /// A lobe's radiance in each cell, times its weight.
+    fn column(&self, shape: &Shape) -> Vec<f64> {
+        let light = shape.light();
+        self.towards.iter().zip(&self.weights).map(|(way, weight)| light.radiance(*way) * weight).collect()
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Shape {
+    towards: DVec3,
+    width_deg: f64,
+}
+
+impl Shape {
+    fn light(&self) -> GaussianLight {
+        let width = self.width_deg.to_radians();
+        GaussianLight { towards: self.towards, sharpness: 1.0 / (width * width) }
+    }
+}
+
+/// Lobes that were chosen.
+pub(super) struct Chosen<'a> {
+    cells: &'a Cells,
+    candidates: Vec<(Shape, Vec<f64>)>,
+    shapes: Vec<Shape>,
+    /// Of what is even first, then of each shape: its light in the cells.
+    columns: Vec<Vec<f64>>,
+    /// What each is multiplied by, of each colour.
+    amounts: [Vec<f64>; 3],
+    /// Light of the cells that none of them explains, of each colour.
+    rest: [Vec<f64>; 3],
+}
+
+impl<'a> Chosen<'a> {
+    /// None but what is even.
+    pub(super) fn new(cells: &'a Cells) -> Self {
+        let candidates = spread_evenly(DIRECTIONS).flat_map(|towards| {
+            WIDTHS_DEG.map(|width_deg| {
+                let shape = Shape { towards, width_deg };
+                (shape, cells.column(&shape))
+            })
+        });
+        let mut out = Self {
+            cells,
+            candidates: candidates.collect(),
+            shapes: Vec::new(),
+            columns: vec![cells.weights.clone()],
+            amounts: Default::default(),
+            rest: cells.light.clone(),
+        };
+        out.amounts = [(); 3].map(|()| vec![0.0]);
+        out.solve();
+        out
+    }
+
+    /// Adds the candidate that explains most of what is left; false where none does.
+    pub(super) fn add_best(&mut self) -> bool {
+        let worth = |column: &Vec<f64>| {
+            let size = dot(column, column);
+            self.rest.iter().map(|rest| dot(column, rest).max(0.0)).map(|met| met * met).sum::<f64>() / size.max(1e-300)
+        };
+        let best = self.candidates.iter().map(|(shape, column)| (shape, worth(column)));
+        let Some((shape, worth)) = best.max_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
+        if worth <= WORTH * self.cells.size {
+            return false;
+        }
+        self.shapes.push(*shape);
+        self.columns.push(self.cells.column(shape));
+        self.amounts.iter_mut().for_each(|amounts| amounts.push(0.0));
+        self.solve();
+        true
+    }
+
+    /// Moves each lobe to where less is left, by steps that halve from round to round, and finds anew how bright all are.
+    pub(super) fn move_all(&mut self, round: usize) {
+        let step = libm::exp2(-(round as f64));
+        for i in 0..self.shapes.len() {
+            let amounts = [0, 1, 2].map(|c: usize| self.amounts[c][i + 1]);
+            let alone: [Vec<f64>; 3] = std::array::from_fn(|c| {
+                self.rest[c].iter().zip(&self.columns[i + 1]).map(|(rest, lit)| rest + amounts[c] * lit).collect()
+            });
+            // What the best brightness of a shape explains of it.
+            let worth = |column: &Vec<f64>| {
+                let size = dot(column, column).max(1e-300);
+                alone.iter().map(|rest| dot(column, rest).max(0.0)).map(|met| met * met / size).sum::<f64>()
+            };
+            let mut best = (worth(&self.columns[i + 1]), self.shapes[i], None);
+            for shape in neighbours(&self.shapes[i], step) {
+                let column = self.cells.column(&shape);
+                let worth = worth(&column);
+                if worth > best.0 {
+                    best = (worth, shape, Some(column));
+                }
+            }
+            let (_, shape, column) = best;
+            if let Some(column) = column {
+                let size = dot(&column, &column).max(1e-300);
+                self.shapes[i] = shape;
+                for (c, alone) in alone.iter().enumerate() {
+                    let amount = (dot(&column, alone) / size).max(0.0);
+                    self.amounts[c][i + 1] = amount;
+                    self.rest[c] = alone.iter().zip(&column).map(|(rest, lit)| rest - amount * lit).collect();
+                }
+                self.columns[i + 1] = column;
+            }
+        }
+        self.solve();
+    }
+
+    /// Radiance of what is even, and direction, width in degrees and radiance of each lobe.
+    pub(super) fn lights(&self) -> (DVec3, impl Iterator<Item = ((DVec3, f32), DVec3)>) {
+        let of = |i: usize| DVec3::from([0, 1, 2].map(|c: usize| self.amounts[c][i]));
+        let lobes =
+            self.shapes.iter().enumerate().map(move |(i, shape)| ((shape.towards, shape.width_deg as f32), of(i + 1)));
+        (of(0), lobes)
+    }
+
+    /// Root of what is left over what there is, of squares.
+    pub(super) fn error(&self) -> f64 {
+        let left: f64 = self.rest.iter().flatten().map(|x| x * x).sum();
+        (left / self.cells.size.max(1e-300)).sqrt()
+    }
+
+    /// Finds how bright all are.
+    fn solve(&mut self) {
+        let count = self.columns.len();
+        let mut products = vec![0.0; count * count];
+        for (i, a) in self.columns.iter().enumerate() {
+            for (j, b) in self.columns.iter().enumerate().take(i + 1) {
+                (products[i * count + j], products[j * count + i]) = (dot(a, b), dot(a, b));
+            }
+        }
+        for c in 0..3 {
+            let light = &self.cells.light[c];
+            let b: Vec<f64> = self.columns.iter().map(|column| dot(column, light)).collect();
+            least_squares(&products, &b, &mut self.amounts[c]);
+            self.rest[c].clone_from(&self.cells.light[c]);
+            for (column, amount) in self.columns.iter().zip(&self.amounts[c]) {
+                for (rest, lit) in self.rest[c].iter_mut().zip(column) {
+                    *rest -= amount * lit;
+                }
+            }
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The shape moved aside by a third of its width, and wider and narrower by a quarter; all times `step`.
+fn neighbours(shape: &Shape, step: f64) -> impl Iterator<Item = Shape> {
+    let Shape { towards, width_deg } = *shape;
+    let (side, up) = towards.any_orthonormal_pair();
+    let aside = step * (width_deg / 3.0).to_radians();
+    let moved =
+        [side, -side, up, -up].map(|by| Shape { towards: (towards + by * aside).normalize_or(towards), width_deg });
+    let resized = [1.25, 0.8]
+        .map(|by| Shape { towards, width_deg: (width_deg * libm::pow(by, step)).clamp(LEAST_DEG, MOST_DEG) });
+    moved.into_iter().chain(resized)
+}
+
+/// Unit vectors evenly over the sphere (a Fibonacci spiral).
+fn spread_evenly(count: usize) -> impl Iterator<Item = DVec3> {
+    const GOLDEN: f64 = 2.399_963_229_728_653;
+    (0..count).map(move |i| {
+        let y = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
+        let (sin, cos) = libm::sincos(GOLDEN * i as f64);
+        let out = (1.0 - y * y).sqrt();
+        DVec3::new(out * cos, y, out * sin)
+    })
+}

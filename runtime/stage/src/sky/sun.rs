@@ -1,0 +1,61 @@
+//! What of a sky is a light of its own.
+
+use super::panorama::Panorama;
+use glam::DVec3;
+use pelage_formats::meaning::environment::{Sun, brightness};
+use std::f64::consts::PI;
+
+/// How far a sun reaches, degrees: it itself, and what a lens made of it; or a lamp. What is wider is a lobe.
+const REACHES_DEG: [f64; 4] = [3.0, 4.5, 6.0, 8.0];
+/// Width of the ring about it that says what the sky is without it, degrees.
+const RING_DEG: f64 = 3.0;
+/// Share of its mean light that a sun has left behind where it ends.
+const ENDS_AT: f64 = 0.1;
+
+/// The sun of a sky, where one has at least `least` of all its light, and the sky without it.
+pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
+    let (width, height) = sky.size();
+    let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let bright = |(x, y): (u32, u32)| brightness(sky.at(x, y));
+    let none = || (None, sky.clone());
+    let Some(peak) = places().max_by(|a, b| bright(*a).total_cmp(&bright(*b))) else { return none() };
+    let towards = sky.towards(peak.0, peak.1);
+    // A pixel that is wider than the sun lies within it by its middle alone.
+    let cosine = |(x, y): (u32, u32)| if (x, y) == peak { 1.0 } else { towards.dot(sky.towards(x, y)) };
+    let mean = |of: &[((u32, u32), f64)]| {
+        let angle = |(_, y): (u32, u32)| sky.solid_angle(y);
+        let whole: f64 = of.iter().map(|(place, _)| angle(*place)).sum();
+        let light: DVec3 = of.iter().map(|(place, _)| sky.at(place.0, place.1) * angle(*place)).sum();
+        if whole > 0.0 { light / whole } else { DVec3::ZERO }
+    };
+    let farthest = libm::cos((REACHES_DEG[REACHES_DEG.len() - 1] + RING_DEG).to_radians());
+    let near: Vec<_> = places().map(|place| (place, cosine(place))).filter(|(_, cosine)| *cosine > farthest).collect();
+    let split_at = |reach: f64| {
+        let [inside, outside] = [reach, reach + RING_DEG].map(|deg| libm::cos(deg.to_radians()));
+        let about = near.iter().copied().filter(|(_, cosine)| *cosine > outside);
+        let (disc, ring): (Vec<_>, Vec<_>) = about.partition(|(_, cosine)| *cosine > inside);
+        let ends = brightness(mean(&ring)) <= ENDS_AT * brightness(mean(&disc));
+        ends.then_some((disc, ring))
+    };
+    let Some((disc, ring)) = REACHES_DEG.into_iter().find_map(split_at) else { return none() };
+    let around = mean(&ring);
+    let mut pixels = sky.pixels().to_vec();
+    let (mut light, mut middle) = (DVec3::ZERO, DVec3::ZERO);
+    for ((x, y), _) in &disc {
+        let more = (sky.at(*x, *y) - around).max(DVec3::ZERO) * sky.solid_angle(*y);
+        light += more;
+        middle += sky.towards(*x, *y) * brightness(more);
+        let pixel = &mut pixels[*y as usize * width as usize + *x as usize];
+        *pixel = (sky.at(*x, *y).min(around)).as_vec3().into();
+    }
+    let whole = brightness(sky.whole());
+    if whole <= 0.0 || brightness(light) < least * whole {
+        return none();
+    }
+    let sun = Sun {
+        towards: middle.normalize_or(towards).as_vec3().into(),
+        // A light of colour 1 brings an irradiance of π.
+        color: (light / PI).as_vec3().into(),
+    };
+    (Some(sun), sky.with_pixels(pixels))
+}

@@ -1,0 +1,120 @@
+#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+use super::*;
+use glam::{DVec3, Vec3};
+
+fn painted(size: (u32, u32), radiance: impl Fn(DVec3) -> DVec3) -> Panorama {
+    Panorama::painted(size, radiance).unwrap()
+}
+
+fn lobe(towards: [f32; 3], width_deg: f32, radiance: [f32; 3]) -> LightLobe {
+    LightLobe { towards, width_deg, radiance }
+}
+
+#[test]
+fn directions_and_pixels_are_those_of_other_programs() {
+    let sky = painted((8, 4), |_| DVec3::ONE);
+    assert!(sky.towards(0, 0).y > 0.9 && sky.towards(0, 3).y < -0.9, "rows go downwards");
+    // The middle is +x; to the right of it comes +z.
+    assert_eq!([DVec3::X, DVec3::Z, DVec3::NEG_Z].map(|way| sky.pixel(way).0), [4, 6, 2]);
+    for (x, y) in [(0, 0), (7, 3), (3, 1)] {
+        assert_eq!(sky.pixel(sky.towards(x, y)), (x, y));
+    }
+    // Shares of a pixel are shares of its solid angle.
+    let within = sky.towards_within(5, 1, [0.5, 0.5]);
+    assert_eq!(sky.pixel(within), (5, 1));
+    assert!((within.y - 0.5 * libm::cos(std::f64::consts::FRAC_PI_4)).abs() < 1e-12, "{within}");
+    assert!((sky.whole() / (4.0 * std::f64::consts::PI) - 1.0).abs().max_element() < 1e-12);
+}
+
+#[test]
+fn means_keep_the_light_whatever_the_sizes() {
+    let sky = painted((37, 19), |way| DVec3::new(1.0 + way.x, 2.0 + way.y, 1.0 + way.z * way.x));
+    for size in [(64, 32), (16, 8), (5, 3), (1, 1)] {
+        let less = sky.reduced(size);
+        assert!((less.whole() / sky.whole() - 1.0).abs().max_element() < 1e-6, "{size:?}");
+    }
+    assert_eq!(sky.reduced((64, 32)).size(), (37, 19));
+}
+
+#[test]
+fn what_is_no_light_is_mended() {
+    let mut pixels = vec![[1.0, 2.0, 0.5]; 8];
+    (pixels[1], pixels[3], pixels[6]) = ([f32::NAN, 1.0, 1.0], [f32::INFINITY; 3], [-1.0, 0.0, 1.0]);
+    let sky = Panorama::new(4, 2, pixels).unwrap();
+    assert_eq!(sky.mended(), 3);
+    assert_eq!([1, 3, 6].map(|i| sky.pixels()[i]), [[0.0, 1.0, 1.0], [2.0; 3], [0.0, 0.0, 1.0]]);
+    for (size, count) in [((0, 4), 0), ((2, 2), 3), ((1 << 16, 1 << 16), 4)] {
+        let error = Panorama::new(size.0, size.1, vec![[0.0; 3]; count]).unwrap_err().to_string();
+        assert!(error.contains("pixels") && error.contains("expected"), "{error}");
+    }
+}
+
+/// Of lobes and even light one gets those back.
+#[test]
+fn what_lobes_made_is_found_again() {
+    let lobes = vec![lobe([0.0, 1.0, 0.0], 30.0, [1.0, 2.0, 4.0]), lobe([1.0, 0.2, -0.4], 12.0, [8.0, 4.0, 1.0])];
+    let made = Environment { even: [0.2, 0.3, 0.1], sun: None, lobes };
+    let found = painted((128, 64), |way| made.radiance(way)).fit(FitParams { lobes: 8, sun: 2.0 });
+    assert!(found.error < 0.02 && found.energy < 1e-3, "{} {}", found.error, found.energy);
+    for way in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::new(1.0, 0.2, -0.4).normalize()] {
+        let off = (found.environment.radiance(way) - made.radiance(way)).abs().max_element();
+        assert!(off < 0.15, "{way}: {} for {}", found.environment.radiance(way), made.radiance(way));
+    }
+    assert_eq!(found.environment.sun, None);
+}
+
+#[test]
+fn a_sun_that_dominates_is_a_light_of_its_own() {
+    let towards = DVec3::new(0.5, 0.6, -0.3).normalize();
+    let sky = |bright: f64| {
+        painted((256, 128), |way| {
+            let sun = if way.dot(towards) > libm::cos(1.5_f64.to_radians()) { bright } else { 0.0 };
+            DVec3::new(0.5, 0.7, 1.0) + DVec3::splat(sun)
+        })
+    };
+    let found = sky(2_000.0).fit(FitParams::default());
+    let sun = found.environment.sun.unwrap();
+    assert!(Vec3::from(sun.towards).as_dvec3().dot(towards) > libm::cos(0.7_f64.to_radians()), "{sun:?}");
+    assert!(found.sun_share > 0.2 && found.sun_share < 0.9, "{}", found.sun_share);
+    let whole = found.environment.whole() / sky(2_000.0).whole();
+    assert!((whole - 1.0).abs().max_element() < 1e-3, "{whole}");
+    // What is left of the sky is even.
+    assert!(found.environment.lobes.is_empty() || found.error < 0.01, "{found:?}");
+    let dim = sky(20.0).fit(FitParams::default());
+    assert_eq!(dim.environment.sun, None);
+    assert!(!dim.environment.lobes.is_empty());
+}
+
+#[test]
+fn skies_of_nothing_and_of_one_pixel_have_lights_that_are_sound() {
+    let black = painted((64, 32), |_| DVec3::ZERO).fit(FitParams::default());
+    assert_eq!(black.environment, Environment::default());
+    assert_eq!((black.error, black.energy, black.sun_share), (0.0, 0.0, 0.0));
+    let even = painted((1, 1), |_| DVec3::new(0.5, 1.0, 2.0)).fit(FitParams { sun: 2.0, ..FitParams::default() });
+    assert!((DVec3::from(even.environment.even.map(f64::from)) - DVec3::new(0.5, 1.0, 2.0)).length() < 1e-6);
+    let lone = painted((512, 256), |way| if way.y > 0.999_9 { DVec3::splat(1e30) } else { DVec3::ZERO });
+    let lone = lone.fit(FitParams::default());
+    assert!(lone.environment.sun.is_some() && lone.sun_share > 0.99 && lone.environment.lobes.is_empty(), "{lone:?}");
+}
+
+#[test]
+fn toml_holds_all_of_it() {
+    let sky = Environment {
+        even: [0.25, 0.5, 0.125],
+        sun: Some(Sun { towards: [0.1, 0.9, -0.3], color: [3.5, 3.0, 2.5] }),
+        lobes: vec![lobe([0.0, 1.0, 0.0], 30.0, [1.0, 2.0, 4.0]), lobe([1.0, 0.2, -0.4], 12.1, [1e-7, 4.0, 1e6])],
+    };
+    let text = environment_to_toml(&sky);
+    assert_eq!(environment_from_toml("sky.toml", &text).unwrap(), sky);
+    assert_eq!(environment_from_toml("sky.toml", "").unwrap(), Environment::default());
+    for (text, expected) in [
+        ("even = [1, 1, -1]", "sky.toml: line 1, even: found [1.0, 1.0, -1.0], expected 0 to 1e9 each"),
+        ("[[lobe]]\ntowards = [0, 1, 0]\nwidth_deg = 1\nradiance = [1, 1, 1]", "line 3, lobe[0].width_deg: found 1"),
+        ("evn = [1, 1, 1]", "line 1, evn: unknown field `evn`"),
+        ("[sun]\ntowards = [0, 1, 0]", "missing field `color`"),
+        ("even = ", "line 1"),
+    ] {
+        let error = environment_from_toml("sky.toml", text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}

@@ -1,0 +1,90 @@
+//! Light from all around, through the real binary: panoramas as few lights, files that are none, and pictures under both.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_needs::data;
+use pelage_stage::sky::{Environment, Sun, environment_from_toml, environment_to_toml};
+use pelage_tests::binary::{Sandbox, workspace};
+use pelage_tests::schema;
+
+/// Real skies of 1k × 512: of each the light in whole is kept, the fit is made soon, and its file reads back as what it says; broken files are named, with what is wrong.
+#[test]
+fn skies_are_taken_for_few_lights() {
+    let Some(data) = data("skies_are_taken_for_few_lights") else { return };
+    let sandbox = Sandbox::new();
+    // Which have a sun, and how far lobes are off radiance at most: what is smaller than 8 degrees is none of theirs.
+    let skies = [
+        ("venice_sunset_1k", 0.65),
+        ("spiaggia_di_mondello_1k", 0.25),
+        ("studio_small_03_1k", 0.55),
+        ("dikhololo_night_1k", 0.45),
+    ];
+    for (name, most) in skies {
+        let path = data.join("hdr").join(name).with_extension("hdr");
+        let run = sandbox.run(&["sky", path.to_str().unwrap(), "-o", "sky.toml", "--json"]);
+        let told = schema::done(&run, "sky");
+        let number = |key: &str| told[key].as_f64().unwrap();
+        println!("{name}: {told}");
+        assert!(number("energy") < 0.01 && number("error") < most, "{name}: {told}");
+        assert_eq!(told["size"], serde_json::json!([1024, 512]));
+        let text = std::fs::read_to_string(sandbox.path().join("sky.toml")).unwrap();
+        let lights = environment_from_toml("sky.toml", &text).unwrap();
+        assert_eq!(told["lobes"], lights.lobes.len());
+        assert!(lights.fault().is_none() && lights.lobes.len() <= 16, "{lights:?}");
+        let fewer = sandbox.run(&["sky", "sky.toml", "-o", "fewer.toml", "--lobes", "4"]);
+        assert_eq!(fewer.code, Some(0), "{fewer:?}");
+        let text = std::fs::read_to_string(sandbox.path().join("fewer.toml")).unwrap();
+        let fewer = environment_from_toml("fewer.toml", &text).unwrap();
+        assert_eq!(fewer.lobes.len(), 4);
+        assert!((fewer.whole() / lights.whole() - 1.0).abs().max_element() < 1e-4, "{fewer:?}");
+    }
+    for (name, expected) in [
+        ("broken/spiaggia_di_mondello_cut_in_header.hdr", "header: cannot be decoded"),
+        ("broken/spiaggia_di_mondello_cut_in_pixels.hdr", "pixels: cannot be decoded"),
+    ] {
+        let path = data.join("hdr").join(name);
+        let run = sandbox.run(&["sky", path.to_str().unwrap(), "-o", "broken.toml"]);
+        assert_eq!(run.code, Some(2), "{run:?}");
+        assert!(run.stderr.contains(name) && run.stderr.contains(expected), "{run:?}");
+        assert!(!sandbox.path().join("broken.toml").exists());
+    }
+}
+
+#[test]
+fn a_picture_names_its_sky_by_words_and_by_files() {
+    let sandbox = Sandbox::new();
+    sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
+    let bake = ["bake", "torus.glb", "-o", "t.pelage", "--set", "slice.layers=4", "--set", "shading.model=marschner"];
+    assert_eq!(sandbox.run(&bake).code, Some(0));
+    let mean = |arguments: &[&str]| {
+        let words = ["reference", "t.pelage", "-o", "t.exr", "--size", "24x24", "--spp", "4"];
+        let run = sandbox.run(&[&words[..], arguments].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let picture = image::open(sandbox.path().join("t.exr")).unwrap().into_rgba32f();
+        picture.pixels().map(|p| p.0[1]).sum::<f32>()
+    };
+    let [dim, bright] = ["0.5,0.5,0.5", "1,1,1"].map(|sky| mean(&["--environment", sky]));
+    assert!((bright / dim - 2.0).abs() < 1e-4, "{dim} {bright}");
+    let same = mean(&["--environment", "0.5,0.5,0.5", "--environment-strength", "2"]);
+    assert!((same / bright - 1.0).abs() < 1e-5, "{same} {bright}");
+    // A look's file is looked for beside it.
+    sandbox.write("looks/sky.toml", "even = [1.0, 1.0, 1.0]\n");
+    sandbox.write("looks/l.toml", "[environment]\nsky = \"sky.toml:30\"\n");
+    let filed = mean(&["--look", "looks/l.toml"]);
+    assert!((filed / bright - 1.0).abs() < 1e-5, "{filed} {bright}");
+    // A sun in lights is the key light, and one that is asked for shines beside the sky.
+    let sunny = Environment { sun: Some(Sun { towards: [0.3, 1.0, 0.5], color: [1.0; 3] }), ..Environment::default() };
+    sandbox.write("sun.toml", environment_to_toml(&sunny));
+    let words = ["--light", "0.3,1,0.5", "--light-strength", "1", "--environment", "0,0,0", "--penumbra", "0.15"];
+    let [sun, key] = [mean(&["--environment", "sun.toml"]), mean(&words)];
+    assert!((sun / key - 1.0).abs() < 1e-4, "{sun} {key}");
+    for (sky, expected) in [
+        ("none.hdr", "none.hdr: cannot read"),
+        ("sky.png", "the path of a .hdr, .exr or .toml"),
+        ("1,2", "the path of a .hdr, .exr or .toml"),
+        ("-1,0,0", "the path of a .hdr, .exr or .toml"),
+        ("looks/l.toml", "line 1, environment: unknown field"),
+    ] {
+        let run = sandbox.run(&["reference", "t.pelage", "-o", "x.png", &format!("--environment={sky}")]);
+        assert!(run.code != Some(0) && run.stderr.contains(expected), "{sky}: {run:?}");
+    }
+}
