@@ -251,6 +251,6 @@ mod tests {
             curves.push(&[CurvePoint::default(); 2], false, Vec2::ZERO);
         }
         let found = scattering(&info, &[], &skin, &curves).expect("fibres that paths can meet");
-        assert_eq!(["coat", "coat/Mane"].map(|name| found.of_group(name).0.eta), [1.5, 1.6].map(f64::from));
+        assert_eq!(["coat", "coat/Mane"].map(|name| found.of_group(name).0.eta), [1.5_f32, 1.6].map(f64::from));
     }
 }
