@@ -14,6 +14,7 @@ pub mod decide;
 pub mod doctor;
 #[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod likeness;
+pub mod printed_light;
 #[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod stability;
 #[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]

@@ -226,7 +226,7 @@ pub(super) fn skin(told: &Told<'_>, outputs: &mut Outputs<'_>) -> Result<(), Bak
         simplified: recipe.detail.has_lists(),
         warnings: &[&laid.warnings[..], &groomed.warnings].concat(),
     };
-    outputs.skin = Some(pack::skin(&pieces, &mut outputs.kept.lists));
+    outputs.skin = Some(pack::skin(&pieces, &mut outputs.kept.of_skin));
     Ok(())
 }
 

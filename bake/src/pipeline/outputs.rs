@@ -10,7 +10,7 @@ use crate::stages::groom::{Coat, Colors, GroomTextures, MapImages};
 use crate::stages::hair::TileHair;
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::ink::{InkFiles, Painting, SkinInk};
-use crate::stages::pack::{Lists, Simplifies, Skin, SkinFins};
+use crate::stages::pack::{KeptOfSkin, Skin, SkinFins};
 use crate::stages::scatter::FibreTables;
 use crate::stages::surface::Surface;
 use crate::stages::textures::{self, FinTextures, ShellTextures};
@@ -121,8 +121,8 @@ pub struct Kept {
     pub(super) painting: Remade<(InkParams, PackParams), Painting>,
     /// Textures of the skin.
     pub(super) skin: Remade<SkinImages, Arc<SkinFiles>>,
-    /// Lists of fewer triangles.
-    pub(super) lists: Remade<Simplifies, Lists>,
+    /// Lists of fewer triangles, and what the body leaves open.
+    pub(super) of_skin: KeptOfSkin,
 }
 
 /// The images of a skin, and how they are encoded.

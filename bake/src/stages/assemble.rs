@@ -1,6 +1,7 @@
 //! Where packages are put together: by a bake, by slicing one anew, and from the folder that `pelage unpack` wrote.
 
 use super::textures::ShellTextures;
+use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
     Animation, FibreInfo, FinData, FormatError, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs, Package,
     PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
@@ -35,6 +36,8 @@ pub enum Content<'a> {
     Fibres(FibreInfo),
     /// Which textures say how much light reaches the hair.
     Visibility(VisibilityInfo),
+    /// What the body leaves open to the hair at each vertex.
+    Openness(Arc<[Openness]>),
     /// How far hair lies aside of its root.
     Roots(RootsInfo),
     /// A complete .ktx2 file; the k-th belongs to the manifest's k-th texture.
@@ -77,6 +80,7 @@ pub fn assemble<'a>(
         Content::HairMotion(motion) => writer.hair_motion(&motion),
         Content::Fibres(info) => writer.fibres(&info),
         Content::Visibility(info) => writer.visibility(&info),
+        Content::Openness(vertices) => writer.openness(&vertices),
         Content::Roots(info) => writer.roots(&info),
         Content::Texture(file) => writer.texture(file),
         Content::Bytes(tag, bytes) => writer.section(tag, bytes),

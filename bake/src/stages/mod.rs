@@ -15,6 +15,7 @@ pub mod import;
 pub mod ink;
 pub mod metric;
 pub mod morphs;
+pub mod openness;
 pub mod pack;
 mod reach;
 pub mod scatter;

@@ -12,11 +12,13 @@ use crate::stages::hair_groups::GuidedHair;
 use crate::stages::hair_motion;
 use crate::stages::ink::{InkFiles, SkinInk};
 use crate::stages::morphs;
+use crate::stages::openness::openness;
 use crate::stages::scatter::FibreTables;
 use crate::stages::simplify;
 use crate::stages::surface::Surface;
 use crate::stages::textures::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
 use pelage_formats::meaning::groom_bytes;
+use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
     Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairMotion,
     InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
@@ -117,8 +119,28 @@ pub struct Simplifies {
 /// Lists of fewer triangles, from more to less.
 pub type Lists = Arc<[SimplifiedLevel]>;
 
-/// The skin in a package's terms. `kept`: lists of fewer triangles of the same model.
-pub fn skin(pieces: &SkinPieces<'_>, kept: &mut Remade<Simplifies, Lists>) -> Skin<'static> {
+/// What decides about what a body leaves open, beside the model's skeleton.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opens {
+    mesh: Arc<MeshData>,
+    /// Of each triangle, whether it hides what is behind it.
+    hides: Vec<bool>,
+}
+
+/// What a body leaves open to the hair at each vertex.
+pub type Opened = Arc<[Openness]>;
+
+/// What is kept of a skin, where the same model has it again.
+#[derive(Clone, Debug, Default)]
+pub struct KeptOfSkin {
+    /// Lists of fewer triangles.
+    lists: Remade<Simplifies, Lists>,
+    /// What the body leaves open.
+    opened: Remade<Opens, Opened>,
+}
+
+/// The skin in a package's terms. `kept`: what an earlier one of the same model left.
+pub fn skin(pieces: &SkinPieces<'_>, kept: &mut KeptOfSkin) -> Skin<'static> {
     let SkinPieces { model, surface, .. } = *pieces;
     let mut textures = Vec::new();
     let mut add_all = |prefix: &str, files: &[Vec<u8>]| {
@@ -150,11 +172,17 @@ pub fn skin(pieces: &SkinPieces<'_>, kept: &mut Remade<Simplifies, Lists>) -> Sk
     let mesh = Arc::new(mesh_data(pieces));
     let lists = pieces.simplified.then(|| {
         let tile_size_m = manifest.fur.tile_size_m;
-        kept.of(Simplifies { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m }, |of| {
+        kept.lists.of(Simplifies { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m }, |of| {
             simplify::levels(&of.mesh, &of.parts, model.animation.as_ref(), of.tile_size_m).into()
         })
     });
     let simplified = lists.and_then(in_section);
+    // What textures cut holes into hides nothing here: rays know no textures.
+    let solid = |part: &Part| manifest.materials.get(part.material as usize).is_none_or(|of| of.alpha_cutoff.is_none());
+    let hides = manifest.parts.iter().flat_map(|part| std::iter::repeat_n(solid(part), part.index_count as usize / 3));
+    let opened = kept.opened.of(Opens { mesh: mesh.clone(), hides: hides.collect() }, |of| {
+        openness(&of.mesh, model.animation.as_ref(), |triangle| of.hides.get(triangle).copied().unwrap_or(true)).into()
+    });
     let morphs =
         morphs::of_mesh(&mesh, &surface.mesh.morph_rows, model).map(|morphs| Content::Morphs(Arc::new(morphs)));
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
@@ -167,6 +195,7 @@ pub fn skin(pieces: &SkinPieces<'_>, kept: &mut Remade<Simplifies, Lists>) -> Sk
             .chain(animation)
             .chain(morphs)
             .chain(roots)
+            .chain([Content::Openness(opened)])
             .collect(),
         images: textures,
         lengths: Some(pieces.lengths),

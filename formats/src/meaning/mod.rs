@@ -14,6 +14,7 @@ pub mod hair_groups;
 pub mod hair_motion;
 mod hair_point;
 mod layers;
+pub mod openness;
 pub mod planting;
 mod root;
 pub mod scattering;

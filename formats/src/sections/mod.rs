@@ -13,6 +13,7 @@ pub(crate) mod kind;
 pub(crate) mod manifest;
 pub(crate) mod mesh;
 pub(crate) mod morphs;
+pub(crate) mod openness;
 #[cfg(test)]
 mod probe;
 pub(crate) mod roots;
@@ -34,6 +35,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &ink::KIND,
     &visibility::KIND,
     &roots::KIND,
+    &openness::KIND,
     &simplified::KIND,
     &strands::KIND,
     &hair::KIND,

@@ -6,7 +6,7 @@ struct Strand {
     base_uv: vec2<f32>,
     // Of the vertices, unorm.
     color: u32,
-    // Bareness, wetness, unorm.
+    // Bareness, wetness, unorm; what the body leaves open to it, packed.
     groom: u32,
     // Which of the tile's it is.
     of_tile: u32,

@@ -29,25 +29,74 @@ fn environment_texel(place: vec2<f32>, layer: u32) -> vec3<f32> {
     return textureSampleLevel(environment_map, map_sampler, place, layer, 0.0).rgb;
 }
 
-fn around_at(tile: TileFrame) -> Around {
-    let size = f32(textureDimensions(environment_map).x);
-    let place = ((0.5 + 0.5 * octahedral(tile.normal_ws)) * (size - 1.0) + 0.5) / size;
-    let towards = to_tile(tile, environment_texel(place, 1u));
+// What comes to a spot of a body of that colour.
+fn around_at(spot: Spot, color: vec3<f32>) -> Around {
+    let tile = tile_of(spot);
+    let share = clamp(length(spot.open), 0.02, 1.0 / USUALLY_OPEN);
+    let open = spot.open / share;
+    let facing = tile.tangent_ws * open.x + tile.bitangent_ws * open.y + tile.normal_ws * open.z;
+    let place = environment_place(facing);
+    var towards = to_tile(tile, environment_texel(place, 1u));
+    // Where less is open, light is spread less.
+    let long = max(length(towards), 1e-6);
+    towards *= max(1.0 - share * (1.0 - long), 0.05) / long;
     // None of it comes from below.
-    return Around(environment_texel(place, 0u), environment_texel(place, 2u), vec3(towards.xy, max(towards.z, 0.05)));
+    towards.z = max(towards.z, 0.05);
+    let hidden = max(1.0 - share, 0.0);
+    let whole = environment_texel(place, 0u) * left_open(color, hidden) * max(share, 1.0);
+    // Skin has no light from below its horizon, and a body hides what is low first, of which skin gets least: of a cone that is open, the share of the square of its sine.
+    let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
+    let irradiance = environment_texel(place, 2u) * left_open(color, below * below);
+    return Around(whole, irradiance, towards);
 }
 
-// Share of light that is so spread that other strands let through.
+// Where the map has what is above a skin that faces a way.
+fn environment_place(facing: vec3<f32>) -> vec2<f32> {
+    let size = f32(textureDimensions(environment_map).x);
+    return ((0.5 + 0.5 * octahedral(facing)) * (size - 1.0) + 0.5) / size;
+}
+
+// Height over the skin by which light at that height is kept from hair that the share `open` of other light reaches, where the skin curves away below its way: the way
+// through the hair is as long as under a light so high over a plain. With d the depth of the hair and R the radius of the body the way is R (sqrt(z^2 + 2 d / R) - z).
+fn over_curve(height: f32, open: f32) -> f32 {
+    let dip = RIM * open;
+    return 0.5 * (height + sqrt(height * height + dip * dip));
+}
+
+// Share of light that other strands let through, which comes from directions of that mean. They let through a share that is linear in the direction, so that of the mean
+// is the mean of the shares.
 fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     if !BAKED_SHADOW {
         return 1.0;
     }
     var towards = towards_ts;
     if SHORT || LEAN {
-        // The share is linear in directions: of the mean direction it is the mean.
         towards = light_in_tile(normalize_or(towards, vec3(0.0, 0.0, 1.0)), select(1.0, b.length, SHORT), b.slope) * length(towards);
     }
+    if SCATTERING {
+        towards.z = over_curve(towards.z, b.texel.w);
+    }
     return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
+}
+
+// Mean of the directions from which light comes that one lobe of a fibre sends to the eye, in the tile frame. The lobe has that variance along the fibre, and around it it
+// is as narrow about the eye as a von Mises distribution of that concentration; below 0, about the other side.
+fn lit_from(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, concentration: f32, variance: f32, about_eye: f32) -> vec3<f32> {
+    let sin_j = clamp(dot(tip, light), -1.0, 1.0);
+    let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
+    // Along the fibre lobe and light are nearly Gaussians, and so is their product.
+    let theta = (asin(sin_j) * concentration * variance - asin(sin_o)) / (1.0 + concentration * variance);
+    let sine = sin(theta);
+    let cosine = cos(theta);
+    let cos_j = sqrt(1.0 - sin_j * sin_j);
+    let across = max(cosine * cos_j, 1e-4);
+    // Light ends where it would come from far below its horizon.
+    let end = max(acos(clamp(-(sine * sin_j + BELOW) / across, -1.0, 1.0)), 1e-2);
+    let ahead = max(sin(end) / end, mean_cosine_around(concentration * across));
+    let narrow = ahead * (2.0 - ahead * ahead) / max(1.0 - ahead * ahead, 1e-3);
+    let aside = narrow * (light - sin_j * tip) / max(cos_j, 1e-4) + about_eye * (eye - sin_o * tip) * inverseSqrt(max(1.0 - sin_o * sin_o, 1e-8));
+    let both = length(aside);
+    return sine * tip + cosine * (mean_cosine_around(both) / max(both, 1e-4)) * aside;
 }
 
 // A texel of the tables of broad light between its neighbours: R, TT, all that was reflected within, and how far TT goes within the fibre.
@@ -69,13 +118,38 @@ fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     return mix(mix(a, b, share.x), mix(c, d, share.x), share.y);
 }
 
+// How narrow R and TRT are about the eye, around the fibre, and TT about the other side.
+const REFLECTED_ABOUT: f32 = 0.7;
+const THROUGH_ABOUT: f32 = -3.0;
+
+// How far R, TT, TRT and the rest lean towards the eye around the fibre: mean cosines.
+const LEANS_TO_EYE: vec4<f32> = vec4(0.33, -0.85, 0.33, 0.0);
+
+// What a fibre sends to the eye of light that comes from the half above the skin, and from the half below, each as much from all its directions. What goes to the eye along
+// a fibre has come the other way along it, which is from below where hair stands up. All in the tile frame.
+fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
+    // Light falls from z and from above as much as light from below falls from -z, if it is linear in z.
+    let risen = -sin_o * tip.z + LEANS_TO_EYE * (eye.z - sin_o * tip.z);
+    let above = clamp(0.5 + 0.75 * risen, vec4(0.0), vec4(1.0));
+    let shares = fibre_shares(fibre, sqrt(max(1.0 - sin_o * sin_o, 0.0)));
+    let all = max(shares[0] + shares[1], vec4(0.0));
+    let here = all * above;
+    let there = all - here;
+    return array(
+        vec3(here.x) + left * (vec3(here.y) + left * (vec3(here.z) + here.w * left)),
+        vec3(there.x) + left * (vec3(there.y) + left * (vec3(there.z) + there.w * left)),
+    );
+}
+
 // What a fibre in a coat of that colour sends to the eye of such light, of which the share `direct` comes past other fibres. All in the tile frame.
-fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: vec3<f32>, direct: f32) -> vec3<f32> {
+fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: vec3<f32>, direct: f32, baked: Baked) -> vec3<f32> {
     let number = fibre_number();
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
-    let mean = length(around.towards);
-    let light = around.towards / mean;
+    let long = length(around.towards);
+    let light = around.towards / long;
+    // Nothing is wider than even light; two lights from opposite sides are taken for that.
+    let mean = clamp(long, LEAST_MEAN, 1.0);
     let sin_j = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
     let cos_o = sqrt(1.0 - sin_o * sin_o);
@@ -92,23 +166,33 @@ fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: v
     let first_back = fibres[number].back[0];
     let often = (first_on.w + first_back.w) / max(first_on.z + first_back.z + first_on.w + first_back.w, 1e-6);
     let within = left * left * texel.z * (1.0 - often + often * left);
-    var sent = around.whole * direct * (vec3(texel.x) + texel.y * exp(-absorbed * texel.w) + within);
+    // Of each lobe what comes from where it looks to.
+    var visible = vec3(direct);
+    if BAKED_SHADOW && !HANGS {
+        let concentration = 1.0 / max(broad_variance(mean), 1e-2);
+        visible.x = visible_past_strands_around(baked, lit_from(tip, light, eye, concentration, optics.w, REFLECTED_ABOUT));
+        visible.y = visible_past_strands_around(baked, lit_from(tip, light, eye, concentration, 0.25 * optics.w, THROUGH_ABOUT));
+        visible.z = visible_past_strands_around(baked, lit_from(tip, light, eye, concentration, 4.0 * optics.w, REFLECTED_ABOUT));
+    }
+    var sent = around.whole * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
     if MULTIPLE {
+        let reaches = dot(texel.xyz, visible) / max(texel.x + texel.y + texel.z, 1e-6);
         let sides = fibre_sides(fibres[number], cos_i, left);
         var met = sides;
         if HANGS {
             met = hanging_sides(sides);
         }
         let d = diffused(met[0], met[1], direct);
-        // The wider light is spread, the less it has a side.
-        let turned = mix(0.5, phi, mean);
-        let to_here = mix(sides[1], sides[0], turned);
-        let to_there = mix(sides[0], sides[1], turned);
+        // What does not come to the eye from where its lobes look, others scatter: as much of it as a deep coat gives back.
+        let sent_on = d.sent_on + max(direct - reaches, 0.0) * d.from_below;
+        let halves = sent_of_halves(fibres[number], tip, eye, sin_o, left);
+        let to_here = halves[0];
+        let to_there = halves[1];
         // falls_in over the sine, which irradiance holds already.
         let root = 2.0 * d.root_lost;
         let falls = (1.0 + root) / (1.0 + around.towards.z * root);
         let spread = d.from_light * to_here + d.from_below * to_there;
-        sent += around.irradiance * (d.sent_on * to_here + spread * falls);
+        sent += around.irradiance * (sent_on * to_here + spread * falls);
     }
     return sent;
 }
@@ -116,8 +200,9 @@ fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: v
 // The terms of eq. (1) under such light: sines are means over its directions, and the highlight is as much wider.
 fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetness: f32) -> vec2<f32> {
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
-    let mean = length(towards);
-    let light = towards / mean;
+    let long = length(towards);
+    let light = towards / long;
+    let mean = clamp(long, LEAST_MEAN, 1.0);
     var diffuse = max(1.0 - mean_square(mean, dot(tip, light)), 0.0);
     if !SQUARED_DIFFUSE {
         diffuse = pow(diffuse, instance.diffuse_half_exponent);
@@ -133,17 +218,18 @@ fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetnes
 }
 
 fn environment_on_hair(p: HairPoint) -> vec3<f32> {
-    let tile = tile_of(p.spot);
-    let around = around_at(tile);
-    let eye = to_tile(tile, direction_to(frame.eye_ws, p.spot.position_ws));
     let color = p.color * p.tint;
+    let around = around_at(p.spot, color / max(p.opacity, 1e-6));
+    let eye = to_tile(tile_of(p.spot), direction_to(frame.eye_ws, p.spot.position_ws));
     var direct = visible_past_strands_around(p.baked, around.towards);
-    if !BAKED_SHADOW && (DEEP_SHADOW || SELF_SHADOW) {
-        // How deep a point lies in such hair is known from the key light's side alone.
-        direct = p.arriving.visible;
+    if (HANGS && DEEP_SHADOW) || (!BAKED_SHADOW && (DEEP_SHADOW || SELF_SHADOW)) {
+        // How deep a point lies in such hair is known from the key light's side alone. Light that is spread goes through it at a slant: on average over a half, 1.66 times as
+        // far (the diffusivity factor of a layer).
+        let spread = (1.0 - clamp(length(around.towards), LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
+        direct = pow(p.arriving.visible, 1.0 + 0.66 * spread);
     }
     if SCATTERING {
-        return p.opacity * scatter_around(p.direction, around, eye, color / max(p.opacity, 1e-6), direct);
+        return p.opacity * scatter_around(p.direction, around, eye, color / max(p.opacity, 1e-6), direct, p.baked);
     }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);
     let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);
@@ -152,7 +238,7 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
 
 // On the mat of an undercoat of that colour.
 fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
-    let around = around_at(tile_of(p.spot));
+    let around = around_at(p.spot, color);
     let direct = visible_past_strands_around(p.baked, around.towards);
     return around.irradiance * reaches_mat(1.0, color, direct);
 }
@@ -162,8 +248,10 @@ fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
     if !ENVIRONMENT {
         return vec3(0.0);
     }
-    let normal = normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)) * side;
-    let size = f32(textureDimensions(environment_map).x);
-    let place = ((0.5 + 0.5 * octahedral(normal)) * (size - 1.0) + 0.5) / size;
-    return color * instance.diffuse_constant * environment_texel(place, 2u);
+    if side < 0.0 {
+        // What a body leaves open is known of its outside alone.
+        let normal = normalize_or(-spot.normal_ws, vec3(0.0, 1.0, 0.0));
+        return color * instance.diffuse_constant * environment_texel(environment_place(normal), 2u);
+    }
+    return color * instance.diffuse_constant * around_at(spot, color).irradiance;
 }

@@ -6,10 +6,12 @@ struct Spot {
     normal_ws: vec3<f32>,
     // Along +u of the tile; handedness.
     tangent: vec4<f32>,
+    // What the body leaves open, as open_to_hair has it.
+    open: vec3<f32>,
 }
 
 fn spot_of(v: Vertex, position: vec3<f32>, tile: TileFrame) -> Spot {
-    return Spot(position, tile.normal_ws, vec4(tile.tangent_ws, v.tangent.w * instance.handedness));
+    return Spot(position, tile.normal_ws, vec4(tile.tangent_ws, v.tangent.w * instance.handedness), open_to_hair(v.groom.zw));
 }
 
 struct HairPoint {

@@ -8,11 +8,13 @@ use super::upload::Uploader;
 use crate::error::RuntimeError;
 use crate::gpu::{Gpu, Sampling};
 use crate::params::RendererOptions;
+use crate::shared::environment::pack_openness;
 use crate::shared::scattering::Fibre;
 use crate::surface::{FibreBlock, FibreResources, HairViews, MaterialUniform, Surfaces};
+use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
-    Aside, FinsView, Manifest, MeshView, Package, Part as PackagePart, ROOT_HEIGHTS, RootsInfo, SimplifiedView,
-    TextureView,
+    Aside, AttributeVertex, FinsView, Manifest, MeshView, Package, Part as PackagePart, ROOT_HEIGHTS, RootsInfo,
+    SimplifiedView, TextureView,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -38,7 +40,9 @@ pub(crate) fn load(
     let single = surfaces.strands && (package.strands()?.is_some() || !package.hair_groups()?.is_empty());
     // Compute shaders read both: where skin is posed, where fur leans, where hair roots.
     let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | Usage::STORAGE)?;
-    let attributes = uploader.buffer("attributes", mesh.attributes, Usage::VERTEX | Usage::STORAGE)?;
+    let opened = package.openness()?.map(|openness| with_openness(mesh.attributes, openness));
+    let stream = opened.as_deref().unwrap_or(mesh.attributes);
+    let attributes = uploader.buffer("attributes", stream, Usage::VERTEX | Usage::STORAGE)?;
     let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
     let morphs = package.morphs()?.filter(|morphs| skinned && !morphs.deltas.is_empty());
     let morph_buffers = match &morphs {
@@ -193,6 +197,17 @@ pub(crate) fn load(
 }
 
 /// As [`RootsInfo::uv_per_tile`] has it of a material; 0 in packages that say nothing.
+/// The attribute stream with what the body leaves open in the last two bytes of each vertex, which packages leave 0.
+fn with_openness(attributes: &[u8], openness: &[u8]) -> Vec<u8> {
+    let mut out = attributes.to_vec();
+    for (vertex, of) in out.chunks_exact_mut(size_of::<AttributeVertex>()).zip(openness.chunks_exact(4)) {
+        let packed = pack_openness(Openness::of_bytes([of[0], of[1], of[2], of[3]]));
+        let spare = vertex.len() - packed.len();
+        vertex[spare..].copy_from_slice(&packed);
+    }
+    out
+}
+
 fn uv_per_tile(roots: Option<&RootsInfo>, material: usize) -> f32 {
     roots.and_then(|roots| roots.uv_per_tile.get(material).copied()).unwrap_or(0.0)
 }

@@ -9,7 +9,7 @@ struct Vertex {
     @location(5) base_uv: vec2<f32>,
     @location(6) color: vec4<f32>,
     @location(7) lean: f32,
-    // Bareness, wetness.
+    // Bareness, wetness; what the body leaves open, packed.
     @location(8) groom: vec4<f32>,
 }
 

@@ -6,9 +6,10 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+use pelage_runtime::formats::meaning::openness::Openness;
 use pelage_runtime::formats::meaning::scattering::broad;
 use pelage_runtime::formats::meaning::scattering::longitudinal::i0e;
-use pelage_runtime::glam::{DMat3, DVec2, DVec3, Mat3, Mat4, Vec3, Vec4};
+use pelage_runtime::glam::{DMat3, DVec2, DVec3, Mat3, Mat4, Vec2, Vec3, Vec4};
 use pelage_runtime::shared::{
     deep_opacity, environment, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, scattering, skinning,
     soft_shadow, tile_frame, visibility,
@@ -816,23 +817,65 @@ fn light_that_is_spread_about_a_direction() {
     three_ways(
         "broad_light",
         environment::WGSL,
-        "vec4(mean_square(in_1.x, in_1.y), broad_place(in_1.x), broad_variance(in_1.x), 0.0)",
+        "vec4(mean_square(in_1.x, in_1.y), broad_place(in_1.x), broad_variance(in_1.x), mean_cosine_around(9.0 * in_1.x))",
         &cases,
         |[_, [mean, cosine, ..]]| {
             let (mean, cosine) = (f64::from(*mean), f64::from(*cosine));
-            let clamped = mean.clamp(1e-3, 0.9999);
-            let variance = (1.0 - clamped * clamped) / (clamped * (3.0 - clamped * clamped));
-            [broad::mean_square(mean, cosine), broad::mean_place(mean), variance, 0.0]
+            let clamped = mean.clamp(broad::LEAST_MEAN, 1.0);
+            let variance = (1.0 - clamped) / clamped;
+            let around = 9.0 * mean / (0.5 + (81.0 * mean * mean + 2.25).sqrt());
+            [broad::mean_square(mean, cosine), broad::mean_place(mean), variance, around]
         },
         |[_, [mean, cosine, ..]]| {
             [
                 environment::mean_square(*mean, *cosine),
                 environment::broad_place(*mean),
                 environment::broad_variance(*mean),
-                0.0,
+                environment::mean_cosine_around(9.0 * mean),
             ]
         },
         |_, expected| 2e-6 * (1.0 + expected.abs()),
+    );
+}
+
+#[test]
+fn openness_comes_back_from_two_bytes() {
+    let mut random = Random(31);
+    let mut cases: Vec<Case<2>> = vec![[[0.0; 4], [0.5, 0.5, 0.5, 0.0]]];
+    for i in 0..2000 {
+        let (share, turn, out) =
+            (random.next_f32(), std::f32::consts::TAU * random.next_f32(), [random.next_f32(), 1.0][i % 2]);
+        let of = Openness { share, aside: [out * turn.cos(), out * turn.sin()] };
+        let [x, y] = environment::pack_openness(of).map(|byte| f32::from(byte) / 255.0);
+        let found = environment::open_to_hair(Vec2::new(x, y)) * environment::USUALLY_OPEN;
+        // Half of a step of each number.
+        assert!((found.length() - share).abs() < 0.004, "{of:?}: {found}");
+        let expected = of.open() / of.share;
+        assert!(found.normalize().truncate().distance(expected.truncate()) < 0.11, "{of:?}: {found}");
+        let color = [random.next_f32(), [0.0, 1.0][i % 2], 0.5];
+        cases.push([[x, y, 0.0, 0.0], [color[0], color[1], color[2], random.next_f32()]]);
+    }
+    three_ways(
+        "openness",
+        environment::WGSL,
+        "vec4(open_to_hair(in_0.xy), left_open(in_1.rgb, in_1.a).g)",
+        &cases,
+        |[packed, [_, green, _, hidden]]| {
+            let left = (1.0 - f64::from(*hidden)) / (1.0 - f64::from(*green).clamp(0.0, 0.98) * f64::from(*hidden));
+            if packed[0] <= 0.0 {
+                return [0.0, 0.0, 1.0, left];
+            }
+            let byte = (f64::from(packed[1]) * 255.0).round();
+            let aside = [(byte / 16.0).floor(), byte.rem_euclid(16.0)].map(|x| (x - 7.0) / 7.0);
+            let flat = aside[0] * aside[0] + aside[1] * aside[1];
+            let middle = DVec3::new(aside[0], aside[1], (1.0 - flat).max(0.0).sqrt()).normalize();
+            (middle * (f64::from(packed[0]) / 0.725)).extend(left).to_array()
+        },
+        |[packed, color]| {
+            let open = environment::open_to_hair(Vec2::new(packed[0], packed[1]));
+            open.extend(environment::left_open(v(color), color[3]).y).to_array()
+        },
+        |_, _| 2e-6,
     );
 }
 

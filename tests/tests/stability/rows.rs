@@ -60,7 +60,8 @@ rows!(
     opacity_shadow,
     strand_order,
     hair_motion,
-    scattering
+    scattering,
+    environment
 );
 
 /// The rows that need pictures, likewise.

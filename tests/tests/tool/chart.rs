@@ -1,6 +1,7 @@
 //! `pelage chart` through the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+use pelage_needs::data;
 use pelage_tests::binary::{Run, Sandbox};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
@@ -456,6 +457,50 @@ fn the_verlet_chart() {
     }
 }
 
+/// Of the painted sky: one broad light by two tables, samples, constant light; and of single lights what is exact and what is printed.
+#[test]
+fn the_environment_chart() {
+    let sandbox = Sandbox::new();
+    let rows = charted(&sandbox, "environment", "3,5,16,19,45,47", &[]);
+    let error = |i: usize| rows[i]["error_percent"].as_f64().unwrap();
+    assert!(rows[0]["default"] == true && rows[0]["sky"] == "clear sky", "{}", rows[0]);
+    // Coarse tables, few samples and constant light are worse than what a frame does, and what is printed worse than the integral.
+    assert!(error(0) < error(1) && error(0) < error(2) && 3.0 * error(0) < error(3), "{rows:?}");
+    assert!(rows[4]["sky"] == "one light of 20 degrees" && error(4) < 1.0 && error(5) > 2.0 * error(4), "{rows:?}");
+    assert!(rows[0]["mean_percent"].as_f64().unwrap().abs() < 15.0, "{}", rows[0]);
+}
+
+/// A sky from a file, and as few lights: more are nearer.
+#[test]
+fn the_environment_fit_chart() {
+    let Some(data) = data("the_environment_fit_chart") else { return };
+    let sandbox = Sandbox::new();
+    std::fs::copy(data.join("hdr/venice_sunset_256x128.hdr"), sandbox.path().join("my sky.hdr")).unwrap();
+    let rows = charted(&sandbox, "environment-fit", "1,3,7", &["--sky", "my sky.hdr"]);
+    let of = |i: usize, column: &str| rows[i][column].as_f64().unwrap();
+    for column in ["error_percent", "irradiance_percent"] {
+        assert!(of(0, column) > of(1, column) && of(1, column) > of(2, column), "{column}: {rows:?}");
+    }
+    assert!(
+        of(2, "irradiance_percent") < 5.0 && of(2, "energy_percent") < 0.01 && rows[2]["default"] == true,
+        "{rows:?}"
+    );
+    assert!(rows[2]["command"].as_str().unwrap().contains("--sky 'my sky.hdr' --rows 7"), "{}", rows[2]);
+    sandbox.write("lights.toml", b"even = [1.0, 1.0, 1.0]\n");
+    for (arguments, code, expected) in [
+        (
+            &["chart", "environment-fit", "--sky", "lights.toml", "-o", "out"][..],
+            3,
+            "holds lights, expected the picture",
+        ),
+        (&["chart", "environment-fit", "--sky", "none.hdr", "-o", "out"], 3, "none.hdr"),
+        (&["chart", "verlet", "--sky", "my sky.hdr", "-o", "out"], 1, "chart verlet takes no --sky"),
+    ] {
+        let run = sandbox.run(arguments);
+        assert!(run.code == Some(code) && run.stderr.contains(expected), "{arguments:?}: {}", run.stderr);
+    }
+}
+
 #[test]
 fn the_stability_table() {
     if gpu("the_stability_table").is_none() {
@@ -480,6 +525,7 @@ fn the_stability_table() {
         "hair on guides",
         "hair in motion",
         "scattering by a fibre",
+        "light from a sky",
     ] {
         assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
     }

@@ -22,6 +22,9 @@ pub struct ChartArgs {
     /// Measure all rows anew; without it, those count that a run which was killed left in TOPIC.rows.jsonl
     #[arg(long)]
     pub(super) restart: bool,
+    /// A sky to measure, .hdr or .exr; may be given several times, to environment and environment-fit alone, which else paint a clear sky and a room
+    #[arg(long, value_name = "SKY")]
+    pub(super) sky: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) recipe: RecipeArgs,
 }
@@ -66,6 +69,10 @@ pub(super) enum Topic {
     Scattering,
     /// Black, brown, blond and white coats in three lights, by fibres with the light of other fibres and without: how far from traced paths, and what that costs
     Multiple,
+    /// What a fibre sends of a sky, by one broad light, a light at a time, as printed, by samples and by constant light: how far from the truth, and microseconds; it needs no model
+    Environment,
+    /// Few lights for a sky: how near they come by their number, and the seconds that finding them takes; it needs no model
+    EnvironmentFit,
     /// Where methods fail: the naive form's error beside ours and its bound; exit code 7 where a bound is broken
     Stability,
 }

@@ -127,7 +127,7 @@ fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> Stri
 
 /// Stands for everything that a row's figures depend on beside its number: another tool, model, recipe or adapter gives another key.
 fn key(subject: &Subject, plan: &Plan) -> String {
-    let mut key = Key::new().and(&plan.adapter).and(subject.recipe.to_toml());
+    let mut key = Key::new().and(&plan.adapter).and(&plan.title).and(subject.recipe.to_toml());
     for input in subject.model.inputs.iter().chain(&subject.images.inputs) {
         key = key.and(format!("{} {} {:?}", input.role, input.name, input.sha256));
     }

@@ -7,6 +7,8 @@ mod args;
 #[cfg(feature = "preview")]
 mod detail;
 mod driver;
+mod environment;
+mod environment_fit;
 #[cfg(feature = "preview")]
 mod greys;
 #[cfg(feature = "preview")]
@@ -61,6 +63,9 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     {
         return Err(Failure::Usage(format!("chart {name} takes neither model nor recipe: it brings its own {own}")));
     }
+    if !args.sky.is_empty() && !matches!(args.topic, Topic::Environment | Topic::EnvironmentFit) {
+        return Err(Failure::Usage(format!("chart {name} takes no --sky: it lights its model by itself")));
+    }
     let subject = Subject::new(args)?;
     if subject.package.is_some()
         && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Strands | Topic::OpacityShadow | Topic::Ink)
@@ -74,7 +79,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
             return Err(Failure::Usage(format!("chart {name} needs the model: {why}")));
         }
     }
-    let mut topic = topic(args.topic, &subject)?;
+    let mut topic = topic(args, &subject)?;
     driver::run(args, &subject, folder, &mut *topic, output)
 }
 
@@ -83,13 +88,17 @@ fn brings_its_own(topic: Topic) -> Option<&'static str> {
     match topic {
         Topic::Verlet => Some("guides"),
         Topic::Scattering => Some("fibres"),
+        Topic::Environment => Some("fibres and skies"),
+        Topic::EnvironmentFit => Some("skies"),
         _ => None,
     }
 }
 
 /// Every topic with a picture.
-fn topic<'a>(topic: Topic, subject: &'a Subject) -> Result<Box<dyn driver::Topic + 'a>, Failure> {
-    Ok(match topic {
+fn topic<'a>(args: &ChartArgs, subject: &'a Subject) -> Result<Box<dyn driver::Topic + 'a>, Failure> {
+    Ok(match args.topic {
+        Topic::Environment => Box::new(environment::EnvironmentTopic::new(&args.sky)?),
+        Topic::EnvironmentFit => Box::new(environment_fit::EnvironmentFitTopic::new(&args.sky)?),
         Topic::Surface => Box::new(surface::SurfaceTopic::new(subject)?),
         Topic::Textures => Box::new(textures::TexturesTopic::new(subject)?),
         Topic::Verlet => Box::new(verlet::VerletTopic::new()),

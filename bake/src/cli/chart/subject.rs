@@ -12,7 +12,7 @@ use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_bake::stages::metric;
 use pelage_bake::{BakeError, io};
 use pelage_stage::NamedPackage;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A model with its recipe.
 pub struct Subject {
@@ -66,7 +66,17 @@ impl Subject {
         let (file, name, images) = (HARE.file(), HARE.name.into(), args.recipe.images(&recipe)?);
         let model = HARE.import(&recipe)?;
         let recipe = in_tile(&recipe, &model)?;
-        Ok(Self { file, name, model, package: None, recipe, images, command, sets, arguments: set_words })
+        Ok(Self {
+            file,
+            name,
+            model,
+            package: None,
+            recipe,
+            images,
+            command,
+            sets,
+            arguments: set_words + &sky_words(&args.sky),
+        })
     }
 
     /// A package with the recipe in it. Its mesh stands for the model.
@@ -106,6 +116,11 @@ fn in_tile(recipe: &Recipe, model: &Model) -> Result<Recipe, BakeError> {
 /// Changes to a recipe as options: ` --set a=1 --set b=2`.
 pub fn set_words<'a>(sets: impl IntoIterator<Item = &'a String>) -> String {
     sets.into_iter().map(|set| format!(" --set {}", shell_word(set))).collect()
+}
+
+/// Skies as options.
+fn sky_words(files: &[PathBuf]) -> String {
+    files.iter().map(|file| format!(" --sky {}", shell_word(&file.display().to_string()))).collect()
 }
 
 /// A word as a shell reads it.

@@ -1,11 +1,13 @@
 //! Speed against accuracy: tables of configurations, their front, and pictures of both.
 //!
-//! A topic is a module that lists configurations ([`multiple`], [`scattering`], [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
+//! A topic is a module that lists configurations ([`environment`], [`environment_fit`], [`multiple`], [`scattering`], [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`) and a command that measures them; table, front, CSV and SVG are the same for all.
 //! A chart's figures come with the command that reproduces each, so that nobody has to believe it.
 
 mod axis;
 #[cfg(feature = "preview")]
 pub mod detail;
+pub mod environment;
+pub mod environment_fit;
 mod errors;
 #[cfg(feature = "preview")]
 mod hair_texels;
@@ -25,6 +27,7 @@ pub mod self_shadow;
 #[cfg(feature = "preview")]
 pub mod self_shadow_forms;
 pub mod shells;
+pub mod skies;
 #[cfg(feature = "preview")]
 pub mod soft_shadow;
 #[cfg(feature = "preview")]

@@ -6,6 +6,7 @@
 #[cfg(feature = "preview")]
 pub mod animation;
 pub mod direction_textures;
+pub mod environment;
 pub mod hair_motion;
 pub mod hair_simulation;
 #[cfg(feature = "preview")]
@@ -72,6 +73,7 @@ pub const ROWS: &[Row] = &[
     strand_order::ROW,
     hair_motion::ROW,
     scattering::ROW,
+    environment::ROW,
 ];
 
 /// The rows that need pictures.

@@ -1,13 +1,15 @@
-//! What a frame looks up for light that is spread about a direction: tables of what [`BroadlyLit`] integrates, over the light's mean cosine, θo, θj and φ.
+//! What a frame looks up for light that is spread about a direction: tables of what a fibre scatters of it, over the light's mean cosine, θo, θj and φ.
 //!
-//! Around the fibre the light of each path is a sum of cosines of n φ, which depends on θd alone and is found once for all lights; along it is a rule of 24 points.
+//! The light is a spherical Gaussian of which what is far below its horizon is cut off ([`BELOW`]): light from a sky comes to hair from above the skin and around its curves,
+//! not through the body. A whole Gaussian that is as wide would shine through the fibre from there, which a dark coat shows. As [`super::gaussian_light::BroadlyLit`]
+//! integrates, around the fibre the light of each path is a sum of cosines of n φ, which depends on θd alone and is found once for all lights; along it is a rule of 24 points.
 //! Colour is no part of the tables: a path that crosses the fibre n times keeps what n mean ways leave of it ([`Means::left`]).
 
-use super::gaussian_light::{BroadlyLit, GaussianLight, TERMS, cosines_of_gaussian, window};
+use super::azimuthal::legendre;
+use super::gaussian_light::{BroadlyLit, TERMS, window};
 use super::means::{Means, REFERENCE_SIGMA};
 use super::optics::LEAST_COS_D;
 use super::{Angles, Fibre, PATHS};
-use crate::meaning::environment::{mean_cosine, sharpness_of};
 use core::array::from_fn;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
@@ -38,8 +40,32 @@ impl BroadSize {
     }
 }
 
-/// Of the axis of mean cosines r, which is 1 − √(1 − r), the last place: light that is narrower is taken for light so wide, a standard deviation of 11.6 degrees.
-const LAST_MEAN: f64 = 0.8;
+/// Of the axis of mean cosines, which is 1 − √((1 − r) / (1 − [`LEAST_MEAN`])), the last place: light that is narrower is taken for light so wide, a standard deviation of 8
+/// degrees.
+const LAST_MEAN: f64 = 0.83;
+
+/// Sine of how far below its horizon light about a direction begins: so far hair at its tips sees around a body that is as round as most are.
+pub const BELOW: f64 = 0.45;
+
+/// Mean cosine of light that is even above there.
+pub const LEAST_MEAN: f64 = 0.5 * (1.0 - BELOW);
+
+/// The upper half of a spherical Gaussian, and the rim of the lower one: radiance exp(κ (ω · ω_j − 1)) from the directions ω with ω · ω_j > −[`BELOW`], none from others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfLight {
+    /// ω_j, a unit vector.
+    pub towards: DVec3,
+    /// Its mean cosine to that: [`LEAST_MEAN`] for one that is even, below 1.
+    pub mean: f64,
+}
+
+impl HalfLight {
+    /// ∫ of it over all directions.
+    pub fn whole(&self) -> f64 {
+        let k = sharpness_of_half(self.mean);
+        if k < 1e-9 { TAU * (1.0 + BELOW) } else { TAU * -libm::expm1(-k * (1.0 + BELOW)) / k }
+    }
+}
 
 /// What a fibre scatters of broad light of which as much comes as of a light of 1 in whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,9 +80,10 @@ pub struct BroadTables {
     eta: f64,
 }
 
-/// Values of cos θd at which paths are found, and of κ at which the terms of a light are.
+/// Values of cos θd at which paths are found; of κ at which the terms of a light around a fibre are; and of the azimuth where it ends.
 const SECTIONS: usize = 64;
-const LIGHTS: usize = 96;
+const LIGHTS: usize = 32;
+const ENDS: usize = 33;
 /// Sums of cosines: R, TT, TRT, and what is left of TT where [`REFERENCE_SIGMA`] is absorbed a radius.
 const SERIES: usize = 4;
 /// Path of each.
@@ -106,19 +133,28 @@ struct Light<'a> {
     fibre: &'a Fibre,
     around: &'a Around,
     sharpness: f64,
-    /// Terms of what they are around it, by how sharp they are there over how sharp they are.
+    /// Terms of what they are around it, by the root of how sharp they are there over how sharp they are, and by where they end.
     terms: Vec<[f64; TERMS]>,
-    /// Terms that do not matter any more.
-    last: usize,
 }
 
 impl<'a> Light<'a> {
     fn new(fibre: &'a Fibre, around: &'a Around, sharpness: f64) -> Self {
-        let at = |i: usize| cosines_of_gaussian(sharpness * i as f64 / (LIGHTS - 1) as f64, 0.0);
-        let terms: Vec<_> = (0..LIGHTS).map(at).collect();
-        let sharpest = &terms[LIGHTS - 1];
-        let last = sharpest.iter().position(|term| *term < 1e-7 * sharpest[0]).unwrap_or(TERMS);
-        Self { fibre, around, sharpness, terms, last }
+        let at = |i: usize| {
+            let share = (i / ENDS) as f64 / (LIGHTS - 1) as f64;
+            cosines_until(sharpness * share * share, PI * (i % ENDS) as f64 / (ENDS - 1) as f64)
+        };
+        Self { fibre, around, sharpness, terms: (0..LIGHTS * ENDS).map(at).collect() }
+    }
+
+    /// Terms of light of that share of the sharpness, which ends at such an azimuth.
+    fn terms_at(&self, share: f64, end: f64) -> [f64; TERMS] {
+        let (light, over) = between(share.sqrt(), LIGHTS);
+        let (until, beyond) = between(end / PI, ENDS);
+        let corner = |light: usize, until: usize| &self.terms[light * ENDS + until];
+        let [a, b, c, d] =
+            [corner(light, until), corner(light, until + 1), corner(light + 1, until), corner(light + 1, until + 1)];
+        let mixed = |a: f64, b: f64, share: f64| a + (b - a) * share;
+        from_fn(|n| mixed(mixed(a[n], b[n], beyond), mixed(c[n], d[n], beyond), over))
     }
 
     /// What comes of light about θj at azimuths `phis`: the four series, and the rest.
@@ -139,27 +175,23 @@ impl<'a> Light<'a> {
                 if along <= 0.0 {
                     continue;
                 }
-                let (below, share) = between(from.1 * middle.1, LIGHTS);
-                let [dull, sharp] = [&self.terms[below], &self.terms[below + 1]];
+                let terms = self.terms_at(from.1 * middle.1, end_of_half(from, middle));
                 let (below, between) = between((angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D), SECTIONS);
                 let [a, b] = [&self.around.sections[below], &self.around.sections[below + 1]];
                 if p == 3 {
-                    let light = dull[0] + (sharp[0] - dull[0]) * share;
-                    rest += along * TAU * light * (a.1 + (b.1 - a.1) * between);
+                    rest += along * TAU * terms[0] * (a.1 + (b.1 - a.1) * between);
                     continue;
                 }
-                for n in 0..self.last {
-                    let light = along * (dull[n] + (sharp[n] - dull[n]) * share);
-                    for (series, _) in PATH_OF.iter().enumerate().filter(|(_, path)| **path == p) {
-                        sums[series][n] += light * (a.0[series][n] + (b.0[series][n] - a.0[series][n]) * between);
+                for (series, _) in PATH_OF.iter().enumerate().filter(|(_, path)| **path == p) {
+                    for (n, sum) in sums[series].iter_mut().enumerate() {
+                        *sum += along * terms[n] * (a.0[series][n] + (b.0[series][n] - a.0[series][n]) * between);
                     }
                 }
             }
         }
         let of = |cosines: &[f64; TERMS]| {
             // A sum of cosines that is cut off may fall below nothing where there is none.
-            let sum =
-                |terms: &[f64; TERMS]| terms[..self.last].iter().zip(cosines).map(|(a, b)| a * b).sum::<f64>().max(0.0);
+            let sum = |terms: &[f64; TERMS]| terms.iter().zip(cosines).map(|(a, b)| a * b).sum::<f64>().max(0.0);
             (from_fn(|series| sum(&sums[series])), rest)
         };
         cosines.iter().map(of).collect()
@@ -175,9 +207,9 @@ impl BroadTables {
             (0..size.phi).map(|f| from_fn(|n| libm::cos(n as f64 * PI * f as f64 / (size.phi - 1) as f64))).collect();
         let mut texels = Vec::with_capacity(size.texels());
         for m in 0..size.means {
-            let sharpness = sharpness_of(mean_at(m as f64 / (size.means - 1) as f64));
-            let whole = GaussianLight { towards: DVec3::Y, sharpness }.whole();
-            let light = Light::new(fibre, &around, sharpness);
+            let mean = mean_at(m as f64 / (size.means - 1) as f64);
+            let whole = HalfLight { towards: DVec3::Y, mean }.whole();
+            let light = Light::new(fibre, &around, sharpness_of_half(mean));
             for o in 0..size.to {
                 let theta_o = angle_at(o, size.to);
                 // By θj, each all around.
@@ -210,10 +242,13 @@ impl BroadTables {
         (0..to * phi).flat_map(|row| (0..means * from).map(move |column| (row, column))).map(at).collect()
     }
 
-    /// As [`BroadlyLit::scatter`], from the tables.
-    pub fn scatter(&self, sigma: [f64; 3], tip: DVec3, light: &GaussianLight, eye: DVec3) -> [f64; 3] {
+    /// ∫ of [`Fibre::scatter`] over the directions of the light, of each colour, from the tables.
+    ///
+    /// * `sigma`: what the fibre absorbs a radius, 0 or more
+    /// * `tip`, `eye`: unit vectors
+    pub fn scatter(&self, sigma: [f64; 3], tip: DVec3, light: &HalfLight, eye: DVec3) -> [f64; 3] {
         let angles = Angles::between(tip, light.towards, eye);
-        let mean = mean_cosine(light.sharpness);
+        let mean = light.mean;
         let size = &self.size;
         let places = [
             (mean_place(mean), size.means),
@@ -253,21 +288,76 @@ fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
     (0.5 * (1.0 + cos_i * cos_o + sin_i * sin_o)).clamp(0.0, 1.0).sqrt()
 }
 
-/// Mean of the squared cosine between a direction and light of that mean cosine, of which the middle is at that cosine: a third for light that is even all around.
+/// Mean cosine of a [`HalfLight`] of that κ, 0 or more, to its middle.
+pub fn mean_of_half(sharpness: f64) -> f64 {
+    let wide = 1.0 + BELOW;
+    if sharpness < 1e-3 {
+        return LEAST_MEAN + sharpness * wide * wide / 12.0;
+    }
+    // The share of a whole exponential that is cut off.
+    let cut = libm::exp(-sharpness * wide);
+    (1.0 + BELOW * cut) / (1.0 - cut) - 1.0 / sharpness
+}
+
+/// The κ of the [`HalfLight`] of that mean cosine, which is taken for [`LEAST_MEAN`] at least.
+pub fn sharpness_of_half(mean: f64) -> f64 {
+    // 1 − r is 1/κ where κ is large, and never more than that.
+    let mean = mean.clamp(LEAST_MEAN, 1.0 - 1e-6);
+    let (mut low, mut high) = (0.0, 1.0 / (1.0 - mean));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if mean_of_half(middle) < mean { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Azimuth from a light's middle up to which it reaches, where light comes at the latitude of `from` and the middle has that of `middle`, sine and cosine each.
+fn end_of_half(from: (f64, f64), middle: (f64, f64)) -> f64 {
+    let (sines, cosines) = (from.0 * middle.0 + BELOW, from.1 * middle.1);
+    if sines >= cosines {
+        return PI;
+    }
+    if sines <= -cosines {
+        return 0.0;
+    }
+    libm::acos(-sines / cosines)
+}
+
+/// exp(κ (cos φ − 1)) for φ from −`end` to `end`, nothing beyond, as a sum of cosines of n φ.
+fn cosines_until(sharpness: f64, end: f64) -> [f64; TERMS] {
+    // Parts short enough for the narrowest light and the last cosine.
+    const PARTS: usize = 6;
+    let mut terms = [0.0; TERMS];
+    let half = 0.5 * end / PARTS as f64;
+    for part in 0..PARTS {
+        for (x, weight) in legendre() {
+            let phi = half * (2.0 * part as f64 + 1.0 + x);
+            let light = weight * half * libm::exp(sharpness * (libm::cos(phi) - 1.0));
+            let (mut before, mut now, twice) = (libm::cos(phi), 1.0, 2.0 * libm::cos(phi));
+            for (n, term) in terms.iter_mut().enumerate() {
+                *term += light * now * if n == 0 { 1.0 / PI } else { 2.0 / PI };
+                (before, now) = (now, twice * now - before);
+            }
+        }
+    }
+    terms
+}
+
+/// Mean of the squared cosine between a direction and a [`HalfLight`] of that mean cosine, of which the middle is at that cosine.
 pub fn mean_square(mean: f64, cosine: f64) -> f64 {
-    // r / κ, which goes from 1/3 to 0 as r goes from 0 to 1: within 2 % of what r = coth κ − 1/κ says.
-    let across = (1.0 - mean * mean) / (3.0 - mean * mean);
+    // Half of 1 less the mean of the squared cosine to the middle, within 0.002; exactly at both ends.
+    let across = (1.0 - mean) * ((1.0 + 2.0 * mean) / 3.0 - (mean - LEAST_MEAN) * (0.525 - 0.501 * mean));
     across + (1.0 - 3.0 * across) * cosine * cosine
 }
 
 fn mean_at(share: f64) -> f64 {
     let rest = 1.0 - LAST_MEAN * share;
-    1.0 - rest * rest
+    1.0 - (1.0 - LEAST_MEAN) * rest * rest
 }
 
 /// Where light of that mean cosine is on its axis, 0..=1.
 pub fn mean_place(mean: f64) -> f64 {
-    ((1.0 - (1.0 - mean.clamp(0.0, 1.0)).sqrt()) / LAST_MEAN).clamp(0.0, 1.0)
+    ((1.0 - ((1.0 - mean.clamp(LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN)).sqrt()) / LAST_MEAN).clamp(0.0, 1.0)
 }
 
 fn angle_at(i: usize, count: usize) -> f64 {

@@ -1,12 +1,19 @@
 use super::*;
 use crate::meaning::scattering::Around as Section;
+use crate::meaning::scattering::gaussian_light::GaussianLight;
 
-/// Root of the mean square by which tables are off, over that of what they are of, over fibres, colours, looks and lights of that width.
-fn off(tables: &[(BroadTables, BroadlyLit)], width_deg: f64, sigmas: [f64; 3]) -> f64 {
-    let sharpness = f64::to_radians(width_deg).powi(-2);
+/// Root of the mean square by which tables are off, over that of what they are of, over looks and lights of that sharpness: `expected` says what is of a fibre's
+/// number, the light's middle and the eye.
+fn off(
+    tables: &[BroadTables],
+    sharpness: f64,
+    sigmas: [f64; 3],
+    samples: u32,
+    expected: impl Fn(usize, DVec3, DVec3) -> [f64; 3],
+) -> f64 {
     let (mut wrong, mut size) = (0.0, 0.0);
-    for (tables, lit) in tables {
-        for k in 0..80 {
+    for (number, tables) in tables.iter().enumerate() {
+        for k in 0..samples {
             // Looks and lights that no texel lies on.
             let share = |step: f64| (step * (f64::from(k) + 0.5)).fract();
             let (theta_o, theta_j) = (2.6 * (share(0.754_877_67) - 0.5), 3.0 * (share(0.569_840_29) - 0.5));
@@ -14,9 +21,9 @@ fn off(tables: &[(BroadTables, BroadlyLit)], width_deg: f64, sigmas: [f64; 3]) -
             let way = |theta: f64, phi: f64| {
                 DVec3::new(libm::cos(theta) * libm::cos(phi), libm::sin(theta), libm::cos(theta) * libm::sin(phi))
             };
-            let light = GaussianLight { towards: way(theta_j, phi), sharpness };
+            let light = HalfLight { towards: way(theta_j, phi), mean: mean_of_half(sharpness) };
             let found = tables.scatter(sigmas, DVec3::Y, &light, way(theta_o, 0.0));
-            let expected = lit.scatter(sigmas, DVec3::Y, &light, way(theta_o, 0.0));
+            let expected = expected(number, light.towards, way(theta_o, 0.0));
             for (found, expected) in found.into_iter().zip(expected) {
                 wrong += (found - expected) * (found - expected);
                 size += expected * expected;
@@ -37,28 +44,72 @@ fn a_picture_holds_all_texels() {
     assert_eq!(picture[(2 * 5 + 3) * width + 4 + 1], tables.texels[index]);
 }
 
-#[test]
-fn tables_are_what_they_were_made_of() {
+fn fibres() -> [Fibre; 2] {
     let smoother = Fibre { along: 0.12, around: Section::Rough(0.12), ..Fibre::default() };
     let rougher = Fibre { along: 0.25, tilt: 0.08, around: Section::Rough(0.3), ..Fibre::default() };
-    let tables =
-        [smoother, rougher].map(|fibre| (BroadTables::new(&fibre, BroadSize::default()), BroadlyLit::new(&fibre)));
-    for (width, most) in [(12.0, 0.04), (20.0, 0.015), (30.0, 0.01), (45.0, 0.01), (70.0, 0.01)] {
-        let [clear, dark] = [[0.0; 3], [0.1, 0.3, 0.8]].map(|sigmas| off(&tables, width, sigmas));
+    [smoother, rougher]
+}
+
+/// Of a narrow light, the upper half is all.
+#[test]
+fn tables_are_what_they_were_made_of() {
+    let tables = fibres().map(|fibre| BroadTables::new(&fibre, BroadSize::default()));
+    let lit = fibres().map(|fibre| BroadlyLit::new(&fibre));
+    for (width, most) in [(8.0, 0.08), (12.0, 0.04), (20.0, 0.015), (25.0, 0.015)] {
+        let sharpness = f64::to_radians(width).powi(-2);
+        let [clear, dark] = [[0.0; 3], [0.1, 0.3, 0.8]].map(|sigmas| {
+            off(&tables, sharpness, sigmas, 80, |number, towards, eye| {
+                lit[number].scatter(sigmas, DVec3::Y, &GaussianLight { towards, sharpness }, eye)
+            })
+        });
         assert!(clear < most && dark < most, "{width} degrees: {clear}, {dark}");
     }
 }
 
-/// Mean squares of cosines are near those of spherical Gaussians, whose across is r / κ.
+/// Directions over all of a sphere, as evenly as can be.
+fn everywhere(count: usize) -> impl Iterator<Item = DVec3> {
+    (0..count).map(move |i| {
+        let y = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
+        let (sin, cos) = (2.399_963_229_728_653 * i as f64).sin_cos();
+        let out = (1.0 - y * y).sqrt();
+        DVec3::new(out * cos, y, out * sin)
+    })
+}
+
+/// Of wide lights, what direction by direction comes to.
+#[test]
+fn nothing_shines_from_far_below_a_light() {
+    const DIRECTIONS: usize = 2500;
+    let tables = fibres().map(|fibre| BroadTables::new(&fibre, BroadSize::default()));
+    for (sharpness, sigmas) in [(0.0, [0.0; 3]), (0.0, [0.1, 0.3, 2.0]), (1.5, [0.1, 0.3, 2.0])] {
+        let off = off(&tables, sharpness, sigmas, 8, |number, towards, eye| {
+            let share = 4.0 * PI / DIRECTIONS as f64;
+            let of = |from: DVec3| {
+                let light = (sharpness * (from.dot(towards) - 1.0)).exp() * share;
+                fibres()[number].scatter(sigmas, &Angles::between(DVec3::Y, from, eye)).map(|x| light * x)
+            };
+            let lit = everywhere(DIRECTIONS).filter(|from| from.dot(towards) > -BELOW);
+            lit.map(of).fold([0.0; 3], |sum, of| from_fn(|i| sum[i] + of[i]))
+        });
+        assert!(off < 0.02, "{sharpness} {sigmas:?}: {off}");
+    }
+}
+
+/// Means and mean squares of cosines are those of the light, direction by direction.
 #[test]
 fn means_of_squares_are_those_of_the_light() {
-    for mean in [0.01, 0.2, 0.5, 0.7, 0.9, 0.99] {
-        let across = mean / sharpness_of(mean);
-        for cosine in [-1.0, -0.3, 0.0, 0.6, 1.0] {
-            let expected = across + (1.0 - 3.0 * across) * cosine * cosine;
-            let found = mean_square(mean, cosine);
-            assert!((found - expected).abs() < 0.02, "{mean} {cosine}: {found}, expected {expected}");
+    for sharpness in [0.0, 0.3, 1.0, 3.0, 10.0, 50.0] {
+        let lit =
+            || everywhere(20_000).filter(|way| way.y > -BELOW).map(|way| (way, (sharpness * (way.y - 1.0)).exp()));
+        let whole: f64 = lit().map(|(_, light)| light).sum();
+        let mean = lit().map(|(way, light)| light * way.y).sum::<f64>() / whole;
+        assert!((mean_of_half(sharpness) - mean).abs() < 1e-3, "{sharpness}: {mean}");
+        assert!((sharpness_of_half(mean_of_half(sharpness)) - sharpness).abs() < 1e-3 * (1.0 + sharpness));
+        for cosine in [-1.0, -0.3, 0.0, 0.6, 1.0_f64] {
+            let other = DVec3::new((1.0 - cosine * cosine).sqrt(), cosine, 0.0);
+            let expected = lit().map(|(way, light)| light * way.dot(other).powi(2)).sum::<f64>() / whole;
+            let found = mean_square(mean_of_half(sharpness), cosine);
+            assert!((found - expected).abs() < 0.006, "{sharpness} {cosine}: {found}, expected {expected}");
         }
     }
-    assert!((mean_square(0.0, 0.7) - 1.0 / 3.0).abs() < 1e-12 && (mean_square(1.0, 0.7) - 0.49).abs() < 1e-12);
 }

@@ -4,8 +4,10 @@ use super::set::{Growth, Stand, Strand, Strands, mean_bent, steps};
 use crate::error::RuntimeError;
 use crate::gpu::{WORKGROUP, largest_buffer};
 use crate::model::upload::Uploader;
+use crate::shared::environment::pack_openness;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::hair_groups::chance;
+use pelage_formats::meaning::openness::Openness;
 use pelage_formats::meaning::planting::{Crossed, Footing, Ground, Roots, SurfaceWalk};
 use pelage_formats::{AttributeVertex, GeometryVertex, MeshView, Package, StrandsView};
 use std::ops::Range;
@@ -155,6 +157,12 @@ impl Rooted {
     ) -> Vec<Vec<Self>> {
         let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
         let attributes: Vec<AttributeVertex> = mesh.attributes().collect();
+        // Whoever loads the model has found it sound.
+        let openness = package.openness().ok().flatten();
+        let opened = |vertex: usize| {
+            let of = openness.and_then(|all| all.get(4 * vertex..4 * vertex + 4));
+            of.map_or(Vec4::ZERO, |of| Openness::of_bytes([of[0], of[1], of[2], of[3]]).open().extend(0.0))
+        };
         let roots = Roots::new(view.roots().zip(0..).map(|(root, i)| (Vec2::from(root).as_dvec2(), i)));
         let mut of_parts = Vec::new();
         for part in &package.manifest().parts {
@@ -179,7 +187,7 @@ impl Rooted {
                     let strand = Strand {
                         base_uv: [rest.x, rest.y],
                         color: bytes(mix(&|v| unorm(attributes[v].color))),
-                        groom: bytes(mix(&|v| unorm(attributes[v].groom))),
+                        groom: with_openness(bytes(mix(&|v| unorm(attributes[v].groom))), mix(&opened).truncate()),
                         of_tile: strand as u32,
                         chance: chance(number),
                         lean: rest.z,
@@ -192,6 +200,16 @@ impl Rooted {
         }
         of_parts
     }
+}
+
+/// A groom with what the body leaves open, whose vector lies between those of the corners; none where nothing is known.
+fn with_openness(groom: u32, open: Vec3) -> u32 {
+    let share = open.length();
+    if share <= 0.0 {
+        return groom;
+    }
+    let packed = pack_openness(Openness { share, aside: [open.x / share, open.y / share] });
+    groom & 0xffff | u32::from(u16::from_le_bytes(packed)) << 16
 }
 
 /// Where the points of a strand stand that lie so far aside of its root.

@@ -181,7 +181,7 @@ pub(crate) struct Strand {
     pub(crate) base_uv: [f32; 2],
     /// Of the vertices, unorm.
     pub(crate) color: u32,
-    /// Bareness, wetness, unorm.
+    /// Bareness, wetness, unorm; what the body leaves open to it, packed.
     pub(crate) groom: u32,
     /// Which of the tile's it is.
     pub(crate) of_tile: u32,

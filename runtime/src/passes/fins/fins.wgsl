@@ -18,6 +18,7 @@ struct FinVarying {
     @location(10) position_ws: vec3<f32>,
     @location(11) normal_ws: vec3<f32>,
     @location(12) tangent: vec4<f32>,
+    @location(13) open: vec3<f32>,
 }
 
 // What the package knows of the light at a height, on average: which strands of the tile a slab shows, it does not say.
@@ -51,6 +52,7 @@ fn vs_fins(@builtin(vertex_index) index: u32) -> FinVarying {
         position, vec2(corner.along, corner.height), at.light_ts,
         half_or_factors(corner.slab, length_share(v), slope, at.light_ts, at.half_ts, 0.0), at.tint, at.base_uv, corner.slab, opacity,
         at.groom, vec2(length_share(v), slope), at.place, at.spot.position_ws, at.spot.normal_ws, at.spot.tangent,
+        at.spot.open,
     );
 }
 
@@ -72,7 +74,7 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     let height = clamp(in.slab_uv.y, 0.0, 1.0);
     let receiver = Receiver(in.place, height * frame.last_map_layer, true, in.light_ts.z);
     let point = HairPoint(
-        Spot(in.position_ws, in.normal_ws, in.tangent), grown(hair.direction, in.length_slope.x, in.length_slope.y), texel.rgb * base.rgb, texel.a,
+        Spot(in.position_ws, in.normal_ws, in.tangent, in.open), grown(hair.direction, in.length_slope.x, in.length_slope.y), texel.rgb * base.rgb, texel.a,
         vec3(1.0), 0.0, arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible_through_hair(receiver), visible_past_things(receiver)),
         baked_at_height(height, groom.x, in.length_slope.x, in.length_slope.y),
     );

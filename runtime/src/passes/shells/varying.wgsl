@@ -63,7 +63,8 @@ struct FilledVarying {
     @location(8) position_ws_red: vec4<f32>,
     @location(9) normal_ws_green: vec4<f32>,
     @location(10) tangent: vec4<f32>,
-    @location(11) blue: f32,
+    // And what the body leaves open.
+    @location(11) blue_open: vec4<f32>,
 }
 
 fn plain_varying(s: Shell) -> PlainVarying {
@@ -87,7 +88,7 @@ fn filled_varying(s: Shell) -> FilledVarying {
     return FilledVarying(
         m.position, m.uv_cosine_length, m.light_red, m.half_green, m.ambient_blue, m.place, m.specular_layer,
         m.base_uv_groom, m.slope_alpha_map, vec4(s.at.spot.position_ws, s.at.tint.r),
-        vec4(s.at.spot.normal_ws, s.at.tint.g), s.at.spot.tangent, s.at.tint.b,
+        vec4(s.at.spot.normal_ws, s.at.tint.g), s.at.spot.tangent, vec4(s.at.tint.b, s.at.spot.open),
     );
 }
 
@@ -144,7 +145,7 @@ fn filled_fragment(in: FilledVarying) -> ShellFragment {
         in.position, in.uv_cosine_length, in.light_red, in.half_green, in.ambient_blue, in.place, in.specular_layer,
         in.base_uv_groom, in.slope_alpha_map,
     ));
-    out.tint = vec3(in.position_ws_red.w, in.normal_ws_green.w, in.blue);
-    out.spot = Spot(in.position_ws_red.xyz, in.normal_ws_green.xyz, in.tangent);
+    out.tint = vec3(in.position_ws_red.w, in.normal_ws_green.w, in.blue_open.x);
+    out.spot = Spot(in.position_ws_red.xyz, in.normal_ws_green.xyz, in.tangent, in.blue_open.yzw);
     return out;
 }

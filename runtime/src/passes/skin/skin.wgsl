@@ -19,6 +19,7 @@ struct SkinVarying {
     @location(8) position_ws: vec3<f32>,
     @location(9) normal_ws: vec3<f32>,
     @location(10) tangent: vec4<f32>,
+    @location(11) open: vec3<f32>,
 }
 
 // height: share of the fur's height.
@@ -36,7 +37,7 @@ fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     return SkinVarying(
         at.position, at.tint, at.base_uv, v.tile_uv, at.light_ts, at.half_ts,
         vec3(select(0.0, 1.0, v.fur_height > 0.0), length_share(v), slope), at.groom, at.place, at.spot.position_ws, at.spot.normal_ws,
-        at.spot.tangent,
+        at.spot.tangent, at.spot.open,
     );
 }
 
@@ -74,7 +75,7 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     let side = side_of(front);
     let n_dot_l = in.light_ts.z * side;
     let visible = visible_on_bare(Receiver(in.place, 0.0, false, n_dot_l));
-    let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
+    let spot = Spot(in.position_ws, in.normal_ws, in.tangent, in.open);
     if ROLL_OFF {
         let light = rolled_off(bare_color(vec3(1.0), n_dot_l, visible, spot, side), full_light());
         return shown(vec4(base.rgb * light, 1.0), 0u, 0.0);
@@ -124,7 +125,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
         through = mix(through, visible_below_coat(far, groom.x, light.z, in.grows_length_slope.y), instance.detail_next);
     }
     let visible = through * past;
-    let spot = Spot(in.position_ws, in.normal_ws, in.tangent);
+    let spot = Spot(in.position_ws, in.normal_ws, in.tangent, in.open);
     let color = hair.color;
     let kept = in.grows_length_slope.x * groom.x;
     let baked = baked_at(in.tile_uv, 0u, groom.y, kept, in.grows_length_slope.y, 0.0);

@@ -159,6 +159,7 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let length = strand.fur_height * material.share_per_m;
     let root = first + POSED_BEFORE;
     let last = pieces();
+    let open = open_to_hair(unpack4x8unorm(strand.groom).zw);
 
     for (var i = 0u; i <= last; i++) {
         let k = root + i * constants.step;
@@ -192,7 +193,7 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let slope = lean_slope(strand.lean, height);
         let arriving = arriving_at(height, light_ts, half_ts, visible_through_strands(place), past);
         let hair = HairPoint(
-            Spot(position, skin.normal_ws, vec4(skin.tangent_ws, handedness)), to_tile(skin, tangent), color * tint.rgb, 1.0,
+            Spot(position, skin.normal_ws, vec4(skin.tangent_ws, handedness), open), to_tile(skin, tangent), color * tint.rgb, 1.0,
             vec3(1.0), wetness, arriving, Baked(seen_by, grows, length, slope, 1.0),
         );
         let lit = packed_light(light_hair(hair));

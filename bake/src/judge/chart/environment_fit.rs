@@ -1,0 +1,124 @@
+//! Topic `environment-fit`: how near few lights come to a sky, by their number, and what they cost.
+
+use super::skies::NamedSky;
+use super::{Cell, Panel};
+use glam::DVec3;
+use pelage_formats::meaning::environment::brightness;
+use pelage_stage::sky::{Environment, FitParams, Fitted, Panorama};
+
+/// Numbers of lobes.
+pub const LOBES: [usize; 9] = [0, 1, 2, 4, 8, 12, 16, 24, 32];
+
+/// Columns of the chart.
+///
+/// * `sky`: which. `lobes`: that were asked for.
+/// * `error_percent`: root of the mean square of what the lights' radiance differs by from the sky's without its sun, over that of this, by cells of 5.6 degrees.
+/// * `irradiance_percent`: the same of the irradiance of skin, sun and all, over directions that skin faces; the rest is a thing of the fit, this is what a coat sees.
+/// * `energy_percent`: light in whole over the sky's, less 1, of the colour of which it is farthest off. `sun_percent`: share of all light that the sun has.
+/// * `seconds`: that the fit takes. `bytes`: of the lights as numbers of 32 bits.
+pub const COLUMNS: [&str; 8] =
+    ["sky", "lobes", "error_percent", "irradiance_percent", "energy_percent", "sun_percent", "seconds", "bytes"];
+
+/// Panels of the chart.
+pub const PANELS: [Panel; 3] = [
+    panel("lobes", "lobes", "error_percent", "relative L2 error of radiance, %"),
+    panel("lobes", "lobes", "irradiance_percent", "relative error of irradiance, %"),
+    panel("seconds", "seconds of the fit", "irradiance_percent", "relative error of irradiance, %"),
+];
+
+const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str, error_label: &'static str) -> Panel {
+    Panel { cost, cost_label, error, error_label, only: None }
+}
+
+/// Directions that skin faces.
+const NORMALS: u32 = 256;
+
+/// Irradiance of skin over π by the directions that it faces, of a sky's picture.
+pub fn true_irradiance(panorama: &Panorama) -> Vec<DVec3> {
+    let cells = panorama.reduced((256, 128));
+    let (width, height) = cells.size();
+    let lights: Vec<(DVec3, DVec3)> = (0..height)
+        .flat_map(|row| (0..width).map(move |column| (column, row)))
+        .map(|(column, row)| (cells.towards(column, row), cells.at(column, row) * cells.solid_angle(row)))
+        .collect();
+    of_lights(&lights, None)
+}
+
+fn of_lights(lights: &[(DVec3, DVec3)], environment: Option<&Environment>) -> Vec<DVec3> {
+    let normals = (0..NORMALS).map(|i| even_direction(i, NORMALS));
+    let sun = environment.and_then(|environment| environment.sun);
+    let of = |normal: DVec3| {
+        let sum: DVec3 = lights.iter().map(|(way, light)| *light * normal.dot(*way).max(0.0)).sum();
+        let sun = sun.map_or(DVec3::ZERO, |sun| {
+            let towards = DVec3::from(sun.towards.map(f64::from)).normalize_or(DVec3::Y);
+            DVec3::from(sun.color.map(f64::from)) * normal.dot(towards).max(0.0)
+        });
+        sum / std::f64::consts::PI + sun
+    };
+    normals.map(of).collect()
+}
+
+/// Directions over all of a sphere, as evenly as can be.
+pub(super) fn even_direction(i: u32, count: u32) -> DVec3 {
+    let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+    let turn = 2.399_963_229_728_653 * f64::from(i);
+    let out = (1.0 - y * y).sqrt();
+    DVec3::new(out * libm::cos(turn), y, out * libm::sin(turn))
+}
+
+/// The fit of a sky with so many lobes.
+pub fn fit(sky: &NamedSky, lobes: usize) -> Fitted {
+    sky.panorama.fit(FitParams { lobes, ..FitParams::default() })
+}
+
+/// The cells of a row, in the order of [`COLUMNS`].
+///
+/// * `truth`: as [`true_irradiance`] has it
+pub fn cells(sky: &NamedSky, lobes: usize, fitted: &Fitted, truth: &[DVec3], seconds: f64) -> Vec<Cell> {
+    const DIRECTIONS: u32 = 8192;
+    let each = 4.0 * std::f64::consts::PI / f64::from(DIRECTIONS);
+    let environment = &fitted.environment;
+    let lights: Vec<(DVec3, DVec3)> = (0..DIRECTIONS)
+        .map(|i| even_direction(i, DIRECTIONS))
+        .map(|way| (way, environment.radiance(way) * each))
+        .collect();
+    let found = of_lights(&lights, Some(environment));
+    let wrong: f64 = found.iter().zip(truth).map(|(a, b)| brightness(*a - *b).powi(2)).sum();
+    let whole: f64 = truth.iter().map(|of| brightness(*of).powi(2)).sum();
+    let irradiance = (wrong / whole.max(1e-300)).sqrt();
+    let percent = |x: f64| Cell::Number(100.0 * x);
+    // What is even, each lobe, and a sun.
+    let numbers = 3 + 7 * environment.lobes.len() + environment.sun.map_or(0, |_| 6);
+    vec![
+        Cell::Text(sky.name.clone()),
+        Cell::Number(lobes as f64),
+        percent(fitted.error),
+        percent(irradiance),
+        percent(fitted.energy.abs()),
+        percent(fitted.sun_share),
+        Cell::Number(seconds),
+        Cell::Number(4.0 * numbers as f64),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::skies::painted;
+    use super::*;
+
+    #[test]
+    fn more_lobes_come_nearer() {
+        for sky in painted().expect("skies") {
+            let truth = true_irradiance(&sky.panorama);
+            let of = |lobes| {
+                let fitted = fit(&sky, lobes);
+                let cells = cells(&sky, lobes, &fitted, &truth, 0.1);
+                assert_eq!(cells.len(), COLUMNS.len());
+                [2, 3, 4].map(|i| cells[i].number().expect("a number"))
+            };
+            let [few, many] = [2, 16].map(of);
+            assert!(many[0] < few[0] && many[1] < few[1], "{}: {few:?}, {many:?}", sky.name);
+            assert!(many[1] < 8.0 && many[2] < 0.1, "{}: {many:?}", sky.name);
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What of all directions a body leaves open to its hair: its own ears, legs and belly hide part of a sky, and its curves open more than what is above the skin.
+
+use glam::Vec3;
+
+/// What the body leaves open to the tips of the hair at a place of its skin, or to bare skin, at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Openness {
+    /// Share of all directions that is open, 0..=1: half of them above a plain.
+    pub share: f32,
+    /// Of the unit vector towards the middle of what is open, what lies along u and v of the tile; at most 1 long. The middle never lies below the skin's horizon.
+    pub aside: [f32; 2],
+}
+
+impl Default for Openness {
+    /// That of a plain.
+    fn default() -> Self {
+        Self { share: 0.5, aside: [0.0; 2] }
+    }
+}
+
+impl Openness {
+    /// Its four bytes in a package: the share as unorm, the vector as snorm, 0.
+    pub fn to_bytes(self) -> [u8; 4] {
+        let share = (self.share.clamp(0.0, 1.0) * 255.0).round() as u8;
+        // Towards 0: what is stored is never longer than 1.
+        let [u, v] = self.aside.map(|x| (x.clamp(-1.0, 1.0) * 127.0) as i8 as u8);
+        [share, u, v, 0]
+    }
+
+    /// What four bytes say.
+    pub fn of_bytes([share, u, v, _]: [u8; 4]) -> Self {
+        Self { share: f32::from(share) / 255.0, aside: [u, v].map(|x| (f32::from(x as i8) / 127.0).max(-1.0)) }
+    }
+
+    /// A vector as long as the share, towards the middle of what is open: along u and v of the tile, and the skin's normal.
+    pub fn open(self) -> Vec3 {
+        let [u, v] = self.aside;
+        self.share * Vec3::new(u, v, (1.0 - u * u - v * v).max(0.0).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_say_what_they_were_made_of() {
+        for (share, aside) in [(0.0, [0.0, 0.0]), (1.0, [0.6, -0.8]), (0.3, [-0.25, 0.9]), (0.7, [1.0, 0.0])] {
+            let bytes = Openness { share, aside }.to_bytes();
+            let back = Openness::of_bytes(bytes);
+            assert_eq!(back.to_bytes(), bytes);
+            let off = (back.share - share).abs().max((back.aside[0] - aside[0]).abs());
+            assert!(off.max((back.aside[1] - aside[1]).abs()) < 0.01, "{back:?}");
+            assert!(back.aside.iter().map(|x| x * x).sum::<f32>() <= 1.0, "{back:?}");
+            assert!((back.open().length() - back.share).abs() < 1e-5, "{back:?}");
+        }
+        assert_eq!(Openness::default().to_bytes(), [128, 0, 0, 0]);
+    }
+}
