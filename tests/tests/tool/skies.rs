@@ -43,7 +43,7 @@ fn skies_are_taken_for_few_lights() {
     ] {
         let path = data.join("hdr").join(name);
         let run = sandbox.run(&["sky", path.to_str().unwrap(), "-o", "broken.toml"]);
-        assert_eq!(run.code, Some(2), "{run:?}");
+        assert_eq!(run.code, Some(3), "{run:?}");
         assert!(run.stderr.contains(name) && run.stderr.contains(expected), "{run:?}");
         assert!(!sandbox.path().join("broken.toml").exists());
     }
