@@ -4,7 +4,9 @@ use crate::error::FormatError;
 use crate::tag::Tag;
 use bincode::config::{Configuration, Fixint, LittleEndian};
 use bincode::de::read::Reader;
+use bincode::de::{Decode, Decoder, DecoderImpl};
 use bincode::error::DecodeError;
+use bincode::serde::Compat;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -42,20 +44,21 @@ impl Reader for SectionReader<'_> {
 /// Memory stays in proportion to `bytes`, which the caller has bounded by [`crate::Limits`]: serde reserves at most 1 MiB for
 /// a list ahead of the elements that it has read, and bincode's own limit, without which it would allocate whatever length a
 /// string states, is set to the next of a few steps above the section's size, 1 MiB at least. (bincode takes it as a constant,
-/// and each is a decoder of its own, which a page loads.)
+/// and each would be a decoder of its own, which a page loads: one takes the largest, and what is above the step is claimed
+/// before anything is read.)
 pub(crate) fn decode_section<T: DeserializeOwned>(tag: Tag, offset: u64, bytes: &[u8]) -> Result<T, FormatError> {
-    let mut reader = SectionReader { bytes, position: 0 };
-    let decoded = match bytes.len() {
-        0..=0x10_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x10_0000>()),
-        0x10_0001..=0x100_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x100_0000>()),
-        0x100_0001..=0x1000_0000 => bincode::serde::decode_from_reader(&mut reader, CONFIG.with_limit::<0x1000_0000>()),
-        found => {
-            let (what, found, limit) = ("section length", found as u64, 0x1000_0000);
-            return Err(FormatError::Limit { tag, what, offset, found, limit });
-        }
+    const MOST: usize = 0x1000_0000;
+    let step = [0x10_0000, 0x100_0000, MOST].into_iter().find(|step| bytes.len() <= *step);
+    let Some(step) = step else {
+        let (what, found, limit) = ("section length", bytes.len() as u64, MOST as u64);
+        return Err(FormatError::Limit { tag, what, offset, found, limit });
     };
+    let reader = SectionReader { bytes, position: 0 };
+    let mut decoder = DecoderImpl::new(reader, CONFIG.with_limit::<MOST>(), ());
+    let decoded = decoder.claim_bytes_read(MOST - step).and_then(|()| Compat::<T>::decode(&mut decoder));
+    let reader = decoder.reader();
     let at = offset + reader.position as u64;
-    let value = decoded.map_err(|error| FormatError::Content { tag, offset: at, reason: in_words(&error) })?;
+    let Compat(value) = decoded.map_err(|error| FormatError::Content { tag, offset: at, reason: in_words(&error) })?;
     match bytes.len() - reader.position {
         0 => Ok(value),
         rest => Err(FormatError::Content {
@@ -78,7 +81,10 @@ fn in_words(error: &DecodeError) -> String {
         }
         DecodeError::OutsideUsizeRange(found) => format!("a length is {found}, more than this machine can hold"),
         DecodeError::Utf8 { inner } => format!("a string is not UTF-8: {inner}"),
-        other => other.to_string(),
+        DecodeError::OtherString(reason) => reason.clone(),
+        DecodeError::Other(reason) => (*reason).into(),
+        // Their own text would bring a page the texts of all errors that there are.
+        _ => "bytes that are no value of this kind".into(),
     }
 }
 

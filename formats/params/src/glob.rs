@@ -1,8 +1,9 @@
 //! Names that a pattern stands for.
 
-/// Whether a pattern matches a name: `*` stands for any run of characters and `?` for one; case does not matter.
+/// Whether a pattern matches a name: `*` stands for any run of characters and `?` for one; the case of ASCII letters does not matter. (That of all others would bring a page
+/// the tables of Unicode.)
 pub fn glob(pattern: &str, name: &str) -> bool {
-    let [pattern, name] = [pattern, name].map(|text| text.to_lowercase().chars().collect::<Vec<_>>());
+    let [pattern, name] = [pattern, name].map(|text| text.to_ascii_lowercase().chars().collect::<Vec<_>>());
     // Where the last `*` stands, and how much of the name it has swallowed so far: a mismatch goes back there and lets it
     // swallow one more. Going back to earlier ones never helps.
     let (mut p, mut n, mut star) = (0, 0, None);

@@ -209,7 +209,9 @@ pub fn mean_cosine(sharpness: f64) -> f64 {
     if sharpness < 1e-3 {
         return sharpness / 3.0;
     }
-    1.0 / libm::tanh(sharpness) - 1.0 / sharpness
+    // coth κ by what is small: 1 − exp(−2 κ).
+    let less = -libm::expm1(-2.0 * sharpness);
+    (2.0 - less) / less - 1.0 / sharpness
 }
 
 /// The κ whose light has that mean cosine, below 1: a start after Banerjee 2005, and Newton's steps.
@@ -218,7 +220,8 @@ pub fn sharpness_of(mean: f64) -> f64 {
     let mut k = mean * (3.0 - mean * mean) / (1.0 - mean * mean);
     for _ in 0..4 {
         // d/dκ of coth κ − 1/κ is 1/κ² − 1/sinh² κ; 1/3 at 0.
-        let slope = if k < 1e-2 { 1.0 / 3.0 } else { 1.0 / (k * k) - libm::pow(libm::sinh(k.min(300.0)), -2.0) };
+        let less = -libm::expm1(-2.0 * k);
+        let slope = if k < 1e-2 { 1.0 / 3.0 } else { 1.0 / (k * k) - 4.0 * (1.0 - less) / (less * less) };
         k = (k - (mean_cosine(k) - mean) / slope).max(0.0);
     }
     k

@@ -2,6 +2,7 @@
 
 use crate::StageError;
 use crate::track::{LEAST_STEP_S, Track, Value};
+use pelage_params::Raw;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
@@ -30,6 +31,18 @@ impl Source<'_> {
             let at = inner.span().map(|s| s.start).or_else(|| self.find(key));
             self.fault_at(at, key, inner.message().trim().to_owned())
         })
+    }
+
+    /// The keys and values at its top, in their order.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Input`] with the line of broken TOML.
+    pub(crate) fn table(&self) -> Result<Vec<(String, Raw)>, StageError> {
+        let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
+        let document = DeTable::parse(self.text).map_err(broken)?;
+        let entries = document.get_ref().iter();
+        Ok(entries.map(|(key, value)| (key.get_ref().to_string(), Raw::from_de(value.get_ref()))).collect())
     }
 
     /// An error at a key such as `model[1].path[0].time_s`.

@@ -403,7 +403,7 @@ impl SkySource {
             let colour = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok());
             colour.filter(|colour| colour.iter().all(|x| (0.0..=1e6).contains(x)))
         };
-        let end = of.rsplit_once('.').map(|(_, end)| end.to_lowercase());
+        let end = of.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase());
         let of = match (of.split_once('/'), end.as_deref()) {
             (Some((above, below)), _) if colour(above).is_some() => SkyOf::Gradient(colour(above)?, colour(below)?),
             _ if colour(of).is_some() => SkyOf::Even(colour(of)?),

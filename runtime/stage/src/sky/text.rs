@@ -2,7 +2,8 @@
 
 use crate::StageError;
 use crate::toml_text::Source;
-use pelage_formats::meaning::environment::Environment;
+use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
+use pelage_params::Raw;
 
 /// Reads an environment that [`environment_to_toml`] or a person wrote; `name` is the file's, for messages.
 ///
@@ -11,10 +12,83 @@ use pelage_formats::meaning::environment::Environment;
 /// [`StageError::Input`] with line and key of what is wrong.
 pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, StageError> {
     let source = Source { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
-    let environment: Environment = source.parse()?;
+    let mut environment = Environment::default();
+    for (key, value) in source.table()? {
+        match (key.as_str(), &value) {
+            ("even", value) => environment.even = three(&source, "even", value)?,
+            ("sun", Raw::Table(entries)) => {
+                let [towards, color] = fields(&source, "sun", entries, ["towards", "color"])?;
+                environment.sun = Some(Sun {
+                    towards: three(&source, "sun.towards", towards)?,
+                    color: three(&source, "sun.color", color)?,
+                });
+            }
+            ("lobe", Raw::Array(lobes)) => {
+                let lobes = lobes.iter().enumerate();
+                environment.lobes = lobes.map(|(i, value)| lobe(&source, i, value)).collect::<Result<_, _>>()?;
+            }
+            ("sun", other) => return Err(source.fault("sun", other.instead_of("a table"))),
+            ("lobe", other) => return Err(source.fault("lobe", other.instead_of("tables, each [[lobe]]"))),
+            (other, _) => return Err(unknown(&source, other, &["even", "sun", "lobe"])),
+        }
+    }
     match environment.fault() {
         Some((key, reason)) => Err(source.fault(&key, reason)),
         None => Ok(environment),
+    }
+}
+
+// Read by hand: a page loads this code, and what serde makes of three tables is a twentieth of all that it loads.
+
+fn lobe(source: &Source<'_>, number: usize, value: &Raw) -> Result<LightLobe, StageError> {
+    let at = format!("lobe[{number}]");
+    let Raw::Table(entries) = value else { return Err(source.fault(&at, value.instead_of("a table"))) };
+    let [towards, width, radiance] = fields(source, &at, entries, ["towards", "width_deg", "radiance"])?;
+    let key = |name: &str| format!("{at}.{name}");
+    Ok(LightLobe {
+        towards: three(source, &key("towards"), towards)?,
+        width_deg: number_of(source, &key("width_deg"), width)?,
+        radiance: three(source, &key("radiance"), radiance)?,
+    })
+}
+
+/// The values of the fields of a table, all of which must be there, and no others.
+fn fields<'r, const N: usize>(
+    source: &Source<'_>,
+    at: &str,
+    entries: &'r [(String, Raw)],
+    names: [&str; N],
+) -> Result<[&'r Raw; N], StageError> {
+    if let Some((other, _)) = entries.iter().find(|(key, _)| !names.contains(&key.as_str())) {
+        return Err(unknown(source, &format!("{at}.{other}"), &names));
+    }
+    let mut found = [const { &Raw::Bool(false) }; N];
+    for (slot, name) in found.iter_mut().zip(names) {
+        let value = entries.iter().find(|(key, _)| key == name).map(|(_, value)| value);
+        *slot = value.ok_or_else(|| source.fault(at, format!("missing field `{name}`")))?;
+    }
+    Ok(found)
+}
+
+fn unknown(source: &Source<'_>, key: &str, names: &[&str]) -> StageError {
+    let name = key.rsplit('.').next().unwrap_or(key);
+    source.fault(key, format!("unknown field `{name}`, expected one of {}", names.join(", ")))
+}
+
+fn number_of(source: &Source<'_>, key: &str, value: &Raw) -> Result<f32, StageError> {
+    value.number().map(|x| x as f32).ok_or_else(|| source.fault(key, value.instead_of("a number")))
+}
+
+fn three(source: &Source<'_>, key: &str, value: &Raw) -> Result<[f32; 3], StageError> {
+    match value {
+        Raw::Array(items) if items.len() == 3 => {
+            let mut out = [0.0; 3];
+            for (slot, item) in out.iter_mut().zip(items) {
+                *slot = number_of(source, key, item)?;
+            }
+            Ok(out)
+        }
+        other => Err(source.fault(key, other.instead_of("three numbers"))),
     }
 }
 
