@@ -39,7 +39,7 @@ pub struct Fitted {
 /// Width and height of the picture that lights are fitted to: 5.6 degrees a cell, below the least width of a lobe.
 const CELLS: (u32, u32) = (64, 32);
 /// Times that all lobes are moved to where they fit best.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 10;
 
 impl Panorama {
     /// The lights that come nearest to it, by least squares of radiance over solid angle. The same picture gives the same lights on every machine.
