@@ -3,8 +3,12 @@
 use crate::BakeError;
 use crate::image_file::bounded_reader;
 use crate::io::{read_file, read_text};
-use pelage_stage::sky::{Environment, Panorama, environment_from_toml};
+use glam::DVec3;
+use pelage_stage::sky::{Environment, FitParams, Panorama, environment_from_toml};
 use std::path::Path;
+
+/// Width and height of the picture that lights become for a while, where a ground is put under them.
+const PAINTED: (u32, u32) = (128, 64);
 
 /// What shines from all around, as a file says it.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +20,24 @@ pub enum SkyFile {
 }
 
 impl SkyFile {
+    /// The same over a level ground of that albedo, linear RGB, in place of all that comes from below. Lights are taken anew for at most `lobes`.
+    ///
+    /// # Errors
+    /// [`BakeError::Internal`] never, unless lights cannot be painted.
+    pub fn over_ground(self, albedo: [f32; 3], lobes: usize) -> Result<Self, BakeError> {
+        Ok(match self {
+            Self::Panorama(panorama) => Self::Panorama(panorama.over_ground(albedo, DVec3::ZERO)),
+            Self::Lights(lights) => {
+                let sun = lights.sun;
+                let onto = Environment { sun, ..Environment::default() }.onto_ground();
+                let painted = Panorama::painted(PAINTED, |way| lights.radiance(way));
+                let painted = painted.map_err(|error| BakeError::Internal(error.to_string()))?;
+                let fitted = painted.over_ground(albedo, onto).fit(FitParams { lobes, sun: f64::INFINITY });
+                Self::Lights(Environment { sun, ..fitted.environment })
+            }
+        })
+    }
+
     /// Reads one by its name's end: `.hdr`, `.exr` or `.toml`.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use pelage_bake::io::write_atomic;
 use pelage_bake::sky_file::SkyFile;
+use pelage_stage::Look;
 use pelage_stage::sky::{Environment, FitParams, Fitted, environment_to_toml};
 use serde_json::json;
 use std::path::PathBuf;
@@ -23,6 +24,9 @@ pub struct SkyArgs {
     /// Most lobes
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=32))]
     lobes: u32,
+    /// Colour of a level ground, sRGB, that sends back what comes from above, in place of all that lies below the horizon
+    #[arg(long, value_name = "COLOR", value_parser = parse_ground)]
+    ground: Option<[f32; 3]>,
     /// Least share of all light, 0 to 1, that a sun has to have to be a light of its own; 1 keeps it among the lobes
     #[arg(long, value_name = "SHARE", default_value_t = FitParams::default().sun, value_parser = parse_share)]
     sun: f64,
@@ -32,12 +36,22 @@ fn parse_share(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|share| (0.0..=1.0).contains(share)).ok_or("expected a share of 0 to 1".into())
 }
 
+fn parse_ground(text: &str) -> Result<[f32; 3], String> {
+    let mut look = Look::default();
+    look.set(&format!("environment.ground={text}")).map_err(|error| error.to_string())?;
+    look.environment.ground_color().ok_or_else(|| "expected a colour".into())
+}
+
 /// Runs the subcommand.
 pub fn run(args: &SkyArgs, output: &mut Output) -> Result<Exit, Failure> {
     require_parent(&args.output)?;
     let sky = SkyFile::read(&args.input)?;
     output.progress("fitting");
     let began = Instant::now();
+    let sky = match args.ground {
+        Some(albedo) => sky.over_ground(albedo, args.lobes as usize)?,
+        None => sky,
+    };
     let (fitted, size) = match sky {
         SkyFile::Panorama(panorama) => {
             let sun = if args.sun < 1.0 { args.sun } else { f64::INFINITY };

@@ -1,6 +1,7 @@
 //! Subcommands, one file each, and what they share: exit codes ([`exit`]) and output ([`output`]).
 
 mod anatomy;
+mod backdrop;
 mod bake;
 #[cfg(feature = "preview")]
 mod bench;

@@ -11,7 +11,7 @@ use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueScattering}
 use pelage_bake::strands::GroomReport;
 use pelage_bake::{BakeError, io};
 use pelage_params::Knob;
-use pelage_stage::{Look, SHORT_FORMS, ShortForm};
+use pelage_stage::{Background, Look, SHORT_FORMS, ShortForm};
 use serde_json::json;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -57,7 +57,8 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let view = View::new(&args.view, Look::default())?;
     refuse_fast_path(&args.view)?;
     let write = Format::of(&args.output)?;
-    if write == Format::Exr && view.look.background().is_some() {
+    let transparent = matches!(view.look.picture.background, None | Some(Background::Transparent));
+    if write == Format::Exr && !transparent {
         return Err(Failure::Usage(
             "--background: an .exr keeps what is transparent; expected it to be left out".into(),
         ));
@@ -77,7 +78,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut show = |done: u64, total: u64| output.progress_of(done as usize, total as usize, "pixels traced");
     let picture = pool.install(|| truth.picture(&view, args.spp, &mut show));
     let seconds = start.elapsed().as_secs_f64();
-    io::write_atomic(&args.output, &write.bytes(&picture, view.look.background())?)?;
+    io::write_atomic(&args.output, &write.bytes(&picture, &view, &truth.camera(&view))?)?;
     report(args, output, &truth, &truth.camera(&view), &picture, (grown_s, seconds))
 }
 
@@ -200,10 +201,14 @@ impl Format {
         }
     }
 
-    fn bytes(self, picture: &TracedPicture, background: Option<[u8; 3]>) -> Result<Vec<u8>, Failure> {
+    fn bytes(self, picture: &TracedPicture, view: &View, camera: &TrueCamera) -> Result<Vec<u8>, Failure> {
         let mut bytes = Cursor::new(Vec::new());
         let written = match self {
-            Self::Png => encode(picture, background).write_to(&mut bytes, image::ImageFormat::Png),
+            Self::Png => {
+                let mut pixels = encode(picture, view.look.background());
+                view.lay_over_sky(&mut pixels, camera, 0.0);
+                pixels.write_to(&mut bytes, image::ImageFormat::Png)
+            }
             Self::Exr => {
                 let flat: Vec<f32> = picture.pixels.iter().flatten().copied().collect();
                 // OpenEXR holds colours times alpha, as the picture does; a background is another picture's matter.

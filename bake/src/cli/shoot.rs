@@ -8,9 +8,10 @@ use super::view::View;
 use glam::Quat;
 use image::RgbaImage;
 use pelage_bake::io;
+use pelage_bake::judge::truth::{Lens, TrueCamera};
 use pelage_bake::picture::encode_png;
 use pelage_formats::meaning::{hair_motion, srgb_to_linear};
-use pelage_runtime::{Frame, Light};
+use pelage_runtime::{Camera, Frame, Light, Projection};
 use pelage_stage::{Shot, Stage};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -84,14 +85,18 @@ impl Shoot {
         if self.auto_rotate {
             self.scene.look_from(self.shot.at(time_s).turned(angle_rad));
         }
+        let turn_deg = if self.turn_light { angle_rad.to_degrees() } else { 0.0 };
         if self.turn_light {
             self.scene.params.light = turned(self.light, angle_rad);
-            let sky = self.view.sky.as_ref().map(|sky| sky.environment().turned(angle_rad.to_degrees()));
+            let sky = self.view.sky.as_ref().map(|sky| sky.environment().turned(turn_deg));
             if sky.is_some() {
                 self.scene.params.environment = sky;
             }
         }
-        let (drawn, pixels) = picture(&mut self.scene)?;
+        let (drawn, mut pixels) = picture(&mut self.scene)?;
+        if let Some(camera) = of_frame(&self.scene.params.camera) {
+            self.view.lay_over_sky(&mut pixels, &camera, turn_deg);
+        }
         // A long sequence of a large crowd would fill memory and journal with what nobody is told.
         let told = if index == 0 { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
         Ok((told, pixels))
@@ -138,6 +143,16 @@ impl Shoot {
             (light, camera) => key.and(self.count.to_le_bytes()).and([u8::from(light), u8::from(camera)]),
         }
     }
+}
+
+/// The camera of a frame for what is reckoned pixel by pixel; a stage makes none that has no lens.
+fn of_frame(camera: &Camera) -> Option<TrueCamera> {
+    let lens = match camera.projection {
+        Projection::Perspective { fov_y_rad, .. } => Lens::Perspective { fov_y_rad },
+        Projection::Orthographic { height_m, .. } => Lens::Orthographic { height_m },
+        Projection::Custom(_) => return None,
+    };
+    Some(TrueCamera::from_view(camera.view_from_world, lens))
 }
 
 /// Draws the scene as it stands into a PNG file.

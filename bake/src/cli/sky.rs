@@ -1,6 +1,8 @@
 //! The light from all around that a look names, read and fitted.
 
 use super::exit::Failure;
+use glam::{DQuat, DVec3};
+use pelage_bake::BakeError;
 use pelage_bake::judge::truth::TrueSky;
 use pelage_bake::sky_file::SkyFile;
 #[cfg(feature = "view")]
@@ -17,10 +19,19 @@ use std::sync::OnceLock;
 /// # Errors
 /// Which file, where in it, and what is wrong.
 #[cfg(feature = "view")]
-pub fn lights_of(path: &Path, lobes: u32) -> LightsRead {
-    let of = SkyFile::read(path).map_err(|error| error.to_string())?;
+pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRead {
+    let of = read(path, lobes, ground).map_err(|error| error.to_string())?;
     let sky = Sky { of, yaw_deg: 0.0, strength: 1.0, lobes: lobes as usize, fitted: OnceLock::new() };
     Ok(Arc::new(sky.lights()))
+}
+
+/// Reads a file of light from all around, over a ground where there is one.
+fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<SkyFile, BakeError> {
+    let of = SkyFile::read(path)?;
+    match ground {
+        Some(albedo) => of.over_ground(albedo, lobes as usize),
+        None => Ok(of),
+    }
 }
 
 /// An environment as its look says it.
@@ -48,9 +59,8 @@ impl Sky {
     pub fn of(look: &Look) -> Result<Option<Self>, Failure> {
         let Some(source) = &look.environment.sky else { return Ok(None) };
         let of = match &source.of {
-            SkyOf::File(path) => SkyFile::read(Path::new(path))?,
-            SkyOf::Even(radiance) => SkyFile::Lights(Environment::constant(*radiance)),
-            SkyOf::Gradient(above, below) => SkyFile::Lights(Environment::gradient(*above, *below)),
+            SkyOf::File(path) => read(Path::new(path), look.environment.lobes, look.environment.ground_color())?,
+            _ => SkyFile::Lights(look.environment.said().unwrap_or_default()),
         };
         let (yaw_deg, strength) = (source.yaw_deg, look.environment.strength);
         let lobes = look.environment.lobes as usize;
@@ -77,6 +87,16 @@ impl Sky {
     /// The same turned and as bright as the look says.
     pub fn environment(&self) -> Environment {
         self.lights().turned(self.yaw_deg).times(self.strength)
+    }
+
+    /// Radiance from a direction of length 1, linear RGB, with the sky turned `turn_deg` on; the sun of lights is not seen.
+    pub fn seen(&self, towards: DVec3, turn_deg: f32) -> DVec3 {
+        let inside = DQuat::from_rotation_y(-f64::from(self.yaw_deg + turn_deg).to_radians()) * towards;
+        let radiance = match &self.of {
+            SkyFile::Panorama(panorama) => panorama.seen(inside),
+            SkyFile::Lights(lights) => lights.radiance(inside),
+        };
+        radiance * f64::from(self.strength)
     }
 
     /// For paths: a panorama as it is, with its sun in it; else lights, and their sun beside them.

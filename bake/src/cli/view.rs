@@ -1,5 +1,6 @@
 //! How a package or a scene is looked at: what the arguments of `render` and `bench` come to.
 
+use super::backdrop;
 use super::camera_args::CameraArgs;
 use super::exit::Failure;
 use super::sky::Sky;
@@ -60,6 +61,7 @@ impl View {
     /// A look file, or the sky that it names, that cannot be read or says something wrong.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
+        backdrop::check(&look)?;
         let (clip, blend, morphs) = (args.clip.clone(), args.blend.clone(), args.morph.clone());
         let sky = Sky::of(&look)?.map(Arc::new);
         let view = Self { look, sky, clip, blend, morphs, time_s: args.time, crowd: args.crowd, ..Self::default() };
@@ -88,7 +90,7 @@ impl View {
         let mut look = self.look.clone();
         if let Some(sky) = &self.sky {
             // It was read with the look.
-            let _ = look.take_lights(&mut |_, _| Ok(Arc::new(sky.lights())));
+            let _ = look.take_lights(&mut |_, _, _| Ok(Arc::new(sky.lights())));
         }
         look.frame_params()
     }

@@ -100,6 +100,24 @@ impl Environment {
         self.lobes.iter().fold(sun + even, |sum, lobe| sum + lobe.whole())
     }
 
+    /// Irradiance over π of what lies level under it, the sun's with it: what a white ground sends back from everywhere.
+    pub fn onto_ground(&self) -> DVec3 {
+        const ROWS: u32 = 32;
+        const COLUMNS: u32 = 64;
+        let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * unit(sun.towards).y.max(0.0));
+        let row = |y: u32| {
+            // Equal steps of the squared sine are equal parts of what a level surface meets.
+            let up = ((f64::from(y) + 0.5) / f64::from(ROWS)).sqrt();
+            let out = (1.0 - up * up).sqrt();
+            let at = |x: u32| {
+                let (sin, cos) = libm::sincos(core::f64::consts::TAU * (f64::from(x) + 0.5) / f64::from(COLUMNS));
+                self.radiance(DVec3::new(out * cos, up, out * sin))
+            };
+            (0..COLUMNS).map(at).sum::<DVec3>()
+        };
+        sun + (0..ROWS).map(row).sum::<DVec3>() / f64::from(ROWS * COLUMNS)
+    }
+
     /// The direction that most of its light comes from, of length 1; upwards where it comes from nowhere in particular.
     pub fn middle(&self) -> DVec3 {
         let lobe = |lobe: &LightLobe| {

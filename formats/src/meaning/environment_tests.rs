@@ -32,6 +32,18 @@ fn what_it_is_in_whole_is_the_sum_over_directions() {
 }
 
 #[test]
+fn a_ground_meets_what_comes_from_above() {
+    let sun = Sun { towards: [0.6, 0.8, 0.0], color: [1.0, 2.0, 0.0] };
+    let lobes = vec![lobe([0.3, 1.0, -0.5], 20.0, [9.0, 4.0, 1.0]), lobe([0.0, -1.0, 0.0], 20.0, [9.0, 9.0, 9.0])];
+    let sky = Environment { even: [0.5, 0.25, 0.125], lobes, sun: Some(sun) };
+    let sum = sphere(40_000).map(|(way, angle)| sky.radiance(way) * (way.y.max(0.0) * angle / PI)).sum::<DVec3>();
+    let expected = sum + 0.8 * DVec3::new(1.0, 2.0, 0.0);
+    assert!((sky.onto_ground() / expected - 1.0).abs().max_element() < 2e-3, "{} {expected}", sky.onto_ground());
+    let low = Environment { sun: Some(Sun { towards: [1.0, -0.2, 0.0], ..sun }), ..Environment::default() };
+    assert_eq!(low.onto_ground(), DVec3::ZERO);
+}
+
+#[test]
 fn a_gradient_goes_from_below_to_above() {
     let sky = Environment::gradient([1.0, 0.2, 0.5], [0.25, 0.4, 0.5]);
     assert_eq!((sky.lobes.len(), sky.fault()), (2, None));

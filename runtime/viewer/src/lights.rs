@@ -4,14 +4,17 @@ use pelage_stage::{LightsRead, Look};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// Reads a file of light from all around: told its path and how many lobes a panorama is taken for.
-pub type LightsOf = fn(&Path, u32) -> LightsRead;
+/// Reads a file of light from all around: told its path, how many lobes a panorama is taken for, and what a ground under it sends back.
+pub type LightsOf = fn(&Path, u32, Option<[f32; 3]>) -> LightsRead;
+
+/// What a file was read as: all that [`LightsOf`] was told.
+type Asked = (PathBuf, u32, Option<[f32; 3]>);
 
 /// The last that was read.
 #[derive(Default)]
 pub(crate) struct Lights {
     read: Option<LightsOf>,
-    last: RefCell<Option<(PathBuf, u32, LightsRead)>>,
+    last: RefCell<Option<(Asked, LightsRead)>>,
 }
 
 impl Lights {
@@ -21,13 +24,15 @@ impl Lights {
 
     /// Gives a look the lights of the file that it names, if it names one.
     pub(crate) fn give(&self, look: &mut Look) -> Result<(), String> {
-        look.take_lights(&mut |path, lobes| {
+        look.take_lights(&mut |path, lobes, ground| {
             let mut last = self.last.borrow_mut();
-            if let Some((.., lights)) = last.as_ref().filter(|(of, count, _)| of == path && *count == lobes) {
+            let asked = (path.to_owned(), lobes, ground);
+            if let Some((_, lights)) = last.as_ref().filter(|(before, _)| *before == asked) {
                 return lights.clone();
             }
-            let lights = self.read.map_or_else(|| Err("nobody reads files here".to_owned()), |read| read(path, lobes));
-            *last = Some((path.to_owned(), lobes, lights.clone()));
+            let unread = || Err("nobody reads files here".to_owned());
+            let lights = self.read.map_or_else(unread, |read| read(path, lobes, ground));
+            *last = Some((asked, lights.clone()));
             lights
         })
     }

@@ -1,10 +1,11 @@
 // The package's API on a canvas: pictures, memory, devices.
 
 import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
 import { after, before } from "node:test";
 import { browser, inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
-import { assertOther, assertSame, bare, bytesOf, open, picture, rendered } from "./stage.mjs";
+import { assertOther, assertSame, bare, bytesOf, open, OUT, picture, rendered } from "./stage.mjs";
 
 const SIZE = [320, 240];
 /** Cheap, and with shadow maps that a pose draws anew. */
@@ -46,6 +47,39 @@ inBrowser("a_canvas_shows_what_render_draws", browser("a_canvas_shows_what_rende
   });
   const wider = args.map((arg) => (arg === camera ? `--camera=${view.eye}/${view.target}/48` : arg));
   assertSame(await picture(page, "canvas_tall"), rendered("render_tall", [150, 200], ...wider));
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+inBrowser("a_page_takes_the_sky_that_render_takes", browser("a_page_takes_the_sky_that_render_takes"), async () => {
+  const { page, faults, close } = await bare(opened, { size: SIZE });
+  const keyed = await picture(page, "sky_none");
+  const sky = `even = [0.1, 0.12, 0.15]
+[sun]
+towards = [0.6, 0.5, 0.6]
+color = [0.5, 0.45, 0.3]
+[[lobe]]
+towards = [-1.0, 0.4, 0.3]
+width_deg = 25.0
+radiance = [0.4, 0.8, 1.6]
+`;
+  writeFileSync(`${OUT}/sky.toml`, sky);
+  await page.evaluate((sky) => pelage.setEnvironment(sky), sky);
+  const lit = await picture(page, "sky_page");
+  assertSame(lit, rendered("sky_render", SIZE, "--environment", `${OUT}/sky.toml`));
+  assertOther(lit, keyed);
+  // What is wrong with it is said, and the light stays.
+  const said = await page.evaluate(() => {
+    try {
+      pelage.setEnvironment("even = [1.0, 1.0, 1.0]\n[[lobe]]\nwide = 3.0\n");
+    } catch (error) {
+      return error.message;
+    }
+  });
+  assert.match(said, /wide/);
+  assertSame(lit, await picture(page, "sky_still"));
+  await page.evaluate(() => pelage.setEnvironment(null));
+  assertSame(keyed, await picture(page, "sky_ended"));
   assert.deepEqual(faults, []);
   await close();
 });

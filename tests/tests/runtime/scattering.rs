@@ -157,6 +157,57 @@ fn a_white_coat_is_as_bright_as_an_even_sky() {
     assert!(before > beside && beside > behind, "{before} {beside} {behind}");
 }
 
+/// Lobes of a sky that turns come over the horizon, over each other and behind the body without a jump, in layers and strand by strand.
+#[test]
+fn a_turning_sky_does_not_flicker() {
+    let Some(gpu) = gpu("a_turning_sky_does_not_flicker") else { return };
+    let mut renderer = renderer(gpu);
+    let passes: Vec<PassId> = PassId::all().collect();
+    let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", "fibre.eumelanin=1.3"];
+    let bytes = bake_plain("hare", &workspace().join("assets/models/hare.glb"), None, &set);
+    let hare = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
+    let lobe = |towards: [f32; 3], width_deg: f32, green: f32| LightLobe { towards, width_deg, radiance: [green; 3] };
+    let lobes = vec![
+        lobe([1.0, 0.1, 0.0], 8.0, 20.0),
+        lobe([0.9, 0.4, 0.4], 15.0, 4.0),
+        lobe([-0.7, 0.0, 0.7], 10.0, 8.0),
+        lobe([0.0, -0.3, -1.0], 20.0, 2.0),
+    ];
+    let sky = Environment { even: [0.1; 3], lobes, sun: None };
+    const FRAMES: usize = 192;
+    const SIDE: usize = 96;
+    const BLOCK: usize = 16;
+    for hair in [Hair::Shells, Hair::Strands] {
+        let frames: Vec<Vec<f64>> = (0..FRAMES)
+            .map(|i| {
+                let view = params(Vec3::new(0.4, 0.2, 0.9), Vec3::Y, 0.6, SIDE as u32).with(|p| {
+                    p.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
+                    p.environment = Some(sky.turned(360.0 * i as f32 / FRAMES as f32));
+                });
+                let found = pixels(gpu, &mut renderer, &hare, &view.with_fur(|fur| fur.hair = hair), &passes);
+                let mut blocks = vec![0.0; (SIDE / BLOCK) * (SIDE / BLOCK)];
+                for (at, pixel) in found.iter().enumerate() {
+                    let (x, y) = (at % SIDE / BLOCK, at / SIDE / BLOCK);
+                    blocks[y * (SIDE / BLOCK) + x] += f64::from(pixel[1]) / (BLOCK * BLOCK) as f64;
+                }
+                blocks
+            })
+            .collect();
+        // Of each block how far it swings in a turn, and the largest second difference, which a jump is.
+        let (mut swing, mut jump) = (0.0_f64, 0.0_f64);
+        for block in 0..frames[0].len() {
+            let of = |i: usize| frames[i % FRAMES][block];
+            let (least, most) =
+                (0..FRAMES).map(of).fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
+            swing = swing.max(most - least);
+            jump = (0..FRAMES).map(|i| (of(i) - 2.0 * of(i + 1) + of(i + 2)).abs()).fold(jump, f64::max);
+        }
+        println!("{hair:?}: swing {swing:.4}, largest second difference {jump:.4}");
+        // Steps of 1.9 degrees: what is smooth bends little from one to the next, and a jump stays as large as it is.
+        assert!(swing > 0.003 && jump < 0.04 * swing, "{hair:?}: swing {swing}, largest second difference {jump}");
+    }
+}
+
 #[test]
 fn what_is_wrong_with_an_environment_is_said() {
     let Some(gpu) = gpu("what_is_wrong_with_an_environment_is_said") else { return };

@@ -88,3 +88,44 @@ fn a_picture_names_its_sky_by_words_and_by_files() {
         assert!(run.code != Some(0) && run.stderr.contains(expected), "{sky}: {run:?}");
     }
 }
+
+/// Behind a traced picture lies the sky that lights it; a ground colours it, and what comes from it, from below.
+#[test]
+fn a_sky_is_seen_behind_and_over_a_ground() {
+    let sandbox = Sandbox::new();
+    sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
+    assert_eq!(sandbox.run(&["bake", "torus.glb", "-o", "t.pelage", "--set", "slice.layers=4"]).code, Some(0));
+    let words = ["reference", "t.pelage", "-o", "t.png", "--size", "32x32", "--spp", "2"];
+    let picture = |arguments: &[&str]| {
+        let run = sandbox.run(&[&words[..], arguments].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        image::open(sandbox.path().join("t.png")).unwrap().into_rgba8()
+    };
+    let level = ["--camera", "0,0,9/0,0,0/90", "--background", "sky"];
+    let plain = picture(&[&level[..], &["--environment", "0.2,0.4,0.8"]].concat());
+    // 0.2 of the light is byte 124, 0.4 is 170, 0.8 is 231.
+    assert_eq!(plain.get_pixel(0, 0).0, [124, 170, 231, 255]);
+    assert_eq!(plain.get_pixel(31, 31).0, [124, 170, 231, 255]);
+    let ground = [&level[..], &["--environment", "1,1,1", "--environment-strength", "0.25", "--ground", "#ff0000"]];
+    let over = picture(&ground.concat());
+    let [above, below] = [0, 31].map(|y| over.get_pixel(16, y).0);
+    assert!(above[2] > 110 && below[2] < 80 && below[0] > 120, "{above:?} {below:?}");
+    // Few lights over a ground, as a file.
+    sandbox.write("even.toml", "even = [1.0, 1.0, 1.0]\n");
+    let run = sandbox.run(&["sky", "even.toml", "-o", "over.toml", "--ground", "#000000"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let lights =
+        environment_from_toml("over.toml", &std::fs::read_to_string(sandbox.path().join("over.toml")).unwrap());
+    let lights = lights.unwrap();
+    let [up, down] = [1.0, -1.0].map(|y| lights.radiance(glam::DVec3::new(0.0, y, 0.0)).x);
+    assert!((up - 1.0).abs() < 0.15 && down.abs() < 0.15, "{up} {down}: {lights:?}");
+    for (arguments, expected) in [
+        (&["--background", "sky"][..], "expected --environment as well"),
+        (&["--environment", "1,1,1", "--ground", "grass"], "expected \"none\""),
+    ] {
+        let run = sandbox.run(&[&words[..], arguments].concat());
+        assert_eq!(run.code, Some(2), "{run:?}");
+        assert!(run.stderr.contains(expected), "{run:?}");
+    }
+    assert!(sandbox.run(&["sky", "even.toml", "-o", "x.toml", "--ground", "1,2"]).stderr.contains("#rrggbb"));
+}

@@ -38,6 +38,21 @@ impl TrueCamera {
         let target_ws = eye_ws - world_from_view.z_axis.truncate();
         Self { eye_ws, target_ws, up_ws: world_from_view.y_axis.truncate(), lens }
     }
+
+    /// Where it looks to at each place of a picture of that many pixels.
+    pub fn ways(&self, size: (u32, u32)) -> Ways {
+        Ways(RayCaster::new(self, size))
+    }
+}
+
+/// Where a camera looks to.
+pub struct Ways(RayCaster);
+
+impl Ways {
+    /// Unit vector from the eye through a place of the picture, pixels from its upper left corner.
+    pub fn towards(&self, at: DVec2) -> DVec3 {
+        self.0.ray(at).1
+    }
 }
 
 /// The rays of a camera.

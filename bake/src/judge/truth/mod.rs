@@ -28,7 +28,7 @@ mod strands;
 mod tracer;
 mod volume;
 
-pub use camera::{Lens, TrueCamera};
+pub use camera::{Lens, TrueCamera, Ways};
 pub use disc_light::{DiscLight, Occluder};
 pub use hair_motion::{Followed, SkinMotion, TrueGuide, TrueSwing};
 pub use ink_lines::{ContourForm, LineKind, LineParams, LineSegment, TrueLines, VisibleLines};

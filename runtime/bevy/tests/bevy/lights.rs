@@ -5,8 +5,8 @@ use bevy_camera::{Exposure, Hdr};
 use bevy_color::Color;
 use bevy_light::NotShadowCaster;
 use bevy_math::{Mat4, Vec3};
-use bevy_pelage::runtime::FurParams;
-use bevy_pelage::{Pelage, PelageClip, PelageHair, PelageJoints, ShadesPelage, runtime::Style};
+use bevy_pelage::runtime::{Environment, FurParams, LightLobe};
+use bevy_pelage::{Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, ShadesPelage, runtime::Style};
 use bevy_render::view::Msaa;
 use bevy_transform::components::Transform;
 
@@ -93,6 +93,40 @@ fn exposure_suns_and_ambient_light_are_bevys() {
     (0..3).for_each(|_| drop(stand.picture(&camera)));
     let said: Vec<_> = stand.renderers().said().collect();
     assert!(matches!(said[..], [words] if words.contains("has no Hdr")), "{said:?}");
+}
+
+/// The green of the picture's left half and of its right half.
+fn halves(picture: &Picture) -> [u64; 2] {
+    let mut sums = [0; 2];
+    for (i, pixel) in picture.pixels().enumerate() {
+        sums[usize::from(i % SIZE[0] as usize >= SIZE[0] as usize / 2)] += u64::from(pixel[1]);
+    }
+    sums
+}
+
+#[test]
+fn a_sky_lights_from_where_it_shines_and_may_turn() {
+    let Some(mut stand) = gpu("a_sky_lights_from_where_it_shines_and_may_turn") else { return };
+    let model = stand.model("ball", &ball());
+    let camera = camera(&mut stand);
+    stand.world().spawn(Pelage::fur(model));
+    assert_eq!(green(&stand.picture(&camera)), 0, "no light");
+    let lobe = |x: f32| LightLobe { towards: [x, 0.2, 0.0], width_deg: 20.0, radiance: [1.0, 6.0, 1.0] };
+    let lights = Environment { lobes: vec![lobe(-1.0)], ..Environment::default() };
+    let shine = |stand: &mut Stand, lights: Environment, intensity: f32| {
+        stand.world().insert_resource(PelageEnvironment { lights: Some(lights), intensity });
+        stand.picture(&camera)
+    };
+    let lit = shine(&mut stand, lights.clone(), 1000.0);
+    let [left, right] = halves(&lit);
+    assert!(left > 2 * right && left > 5_000, "{left} {right}");
+    let turned = halves(&shine(&mut stand, lights.turned(180.0), 1000.0));
+    assert!(turned[1] > 2 * turned[0], "{turned:?}");
+    let dimmer = green(&shine(&mut stand, lights, 250.0));
+    assert!(dimmer * 3 < green(&lit) * 2, "two stops: {dimmer} beside {}", green(&lit));
+    stand.world().insert_resource(PelageEnvironment::default());
+    assert_eq!(green(&stand.picture(&camera)), 0, "and none again");
+    assert_eq!(stand.renderers().said().count(), 0);
 }
 
 #[test]

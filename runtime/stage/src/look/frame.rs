@@ -134,7 +134,7 @@ impl Look {
             ink.paper_grain = look.paper_grain;
             ink.mist_m = look.mist_m.map(|mist| mist.0);
             ink.background = match self.picture.background {
-                Some(Background::Transparent) => InkBackground::Picture,
+                Some(Background::Transparent | Background::Sky) => InkBackground::Picture,
                 Some(Background::Color(_)) | None => InkBackground::Paper,
             };
         })

@@ -280,20 +280,22 @@ text_field!(
     write |rgb| format!("{:?}", rgb.text())
 );
 
-/// What is behind everything. As text `transparent` or a colour.
+/// What is behind everything. As text `transparent`, `sky` or a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Background {
     /// Opacity 0.
     Transparent,
+    /// The environment, in what is written to files.
+    Sky,
     /// sRGB; in ink that of the paper.
     Color(Rgb),
 }
 
 impl Background {
-    /// sRGB-encoded; `None` for transparent.
+    /// sRGB-encoded; `None` for transparent, and for the environment, which is no one colour.
     pub fn color(self) -> Option<[u8; 3]> {
         match self {
-            Self::Transparent => None,
+            Self::Transparent | Self::Sky => None,
             Self::Color(rgb) => Some(rgb.0),
         }
     }
@@ -301,14 +303,16 @@ impl Background {
 
 text_field!(
     Background,
-    expected "\"transparent\", \"#rrggbb\" or \"red,green,blue\" with numbers 0..=255",
+    expected "\"transparent\", \"sky\", \"#rrggbb\" or \"red,green,blue\" with numbers 0..=255",
     control Control::Text,
     read |raw| match string(raw)? {
         "transparent" => Some(Background::Transparent),
+        "sky" => Some(Background::Sky),
         text => Rgb::of_text(text).map(Background::Color),
     },
     write |background| match background {
         Background::Transparent => "\"transparent\"".into(),
+        Background::Sky => "\"sky\"".into(),
         Background::Color(rgb) => format!("{:?}", rgb.text()),
     }
 );

@@ -31,6 +31,7 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     short("environment", "SKY[:YAW]", "environment.sky"),
     short("environment-strength", "S", "environment.strength"),
     short("environment-lobes", "N", "environment.lobes"),
+    short("ground", "COLOR", "environment.ground"),
     short("layers", "N", "fur.layers"),
     short("detail", "full|auto|LEVEL", "fur.detail"),
     short("hair", "auto|shells|strands", "fur.hair"),

@@ -8,6 +8,7 @@ use super::kinds::{
 use crate::framing::TOWARDS_LIGHT;
 use glam::Vec3;
 use pelage_formats::meaning::environment::Environment;
+use pelage_formats::meaning::srgb_to_linear;
 use pelage_params::{ParamError, params, tables};
 use std::path::Path;
 use std::sync::Arc;
@@ -21,7 +22,7 @@ params! {
         style: LookStyle = LookStyle::Fur;
         /// Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much.
         samples: Samples = Samples(1);
-        /// What is behind the models, sRGB. `auto` is transparent, and paper in ink.
+        /// What is behind the models, sRGB. `auto` is transparent, and paper in ink; `sky` is the environment, in pictures and videos that are written.
         background: Option<Background> = None, or "auto";
     }
 }
@@ -48,8 +49,29 @@ params! {
         sky: Option<SkySource> = None, or "none";
         /// How many times as bright it is.
         strength: f32 = 1.0, in 0.0..=1000.0;
+        /// Colour of a level ground, sRGB, that sends back what comes from above: it takes the place of all that comes from below.
+        ground: Option<Rgb> = None, or "none";
         /// How many lights spread about a direction a panorama is taken for; a sun, and what is even, come on top.
         lobes: u32 = 16, in 1..=32;
+    }
+}
+
+impl LookEnvironment {
+    /// Share of light that the ground sends back, linear RGB; `None` without one.
+    pub fn ground_color(&self) -> Option<[f32; 3]> {
+        self.ground.map(|color| color.0.map(srgb_to_linear))
+    }
+
+    /// Light that is said in colours, neither turned nor brightened: what comes from below is what the ground sends back, where there is one. `None` for a file.
+    pub fn said(&self) -> Option<Environment> {
+        let (above, lights) = match &self.sky.as_ref()?.of {
+            SkyOf::File(_) => return None,
+            SkyOf::Even(radiance) => (radiance, Environment::constant(*radiance)),
+            SkyOf::Gradient(above, below) => (above, Environment::gradient(*above, *below)),
+        };
+        let Some(ground) = self.ground_color() else { return Some(lights) };
+        let comes = lights.onto_ground().as_vec3().to_array();
+        Some(Environment::gradient(*above, std::array::from_fn(|i| ground[i] * comes[i])))
     }
 }
 
@@ -258,20 +280,23 @@ impl Look {
         let source = self.environment.sky.as_ref()?;
         let lights = match &source.of {
             SkyOf::File(_) => source.lights.as_deref()?.clone(),
-            SkyOf::Even(radiance) => Environment::constant(*radiance),
-            SkyOf::Gradient(above, below) => Environment::gradient(*above, *below),
+            _ => self.environment.said()?,
         };
         Some(lights.turned(source.yaw_deg).times(self.environment.strength))
     }
 
-    /// Has the file of the environment read, where there is one and it was not yet: `read` is told its path and how many lobes a panorama is taken for.
+    /// Has the file of the environment read, where there is one and it was not yet: `read` is told its path, how many lobes a panorama is taken for, and
+    /// what a ground under it sends back ([`LookEnvironment::ground_color`]).
     ///
     /// # Errors
     /// What `read` says.
-    pub fn take_lights(&mut self, read: &mut dyn FnMut(&Path, u32) -> LightsRead) -> Result<(), String> {
-        let lobes = self.environment.lobes;
+    pub fn take_lights(
+        &mut self,
+        read: &mut dyn FnMut(&Path, u32, Option<[f32; 3]>) -> LightsRead,
+    ) -> Result<(), String> {
+        let (lobes, ground) = (self.environment.lobes, self.environment.ground_color());
         if let Some(SkySource { of: SkyOf::File(path), lights: lights @ None, .. }) = &mut self.environment.sky {
-            *lights = Some(read(Path::new(path), lobes)?);
+            *lights = Some(read(Path::new(path), lobes, ground)?);
         }
         Ok(())
     }

@@ -38,8 +38,10 @@ pub struct Fitted {
 
 /// Width and height of the picture that lights are fitted to: 5.6 degrees a cell, below the least width of a lobe.
 const CELLS: (u32, u32) = (64, 32);
-/// Times that all lobes are moved to where they fit best.
-const ROUNDS: usize = 10;
+/// Times that all lobes are moved to where they fit best, after each new one.
+const MOVES_OF_EACH: usize = 4;
+/// And once all are there.
+const MOVES_OF_ALL: usize = 8;
 
 impl Panorama {
     /// The lights that come nearest to it, by least squares of radiance over solid angle. The same picture gives the same lights on every machine.
@@ -52,10 +54,10 @@ impl Panorama {
             if !chosen.add_best() {
                 break;
             }
+            // What a lobe far from its place leaves would draw the next ones to it.
+            (0..MOVES_OF_EACH).for_each(|_| chosen.move_all());
         }
-        for round in 0..ROUNDS {
-            chosen.move_all(round);
-        }
+        (0..MOVES_OF_ALL).for_each(|_| chosen.move_all());
         let lobe = |(light, radiance): (_, DVec3)| {
             let (towards, width_deg): (DVec3, f32) = light;
             LightLobe { towards: towards.as_vec3().into(), width_deg, radiance: radiance.as_vec3().into() }

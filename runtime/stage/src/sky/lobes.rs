@@ -66,6 +66,8 @@ pub(super) struct Chosen<'a> {
     cells: &'a Cells,
     candidates: Vec<(Shape, Vec<f64>)>,
     shapes: Vec<Shape>,
+    /// How far each shape is moved next, of a third of its width.
+    steps: Vec<f64>,
     /// Of what is even first, then of each shape: its light in the cells.
     columns: Vec<Vec<f64>>,
     /// What each is multiplied by, of each colour.
@@ -87,6 +89,7 @@ impl<'a> Chosen<'a> {
             cells,
             candidates: candidates.collect(),
             shapes: Vec::new(),
+            steps: Vec::new(),
             columns: vec![cells.weights.clone()],
             amounts: Default::default(),
             rest: cells.light.clone(),
@@ -108,15 +111,15 @@ impl<'a> Chosen<'a> {
             return false;
         }
         self.shapes.push(*shape);
+        self.steps.push(1.0);
         self.columns.push(self.cells.column(shape));
         self.amounts.iter_mut().for_each(|amounts| amounts.push(0.0));
         self.solve();
         true
     }
 
-    /// Moves each lobe to where less is left, by steps that halve from round to round, and finds anew how bright all are.
-    pub(super) fn move_all(&mut self, round: usize) {
-        let step = libm::exp2(-(round as f64));
+    /// Moves each lobe to where less is left, and finds anew how bright all are. A lobe's steps grow while they help and halve where none does.
+    pub(super) fn move_all(&mut self) {
         for i in 0..self.shapes.len() {
             let amounts = [0, 1, 2].map(|c: usize| self.amounts[c][i + 1]);
             let alone: [Vec<f64>; 3] = std::array::from_fn(|c| {
@@ -127,16 +130,15 @@ impl<'a> Chosen<'a> {
                 let size = dot(column, column).max(1e-300);
                 alone.iter().map(|rest| dot(column, rest).max(0.0)).map(|met| met * met / size).sum::<f64>()
             };
-            let mut best = (worth(&self.columns[i + 1]), self.shapes[i], None);
-            for shape in neighbours(&self.shapes[i], step) {
+            let now = worth(&self.columns[i + 1]);
+            let moved = neighbours(&self.shapes[i], self.steps[i]).map(|shape| {
                 let column = self.cells.column(&shape);
-                let worth = worth(&column);
-                if worth > best.0 {
-                    best = (worth, shape, Some(column));
-                }
-            }
-            let (_, shape, column) = best;
-            if let Some(column) = column {
+                (worth(&column), shape, column)
+            });
+            let best = moved.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|best| best.0 > now);
+            self.steps[i] *= if best.is_some() { 1.5 } else { 0.5 };
+            self.steps[i] = self.steps[i].min(1.0);
+            if let Some((_, shape, column)) = best {
                 let size = dot(&column, &column).max(1e-300);
                 self.shapes[i] = shape;
                 for (c, alone) in alone.iter().enumerate() {

@@ -109,12 +109,47 @@ impl Panorama {
         DVec3::new(out * cos, up, out * sin)
     }
 
+    /// Radiance from a direction of length 1, between the four pixels around it.
+    pub fn seen(&self, towards: DVec3) -> DVec3 {
+        let (across, down) = self.place(towards);
+        let (x, y) = (across - 0.5, (down - 0.5).clamp(0.0, f64::from(self.height - 1)));
+        let column = |x: f64| (x as i64).rem_euclid(i64::from(self.width)) as u32;
+        let (left, right) = (column(x.floor()), column(x.floor() + 1.0));
+        let (above, below) = (y as u32, (y as u32 + 1).min(self.height - 1));
+        let row = |y: u32| self.at(left, y).lerp(self.at(right, y), x - x.floor());
+        row(above).lerp(row(below), y.fract())
+    }
+
+    /// The same over a level ground of that albedo, linear RGB, in place of all that lies below the horizon. `more`: what comes down on it beside the picture, irradiance over π.
+    #[must_use]
+    pub fn over_ground(&self, albedo: [f32; 3], more: DVec3) -> Self {
+        let up = |y: u32| self.towards(0, y).y;
+        let of_row = |y: u32| {
+            let light: DVec3 = (0..self.width).map(|x| self.at(x, y)).sum();
+            light * (self.solid_angle(y) * up(y).max(0.0) / PI)
+        };
+        let comes = more + (0..self.height).map(of_row).sum::<DVec3>();
+        let sent: [f32; 3] = (DVec3::from(albedo.map(f64::from)) * comes).as_vec3().into();
+        let mut pixels = self.pixels.clone();
+        for (y, row) in (0..self.height).zip(pixels.chunks_exact_mut(self.width as usize)) {
+            if up(y) < 0.0 {
+                row.fill(sent);
+            }
+        }
+        self.with_pixels(pixels)
+    }
+
     /// The pixel in which a direction of length 1 lies.
     pub fn pixel(&self, towards: DVec3) -> (u32, u32) {
+        let (across, down) = self.place(towards);
+        ((across as u32).min(self.width - 1), (down as u32).min(self.height - 1))
+    }
+
+    /// Where a direction of length 1 lies, pixels from the upper left corner.
+    fn place(&self, towards: DVec3) -> (f64, f64) {
         let around = 0.5 + libm::atan2(towards.z, towards.x) / TAU;
         let down = libm::acos(towards.y.clamp(-1.0, 1.0)) / PI;
-        let index = |share: f64, count: u32| ((share * f64::from(count)) as u32).min(count - 1);
-        (index(around, self.width), index(down, self.height))
+        (around * f64::from(self.width), down * f64::from(self.height))
     }
 
     /// Solid angle of each pixel of a row, steradians.

@@ -86,6 +86,30 @@ fn a_sun_that_dominates_is_a_light_of_its_own() {
 }
 
 #[test]
+fn between_pixels_a_panorama_is_even_and_goes_around() {
+    let sky = painted((64, 32), |way| DVec3::new(2.0 + way.x, 2.0 + way.y, 2.0 + way.z));
+    for way in [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::new(-0.9, 0.3, 0.01), DVec3::new(0.2, -0.9, -0.3), DVec3::Y] {
+        let way = way.normalize();
+        assert!((sky.seen(way) - 2.0 - way).abs().max_element() < 0.06, "{way}: {}", sky.seen(way));
+    }
+    // Where columns begin anew there is no seam.
+    let [one, other] = [1e-6, -1e-6].map(|z| sky.seen(DVec3::new(-1.0, 0.0, z).normalize()));
+    assert!((one - other).length() < 1e-4, "{one} {other}");
+}
+
+/// A ground sends back its share of what comes down on it, from everywhere below, and nothing else of the picture changes.
+#[test]
+fn a_ground_sends_back_its_share() {
+    let sky = painted((256, 128), |way| if way.y > 0.0 { DVec3::new(1.0, 2.0, 4.0) } else { DVec3::splat(50.0) });
+    let over = sky.over_ground([0.5, 0.25, 0.0], DVec3::new(0.0, 2.0, 0.0));
+    assert_eq!(over.seen(DVec3::Y), sky.seen(DVec3::Y));
+    let below = over.seen(DVec3::new(0.3, -0.6, 0.2).normalize());
+    assert!((below - DVec3::new(0.5, 1.0, 0.0)).abs().max_element() < 1e-3, "{below}");
+    let black = sky.over_ground([0.0; 3], DVec3::ZERO);
+    assert!((black.whole() / sky.whole()).max_element() < 0.5 && black.seen(DVec3::NEG_Y) == DVec3::ZERO);
+}
+
+#[test]
 fn skies_of_nothing_and_of_one_pixel_have_lights_that_are_sound() {
     let black = painted((64, 32), |_| DVec3::ZERO).fit(FitParams::default());
     assert_eq!(black.environment, Environment::default());
