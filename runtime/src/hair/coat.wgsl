@@ -36,7 +36,8 @@ fn with_coat(
         arrives = coat_light(path, instance.coat_light_base, instance.coat_light_slope);
     }
     let point = HairPoint(
-        spot, grown(far.direction, length, slope), far.color.rgb * (alpha / far.color.a) * base, alpha, vec3(1.0), wetness,
+        spot, grown(far.direction, length, slope), far.color.rgb * (alpha / far.color.a) * base, alpha, vec3(1.0),
+        mean_of_layer(u32(0.5 * instance.coat_ambient_height * f32(instance.baked_layers)), far.color.rgb / far.color.a) * base, wetness,
         arriving_at(instance.coat_ambient_height, light_ts, half_ts, arrives, visible), baked,
     );
     return light_hair(point) + (1.0 - alpha) * undercoat;

@@ -129,6 +129,16 @@ fn dry_hair_at(uv: vec2<f32>, layer: u32) -> Hair {
     return Hair(color, direction);
 }
 
+// Mean colour of the dry hair of a layer; `known` where nobody asks for it.
+fn mean_of_layer(layer: u32, known: vec3<f32>) -> vec3<f32> {
+    if !MULTIPLE {
+        return known;
+    }
+    // The smallest level.
+    let mean = textureSampleLevel(shell_colors, shell_sampler, vec2(0.5), layer, 16.0);
+    return mean.rgb / max(mean.a, 1e-3);
+}
+
 // The hair of a layer: dry and wet mixed.
 fn hair_at(uv: vec2<f32>, layer: u32, wetness: f32) -> Hair {
     let dry = dry_hair_at(uv, layer);

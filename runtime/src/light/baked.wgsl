@@ -16,12 +16,9 @@ struct Baked {
     within: f32,
 }
 
-// How far behind its skin a body's fur is lit: near the outline hair stands above what hides the light. It is the sine for tips, of bodies as round as most are.
-const RIM: f32 = 0.45;
-
 // Sine of a light's height above the skin, as hair sees it that the share `open` of other light reaches: 0 where the body hides it.
 fn above_rim(height: f32, open: f32) -> f32 {
-    let rim = max(RIM * open, 1e-3);
+    let rim = max(material.rim * open, 1e-3);
     let risen = max(height + rim, 0.0);
     return select(0.25 * risen * risen / rim, height, height > rim);
 }

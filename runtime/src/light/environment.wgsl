@@ -59,7 +59,7 @@ fn environment_place(facing: vec3<f32>) -> vec2<f32> {
 // Height over the skin by which light at that height is kept from hair that the share `open` of other light reaches, where the skin curves away below its way: the way
 // through the hair is as long as under a light so high over a plain. With d the depth of the hair and R the radius of the body the way is R (sqrt(z^2 + 2 d / R) - z).
 fn over_curve(height: f32, open: f32) -> f32 {
-    let dip = RIM * open;
+    let dip = material.rim * open;
     return 0.5 * (height + sqrt(height * height + dip * dip));
 }
 
@@ -141,8 +141,8 @@ fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left
     );
 }
 
-// What a fibre in a coat of that colour sends to the eye of such light, of which the share `direct` comes past other fibres. All in the tile frame.
-fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: vec3<f32>, direct: f32, baked: Baked) -> vec3<f32> {
+// What a fibre of that colour, over others that are `deeper` in colour, sends to the eye of such light, of which the share `direct` comes past other fibres. All in the tile frame.
+fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: vec3<f32>, deeper: vec3<f32>, direct: f32, baked: Baked) -> vec3<f32> {
     let number = fibre_number();
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
@@ -177,7 +177,8 @@ fn scatter_around(direction: vec3<f32>, around: Around, eye: vec3<f32>, color: v
     var sent = around.whole * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
     if MULTIPLE {
         let reaches = dot(texel.xyz, visible) / max(texel.x + texel.y + texel.z, 1e-6);
-        let sides = fibre_sides(fibres[number], cos_i, left);
+        // Light that went from hair to hair went through those below.
+        let sides = fibre_sides(fibres[number], cos_i, fibre_left(cos_d, optics, fibre_absorption(deeper, optics.y)));
         var met = sides;
         if HANGS {
             met = hanging_sides(sides);
@@ -217,6 +218,9 @@ fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetnes
     return vec2(diffuse, dry_or_wet.x * sqrt(wider) * lobe);
 }
 
+// Share of light from all sides that comes past other strands to hair that hangs, where it is seen.
+const SEEN_HANGING: f32 = 0.2;
+
 fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     let color = p.color * p.tint;
     let around = around_at(p.spot, color / max(p.opacity, 1e-6));
@@ -225,11 +229,18 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     if (HANGS && DEEP_SHADOW) || (!BAKED_SHADOW && (DEEP_SHADOW || SELF_SHADOW)) {
         // How deep a point lies in such hair is known from the key light's side alone. Light that is spread goes through it at a slant: on average over a half, 1.66 times as
         // far (the diffusivity factor of a layer).
-        let spread = (1.0 - clamp(length(around.towards), LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
+        let long = length(around.towards);
+        let spread = (1.0 - clamp(long, LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
         direct = pow(p.arriving.visible, 1.0 + 0.66 * spread);
+        if HANGS {
+            direct *= p.arriving.past;
+            // From other sides it lies about as deep as hair does that is seen.
+            let facing = clamp(dot(p.spot.open, p.arriving.light_ts), 0.0, 1.0);
+            direct = mix(direct, SEEN_HANGING, spread * (1.0 - facing));
+        }
     }
     if SCATTERING {
-        return p.opacity * scatter_around(p.direction, around, eye, color / max(p.opacity, 1e-6), direct, p.baked);
+        return p.opacity * scatter_around(p.direction, around, eye, color / max(p.opacity, 1e-6), p.deeper * p.tint, direct, p.baked);
     }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);
     let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);

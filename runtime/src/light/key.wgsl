@@ -36,10 +36,10 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
         let eye = eye_of(a.light_ts, a.half_ts, 1.0);
         if (!BAKED_SHADOW || DEEP_SHADOW) && !(HANGS && SOFT_SHADOW) {
             // Maps do not say where the body hides the light from its own fur beside the outline.
-            visible *= back_attenuation(a.light_ts.z, max(RIM * p.baked.texel.w, 1e-3));
+            visible *= back_attenuation(a.light_ts.z, max(material.rim * p.baked.texel.w, 1e-3));
         }
         let color = p.color * a.diffuse / max(p.opacity, 1e-6);
-        let sent = scatter(p.direction, normalize_or(a.light_ts, eye), eye, color, above_rim(a.light_ts.z, p.baked.texel.w), visible, a.past);
+        let sent = scatter(p.direction, normalize_or(a.light_ts, eye), eye, color, p.deeper * a.diffuse, above_rim(a.light_ts.z, p.baked.texel.w), visible, a.past);
         return p.color * a.ambient + a.specular * sent * p.opacity;
     }
     visible *= a.past;

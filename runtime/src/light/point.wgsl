@@ -22,6 +22,8 @@ struct HairPoint {
     color: vec3<f32>,
     opacity: f32,
     tint: vec3<f32>,
+    // Of the hair below it, neither premultiplied nor tinted.
+    deeper: vec3<f32>,
     // 0..=1.
     wetness: f32,
     // What reaches it of the ambient light and the key light.

@@ -37,9 +37,9 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
 }
 
-// What a fibre in a coat of that colour sends to the eye of a light of colour 1, which brings an irradiance of pi. `direct`: share of the light that comes past
+// What a fibre of that colour, over others that are `deeper` in colour, sends to the eye of a light of colour 1, which brings an irradiance of pi. `direct`: share of the light that comes past
 // other fibres, `past` that comes past all else; above: sine of the light's height above the skin, as above_rim has it. All in one frame, the fibre towards its tip.
-fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f32>, above: f32, direct: f32, past: f32) -> vec3<f32> {
+fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f32>, deeper: vec3<f32>, above: f32, direct: f32, past: f32) -> vec3<f32> {
     let number = fibre_number();
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
@@ -48,8 +48,8 @@ fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f
     let left = fibre_left(angles.cos_d, optics, absorbed);
     var sent = direct * fibre_scatters(fibre_texel(angles.along, 0u), fibre_texel(angles.around, 1u), absorbed, left);
     if MULTIPLE {
-        // What is left at the difference angle is at hand, and serves for the light's own.
-        let sides = fibre_sides(fibres[number], angles.cos_i, left);
+        // Light that went from hair to hair went through those below. The difference angle is at hand, and serves for the light's own.
+        let sides = fibre_sides(fibres[number], angles.cos_i, fibre_left(angles.cos_d, optics, fibre_absorption(deeper, optics.y)));
         var met = sides;
         var cones = vec2(1.0);
         if HANGS {
@@ -64,8 +64,11 @@ fn scatter(direction: vec3<f32>, light: vec3<f32>, eye: vec3<f32>, color: vec3<f
         let spread = d.from_light * to_here + d.from_below * to_there;
         // What was sent on has kept about a quarter turn of its way.
         let straight = mix(sides[1], sides[0], smoothstep(0.15, 0.85, turned));
-        let reached = smoothstep(0.0, 0.05, above);
-        sent += (cones.x * d.sent_on * straight * reached + cones.y * spread * falls_in(d.root_lost, above)) / PI;
+        // A coat gets no more of light that grazes it than falls on its skin. What was sent on is at the tips, which such light meets from the side, and the less is lost the
+        // farther it goes.
+        let falls = falls_in(d.root_lost, above);
+        let reached = pow(falls, min(0.15 + d.root_lost, vec3(0.5)));
+        sent += (cones.x * d.sent_on * straight * reached + cones.y * spread * falls) / PI;
     }
     return sent * (PI * past);
 }

@@ -125,6 +125,8 @@ pub(crate) fn load(
             alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
             share_per_m: if manifest.fur.height_m > 0.0 { manifest.fur.height_m.recip() } else { 0.0 },
             horizon: package.visibility()?.map_or(1.0, |info| info.horizon),
+            rim: rim(manifest),
+            reserved: [0.0; 3],
             fibre: fibres.as_ref().and_then(|info| info.of_materials.get(i)).copied().unwrap_or(0).into(),
             asides: asides(roots.as_ref(), i),
         };
@@ -196,7 +198,16 @@ pub(crate) fn load(
     Ok(Model { manifest: Arc::new(manifest.clone()), resources: Arc::new(resources) })
 }
 
-/// As [`RootsInfo::uv_per_tile`] has it of a material; 0 in packages that say nothing.
+/// Sine of how far behind its skin the tips of a body's fur are lit: hair of height h over a body of radius R sees beyond it by the angle whose sine is √(2 h / R), and the
+/// radius is taken for that of a body which fills its box as animals do.
+fn rim(manifest: &Manifest) -> f32 {
+    const OF_SIZE: f32 = 2.53;
+    let bounds = &manifest.bounds;
+    let sides: [f32; 3] = std::array::from_fn(|i| bounds.max[i] - bounds.min[i]);
+    let size_m = sides.iter().product::<f32>().max(0.0).cbrt();
+    (OF_SIZE * (manifest.fur.height_m / size_m.max(1e-6)).sqrt()).clamp(0.1, 0.6)
+}
+
 /// The attribute stream with what the body leaves open in the last two bytes of each vertex, which packages leave 0.
 fn with_openness(attributes: &[u8], openness: &[u8]) -> Vec<u8> {
     let mut out = attributes.to_vec();
@@ -208,6 +219,7 @@ fn with_openness(attributes: &[u8], openness: &[u8]) -> Vec<u8> {
     out
 }
 
+/// As [`RootsInfo::uv_per_tile`] has it of a material; 0 in packages that say nothing.
 fn uv_per_tile(roots: Option<&RootsInfo>, material: usize) -> f32 {
     roots.and_then(|roots| roots.uv_per_tile.get(material).copied()).unwrap_or(0.0)
 }

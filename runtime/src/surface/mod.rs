@@ -21,6 +21,9 @@ pub(crate) struct MaterialUniform {
     pub(crate) horizon: f32,
     /// Which of the package's fibres its coat is.
     pub(crate) fibre: u32,
+    /// Sine of how far behind the skin the tips of its hair are lit.
+    pub(crate) rim: f32,
+    pub(crate) reserved: [f32; 3],
     /// At each of the heights: mean and along of `RootsInfo::asides`, in coordinates of the base colour, and 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
 }

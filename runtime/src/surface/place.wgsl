@@ -23,6 +23,8 @@ struct Material {
     horizon: f32,
     // Which of the package's fibres its coat is.
     fibre: u32,
+    // How far behind its skin a body's fur is lit, as the sine for tips: near the outline hair stands above what hides the light.
+    rim: f32,
     // At heights spread evenly from the skin to the outermost layer: how far hair lies aside of its root, in coordinates of the base colour, as
     // root_aside takes it.
     asides: array<vec4<f32>, 8>,

@@ -75,7 +75,7 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     let receiver = Receiver(in.place, height * frame.last_map_layer, true, in.light_ts.z);
     let point = HairPoint(
         Spot(in.position_ws, in.normal_ws, in.tangent, in.open), grown(hair.direction, in.length_slope.x, in.length_slope.y), texel.rgb * base.rgb, texel.a,
-        vec3(1.0), 0.0, arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible_through_hair(receiver), visible_past_things(receiver)),
+        vec3(1.0), mean_of_layer(in.slab, texel.rgb / texel.a) * base.rgb, 0.0, arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible_through_hair(receiver), visible_past_things(receiver)),
         baked_at_height(height, groom.x, in.length_slope.x, in.length_slope.y),
     );
     return shown(vec4(light_hair(point), texel.a), 3u, 0.0);

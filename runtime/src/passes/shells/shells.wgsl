@@ -86,7 +86,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         baked.within = light_within(hair.color.a, stands_for(in.layer));
     }
     let direction = grown(hair.direction, in.length, in.slope);
-    let point = HairPoint(in.spot, direction, texel.rgb * base.rgb, texel.a, in.tint, groom.y, arriving, baked);
+    let point = HairPoint(in.spot, direction, texel.rgb * base.rgb, texel.a, in.tint, mean_of_layer(in.layer / 4u, texel.rgb / texel.a) * base.rgb, groom.y, arriving, baked);
     return shown(vec4(light_hair(point), texel.a), 2u, 0.0);
 }
 

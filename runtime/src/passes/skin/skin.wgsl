@@ -130,7 +130,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     let kept = in.grows_length_slope.x * groom.x;
     let baked = baked_at(in.tile_uv, 0u, groom.y, kept, in.grows_length_slope.y, 0.0);
     let point = HairPoint(
-        spot, grown(hair.direction, in.grows_length_slope.y, 0.0), color.rgb * base.rgb, color.a, vec3(1.0), groom.y,
+        spot, grown(hair.direction, in.grows_length_slope.y, 0.0), color.rgb * base.rgb, color.a, vec3(1.0), color.rgb * base.rgb, groom.y,
         arriving_at(0.0, light, in.half_ts, through, past), baked,
     );
     let bare = bare_color(base.rgb, light.z, visible * visible_past_strands(baked, light), spot, side);

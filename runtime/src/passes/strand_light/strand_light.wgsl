@@ -130,6 +130,13 @@ fn deep_texel(at: vec2<i32>, depth: f32) -> f32 {
     return exp(-deep_opacity.density * OPACITY_STEP * sum * shadowing(behind, deep_opacity.slabs));
 }
 
+// The way out of hair that hangs so far from its root: across it, to where it hangs and where the skin faces that it grows from. One side of it is open there, and the
+// body lies on the other.
+fn outwards(from_root: vec3<f32>, normal: vec3<f32>, tangent: vec3<f32>) -> vec3<f32> {
+    let out = from_root + normal * (0.5 * length(from_root) + 1e-6);
+    return normalize_or(out - tangent * dot(out, tangent), normal);
+}
+
 fn srgb_channels(c: vec3<f32>) -> vec3<f32> {
     return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
 }
@@ -159,7 +166,7 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let length = strand.fur_height * material.share_per_m;
     let root = first + POSED_BEFORE;
     let last = pieces();
-    let open = open_to_hair(unpack4x8unorm(strand.groom).zw);
+    var open = open_to_hair(unpack4x8unorm(strand.groom).zw);
 
     for (var i = 0u; i <= last; i++) {
         let k = root + i * constants.step;
@@ -174,6 +181,10 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let point = tile[of_tile];
         var radius = f32(point.y >> 16u);
         var color = srgb_channels(unpack4x8unorm(point.z).rgb);
+        var deeper = color;
+        if MULTIPLE && !HANGS {
+            deeper = srgb_channels(unpack4x8unorm(tile[strand.of_tile * constants.points + i * constants.step / 2u].z).rgb) * tint.rgb;
+        }
         var seen_by = unpack4x8unorm(point.w);
         if WET {
             let wet = tile[constants.dry_points + of_tile];
@@ -192,9 +203,12 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let past = visible_past_things(receiver);
         let slope = lean_slope(strand.lean, height);
         let arriving = arriving_at(height, light_ts, half_ts, visible_through_strands(place), past);
+        if HANGS {
+            open = to_tile(skin, outwards(position - world_place(root), normal, tangent));
+        }
         let hair = HairPoint(
             Spot(position, skin.normal_ws, vec4(skin.tangent_ws, handedness), open), to_tile(skin, tangent), color * tint.rgb, 1.0,
-            vec3(1.0), wetness, arriving, Baked(seen_by, grows, length, slope, 1.0),
+            vec3(1.0), deeper, wetness, arriving, Baked(seen_by, grows, length, slope, 1.0),
         );
         let lit = packed_light(light_hair(hair));
         let left = vec4(bitcast<vec3<u32>>(position - aside), lit);
