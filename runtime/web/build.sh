@@ -14,7 +14,7 @@ rm -rf "$out/npm" "$out/site/pelage"
 mkdir -p "$out/npm" "$out/site"
 cp runtime/web/npm/* LICENSE-MIT LICENSE-APACHE "$out/npm/"
 cp "$out/bound/pelage_web_bg.wasm" "$out/npm/"
-# Its comments are those of index.d.ts in other words.
-sed "/^ *\/\*\*/,/\*\//d" "$out/bound/pelage_web.js" >"$out/npm/pelage_web.js"
+# Its comments are those of index.d.ts in other words, and nobody reads how it is indented.
+sed -e "/^ *\/\*\*/,/\*\//d" -e "s/^ *//" -e "/^\/\//d" -e "/^$/d" "$out/bound/pelage_web.js" >"$out/npm/pelage_web.js"
 cp runtime/web/page/* "$out/site/"
 cp -r "$out/npm" "$out/site/pelage"

@@ -87,7 +87,7 @@ impl<'a> TextureView<'a> {
             .map_err(|e| place.fail(0, format!("{e}, expected the header of a KTX2 file")))?;
         let format = header.format.and_then(TextureFormat::from_ktx2).ok_or_else(|| {
             let names: Vec<_> = TextureFormat::ALL.iter().map(|f| f.name()).collect();
-            let found = header.format.map_or_else(|| "undefined".to_owned(), |format| format!("{format:?}"));
+            let found = header.format.map_or_else(|| "undefined".to_owned(), name_of);
             place.fail(12, format!("texel format is {found}, expected one of {}", names.join(", ")))
         })?;
         if let Some(scheme) = header.supercompression_scheme {
@@ -269,3 +269,8 @@ impl<'a> TextureView<'a> {
 
 /// Bytes of the descriptor that a writer may choose: the colour primaries and the flags (premultiplied alpha).
 const DESCRIPTOR_FREE: [usize; 2] = [13, 15];
+
+/// The name of a format. Pages have its number in `VkFormat` alone: the names of all formats would be a hundredth of what a page loads.
+fn name_of(format: ktx2::Format) -> String {
+    if cfg!(target_family = "wasm") { format!("VkFormat {}", format.value()) } else { format!("{format:?}") }
+}

@@ -1,7 +1,7 @@
 //! Writes the JavaScript and the types beside a WebAssembly module: `bind-web MODULE.wasm FOLDER`.
 //!
 //! It stands for the command `wasm-bindgen`, whose own build brings a web server and a TLS library. What a page need not load is left out: names of
-//! functions, and comments of shaders, which are a twentieth of a compressed module.
+//! functions, and comments and indents of shaders, which are a twentieth of a compressed module.
 
 mod shaders;
 
@@ -20,7 +20,11 @@ fn main() -> ExitCode {
     let bound = bindgen.web(true).and_then(|bindgen| bindgen.generate_output()).and_then(|mut output| {
         let segments = &mut output.wasm_mut().data;
         let ids: Vec<_> = segments.iter().map(|segment| segment.id()).collect();
-        ids.into_iter().for_each(|id| shaders::blank_comments(&mut segments.get_mut(id).value));
+        for id in ids {
+            let data = &mut segments.get_mut(id).value;
+            shaders::blank_comments(data);
+            shaders::set_left(data);
+        }
         output.emit(Path::new(folder))
     });
     match bound {

@@ -13,6 +13,42 @@ pub fn blank_comments(data: &mut [u8]) {
     }
 }
 
+/// Sets the lines between one that ends in an opening brace and one that begins with the closing one to the left, leaves out those of spaces alone, and puts the
+/// spaces behind the last. Such lines are of one text, whatever lies beside it: it keeps its place and length, and one run of spaces takes no room once compressed.
+pub fn set_left(data: &mut [u8]) {
+    let ends: Vec<usize> = data.iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at).collect();
+    let mut open = None;
+    for (number, pair) in ends.windows(2).enumerate() {
+        let line = &data[pair[0] + 1..pair[1]];
+        match open {
+            Some(first) if line.starts_with(b"}") => {
+                if number > first {
+                    compact(&mut data[ends[first] + 1..pair[0]]);
+                }
+                open = None;
+            }
+            Some(_) if is_indented(line) => continue,
+            _ => open = (line.ends_with(b"{") && is_text(line)).then_some(number + 1),
+        }
+    }
+}
+
+fn compact(lines: &mut [u8]) {
+    let left: Vec<&[u8]> =
+        lines.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start).filter(|line| !line.is_empty()).collect();
+    let mut left = left.join(&b'\n');
+    left.resize(lines.len(), b' ');
+    lines.copy_from_slice(&left);
+}
+
+fn is_indented(line: &[u8]) -> bool {
+    line.starts_with(b"    ") && is_text(line)
+}
+
+fn is_text(line: &[u8]) -> bool {
+    std::str::from_utf8(line).is_ok_and(|text| !text.contains(char::is_control))
+}
+
 fn is_comment(line: &[u8]) -> bool {
     std::str::from_utf8(line)
         .is_ok_and(|text| text.trim_start_matches(' ').starts_with("// ") && !text.contains(char::is_control))
@@ -20,7 +56,7 @@ fn is_comment(line: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::blank_comments;
+    use super::{blank_comments, set_left};
 
     #[test]
     fn whole_lines_of_comment_are_blank_and_all_else_keeps_its_place() {
@@ -33,10 +69,22 @@ mod tests {
     }
 
     #[test]
+    fn bodies_are_set_left_and_all_else_keeps_its_place() {
+        let text = "fn a() {\n    b();\n            \n    if c {\n        d();\n    }\n}\n    e {\n  f\n}";
+        let mut data = text.as_bytes().to_vec();
+        data.insert(0, b'\n');
+        set_left(&mut data);
+        let found = String::from_utf8(data).unwrap_or_default();
+        assert_eq!(found.len(), text.len() + 1);
+        assert_eq!(found, format!("\nfn a() {{\nb();\nif c {{\nd();\n}}{}\n}}\n    e {{\n  f\n}}", " ".repeat(33)));
+    }
+
+    #[test]
     fn bytes_that_are_no_text_stay() {
         let before = b"\n// a\0b\n// \xff\n".to_vec();
         let mut data = before.clone();
         blank_comments(&mut data);
+        set_left(&mut data);
         assert_eq!(data, before);
     }
 }
