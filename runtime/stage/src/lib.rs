@@ -45,7 +45,7 @@ pub use look::{
     Background, FillLight, Interval, KeyLight, LightsRead, Look, LookAnchoring, LookDetail, LookEnvironment, LookFur,
     LookFurShow, LookHair, LookInk, LookLight, LookLighting, LookMotion, LookPenumbra, LookPicture, LookRule,
     LookScattering, LookSelfShadow, LookShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
-    LookWidth, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyOf, SkySource,
+    LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyOf, SkySource,
 };
 #[cfg(feature = "draw")]
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};

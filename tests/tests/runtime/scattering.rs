@@ -177,6 +177,7 @@ fn a_turning_sky_does_not_flicker() {
     const FRAMES: usize = 192;
     const SIDE: usize = 96;
     const BLOCK: usize = 16;
+    const SQUARES: usize = (SIDE / BLOCK) * (SIDE / BLOCK);
     for hair in [Hair::Shells, Hair::Strands] {
         let frames: Vec<Vec<f64>> = (0..FRAMES)
             .map(|i| {
@@ -185,7 +186,7 @@ fn a_turning_sky_does_not_flicker() {
                     p.environment = Some(sky.turned(360.0 * i as f32 / FRAMES as f32));
                 });
                 let found = pixels(gpu, &mut renderer, &hare, &view.with_fur(|fur| fur.hair = hair), &passes);
-                let mut blocks = vec![0.0; (SIDE / BLOCK) * (SIDE / BLOCK)];
+                let mut blocks = vec![0.0; SQUARES];
                 for (at, pixel) in found.iter().enumerate() {
                     let (x, y) = (at % SIDE / BLOCK, at / SIDE / BLOCK);
                     blocks[y * (SIDE / BLOCK) + x] += f64::from(pixel[1]) / (BLOCK * BLOCK) as f64;
@@ -194,14 +195,14 @@ fn a_turning_sky_does_not_flicker() {
             })
             .collect();
         // Of each block how far it swings in a turn, and the largest second difference, which a jump is.
-        let (mut swing, mut jump) = (0.0_f64, 0.0_f64);
-        for block in 0..frames[0].len() {
+        let figures = (0..SQUARES).map(|block| {
             let of = |i: usize| frames[i % FRAMES][block];
-            let (least, most) =
-                (0..FRAMES).map(of).fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
-            swing = swing.max(most - least);
-            jump = (0..FRAMES).map(|i| (of(i) - 2.0 * of(i + 1) + of(i + 2)).abs()).fold(jump, f64::max);
-        }
+            let ends = |(least, most): (f64, f64), x: f64| (least.min(x), most.max(x));
+            let (least, most) = (0..FRAMES).map(of).fold((f64::MAX, f64::MIN), ends);
+            let bend = |i: usize| (of(i) - 2.0 * of(i + 1) + of(i + 2)).abs();
+            (most - least, (0..FRAMES).map(bend).fold(0.0, f64::max))
+        });
+        let (swing, jump) = figures.fold((0.0_f64, 0.0_f64), |most, of| (most.0.max(of.0), most.1.max(of.1)));
         println!("{hair:?}: swing {swing:.4}, largest second difference {jump:.4}");
         // Steps of 1.9 degrees: what is smooth bends little from one to the next, and a jump stays as large as it is.
         assert!(swing > 0.003 && jump < 0.04 * swing, "{hair:?}: swing {swing}, largest second difference {jump}");

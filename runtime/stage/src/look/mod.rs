@@ -27,6 +27,7 @@ pub use kinds::{
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
 pub use tables::{
     KeyLight, LightsRead, Look, LookEnvironment, LookFur, LookInk, LookLight, LookMotion, LookPicture, LookShadow,
+    ReadLights,
 };
 
 #[cfg(test)]

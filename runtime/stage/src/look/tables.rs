@@ -217,6 +217,9 @@ tables! {
 /// Lights that a file came to, or what is wrong with it.
 pub type LightsRead = Result<Arc<Environment>, String>;
 
+/// Reads one: told its path, how many lobes a panorama is taken for, and what a ground under it sends back ([`LookEnvironment::ground_color`]).
+pub type ReadLights<'a> = dyn FnMut(&Path, u32, Option<[f32; 3]>) -> LightsRead + 'a;
+
 impl Look {
     /// The look of a picture of which nothing is said: as the default, but in four samples a pixel, because it is looked at for longer than a frame.
     pub fn of_picture() -> Self {
@@ -285,15 +288,11 @@ impl Look {
         Some(lights.turned(source.yaw_deg).times(self.environment.strength))
     }
 
-    /// Has the file of the environment read, where there is one and it was not yet: `read` is told its path, how many lobes a panorama is taken for, and
-    /// what a ground under it sends back ([`LookEnvironment::ground_color`]).
+    /// Has the file of the environment read, where there is one and it was not yet: `read` is told of it.
     ///
     /// # Errors
     /// What `read` says.
-    pub fn take_lights(
-        &mut self,
-        read: &mut dyn FnMut(&Path, u32, Option<[f32; 3]>) -> LightsRead,
-    ) -> Result<(), String> {
+    pub fn take_lights(&mut self, read: &mut ReadLights<'_>) -> Result<(), String> {
         let (lobes, ground) = (self.environment.lobes, self.environment.ground_color());
         if let Some(SkySource { of: SkyOf::File(path), lights: lights @ None, .. }) = &mut self.environment.sky {
             *lights = Some(read(Path::new(path), lobes, ground)?);
