@@ -1,5 +1,6 @@
 //! `pelage reference`: the true picture of a package, traced strand by strand.
 
+use super::backdrop::lay_over_sky;
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file;
@@ -206,7 +207,7 @@ impl Format {
         let written = match self {
             Self::Png => {
                 let mut pixels = encode(picture, view.look.background());
-                view.lay_over_sky(&mut pixels, camera, 0.0);
+                lay_over_sky(&view.look, view.sky.as_deref(), &mut pixels, camera, 0.0);
                 pixels.write_to(&mut bytes, image::ImageFormat::Png)
             }
             Self::Exr => {

@@ -1,5 +1,6 @@
 //! Pictures of a stage, one moment after another.
 
+use super::backdrop::lay_over_sky;
 use super::exit::Failure;
 use super::journal::Key;
 use super::output::Output;
@@ -95,7 +96,7 @@ impl Shoot {
         }
         let (drawn, mut pixels) = picture(&mut self.scene)?;
         if let Some(camera) = of_frame(&self.scene.params.camera) {
-            self.view.lay_over_sky(&mut pixels, &camera, turn_deg);
+            lay_over_sky(&self.view.look, self.view.sky.as_deref(), &mut pixels, &camera, turn_deg);
         }
         // A long sequence of a large crowd would fill memory and journal with what nobody is told.
         let told = if index == 0 { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
