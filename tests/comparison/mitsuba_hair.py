@@ -20,9 +20,21 @@ BLOCK = 16
 SCALE = 1e4
 
 
-def scene(strands, skin, exported, light, given):
+def emitter(given):
+    """What shines: the panorama, or a light from far away."""
+    if given.environment:
+        path, _, yaw = given.environment.partition(":")
+        # The middle of a panorama is +x, and +z to Mitsuba.
+        turn = mi.ScalarTransform4f().rotate([0, 1, 0], 90 + float(yaw or 0))
+        return {"type": "envmap", "filename": path, "scale": given.environment_strength, "to_world": turn}
+    light = np.array([float(x) for x in given.light.split(",")])
+    towards = light / np.linalg.norm(light)
+    # A light of colour 1 brings an irradiance of pi.
+    return {"type": "directional", "direction": (-towards).tolist(), "irradiance": {"type": "rgb", "value": float(np.pi)}}
+
+
+def scene(strands, skin, exported, given):
     """The same strands as the fibres that the export says, over skin of one colour."""
-    towards = np.array(light) / np.linalg.norm(light)
     groups = [group for group in exported["groups"] if "fibre" in group]
     if len(groups) != 1:
         sys.exit(f"{len(groups)} groups with a fibre in the export, expected one: bake with shading.model=marschner, without hair on guides")
@@ -32,8 +44,7 @@ def scene(strands, skin, exported, light, given):
         # A path of Mitsuba's has one more vertex: the light.
         "integrator": {"type": "path", "max_depth": given.bounces + 1, "rr_depth": 8, "hide_emitters": True},
         "sensor": sensor(exported, given.spp, SCALE),
-        # A light of colour 1 brings an irradiance of pi.
-        "light": {"type": "directional", "direction": (-towards).tolist(), "irradiance": {"type": "rgb", "value": float(np.pi)}},
+        "light": emitter(given),
         "skin": {
             "type": "obj",
             "filename": str(skin),
@@ -93,6 +104,8 @@ def main():
     arguments.add_argument("--spp", type=int, default=64)
     arguments.add_argument("--bounces", type=int, default=64)
     arguments.add_argument("--light", default="-0.25,0.75,0.6")
+    arguments.add_argument("--environment", help="a panorama to shine in place of the light, with :degrees behind it to turn it")
+    arguments.add_argument("--environment-strength", type=float, default=1.0)
     arguments.add_argument("--skin", type=float, nargs=3, help="reflectance of the skin, linear, where it is not the coat's colour")
     arguments.add_argument("--variant", default="scalar_rgb", help="scalar_rgb or llvm_ad_rgb")
     arguments.add_argument("--limit", type=float, default=0.03)
@@ -102,16 +115,19 @@ def main():
     given.output.mkdir(parents=True, exist_ok=True)
 
     ours_file, theirs_file = given.output / "pelage.exr", given.output / "mitsuba.exr"
+    lit = [f"--light={given.light}", "--penumbra", 0]
+    if given.environment:
+        lit = ["--environment", given.environment, "--environment-strength", given.environment_strength]
     ours = pelage(
         given.pelage, "reference", given.package, "-o", ours_file, "--size", given.size, "--spp", given.spp,
-        f"--light={given.light}", "--penumbra", 0, "--fibre", "exact", "--bounces", given.bounces,
+        *lit, "--fibre", "exact", "--bounces", given.bounces,
     )  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
         strands, skin = Path(folder) / "strands.txt", Path(folder) / "skin.obj"
         words = ["--strands", strands, "--mesh", skin, "--size", given.size]
         exported = pelage(given.pelage, "export", given.package, *words)
         splines(strands)
-        loaded = scene(strands, skin, exported, [float(x) for x in given.light.split(",")], given)
+        loaded = scene(strands, skin, exported, given)
     begun = time.perf_counter()
     theirs = np.array(mi.render(loaded, spp=given.spp, seed=0))
     seconds = time.perf_counter() - begun
