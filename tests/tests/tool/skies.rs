@@ -124,7 +124,7 @@ fn a_sky_is_seen_behind_and_over_a_ground() {
         (&["--environment", "1,1,1", "--ground", "grass"], "expected \"none\""),
     ] {
         let run = sandbox.run(&[&words[..], arguments].concat());
-        assert_eq!(run.code, Some(2), "{run:?}");
+        assert_eq!(run.code, Some(1), "{run:?}");
         assert!(run.stderr.contains(expected), "{run:?}");
     }
     assert!(sandbox.run(&["sky", "even.toml", "-o", "x.toml", "--ground", "1,2"]).stderr.contains("#rrggbb"));
