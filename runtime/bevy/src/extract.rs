@@ -1,7 +1,8 @@
 //! What the render world sees of the main world in a frame: plain data.
 
 use crate::components::{
-    ClipPlace, Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage,
+    ClipPlace, Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadows,
+    ShadesPelage,
 };
 use crate::lights::{Ambient, Sun};
 use crate::model::PelageModel;

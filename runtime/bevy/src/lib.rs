@@ -64,7 +64,10 @@ impl Plugin for PelagePlugin {
             .init_gpu_resource::<PelageRenderers>()
             .init_gpu_resource::<renderers::Frames>()
             .init_gpu_resource::<casters::CasterPipelines>()
-            .add_systems(ExtractSchedule, (extract::animals, extract::lights, extract::hair, extract::environment, extract::casters))
+            .add_systems(
+                ExtractSchedule,
+                (extract::animals, extract::lights, extract::hair, extract::environment, extract::casters),
+            )
             .add_systems(
                 Render,
                 (

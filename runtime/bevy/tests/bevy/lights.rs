@@ -117,12 +117,13 @@ fn a_sky_lights_from_where_it_shines_and_may_turn() {
         stand.world().insert_resource(PelageEnvironment { lights: Some(lights), intensity });
         stand.picture(&camera)
     };
-    let lit = shine(&mut stand, lights.clone(), 1000.0);
+    let lit = shine(&mut stand, lights.clone(), 60.0);
     let [left, right] = halves(&lit);
-    assert!(left > 2 * right && left > 5_000, "{left} {right}");
-    let turned = halves(&shine(&mut stand, lights.turned(180.0), 1000.0));
-    assert!(turned[1] > 2 * turned[0], "{turned:?}");
-    let dimmer = green(&shine(&mut stand, lights, 250.0));
+    // Most of what is seen from above faces up, and has light from either side.
+    assert!(100 * left > 108 * right && left > 3_000, "{left} {right}");
+    let turned = halves(&shine(&mut stand, lights.turned(180.0), 60.0));
+    assert!(100 * turned[1] > 108 * turned[0], "{turned:?}");
+    let dimmer = green(&shine(&mut stand, lights, 15.0));
     assert!(dimmer * 3 < green(&lit) * 2, "two stops: {dimmer} beside {}", green(&lit));
     stand.world().insert_resource(PelageEnvironment::default());
     assert_eq!(green(&stand.picture(&camera)), 0, "and none again");
