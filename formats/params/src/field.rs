@@ -88,7 +88,7 @@ impl Field for f32 {
 fn number_of_word(word: &str) -> Raw {
     match (Raw::from_word(word.trim()), word.trim().parse()) {
         (Raw::String(_), Ok(number)) => Raw::Float(number),
-        (Raw::String(_), Err(_)) => Raw::String(word.to_owned()),
+        (Raw::String(text), Err(_)) => Raw::String(text),
         (raw, _) => raw,
     }
 }
