@@ -20,11 +20,12 @@ pub enum SkyFile {
 }
 
 impl SkyFile {
-    /// The same over a level ground of that albedo, linear RGB, in place of all that comes from below. Lights are taken anew for at most `lobes`.
+    /// The same over a level ground of that albedo, linear RGB, in place of all that comes from below, where there is one. Lights are taken anew for at most `lobes`.
     ///
     /// # Errors
     /// [`BakeError::Internal`] never, unless lights cannot be painted.
-    pub fn over_ground(self, albedo: [f32; 3], lobes: usize) -> Result<Self, BakeError> {
+    pub fn over_ground(self, albedo: Option<[f32; 3]>, lobes: usize) -> Result<Self, BakeError> {
+        let Some(albedo) = albedo else { return Ok(self) };
         Ok(match self {
             Self::Panorama(panorama) => Self::Panorama(panorama.over_ground(albedo, DVec3::ZERO)),
             Self::Lights(lights) => {

@@ -48,10 +48,7 @@ pub fn run(args: &SkyArgs, output: &mut Output) -> Result<Exit, Failure> {
     let sky = SkyFile::read(&args.input)?;
     output.progress("fitting");
     let began = Instant::now();
-    let sky = match args.ground {
-        Some(albedo) => sky.over_ground(albedo, args.lobes as usize)?,
-        None => sky,
-    };
+    let sky = sky.over_ground(args.ground, args.lobes as usize)?;
     let (fitted, size) = match sky {
         SkyFile::Panorama(panorama) => {
             let sun = if args.sun < 1.0 { args.sun } else { f64::INFINITY };

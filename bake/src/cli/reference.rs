@@ -79,8 +79,9 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut show = |done: u64, total: u64| output.progress_of(done as usize, total as usize, "pixels traced");
     let picture = pool.install(|| truth.picture(&view, args.spp, &mut show));
     let seconds = start.elapsed().as_secs_f64();
-    io::write_atomic(&args.output, &write.bytes(&picture, &view, &truth.camera(&view))?)?;
-    report(args, output, &truth, &truth.camera(&view), &picture, (grown_s, seconds))
+    let camera = truth.camera(&view);
+    io::write_atomic(&args.output, &write.bytes(&picture, &view, &camera)?)?;
+    report(args, output, &truth, &camera, &picture, (grown_s, seconds))
 }
 
 fn report(

@@ -27,11 +27,7 @@ pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRea
 
 /// Reads a file of light from all around, over a ground where there is one.
 fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<SkyFile, BakeError> {
-    let of = SkyFile::read(path)?;
-    match ground {
-        Some(albedo) => of.over_ground(albedo, lobes as usize),
-        None => Ok(of),
-    }
+    SkyFile::read(path)?.over_ground(ground, lobes as usize)
 }
 
 /// An environment as its look says it.

@@ -123,15 +123,21 @@ fn a_layer_scatters_what_its_fibres_do_of_broad_light() {
     }
 }
 
+/// The hare in a coat of fibres with so much eumelanin.
+fn hare(renderer: &Renderer, eumelanin: &str) -> Instance {
+    let pigment = format!("fibre.eumelanin={eumelanin}");
+    let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", &pigment];
+    let bytes = bake_plain("hare", &workspace().join("assets/models/hare.glb"), None, &set);
+    Instance::new(0, &renderer.load_bytes(&bytes).unwrap())
+}
+
 /// White hair under light that is even all around looks as that light does, in layers and strand by strand, and a sky that is turned by a whole turn changes nothing.
 #[test]
 fn a_white_coat_is_as_bright_as_an_even_sky() {
     let Some(gpu) = gpu("a_white_coat_is_as_bright_as_an_even_sky") else { return };
     let mut renderer = renderer(gpu);
     let passes: Vec<PassId> = PassId::all().collect();
-    let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", "fibre.eumelanin=0"];
-    let bytes = bake_plain("hare", &workspace().join("assets/models/hare.glb"), None, &set);
-    let hare = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
+    let hare = hare(&renderer, "0");
     let mut mean = |hair: Hair, around: Environment| {
         let view = params(Vec3::new(0.4, 0.2, 0.9), Vec3::Y, 0.6, 96).with(|p| {
             p.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
@@ -163,9 +169,7 @@ fn a_turning_sky_does_not_flicker() {
     let Some(gpu) = gpu("a_turning_sky_does_not_flicker") else { return };
     let mut renderer = renderer(gpu);
     let passes: Vec<PassId> = PassId::all().collect();
-    let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", "fibre.eumelanin=1.3"];
-    let bytes = bake_plain("hare", &workspace().join("assets/models/hare.glb"), None, &set);
-    let hare = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
+    let hare = hare(&renderer, "1.3");
     let lobe = |towards: [f32; 3], width_deg: f32, green: f32| LightLobe { towards, width_deg, radiance: [green; 3] };
     let lobes = vec![
         lobe([1.0, 0.1, 0.0], 8.0, 20.0),

@@ -4,7 +4,7 @@
 /// still does, and spaces take no room once compressed.
 pub fn blank_comments(data: &mut [u8]) {
     // What stands before the first end of a line may be part of another text, and so may what stands behind the last.
-    let ends: Vec<usize> = data.iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at).collect();
+    let ends = line_ends(data);
     for pair in ends.windows(2) {
         let line = &mut data[pair[0] + 1..pair[1]];
         if is_comment(line) {
@@ -16,7 +16,7 @@ pub fn blank_comments(data: &mut [u8]) {
 /// Sets the lines between one that ends in an opening brace and one that begins with the closing one to the left, leaves out those of spaces alone, and puts the
 /// spaces behind the last. Such lines are of one text, whatever lies beside it: it keeps its place and length, and one run of spaces takes no room once compressed.
 pub fn set_left(data: &mut [u8]) {
-    let ends: Vec<usize> = data.iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at).collect();
+    let ends = line_ends(data);
     let mut open = None;
     for (number, pair) in ends.windows(2).enumerate() {
         let line = &data[pair[0] + 1..pair[1]];
@@ -39,6 +39,11 @@ fn compact(lines: &mut [u8]) {
     let mut left = left.join(&b'\n');
     left.resize(lines.len(), b' ');
     lines.copy_from_slice(&left);
+}
+
+/// Where lines end.
+fn line_ends(data: &[u8]) -> Vec<usize> {
+    data.iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at).collect()
 }
 
 fn is_indented(line: &[u8]) -> bool {
