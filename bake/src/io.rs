@@ -8,7 +8,9 @@ use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::stages::import::{ImportOptions, import, import_strands, input_record};
+use crate::traffic;
 use crate::unfinished::Unfinished;
+use sha2::{Digest as _, Sha256};
 use std::fs::FileType;
 use std::io::{self, Read as _, Write as _};
 use std::path::{Component, Path, PathBuf};
@@ -75,6 +77,7 @@ fn start(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8
     // What the system says of the length is a hint: files under /proc say 0, and any file may grow meanwhile.
     let mut bytes = Vec::with_capacity(found.len().min(most) as usize);
     std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(fail)?;
+    traffic::read(path, most, Some(&bytes));
     Ok(bytes)
 }
 
@@ -263,7 +266,8 @@ fn relative_path(uri: &str) -> Result<PathBuf, String> {
     Ok(PathBuf::from(&*decoded))
 }
 
-/// Writes `bytes` to a file that appears, or replaces an older one, only when it is whole.
+/// Writes `bytes` to a file that appears, or replaces an older one, only when it is whole. An older one that has the same bytes stays, and keeps its time:
+/// then build systems make nothing of it anew.
 ///
 /// The bytes go to a temporary file in the same folder, which is then renamed; on failure it is removed. A new file has the
 /// permissions that the umask leaves. Symbolic links are followed; devices and pipes are written to directly.
@@ -298,17 +302,27 @@ pub fn write_all_atomic(files: &[(&Path, &[u8])]) -> Result<(), BakeError> {
     whole.into_iter().flatten().try_for_each(Prepared::appear)
 }
 
+/// How the name of a file begins and ends while it is written.
+pub const TEMPORARY: (&str, &str) = (".pelage-", ".tmp");
+
 /// A file that is whole, and has yet to get its name.
 struct Prepared {
     // Dropped in this order: a name is forgotten when its file is gone.
     file: tempfile::NamedTempFile,
     unfinished: Unfinished,
     target: PathBuf,
+    /// As the caller named it.
+    named: PathBuf,
 }
 
 impl Prepared {
     fn appear(self) -> Result<(), BakeError> {
-        let Self { file, unfinished, target } = self;
+        let Self { file, unfinished, target, named } = self;
+        traffic::written(&named, || digest(file.path()).ok());
+        if same_bytes(file.path(), &target).unwrap_or(false) {
+            // The temporary file goes with its handle.
+            return Ok(());
+        }
         let renamed =
             file.persist(&target).map_err(|error| io_error(&target, "rename a temporary file to", error.error));
         drop(unfinished);
@@ -349,7 +363,7 @@ fn prepare(
     }
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".pelage-").suffix(".tmp");
+    builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
     // Temporary files are private by default; the umask takes away from this what the user wants taken away.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -357,5 +371,33 @@ fn prepare(
     let unfinished = Unfinished::new(file.path());
     let written = write(file.as_file()).and_then(|()| file.as_file().sync_all());
     written.map_err(|source| io_error(path, "write", source))?;
-    Ok(Some(Prepared { file, unfinished, target }))
+    Ok(Some(Prepared { file, unfinished, target, named: path.to_owned() }))
+}
+
+/// SHA-256 of a file.
+fn digest(path: &Path) -> io::Result<traffic::Digest> {
+    let mut hash = Sha256::new();
+    io::copy(&mut std::fs::File::open(path)?, &mut hash)?;
+    Ok(hash.finalize().into())
+}
+
+/// Whether two files hold the same bytes.
+fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
+    let (mut a, mut b) = (std::fs::File::open(a)?, std::fs::File::open(b)?);
+    let length = a.metadata()?.len();
+    if length != b.metadata()?.len() {
+        return Ok(false);
+    }
+    let (mut here, mut there) = (vec![0; 1 << 16], vec![0; 1 << 16]);
+    let mut left = length;
+    while left > 0 {
+        let part = left.min(here.len() as u64) as usize;
+        a.read_exact(&mut here[..part])?;
+        b.read_exact(&mut there[..part])?;
+        if here[..part] != there[..part] {
+            return Ok(false);
+        }
+        left -= part as u64;
+    }
+    Ok(true)
 }

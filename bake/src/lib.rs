@@ -7,10 +7,13 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps"))]
 
 mod angle;
+pub mod cache;
 pub mod decision;
 pub mod error;
 pub mod groom_map;
 pub mod guides;
+pub mod herd;
+pub mod hexadecimal;
 pub(crate) mod image_file;
 pub mod io;
 pub mod judge;
@@ -29,6 +32,7 @@ pub mod sky_file;
 pub mod stages;
 pub mod steps;
 pub mod strands;
+pub mod traffic;
 pub mod unfinished;
 pub mod y4m;
 

@@ -35,9 +35,7 @@ impl Desktop {
     /// Where the server starts and does not say where it is; under `CI`, where there is none.
     pub fn open(test: &str) -> Option<Self> {
         for tool in ["Xvfb", "xdotool"] {
-            let found = std::env::var_os("PATH")
-                .is_some_and(|path| std::env::split_paths(&path).any(|p| p.join(tool).is_file()));
-            if !found {
+            if !pelage_needs::is_installed(tool) {
                 pelage_needs::lacked(
                     Need::Desktop,
                     test,

@@ -11,11 +11,21 @@ use serde_json::Value;
 #[track_caller]
 pub fn answer(run: &Run, name: &str) -> Value {
     let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
+    hold(name, &value);
+    value
+}
+
+/// Holds a value against the schema `name`.
+///
+/// # Panics
+///
+/// Where it breaks it.
+#[track_caller]
+pub fn hold(name: &str, value: &Value) {
     let path = workspace().join(format!("bake/src/cli/schema/{name}.json"));
     let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let schema = serde_json::from_slice(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    check(&schema, &value).unwrap_or_else(|e| panic!("{name}: {e}"));
-    value
+    check(&schema, value).unwrap_or_else(|e| panic!("{name}: {e}"));
 }
 
 /// The same of a run that did what it was asked for.

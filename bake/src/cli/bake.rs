@@ -1,6 +1,7 @@
 //! `pelage bake`: a model into a package.
 
 use super::anatomy::{self, anatomy};
+use super::errand::Errand;
 use super::exit::{Exit, Failure};
 #[cfg(feature = "preview")]
 use super::limits::choose;
@@ -30,6 +31,7 @@ use pelage_bake::stages::metric::InTile;
 use pelage_bake::stages::pack;
 use pelage_bake::stages::textures::shell_bytes;
 use pelage_bake::steps::Steps;
+use pelage_bake::traffic;
 use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -58,6 +60,18 @@ pub struct BakeArgs {
     /// byte, which is therefore without evidence of how limits chose
     #[arg(long, value_name = "R.toml")]
     write_recipe: Option<PathBuf>,
+}
+
+impl BakeArgs {
+    /// What the package depends on, and where it goes. What is chosen by measuring is another thing each time, and a recipe that is written names images
+    /// from where it lies.
+    pub fn errand(&self) -> Option<Errand> {
+        if !self.limits.limits().is_empty() || self.write_recipe.is_some() {
+            return None;
+        }
+        let args = Self { output: Errand::name(&self.output), threads: None, ..self.clone() };
+        Some(Errand::new("bake", &args, &[&self.output]))
+    }
 }
 
 /// Limits of a bake: with any of them, layers, tile and fins are chosen by measuring instead of taken from the recipe.
@@ -127,7 +141,7 @@ impl RecipeArgs {
         let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = folder.join(name);
         let mut given = self.set.iter().filter_map(|assignment| Named::of(assignment)).filter(|n| n.name == name);
-        match given.find(|named| named.is_absolute() || !beside.exists()) {
+        match given.find(|named| named.is_absolute() || !traffic::is_there(&beside)) {
             Some(named) if named.path.exists() || named.is_absolute() => named.path.to_owned(),
             _ => beside,
         }

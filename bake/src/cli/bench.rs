@@ -6,7 +6,7 @@ use super::package_file;
 use super::staged::detail;
 use super::staged::stage_of;
 use super::view::View;
-use super::view_args::ViewArgs;
+use super::view_args::{Frames, ViewArgs};
 use pelage_runtime::{Frame, PassId};
 use pelage_stage::{Clock, FrameTimes, Gpu, Look, Meter, Spread, Stage};
 use serde_json::json;
@@ -31,7 +31,11 @@ const FRAMES: u32 = 30;
 /// Runs the subcommand.
 pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
     let view = View::new(&args.view, Look::default())?;
-    let frames = args.view.frames.unwrap_or(FRAMES);
+    let frames = match args.view.frames.map(Frames::count) {
+        Some(None) => return Err(Failure::Usage("--frames: bench times so many frames, expected a number".into())),
+        Some(Some(count)) => count,
+        None => FRAMES,
+    };
     let file = package_file::read(&args.package)?;
     output.progress("loading");
     let mut scene = stage_of(&file, &view, Gpu::open)?;

@@ -43,20 +43,23 @@ fn page(command: &mut Command) -> String {
     text += "\n## Options of every subcommand\n\n";
     text.extend(everywhere.iter().map(|arg| entry(arg)));
     for sub in subcommands {
-        text += &section(sub);
+        text += &section(sub, "");
+        let actions = sub.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help");
+        text.extend(actions.map(|action| section(action, &format!("{} ", sub.get_name()))));
     }
     text
 }
 
-fn section(command: &Command) -> String {
-    let mut text = format!("\n## `pelage {}`\n", command.get_name());
+/// A command's section; `above` is the command that it is an action of, with a space.
+fn section(command: &Command, above: &str) -> String {
+    let mut text = format!("\n## `pelage {above}{}`\n", command.get_name());
     let about = command.get_long_about().or(command.get_about());
     let about = about.map(ToString::to_string).unwrap_or_default();
     for paragraph in about.split("\n\n") {
         text += &format!("\n{}\n", wrap("", &paragraph.split_whitespace().collect::<Vec<_>>().join(" ")));
     }
     let shown = || command.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_global_set() && is_ours(arg));
-    text += &format!("\n```\n{}\n```\n\n", synopsis(command));
+    text += &format!("\n```\n{}\n```\n\n", synopsis(command, above));
     let mut heading = None;
     let grouped = shown().filter(|arg| arg.get_help_heading().is_none());
     for arg in grouped.chain(shown().filter(|arg| arg.get_help_heading().is_some())) {
@@ -75,12 +78,13 @@ fn is_ours(arg: &Arg) -> bool {
 }
 
 /// How the command is called: what must be said, and that more can be.
-fn synopsis(command: &Command) -> String {
+fn synopsis(command: &Command, above: &str) -> String {
     let required = command.get_arguments().filter(|arg| arg.is_required_set());
     let (places, options): (Vec<_>, Vec<_>) = required.partition(|arg| arg.is_positional());
     let words = options.into_iter().chain(places).map(|arg| spelled(arg, false));
     let words: Vec<_> = [command.get_name().to_owned()].into_iter().chain(words).collect();
-    format!("pelage {} [OPTIONS]", words.join(" "))
+    let action = if command.has_subcommands() { " ACTION" } else { "" };
+    format!("pelage {above}{}{action} [OPTIONS]", words.join(" "))
 }
 
 /// As it is typed: `--output <PNG>`, with its short form `-o, --output <PNG>`.

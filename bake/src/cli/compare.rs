@@ -1,5 +1,6 @@
 //! `pelage compare`: how much two pictures differ.
 
+use super::errand::Errand;
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use pelage_bake::judge::compare::{CompareParams, Comparison, compare_pictures};
@@ -40,6 +41,14 @@ pub struct CompareArgs {
     /// Least peak signal-to-noise ratio that is no difference, decibels
     #[arg(long, value_name = "DB", value_parser = parse_limit)]
     min_psnr: Option<f64>,
+}
+
+impl CompareArgs {
+    /// What the comparison depends on, and where its map goes.
+    pub fn errand(&self) -> Option<Errand> {
+        let args = Self { output: self.output.as_deref().map(Errand::name), ..self.clone() };
+        Some(Errand::new("compare", &args, &self.output.iter().collect::<Vec<_>>()))
+    }
 }
 
 /// sRGB-encoded red, green, blue of 0 to 255 on the command line.

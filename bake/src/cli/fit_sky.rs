@@ -1,5 +1,6 @@
 //! `pelage sky`: a panorama as few lights.
 
+use super::errand::Errand;
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use pelage_bake::io::write_atomic;
@@ -30,6 +31,14 @@ pub struct SkyArgs {
     /// Least share of all light, 0 to 1, that a sun has to have to be a light of its own; 1 keeps it among the lobes
     #[arg(long, value_name = "SHARE", default_value_t = FitParams::default().sun, value_parser = parse_share)]
     sun: f64,
+}
+
+impl SkyArgs {
+    /// What the lights depend on, and where they go.
+    pub fn errand(&self) -> Option<Errand> {
+        let args = Self { output: Errand::name(&self.output), ..self.clone() };
+        Some(Errand::new("sky", &args, &[&self.output]))
+    }
 }
 
 fn parse_share(text: &str) -> Result<f64, String> {

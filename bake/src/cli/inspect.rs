@@ -4,6 +4,7 @@ use super::anatomy::{self, anatomy};
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file;
+use pelage_bake::hexadecimal::hex;
 use pelage_formats::Package;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -63,7 +64,7 @@ fn describe(package: &Package<'_>) -> Result<Value, pelage_formats::FormatError>
     let inputs: Vec<_> = manifest
         .inputs
         .iter()
-        .map(|i| json!({ "role": i.role, "name": i.name, "bytes": i.bytes, "sha256": super::unpacked::hex(&i.sha256) }))
+        .map(|i| json!({ "role": i.role, "name": i.name, "bytes": i.bytes, "sha256": hex(&i.sha256) }))
         .collect();
     Ok(json!({
         "version": package.version(),

@@ -4,6 +4,8 @@
 
 use super::exit::Failure;
 use pelage_bake::BakeError;
+use pelage_bake::hexadecimal::hex;
+use pelage_bake::io::read_text;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -47,17 +49,26 @@ impl<T: Entry> Journal<T> {
             Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
             Err(error) => return Err(io_error(&path, "read", error).into()),
         };
-        let whole = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
-        let lines = whole.filter_map(|line| serde_json::from_str::<Line<T>>(line).ok());
-        let (ours, others): (Vec<_>, Vec<_>) = lines.partition(|line| line.key == key);
-        let mut journal =
-            Self { path, key: key.to_owned(), entries: BTreeMap::new(), others: others.len(), file: None };
+        let (ours, others) = entries(&text, key);
+        let mut journal = Self { path, key: key.to_owned(), entries: BTreeMap::new(), others, file: None };
         // Written anew, so that it holds what counts and nothing that was cut off.
         if !text.is_empty() || restart {
             journal.remove()?;
         }
-        ours.into_iter().try_for_each(|line| journal.add(line.entry))?;
+        ours.into_iter().try_for_each(|entry| journal.add(entry))?;
         Ok(journal)
+    }
+
+    /// Takes the pieces that another run has left in a file of its own, which stays as it is: how many of them are of other jobs.
+    pub fn take(&mut self, path: &Path) -> Result<usize, Failure> {
+        let (ours, others) = entries::<T>(&read_text(path, "rows that `pelage chart --part` has left")?, &self.key);
+        self.entries.extend(ours.into_iter().map(|entry| (entry.number(), entry)));
+        Ok(others)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// A piece, where an earlier run has done it.
@@ -102,6 +113,14 @@ impl<T: Entry> Journal<T> {
     }
 }
 
+/// The pieces of one job in a journal, and how many of others are in it.
+fn entries<T: Entry>(text: &str, key: &str) -> (Vec<T>, usize) {
+    let whole = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
+    let lines = whole.filter_map(|line| serde_json::from_str::<Line<T>>(line).ok());
+    let (ours, others): (Vec<_>, Vec<_>) = lines.partition(|line| line.key == key);
+    (ours.into_iter().map(|line| line.entry).collect(), others.len())
+}
+
 fn io_error(path: &Path, action: &'static str, source: io::Error) -> BakeError {
     BakeError::Io { path: path.to_owned(), action, source }
 }
@@ -111,8 +130,20 @@ pub struct Key(Sha256);
 
 impl Key {
     /// Another version or build of the tool gives another key.
+    #[cfg(feature = "preview")]
     pub fn new() -> Self {
-        Self(Sha256::new()).and(env!("CARGO_PKG_VERSION")).and(build())
+        Self::of_version().and(build())
+    }
+
+    /// As [`Self::new`], wherever the tool is installed: its program is hashed, which takes a moment.
+    pub fn of_program() -> Self {
+        let program = std::env::current_exe().and_then(std::fs::read);
+        Self::of_version().and(program.map(Sha256::digest).unwrap_or_default())
+    }
+
+    /// Another version of the tool gives another key: for what machines put together that each have a tool of their own.
+    pub fn of_version() -> Self {
+        Self(Sha256::new()).and(env!("CARGO_PKG_VERSION"))
     }
 
     /// With something else.
@@ -125,11 +156,12 @@ impl Key {
 
     /// The digest, as hexadecimal digits.
     pub fn finish(self) -> String {
-        super::unpacked::hex(&self.0.finalize())
+        hex(&self.0.finalize())
     }
 }
 
 /// Tells one build of a version from another, for those who change what is made; empty where the system does not say.
+#[cfg(feature = "preview")]
 fn build() -> String {
     let file = std::env::current_exe().and_then(std::fs::metadata);
     file.map_or_else(|_| String::new(), |file| format!("{} {:?}", file.len(), file.modified().ok()))

@@ -15,15 +15,18 @@ mod demo;
 mod doctor;
 #[cfg(feature = "preview")]
 mod doctor_trial;
+mod errand;
 mod exit;
 mod export;
 mod fit_sky;
 mod groom;
+mod herd;
 mod inspect;
 mod journal;
 #[cfg(feature = "preview")]
 mod limits;
 mod look_args;
+mod merge;
 mod mesh_glb;
 mod output;
 mod pack;
@@ -74,7 +77,7 @@ struct Cli {
 }
 
 /// Options of every subcommand.
-#[derive(Clone, Copy, Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 struct Global {
     /// No progress and no notes on stderr, only errors
     #[arg(long, short, global = true)]
@@ -82,6 +85,8 @@ struct Global {
     /// Print exactly one JSON object on stdout instead of text (schemas: bake/src/cli/schema/)
     #[arg(long, global = true)]
     json: bool,
+    #[command(flatten)]
+    errand: errand::ErrandArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -100,6 +105,7 @@ enum Command {
     #[cfg(feature = "view")]
     View(window::WindowArgs),
     Reference(reference::ReferenceArgs),
+    Merge(merge::MergeArgs),
     Export(export::ExportArgs),
     Groom(groom::GroomArgs),
     Sky(fit_sky::SkyArgs),
@@ -107,32 +113,51 @@ enum Command {
     CommandsPage(commands_page::CommandsPageArgs),
     Compare(compare::CompareArgs),
     Doctor(doctor::DoctorArgs),
+    Herd(herd::HerdArgs),
 }
 
 impl Command {
-    fn run(self, output: &mut Output) -> Result<Exit, Failure> {
+    fn run(&self, global: &Global, output: &mut Output) -> Result<Exit, Failure> {
         match self {
             #[cfg(feature = "preview")]
-            Self::Demo(args) => demo::run(&args, output),
-            Self::Bake(args) => bake::run(&args, output),
-            Self::Inspect(args) => inspect::run(&args, output),
-            Self::Validate(args) => validate::run(&args, output),
-            Self::Unpack(args) => unpack::run(&args, output),
-            Self::Pack(args) => pack::run(&args, output),
+            Self::Demo(args) => demo::run(args, output),
+            Self::Bake(args) => bake::run(args, output),
+            Self::Inspect(args) => inspect::run(args, output),
+            Self::Validate(args) => validate::run(args, output),
+            Self::Unpack(args) => unpack::run(args, output),
+            Self::Pack(args) => pack::run(args, output),
             #[cfg(feature = "preview")]
-            Self::Render(args) => render::run(&args, output),
+            Self::Render(args) => render::run(args, output),
             #[cfg(feature = "preview")]
-            Self::Bench(args) => bench::run(&args, output),
+            Self::Bench(args) => bench::run(args, output),
             #[cfg(feature = "view")]
-            Self::View(args) => window::run(&args, output),
-            Self::Reference(args) => reference::run(&args, output),
-            Self::Export(args) => export::run(&args, output),
-            Self::Groom(args) => groom::run(&args, output),
-            Self::Sky(args) => fit_sky::run(&args, output),
-            Self::Chart(args) => chart::run(&args, output),
+            Self::View(args) => window::run(args, output),
+            Self::Reference(args) => reference::run(args, output),
+            Self::Merge(args) => merge::run(args, output),
+            Self::Export(args) => export::run(args, output),
+            Self::Groom(args) => groom::run(args, output),
+            Self::Sky(args) => fit_sky::run(args, output),
+            Self::Chart(args) => chart::run(args, output),
             Self::CommandsPage(_) => commands_page::run(Cli::command(), output),
-            Self::Compare(args) => compare::run(&args, output),
-            Self::Doctor(args) => doctor::run(&args, output),
+            Self::Compare(args) => compare::run(args, output),
+            Self::Doctor(args) => doctor::run(args, output),
+            Self::Herd(args) => herd::run(args, global.errand.cache(), output),
+        }
+    }
+}
+
+impl Command {
+    /// What it makes of what, for those whose files are the same each time.
+    fn errand(&self) -> Option<errand::Errand> {
+        match self {
+            Self::Bake(args) => args.errand(),
+            #[cfg(feature = "preview")]
+            Self::Render(args) => args.errand(),
+            Self::Reference(args) => args.errand(),
+            Self::Merge(args) => args.errand(),
+            Self::Compare(args) => args.errand(),
+            Self::Sky(args) => args.errand(),
+            _ => None,
         }
     }
 }
@@ -144,7 +169,9 @@ pub fn main() -> std::process::ExitCode {
     let exit = match Cli::try_parse() {
         Ok(cli) => {
             let mut output = Output::new(cli.global.quiet, cli.global.json);
-            let result = catch(|| cli.command.run(&mut output));
+            let errand = cli.command.errand();
+            let run = |output: &mut Output| catch(|| cli.command.run(&cli.global, output));
+            let result = errand::run(&cli.global.errand, errand.as_ref(), run, &mut output);
             finish(result, &mut output)
         }
         Err(error) => usage(&error),

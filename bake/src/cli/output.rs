@@ -24,6 +24,17 @@ pub struct Output {
     steps: Arc<Steps>,
     /// Who shows the work.
     shown: Option<Shown>,
+    /// What was said.
+    said: Mutex<Said>,
+}
+
+/// What a command has said, for who keeps it.
+#[derive(Clone, Debug, Default)]
+pub struct Said {
+    /// Its result, for people and for scripts.
+    pub result: Option<(String, serde_json::Value)>,
+    /// Its notes, also where it was quiet.
+    pub notes: Vec<String>,
 }
 
 #[derive(Debug)]
@@ -43,11 +54,10 @@ impl Output {
     pub fn new(quiet: bool, json: bool) -> Self {
         let steps = Arc::new(Steps::new());
         let work = Arc::new(Mutex::new(Work::new(steps.clone())));
-        Self { quiet, json, done: false, work, steps, shown: None }
+        Self { quiet, json, done: false, work, steps, shown: None, said: Mutex::default() }
     }
 
     /// Whether stdout is one JSON object.
-    #[cfg(feature = "preview")]
     pub fn is_json(&self) -> bool {
         self.json
     }
@@ -60,12 +70,14 @@ impl Output {
             bytes.push('\n');
         }
         self.done = true;
+        self.said.lock().unwrap_or_else(PoisonError::into_inner).result = Some((text.to_owned(), json.clone()));
         let mut stdout = io::stdout().lock();
         stdout.write_all(bytes.as_bytes()).and_then(|()| stdout.flush()).map_err(Failure::Stdout)
     }
 
     /// Says something on stderr, unless quiet.
     pub fn note(&self, text: &str) {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner).notes.push(text.to_owned());
         if !self.quiet {
             let line = || to_stderr(&format!("{text}\n"));
             match &self.shown {
@@ -73,6 +85,11 @@ impl Output {
                 _ => line(),
             }
         }
+    }
+
+    /// What was said so far.
+    pub fn said(&self) -> Said {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Where stages count their steps, so that [`Self::progress`] shows how far they are.

@@ -6,6 +6,7 @@ use super::unpacked;
 use pelage_bake::BakeError;
 use pelage_bake::io::{read_named_file, write_atomic};
 use pelage_bake::recipe::Recipe;
+use pelage_bake::traffic;
 use pelage_formats::{Limits, Package};
 use serde_json::{Value, json};
 use std::io;
@@ -40,7 +41,7 @@ pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
     let folder = args.folder.display().to_string();
     let bytes = unpacked::pack(&folder, &mut |name| {
         let path = args.folder.join(name);
-        if !path.exists() {
+        if !traffic::is_there(&path) {
             return Ok(None);
         }
         read_named_file(&path).map(Some)

@@ -1,20 +1,26 @@
 //! `pelage reference`: the true picture of a package, traced strand by strand.
 
 use super::backdrop::lay_over_sky;
+use super::errand::Errand;
 use super::exit::{Exit, Failure};
+use super::journal::Key;
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file;
 use super::threads;
 use super::truth::{Truth, encode};
 use super::view::View;
 use super::view_args::ViewArgs;
-use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueScattering};
+use image::RgbaImage;
+use pelage_bake::judge::truth::{
+    Lens, OfPicture, Part, Portion, TracedPart, TracedPicture, TrueCamera, TrueScattering,
+};
 use pelage_bake::strands::GroomReport;
 use pelage_bake::{BakeError, io};
 use pelage_params::Knob;
-use pelage_stage::{Background, Look, SHORT_FORMS, ShortForm};
+use pelage_stage::{Background, Look, NamedPackage, SHORT_FORMS, ShortForm};
 use serde_json::json;
 use std::io::Cursor;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -40,8 +46,31 @@ pub struct ReferenceArgs {
     /// Threads; by default one per core. The picture is the same with any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Trace part K alone of N, from 1, as dear as the others, into a .part file: `pelage merge` makes the picture of all of them, bit for bit as in one piece
+    #[arg(long, value_name = "K/N", value_parser = parse_part)]
+    part: Option<Part>,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+/// `3/16`, from 1.
+fn parse_part(text: &str) -> Result<Part, String> {
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.trim().parse().ok()?, n.trim().parse().ok()?)));
+    let (number, of) = numbers
+        .filter(|(k, n)| (1..=*n).contains(k) && *n <= MOST_PARTS)
+        .ok_or_else(|| format!("expected a part and how many there are, such as 3/16, at most {MOST_PARTS}"))?;
+    Ok(Part { number: number - 1, of })
+}
+
+/// Beyond that a part of a large picture is a square.
+const MOST_PARTS: u32 = 10_000;
+
+impl ReferenceArgs {
+    /// What the picture depends on, and where it goes.
+    pub fn errand(&self) -> Option<Errand> {
+        let args = Self { output: Errand::name(&self.output), threads: None, ..self.clone() };
+        Some(Errand::new("reference", &args, &[&self.output]))
+    }
 }
 
 /// How the hair of a reference is lit.
@@ -57,7 +86,10 @@ enum FibreTruth {
 pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let view = View::new(&args.view, Look::default())?;
     refuse_fast_path(&args.view)?;
-    let write = Format::of(&args.output)?;
+    let write = match args.part {
+        Some(part) => Format::of_part(&args.output, part)?,
+        None => Format::of(&args.output)?,
+    };
     let transparent = matches!(view.look.picture.background, None | Some(Background::Transparent));
     if write == Format::Exr && !transparent {
         return Err(Failure::Usage(
@@ -77,11 +109,70 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     let grown_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let mut show = |done: u64, total: u64| output.progress_of(done as usize, total as usize, "pixels traced");
-    let picture = pool.install(|| truth.picture(&view, args.spp, &mut show));
+    let portion = Portion { samples: 0..args.spp, part: args.part.unwrap_or_default() };
+    let mut going_on = |done, total| {
+        show(done, total);
+        ControlFlow::Continue(())
+    };
+    // Nobody breaks off.
+    let picture = pool.install(|| truth.portion(&view, &portion, &mut going_on)).unwrap_or_default();
     let seconds = start.elapsed().as_secs_f64();
     let camera = truth.camera(&view);
-    io::write_atomic(&args.output, &write.bytes(&picture, &view, &camera)?)?;
+    let bytes = match write {
+        Format::Part(part) => {
+            let of = OfPicture {
+                picture: args.identity(&file, &view),
+                width: picture.width,
+                height: picture.height,
+                spp: args.spp,
+                part: part.number,
+                parts: part.of,
+                background: !transparent,
+                primary_rays: picture.rays.primary,
+                shadow_rays: picture.rays.shadow,
+            };
+            let shown = shown(&picture, &view, &camera);
+            TracedPart { of, traced: picture.clone(), shown }.encode()
+        }
+        Format::Png => png(&shown(&picture, &view, &camera))?,
+        Format::Exr => exr(&picture)?,
+    };
+    io::write_atomic(&args.output, &bytes)?;
     report(args, output, &truth, &camera, &picture, (grown_s, seconds))
+}
+
+impl ReferenceArgs {
+    /// Stands for everything that the picture depends on, whichever part of it is traced where.
+    fn identity(&self, file: &NamedPackage<'_>, view: &View) -> String {
+        let args = (self.spp, self.fibre, self.bounces);
+        Key::of_version().and(format!("{args:?} {view:?}")).and(&file.bytes).finish()
+    }
+}
+
+/// What a PNG shows.
+fn shown(picture: &TracedPicture, view: &View, camera: &TrueCamera) -> RgbaImage {
+    let mut pixels = encode(picture, view.look.background());
+    lay_over_sky(&view.look, view.sky.as_deref(), &mut pixels, camera, 0.0);
+    pixels
+}
+
+/// The file of a picture, PNG.
+pub fn png(pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
+    encoded(|bytes| pixels.write_to(bytes, image::ImageFormat::Png))
+}
+
+/// The file of what was traced, EXR: it holds colours times alpha, as the picture does; a background is another picture's matter.
+pub fn exr(picture: &TracedPicture) -> Result<Vec<u8>, Failure> {
+    let flat: Vec<f32> = picture.pixels.iter().flatten().copied().collect();
+    let image = image::Rgba32FImage::from_raw(picture.width, picture.height, flat)
+        .ok_or_else(|| BakeError::Internal("a traced picture of another size than it says".into()))?;
+    encoded(|bytes| image.write_to(bytes, image::ImageFormat::OpenExr))
+}
+
+fn encoded(write: impl FnOnce(&mut Cursor<Vec<u8>>) -> image::ImageResult<()>) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Cursor::new(Vec::new());
+    write(&mut bytes).map_err(|error| BakeError::Internal(format!("encoding a picture: {error}")))?;
+    Ok(bytes.into_inner())
 }
 
 fn report(
@@ -94,7 +185,7 @@ fn report(
 ) -> Result<Exit, Failure> {
     let rays = picture.rays.primary + picture.rays.shadow;
     let mrays_per_s = rays as f64 * 1e-6 / seconds.max(1e-9);
-    let covered = picture.pixels.iter().filter(|p| p[3] > 0.0).count();
+    let covered = picture.covered();
     let groom = &truth.report;
     let bytes_per_strand = truth.scene.bytes_per_strand();
     let value = json!({
@@ -168,6 +259,12 @@ const FAST_PATH: [(&str, bool); 9] = [
     ("shadow-shrink", false),
 ];
 
+/// Keys of looks that say how the fast path shall draw, and mean nothing to the truth.
+pub fn only_drawn() -> Vec<&'static str> {
+    let of = |(flag, _): &(&str, bool)| SHORT_FORMS.iter().find(|short| short.flag == *flag).map(|short| short.key);
+    FAST_PATH.iter().filter_map(of).collect()
+}
+
 /// Refuses arguments that say how the fast path shall draw: the truth has nothing that they could change. A look file may say so: `render` reads it
 /// as well.
 fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
@@ -188,38 +285,36 @@ fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
 
 /// What kind of file the picture becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+pub enum Format {
+    /// As `render` writes it.
     Png,
+    /// Linear colours times alpha.
     Exr,
+    /// A part of it.
+    Part(Part),
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self, Failure> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("png") => Ok(Self::Png),
-            Some("exr") => Ok(Self::Exr),
+    /// That of a whole picture, by the file's name.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        match extension(path).as_str() {
+            "png" => Ok(Self::Png),
+            "exr" => Ok(Self::Exr),
             _ => Err(Failure::Usage(format!("-o {}: expected a name that ends in .png or .exr", path.display()))),
         }
     }
 
-    fn bytes(self, picture: &TracedPicture, view: &View, camera: &TrueCamera) -> Result<Vec<u8>, Failure> {
-        let mut bytes = Cursor::new(Vec::new());
-        let written = match self {
-            Self::Png => {
-                let mut pixels = encode(picture, view.look.background());
-                lay_over_sky(&view.look, view.sky.as_deref(), &mut pixels, camera, 0.0);
-                pixels.write_to(&mut bytes, image::ImageFormat::Png)
+    fn of_part(path: &Path, part: Part) -> Result<Self, Failure> {
+        match extension(path).as_str() {
+            "part" => Ok(Self::Part(part)),
+            _ => {
+                let expected = "with --part expected a name that ends in .part, which `pelage merge` reads";
+                Err(Failure::Usage(format!("-o {}: {expected}", path.display())))
             }
-            Self::Exr => {
-                let flat: Vec<f32> = picture.pixels.iter().flatten().copied().collect();
-                // OpenEXR holds colours times alpha, as the picture does; a background is another picture's matter.
-                image::Rgba32FImage::from_raw(picture.width, picture.height, flat)
-                    .ok_or_else(|| BakeError::Internal("a traced picture of another size than it says".into()))?
-                    .write_to(&mut bytes, image::ImageFormat::OpenExr)
-            }
-        };
-        written.map_err(|error| BakeError::Internal(format!("encoding {self:?}: {error}")))?;
-        Ok(bytes.into_inner())
+        }
     }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }

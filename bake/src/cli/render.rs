@@ -1,5 +1,6 @@
 //! `pelage render`: a package or a scene into a picture, or over time into many.
 
+use super::errand::{ADAPTER, Errand};
 use super::exit::{Exit, Failure};
 use super::journal::Key;
 use super::look_args;
@@ -10,7 +11,8 @@ use super::sequence::{Drawn, Sink};
 use super::shoot::{Picture, Shoot};
 use super::staged::{self, crowd};
 use super::view::View;
-use super::view_args::ViewArgs;
+use super::view_args::{Frames, ViewArgs};
+use pelage_bake::traffic;
 use pelage_formats::MAGIC;
 use pelage_stage::{Cast, Gpu, Look, NamedPackage, SAMPLES, StageError};
 use serde_json::json;
@@ -61,6 +63,14 @@ pub struct RenderArgs {
     restart: bool,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+impl RenderArgs {
+    /// What the pictures depend on, and where they go.
+    pub fn errand(&self) -> Option<Errand> {
+        let args = Self { output: Errand::name(&self.output), restart: false, ..self.clone() };
+        (self.output != Path::new("-")).then(|| Errand::new("render", &args, &[&self.output]))
+    }
 }
 
 /// Refuses arguments that make no sense beside a scene.
@@ -145,8 +155,19 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
         SAMPLES.apply(&mut view.look, word).map_err(|error| Failure::Usage(format!("--samples: {}", error.reason)))?;
     }
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
-    let frames = args.view.frames.or(scene.and_then(|s| s.file.frames())).filter(|_| sink.is_sequence());
+    let of_scene = scene.and_then(|s| s.file.frames());
+    // A picture alone is at rest; the first of several has lived through what comes before it.
+    let of_range = |frames: Frames| frames.of.or(of_scene).unwrap_or(frames.end.max(2));
+    let frames = args.view.frames.map(of_range).or(of_scene).filter(|_| sink.is_sequence());
+    if let Some(range) = args.view.frames.filter(|range| frames.is_some_and(|count| range.end > count)) {
+        let (last, count) = (range.end, frames.unwrap_or_default());
+        return Err(Failure::Usage(format!("--frames: the scene has {count} pictures, found a range up to {last}")));
+    }
     for (name, given) in [("--turn-light", args.turn_light), ("--auto-rotate", args.auto_rotate)] {
+        if given && args.view.frames.is_some_and(|range| range.of.is_none()) && of_scene.is_none() {
+            let text = format!("{name}: it goes once around while all pictures last, expected --frames A..B/N");
+            return Err(Failure::Usage(text));
+        }
         if given && frames.is_none() {
             let text = format!("{name}: expected --frames beside it, or a sequence in the scene file");
             return Err(Failure::Usage(text));
@@ -154,15 +175,17 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     view.framing.all_around = args.auto_rotate;
     let count = frames.unwrap_or(1) as usize;
+    let first = args.view.frames.map_or(0, |range| range.first as usize);
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let cast = subject.cast(&view)?;
     let stage = staged::stage(&cast, &view, Gpu::open)?;
+    traffic::machine(ADAPTER, &stage.gpu.in_words());
     let (light, shot) = (stage.params.light, cast.camera);
     let (turn_light, auto_rotate) = (args.turn_light, args.auto_rotate);
     if view.camera.is_none() {
         output.note(&format!("camera: --camera={}", shot.at(view.time_s)));
     }
-    let mut shoot = Shoot { scene: stage, view, shot, light, count, fps, turn_light, auto_rotate, lived: None };
+    let mut shoot = Shoot { scene: stage, view, shot, light, first, count, fps, turn_light, auto_rotate, lived: None };
     let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
     if sink == Sink::Stdout {

@@ -4,8 +4,11 @@ use super::exit::Failure;
 use super::journal::{Entry, Journal, Key};
 use super::output::{Output, make_folder, require_parent};
 use super::shoot::{Picture, Shoot, write_png};
-use pelage_bake::io::{read_file, write_atomic_with};
+use super::view_args::Frames;
+use pelage_bake::hexadecimal::hex;
+use pelage_bake::io::write_atomic_with;
 use pelage_bake::picture;
+use pelage_bake::traffic;
 use pelage_bake::y4m::Y4m;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -22,6 +25,8 @@ pub enum Sink {
     Picture(PathBuf),
     /// Numbered ones; the journal of a run that was interrupted stands beside them.
     Numbered {
+        /// The number of the first.
+        first: usize,
         /// A name for each.
         names: Vec<PathBuf>,
         /// The journal's.
@@ -47,11 +52,16 @@ impl Sink {
     ///
     /// * `frames`: `--frames`
     /// * `sequence`: how many the scene file asks for, where its pictures are numbered or a video
-    pub fn new(output: &Path, frames: Option<u32>, sequence: Option<u32>) -> Result<Self, Failure> {
+    pub fn new(output: &Path, frames: Option<Frames>, sequence: Option<u32>) -> Result<Self, Failure> {
+        let video = output == Path::new("-") || is_video(output);
+        if video && frames.is_some_and(|frames| frames.count().is_none()) {
+            let expected = "expected a name with %04d for a range of --frames";
+            return Err(Failure::Usage(format!("-o {}: a video holds all pictures, {expected}", output.display())));
+        }
         if output == Path::new("-") {
             return Ok(Self::Stdout);
         }
-        if output.extension().is_some_and(|e| e.eq_ignore_ascii_case("y4m")) {
+        if is_video(output) {
             require_parent(output)?;
             return Ok(Self::Video(output.to_owned()));
         }
@@ -64,14 +74,18 @@ impl Sink {
             )));
         }
         let pattern = output.to_string_lossy().contains('%');
-        let Some(frames) = frames.or(sequence.filter(|_| pattern)) else {
+        let Some(frames) = frames.or(sequence.filter(|_| pattern).map(Frames::all)) else {
             require_parent(output)?;
             return Ok(Self::Picture(output.to_owned()));
         };
         let names = names(output, frames)?;
         let mut journal = output.as_os_str().to_owned();
+        // Several machines may draw ranges of one sequence into one folder; each notes down its own.
+        if frames.count().is_none() {
+            journal.push(format!(".{}-{}", frames.first, frames.end));
+        }
         journal.push(".pictures.jsonl");
-        Ok(Self::Numbered { names, journal: journal.into() })
+        Ok(Self::Numbered { first: frames.first as usize, names, journal: journal.into() })
     }
 
     /// Whether it holds as many pictures as a sequence has.
@@ -98,7 +112,9 @@ impl Sink {
             Self::Picture(path) => {
                 vec![shoot.picture(0, output).and_then(|(p, pixels)| write_png(path, &pixels).and(Ok(p)))?]
             }
-            Self::Numbered { names, journal } => return numbered(names, journal, shoot, key, restart, output),
+            Self::Numbered { first, names, journal } => {
+                return numbered((*first, names), journal, shoot, key, restart, output);
+            }
             Self::Video(path) => video(path, shoot, output)?,
             Self::Stdout => {
                 if io::stdout().is_terminal() {
@@ -128,8 +144,12 @@ impl Entry for Noted {
     }
 }
 
+fn is_video(output: &Path) -> bool {
+    output.extension().is_some_and(|e| e.eq_ignore_ascii_case("y4m"))
+}
+
 fn numbered(
-    names: &[PathBuf],
+    (first, names): (usize, &[PathBuf]),
     journal: &Path,
     shoot: &mut Shoot,
     key: Key,
@@ -147,20 +167,26 @@ fn numbered(
         let what = "another scene, view, tool or adapter are drawn anew";
         output.note(&format!("{} pictures of {what}", journal.others()));
     }
-    let digest = |bytes: &[u8]| super::unpacked::hex(&Sha256::digest(bytes));
-    let there = |noted: &Noted| read_file(&names[noted.picture]).is_ok_and(|bytes| digest(&bytes) == noted.sha256);
-    let known: Vec<Option<Picture>> = (0..names.len())
+    let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
+    // Not by what notes down the files that pictures are made of.
+    let there =
+        |noted: &Noted| std::fs::read(&names[noted.picture - first]).is_ok_and(|bytes| digest(&bytes) == noted.sha256);
+    let numbers: Vec<usize> = (first..first + names.len()).collect();
+    let known: Vec<Option<Picture>> = numbers
+        .iter()
+        .copied()
         .map(|i| journal.get(i).filter(|noted| there(noted)).map(|noted| noted.drawn.clone()))
         .collect();
     let skipped = known.iter().flatten().count();
     if skipped > 0 {
+        traffic::in_part();
         output.note(&format!(
             "{skipped} of {} pictures are there from a run before; --restart draws them anew",
             names.len()
         ));
     }
     let mut pictures = Vec::new();
-    for (index, (name, known)) in names.iter().zip(known).enumerate() {
+    for ((index, name), known) in numbers.iter().copied().zip(names).zip(known) {
         pictures.push(match known {
             Some(picture) => picture,
             None => {
@@ -171,7 +197,7 @@ fn numbered(
             }
         });
     }
-    journal.finish(&(0..names.len()).collect::<Vec<_>>())?;
+    journal.finish(&numbers)?;
     Ok(Drawn { pictures, skipped })
 }
 
@@ -209,7 +235,7 @@ fn film(out: &mut dyn Write, shoot: &mut Shoot, output: &mut Output) -> Result<V
 }
 
 /// File names of numbered pictures.
-fn names(output: &Path, frames: u32) -> Result<Vec<PathBuf>, Failure> {
+fn names(output: &Path, Frames { first, end, .. }: Frames) -> Result<Vec<PathBuf>, Failure> {
     let text = output.to_str().ok_or_else(|| Failure::Usage(format!("-o {}: not UTF-8", output.display())))?;
     let pattern = match text.split_once('%') {
         Some((head, tail)) => {
@@ -232,7 +258,7 @@ fn names(output: &Path, frames: u32) -> Result<Vec<PathBuf>, Failure> {
         }
     };
     let (head, width, tail) = pattern;
-    Ok((0..frames).map(|i| PathBuf::from(format!("{head}{i:0width$}{tail}"))).collect())
+    Ok((first..end).map(|i| PathBuf::from(format!("{head}{i:0width$}{tail}"))).collect())
 }
 
 #[cfg(test)]
@@ -242,7 +268,9 @@ mod tests {
 
     #[test]
     fn pictures_are_numbered() {
-        let list = |o: &str, n, sequence| Sink::new(Path::new(o), n, sequence).map(|sink| sink.files());
+        let list = |o: &str, n: Option<u32>, sequence| {
+            Sink::new(Path::new(o), n.map(Frames::all), sequence).map(|sink| sink.files())
+        };
         assert_eq!(list("a.png", None, None).ok(), Some(vec!["a.png".to_owned()]));
         assert_eq!(list("%04d.png", Some(2), None).ok(), Some(vec!["0000.png".to_owned(), "0001.png".to_owned()]));
         assert_eq!(list("walk.png", Some(1), None).ok(), Some(vec!["walk_0000.png".to_owned()]));
@@ -260,6 +288,16 @@ mod tests {
         assert!(list("no-such-folder/%04d.png", Some(1), None).is_ok(), "its folder will be made");
         assert!(list("%0s.png", Some(1), None).is_err() && list("%10d.png", Some(1), None).is_err());
         assert_eq!(list("a.png", None, Some(2)).ok(), Some(vec!["a.png".to_owned()]));
+    }
+
+    #[test]
+    fn a_range_of_pictures_has_their_numbers() {
+        let sink = |o: &str, frames: &str| Sink::new(Path::new(o), frames.parse().ok(), None);
+        let Ok(Sink::Numbered { first, names, journal }) = sink("a/%02d.png", "7..9/24") else { panic!("numbered") };
+        assert_eq!((first, names), (7, vec!["a/07.png".into(), "a/08.png".into()]));
+        assert_eq!(journal, PathBuf::from("a/%02d.png.7-9.pictures.jsonl"));
+        assert!(sink("a.y4m", "7..9").is_err() && sink("-", "7..9").is_err());
+        assert!(sink("-", "9").is_ok());
     }
 
     #[test]

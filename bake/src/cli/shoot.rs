@@ -50,7 +50,9 @@ pub struct Shoot {
     pub turn_light: bool,
     /// The camera goes once around the vertical axis through its target while the pictures last.
     pub auto_rotate: bool,
-    /// Pictures.
+    /// The first picture that is drawn, of which more is told.
+    pub first: usize,
+    /// Pictures of the whole.
     pub count: usize,
     /// Of them a second.
     pub fps: u32,
@@ -99,7 +101,8 @@ impl Shoot {
             lay_over_sky(&self.view.look, self.view.sky.as_deref(), &mut pixels, &camera, turn_deg);
         }
         // A long sequence of a large crowd would fill memory and journal with what nobody is told.
-        let told = if index == 0 { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
+        let told =
+            if index == self.first { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
         Ok((told, pixels))
     }
 
@@ -134,11 +137,7 @@ impl Shoot {
 
     /// Stands for everything that a picture depends on beside its number and what is drawn.
     pub fn key(&self) -> Key {
-        let info = &self.scene.gpu.info;
-        let key = Key::new()
-            .and(format!("{:?} {} {} {}", info.backend, info.name, info.driver, info.driver_info))
-            .and(format!("{:?}", self.view))
-            .and(self.fps.to_le_bytes());
+        let key = Key::new().and(self.scene.gpu.in_words()).and(format!("{:?}", self.view)).and(self.fps.to_le_bytes());
         match (self.turn_light, self.auto_rotate) {
             (false, false) => key,
             (light, camera) => key.and(self.count.to_le_bytes()).and([u8::from(light), u8::from(camera)]),

@@ -4,7 +4,9 @@ use super::exit::Failure;
 use super::view::View;
 use glam::Vec3;
 use pelage_bake::BakeError;
-use pelage_bake::judge::truth::{Lens, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
+use pelage_bake::judge::truth::{
+    Lens, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene,
+};
 use pelage_bake::strands::{Curves, GroomReport, Skin, grow_groups, grow_on, tile_hair};
 use pelage_formats::meaning::scattering::Fibre;
 use pelage_formats::meaning::up_of_view;
@@ -96,19 +98,19 @@ impl Truth {
 
     /// Traces the view's size, camera, lights and terms with `spp` samples per pixel; its clip, time and style are those that the truth was made
     /// for. `progress` gets the pixels that are done and all of them.
+    #[cfg(feature = "preview")]
     pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
         self.scene.picture(&self.camera(view), &self.lighting(view), view.size(), spp, progress)
     }
 
-    /// Those samples alone of the same picture; `None` where `progress` breaks off.
-    #[cfg(feature = "view")]
-    pub fn samples(
+    /// A portion alone of the same picture; `None` where `progress` breaks off.
+    pub fn portion(
         &self,
         view: &View,
-        samples: std::ops::Range<u32>,
+        portion: &Portion,
         progress: &mut dyn FnMut(u64, u64) -> std::ops::ControlFlow<()>,
     ) -> Option<TracedPicture> {
-        self.scene.samples(&self.camera(view), &self.lighting(view), view.size(), samples, progress)
+        self.scene.portion(&self.camera(view), &self.lighting(view), view.size(), portion, progress)
     }
 }
 

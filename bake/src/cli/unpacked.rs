@@ -12,9 +12,10 @@ mod strands;
 mod tile;
 
 use super::mesh_glb;
-pub use json::{File, hex};
-use json::{deserialize, from_hex, json_value, known_keys, parse, shorten_floats, to_text};
+pub use json::File;
+use json::{deserialize, json_value, known_keys, parse, shorten_floats, to_text};
 use pelage_bake::BakeError;
+use pelage_bake::hexadecimal::{from_hex, hex};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::recorded::{Disagreement, disagreements};
 use pelage_bake::stages::assemble::{Content, assemble};

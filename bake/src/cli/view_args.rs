@@ -24,11 +24,63 @@ pub struct ViewArgs {
     /// Copies of the model, side by side on a grid
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub crowd: u32,
-    /// Frames: numbered pictures of `render`, timed frames of `bench`
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub frames: Option<u32>,
+    /// Frames: numbered pictures of `render`, timed frames of `bench`. A..B, or A..B/N, are the pictures A to B - 1 of a sequence of B, or N, as a machine
+    /// draws them that shares it with others; as many as the scene says, where it says so
+    #[arg(long, value_name = "N|A..B[/N]")]
+    pub frames: Option<Frames>,
     #[command(flatten)]
     pub look: LookArgs,
+}
+
+/// Pictures of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frames {
+    /// The first of them, from 0.
+    pub first: u32,
+    /// The one behind the last.
+    pub end: u32,
+    /// How many the whole sequence has, where that was said.
+    pub of: Option<u32>,
+}
+
+impl Frames {
+    /// Most pictures of a sequence.
+    const MOST: u32 = 100_000;
+
+    /// All of a sequence of `count`.
+    pub fn all(count: u32) -> Self {
+        Self { first: 0, end: count, of: Some(count) }
+    }
+
+    /// Their number, where all of a sequence are meant.
+    #[cfg(feature = "preview")]
+    pub fn count(self) -> Option<u32> {
+        (self.of == Some(self.end) && self.first == 0).then_some(self.end)
+    }
+}
+
+impl FromStr for Frames {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |word: &str| word.trim().parse::<u32>().ok().filter(|n| *n <= Self::MOST);
+        let expected = || {
+            let most = Self::MOST;
+            format!("expected a number of 1 to {most}, or a range of pictures such as 0..24 or 24..48/96")
+        };
+        let Some((first, rest)) = text.split_once("..") else {
+            return number(text).filter(|n| *n > 0).map(Self::all).ok_or_else(expected);
+        };
+        let (end, of) = match rest.split_once('/') {
+            Some((end, of)) => (end, Some(number(of).ok_or_else(expected)?)),
+            None => (rest, None),
+        };
+        let (first, end) = number(first).zip(number(end)).ok_or_else(expected)?;
+        if first >= end || of.is_some_and(|of| end > of) {
+            return Err(format!("found no pictures from {first} to {end} in it; {}", expected()));
+        }
+        Ok(Self { first, end, of })
+    }
 }
 
 /// A clip that a pose goes over to.
@@ -113,7 +165,13 @@ mod tests {
         let view = View::new(&args, Look::default()).unwrap();
         let (eye, target) = (Vec3::new(-1.0, 2.0, 3.5), Vec3::new(0.0, 0.0, -1.0));
         assert_eq!(view.camera, Some(Viewpoint { eye, target, fov_deg: 45.0 }));
-        assert_eq!((view.time_s, view.clip.as_deref(), view.crowd, args.frames), (0.25, Some("Walk"), 100, Some(3)));
+        assert_eq!(
+            (view.time_s, view.clip.as_deref(), view.crowd, args.frames),
+            (0.25, Some("Walk"), 100, Some(Frames::all(3)))
+        );
+        let range = |first, end, of| Some(Frames { first, end, of });
+        assert_eq!(parse("--frames 4..8").unwrap().frames, range(4, 8, None));
+        assert_eq!(parse("--frames 4..8/96").unwrap().frames, range(4, 8, Some(96)));
         assert_eq!(view.blend, Some(Blend { clip: "A|Run".into(), share: 0.3 }));
         let morph = |target: &str, weight| MorphWeight { target: target.into(), weight };
         assert_eq!(view.morphs, [morph("a:b", -0.5), morph("smile", 2.0)]);
@@ -137,7 +195,11 @@ mod tests {
             ("--orbit 1,nan", "azimuth and elevation"),
             ("--orbit 0,91", "elevation: found 91, expected -90 to 90 degrees"),
             ("--orbit 0,0,0", "zoom: found 0, expected 0.01 to 100"),
-            ("--frames 0", "0 is not in 1.."),
+            ("--frames 0", "expected a number of 1 to 100000"),
+            ("--frames 100001", "expected a number of 1 to 100000"),
+            ("--frames 4..4", "found no pictures from 4 to 4"),
+            ("--frames 4..8/7", "found no pictures from 4 to 8"),
+            ("--frames 4..x", "such as 0..24 or 24..48/96"),
             ("--time inf", "number of seconds"),
             ("--blend Run", "such as Walk:0.3"),
             ("--blend :0.3", "such as Walk:0.3"),

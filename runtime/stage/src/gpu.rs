@@ -74,6 +74,23 @@ impl Gpu {
         pollster::block_on(Self::request(&instance, None, wanted, limits))
     }
 
+    /// The adapter that [`Self::open`] would take, with its driver, as pictures depend on them; no device is made.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::open`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn adapter_in_words() -> Result<String, StageError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, None));
+        adapter.map(|adapter| in_words(&adapter.get_info())).map_err(|error| StageError::NoAdapter(error.to_string()))
+    }
+
+    /// This adapter, as [`Self::adapter_in_words`] has it.
+    pub fn in_words(&self) -> String {
+        in_words(&self.info)
+    }
+
     /// As [`Self::with`], for who must not wait: a browser answers between two turns of its event loop. The adapter can draw on `surface`.
     ///
     /// # Errors
@@ -135,6 +152,10 @@ impl Gpu {
         bytes.chunks_exact(padded as usize).for_each(|row| texels.extend_from_slice(&row[..row_bytes as usize]));
         Ok(texels)
     }
+}
+
+fn in_words(info: &wgpu::AdapterInfo) -> String {
+    format!("{:?} {} {} {}", info.backend, info.name, info.driver, info.driver_info)
 }
 
 /// What went wrong with a device that stopped answering.

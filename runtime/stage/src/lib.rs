@@ -59,5 +59,6 @@ pub use scene_file::{
 };
 #[cfg(feature = "draw")]
 pub use stage::{Picture, Stage, camera};
+pub use toml_text::TomlText;
 pub use track::{LEAST_STEP_S, Track, Value};
 pub use viewpoint::{Shot, Viewpoint};

@@ -8,20 +8,20 @@ use toml::de::{DeTable, DeValue};
 
 /// The text of a file, for messages that name the line.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Source<'a> {
+pub struct TomlText<'a> {
     /// As the user named it.
-    pub(crate) name: &'a str,
+    pub name: &'a str,
     /// All of it.
-    pub(crate) text: &'a str,
+    pub text: &'a str,
 }
 
-impl Source<'_> {
+impl TomlText<'_> {
     /// Reads the words.
     ///
     /// # Errors
     ///
     /// [`StageError::Input`] with line and key for broken TOML, a key that there is none of, and a value that is not what it should be.
-    pub(crate) fn parse<T: DeserializeOwned>(&self) -> Result<T, StageError> {
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, StageError> {
         let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
         let document = toml::Deserializer::parse(self.text).map_err(broken)?;
         serde_path_to_error::deserialize(document).map_err(|e| {
@@ -46,7 +46,7 @@ impl Source<'_> {
     }
 
     /// An error at a key such as `model[1].path[0].time_s`.
-    pub(crate) fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
+    pub fn fault(&self, key: &str, reason: impl Into<String>) -> StageError {
         self.fault_at(self.find(key), key, reason.into())
     }
 

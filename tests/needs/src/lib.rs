@@ -1,4 +1,4 @@
-//! What tests need that a machine may lack: an adapter, test data, a C compiler, a browser.
+//! What tests need that a machine may lack: an adapter, test data, a C compiler, a browser, Ninja.
 //!
 //! A test asks here, by its name. It gets what it needs, or `None` with a loud word, and returns; under `CI` what is missing
 //! is a failure. Whatever the answer, it goes into the log that `PELAGE_TEST_LOG` names, and `./run test` holds the log
@@ -23,11 +23,13 @@ pub enum Need {
     Desktop,
     /// Chromium, and the page that is built for it: tests in `runtime/web/tests`, which write the same log.
     Browser,
+    /// Ninja, which runs herds.
+    Ninja,
 }
 
 impl Need {
     /// All needs.
-    pub const ALL: [Self; 5] = [Self::Gpu, Self::Data, Self::Compiler, Self::Desktop, Self::Browser];
+    pub const ALL: [Self; 6] = [Self::Gpu, Self::Data, Self::Compiler, Self::Desktop, Self::Browser, Self::Ninja];
 
     /// Its word in log and register.
     pub fn word(self) -> &'static str {
@@ -37,6 +39,7 @@ impl Need {
             Self::Compiler => "compiler",
             Self::Desktop => "desktop",
             Self::Browser => "browser",
+            Self::Ninja => "ninja",
         }
     }
 }
@@ -97,6 +100,26 @@ pub fn data(test: &str) -> Option<PathBuf> {
     }
     lacked(Need::Data, test, &format!("no test data at {words}"));
     None
+}
+
+/// Whether a program is where the shell would find it.
+pub fn is_installed(program: &str) -> bool {
+    std::env::var_os("PATH").is_some_and(|path| std::env::split_paths(&path).any(|p| p.join(program).is_file()))
+}
+
+/// Whether the test of that name has Ninja; where not, it has said so.
+///
+/// # Panics
+///
+/// As [`had`] and [`lacked`].
+pub fn ninja(test: &str) -> bool {
+    let there = is_installed("ninja");
+    if there {
+        had(Need::Ninja, test, "ninja");
+    } else {
+        lacked(Need::Ninja, test, "ninja is not installed (Debian: apt-get install ninja-build)");
+    }
+    there
 }
 
 /// Whether the GPU test of that name is wanted: unless `PELAGE_NO_GPU=1` says by name that GPU tests are left out. Who opens the

@@ -25,7 +25,7 @@ const RUNTIME: [&[&str]; 14] = [
 /// Floors of bake: words and formulas, images, the recipe, the stages, strands on a skin beside files on disk, the order of the stages, what runs a part of it, what judges a
 /// bake, and the command. Strands never see who judges by them, and no stage sees either.
 const BAKE: [&[&str]; 11] = [
-    &["error", "decision", "noise", "angle", "steps", "unfinished", "remade"],
+    &["error", "decision", "noise", "angle", "steps", "unfinished", "remade", "traffic", "hexadecimal"],
     &["mesh", "mask"],
     &["image_file", "sample", "guides"],
     &["picture", "y4m"],
@@ -33,7 +33,7 @@ const BAKE: [&[&str]; 11] = [
     &["stages"],
     &["strands", "io", "recorded"],
     &["pipeline"],
-    &["reslice", "rebake", "groom_map", "sky_file"],
+    &["reslice", "rebake", "groom_map", "sky_file", "cache", "herd"],
     &["judge"],
     &["cli"],
 ];

@@ -9,13 +9,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The functions by which a test asks for what it needs; its name is the argument, as a literal.
-const ASKED: [(&str, Need); 6] = [
+const ASKED: [(&str, Need); 7] = [
     ("gpu(", Need::Gpu),
     ("data(", Need::Data),
     ("shared(", Need::Data),
     ("cases(", Need::Data),
     ("Desktop::open(", Need::Desktop),
     ("browser(", Need::Browser),
+    ("ninja(", Need::Ninja),
 ];
 
 /// Files with tests that may ask.

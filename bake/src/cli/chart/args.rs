@@ -3,6 +3,7 @@
 use crate::cli::bake::RecipeArgs;
 use crate::cli::exit::Failure;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Chart speed against accuracy: CSV and SVG with a row for each configuration
 #[derive(Clone, Debug, clap::Args)]
@@ -16,9 +17,16 @@ pub struct ChartArgs {
     /// Folder for TOPIC.csv and TOPIC.svg, made where it is missing; stability needs none, and draws no picture
     #[arg(long, short, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
-    /// Measure these rows only, by their number in the whole table, from 1; where a row's command says so, it gives that row again
-    #[arg(long, value_name = "N,N..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
-    pub(super) rows: Vec<u32>,
+    /// Measure these rows only, by their number in the whole table, from 1, or the K-th of M shares of all rows; where a row's command says so, it gives that
+    /// row again
+    #[arg(long, value_name = "N|K/M,..", value_delimiter = ',')]
+    pub(super) rows: Vec<Rows>,
+    /// Leave the rows in TOPIC.rows.jsonl and draw no table: for a machine that measures some of them
+    #[arg(long, conflicts_with = "from")]
+    pub(super) part: bool,
+    /// Take rows that other machines with the same tool and adapter have left there with --part; what is missing is measured
+    #[arg(long, value_name = "JSONL")]
+    pub(super) from: Vec<PathBuf>,
     /// Measure all rows anew; without it, those count that a run which was killed left in TOPIC.rows.jsonl
     #[arg(long)]
     pub(super) restart: bool,
@@ -32,11 +40,64 @@ pub struct ChartArgs {
 impl ChartArgs {
     /// Numbers of the rows to measure, of `count` that there are.
     pub(super) fn numbers(&self, count: usize) -> Result<impl Iterator<Item = usize> + use<>, Failure> {
-        if let Some(row) = self.rows.iter().find(|row| **row as usize > count) {
+        let beyond = |rows: &Rows| matches!(rows, Rows::Number(row) if *row > count);
+        if let Some(Rows::Number(row)) = self.rows.iter().find(|rows| beyond(rows)) {
             return Err(Failure::Usage(format!("--rows {row}: the table has {count} rows")));
         }
-        let rows: Vec<usize> = self.rows.iter().map(|row| *row as usize).collect();
-        Ok((1..=count).filter(move |number| rows.is_empty() || rows.contains(number)))
+        let rows = self.rows.clone();
+        Ok((1..=count).filter(move |number| rows.is_empty() || rows.iter().any(|rows| rows.has(*number))))
+    }
+}
+
+/// Rows of a table, numbered from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rows {
+    /// One of them.
+    Number(usize),
+    /// Every `of`-th, beginning with row `share`.
+    Share { share: usize, of: usize },
+}
+
+impl Rows {
+    fn has(self, number: usize) -> bool {
+        match self {
+            Self::Number(row) => row == number,
+            Self::Share { share, of } => number % of == share % of,
+        }
+    }
+}
+
+impl FromStr for Rows {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |word: &str| word.trim().parse::<usize>().ok().filter(|n| *n > 0);
+        let rows = match text.split_once('/') {
+            Some((share, of)) => number(share).zip(number(of)).filter(|(share, of)| share <= of),
+            None => {
+                return number(text)
+                    .map(Self::Number)
+                    .ok_or_else(|| "expected a row from 1, or a share such as 2/8".into());
+            }
+        };
+        rows.map(|(share, of)| Self::Share { share, of })
+            .ok_or_else(|| "expected a share of the rows from 1, such as 2/8".into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_have_every_row_once() {
+        let of = |text: &str| text.parse::<Rows>().expect("rows");
+        for number in 1..=20 {
+            let shares = ["1/3", "2/3", "3/3"].map(|text| of(text).has(number));
+            assert_eq!(shares.iter().filter(|has| **has).count(), 1, "{number}");
+        }
+        assert!(of("2/3").has(2) && of("3/3").has(3) && of("7").has(7) && !of("7").has(14));
+        assert!(["0", "4/3", "0/3", "a", "1/"].iter().all(|text| text.parse::<Rows>().is_err()));
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::args::ChartArgs;
 use super::journal::Rows;
-use super::subject::{Subject, shell_word};
+use super::subject::Subject;
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::journal::Key;
 use crate::cli::output::{Output, make_folder};
+use pelage_bake::herd::shell_word;
 use pelage_bake::io;
 use pelage_bake::judge::chart::{self, Cell, Chart, Panel, Row};
 use serde_json::{Map, Value, json};
@@ -80,6 +81,13 @@ pub fn run(
     if journal.others() > 0 {
         output.note(&format!("{} rows of another model, recipe, tool or adapter do not count", journal.others()));
     }
+    for path in &args.from {
+        let others = journal.take(path)?;
+        if others > 0 {
+            let file = path.display();
+            output.note(&format!("{file}: {others} rows of another model, recipe, tool or adapter do not count"));
+        }
+    }
     let known = numbers.iter().filter(|n| journal.cells(**n).is_some()).count();
     if known > 0 {
         output.note(&format!(
@@ -113,6 +121,13 @@ pub fn run(
             command: planned.command.clone().unwrap_or_else(|| command(subject, folder, plan.topic, *number)),
         });
     }
+    if args.part {
+        let file = journal.path().display().to_string();
+        let value =
+            json!({ "topic": plan.topic, "adapter": plan.adapter, "files": [file], "rows": [], "measured": numbers });
+        output.result(&file, &value)?;
+        return Ok(Exit::Done);
+    }
     let Plan { topic, title, adapter, columns, panels, .. } = plan;
     let exit = write(&Chart { topic, title, adapter, columns, rows, panels }, folder, output)?;
     journal.finish(&numbers)?;
@@ -127,7 +142,7 @@ fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> Stri
 
 /// Stands for everything that a row's figures depend on beside its number: another tool, model, recipe or adapter gives another key.
 fn key(subject: &Subject, plan: &Plan) -> String {
-    let mut key = Key::new().and(&plan.adapter).and(&plan.title).and(subject.recipe.to_toml());
+    let mut key = Key::of_program().and(&plan.adapter).and(&plan.title).and(subject.recipe.to_toml());
     for input in subject.model.inputs.iter().chain(&subject.images.inputs) {
         key = key.and(format!("{} {} {:?}", input.role, input.name, input.sha256));
     }

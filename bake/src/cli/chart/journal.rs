@@ -32,6 +32,16 @@ impl Rows {
         Journal::open(folder.join(format!("{topic}.rows.jsonl")), key, restart).map(Self)
     }
 
+    /// Takes the rows of another machine's file, which stays as it is: how many of them are of another model, recipe, tool or adapter.
+    pub fn take(&mut self, path: &Path) -> Result<usize, Failure> {
+        self.0.take(path)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+
     /// The figures of a row, where an earlier run has measured it.
     pub fn cells(&self, number: usize) -> Option<Vec<Cell>> {
         self.0.get(number)?.cells.iter().map(read).collect()

@@ -52,6 +52,8 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
         || !args.recipe.set.is_empty()
         || !args.rows.is_empty()
         || args.restart
+        || args.part
+        || !args.from.is_empty()
     {
         return Err(Failure::Usage(
             "chart stability takes neither model nor recipe: its rows bring their own, and all of them are driven"

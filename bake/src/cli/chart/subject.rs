@@ -5,6 +5,7 @@ use crate::cli::built_in::HARE;
 use crate::cli::exit::Failure;
 use crate::cli::mesh_glb;
 use crate::cli::package_file;
+use pelage_bake::herd::shell_word;
 use pelage_bake::mesh::{Model, RestPose};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::{self, MapImages};
@@ -121,28 +122,4 @@ pub fn set_words<'a>(sets: impl IntoIterator<Item = &'a String>) -> String {
 /// Skies as options.
 fn sky_words(files: &[PathBuf]) -> String {
     files.iter().map(|file| format!(" --sky {}", shell_word(&file.display().to_string()))).collect()
-}
-
-/// A word as a shell reads it.
-pub fn shell_word(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_survive_a_shell() {
-        for (word, expected) in [
-            ("a/b-c.glb", "a/b-c.glb"),
-            ("my fox.glb", "'my fox.glb'"),
-            ("it's", r"'it'\''s'"),
-            ("", "''"),
-            ("a[1]", "'a[1]'"),
-        ] {
-            assert_eq!(shell_word(word), expected);
-        }
-    }
 }

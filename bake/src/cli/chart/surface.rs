@@ -2,8 +2,9 @@
 
 use super::driver::{Plan, PlannedRow, Topic};
 use super::machine::processor;
-use super::subject::{Subject, set_words, shell_word};
+use super::subject::{Subject, set_words};
 use crate::cli::exit::Failure;
+use pelage_bake::herd::shell_word;
 use pelage_bake::judge::chart::{Cell, surface};
 use pelage_bake::pipeline;
 use std::time::Instant;

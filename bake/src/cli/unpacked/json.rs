@@ -10,21 +10,6 @@ use std::fmt::Write as _;
 /// A file's name and contents.
 pub type File = (String, Vec<u8>);
 
-/// Lower-case hexadecimal digits.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |mut out, b| {
-        let _ = write!(out, "{b:02x}");
-        out
-    })
-}
-
-/// The bytes of hexadecimal digits.
-pub fn from_hex(text: &str) -> Option<Vec<u8>> {
-    let digits = text.as_bytes().chunks(2);
-    let byte = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok().filter(|p| p.len() == 2)?, 16).ok();
-    digits.map(byte).collect()
-}
-
 /// Writes JSON with each value on a line of its own.
 pub fn to_text(value: &Value) -> String {
     format!("{value:#}\n")

@@ -5,11 +5,12 @@
 //! same whole numbers that it was unpacked from: those that a `.hair` does not lead back to stand in `exact`, which count as long as the strand is the one
 //! that they stand for.
 
-use super::json::{File, from_hex, hex, parse, shorten_floats, to_rows};
+use super::json::{File, parse, shorten_floats, to_rows};
 use super::tile::{Exact, Frame, Strand, grown};
 use glam::Vec2;
 use pelage_bake::BakeError;
 use pelage_bake::guides::read::HairFile;
+use pelage_bake::hexadecimal::{from_hex, hex};
 use pelage_bake::strands::export::write_hair;
 use pelage_bake::strands::{CurvePoint, Curves};
 use pelage_formats::meaning::linear_to_srgb;

@@ -4,7 +4,7 @@ use crate::cli::sky::Sky;
 use crate::cli::truth::{Truth as TrueView, encode};
 use crate::cli::view::View;
 use pelage_bake::judge::compare::{CompareParams, compare};
-use pelage_bake::judge::truth::TracedPicture;
+use pelage_bake::judge::truth::{Portion, TracedPicture};
 use pelage_stage::LookStyle;
 use pelage_viewer::{Judge, Outcome, Progress, Truth, TruthAsked};
 use std::ops::ControlFlow;
@@ -55,7 +55,9 @@ impl Judge for Tracer {
                 let share = Some(done as f32 / total.max(1) as f32);
                 progress(Progress { doing: format!("{samples} samples"), share })
             };
-            let Some(more) = truth.samples(&view, before..samples, &mut tell) else { return Ok(()) };
+            let Some(more) = truth.portion(&view, &Portion::of_samples(before..samples), &mut tell) else {
+                return Ok(());
+            };
             let share = before as f32 / samples as f32;
             match &mut picture {
                 Some(picture) => picture.mix(&more, [share, 1.0 - share]),

@@ -47,6 +47,11 @@ pub struct TrueScene {
 }
 
 impl TracedPicture {
+    /// How many pixels anything covers.
+    pub fn covered(&self) -> usize {
+        self.pixels.iter().filter(|p| p[3] > 0.0).count()
+    }
+
     /// Takes in another picture of the same size, of other samples: `[self, other]` are the shares of all samples that each has.
     pub fn mix(&mut self, other: &Self, [own, new]: [f32; 2]) {
         for (pixel, more) in self.pixels.iter_mut().zip(&other.pixels) {
@@ -111,42 +116,39 @@ impl TrueScene {
             progress(done, total);
             ControlFlow::Continue(())
         };
-        let whole = self.samples(camera, lighting, (width, height), 0..spp, &mut going_on);
+        let whole = self.portion(camera, lighting, (width, height), &Portion::of_samples(0..spp), &mut going_on);
         // Nobody breaks off.
         whole.unwrap_or_default()
     }
 
-    /// As [`Self::picture`], of those samples alone: the mean of several such pictures, each weighed by its samples, is one of them all.
-    /// Ends without a picture where `progress` breaks off.
-    pub fn samples(
+    /// As [`Self::picture`], of a portion alone; all other pixels are empty. The mean of pictures of other samples, each weighed by its samples, is one of
+    /// them all; those of a picture's parts have its pixels, to the last bit. Ends without a picture where `progress` breaks off.
+    pub fn portion(
         &self,
         camera: &TrueCamera,
         lighting: &TrueLighting,
         (width, height): (u32, u32),
-        samples: Range<u32>,
+        Portion { samples, part }: &Portion,
         progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
     ) -> Option<TracedPicture> {
         let mut picture = TracedPicture { width, height, ..TracedPicture::default() };
         picture.pixels = vec![[0.0; 4]; width as usize * height as usize];
-        let squares: Vec<(u32, u32)> = (0..height.div_ceil(SQUARE))
-            .flat_map(|y| (0..width.div_ceil(SQUARE)).map(move |x| (SQUARE * x, SQUARE * y)))
-            .collect();
-        let total = u64::from(width) * u64::from(height);
+        let squares = part.squares((width, height));
+        let total = squares.iter().map(Square::pixels).sum();
         let mut done = 0;
         let rays = RayCaster::new(camera, (width, height));
         for batch in squares.chunks(BATCH) {
             let traced: Vec<_> = batch
                 .par_iter()
-                .map(|(x0, y0)| {
-                    let columns = *x0..(x0 + SQUARE).min(width);
+                .map(|Square { columns, rows }| {
                     let mut pixels = Vec::new();
                     let mut count = Rays::default();
-                    for y in *y0..(y0 + SQUARE).min(height) {
+                    for y in rows.clone() {
                         pixels.extend(
                             columns.clone().map(|x| self.pixel(&rays, lighting, (x, y), samples.clone(), &mut count)),
                         );
                     }
-                    (columns, *y0, pixels, count)
+                    (columns, rows.start, pixels, count)
                 })
                 .collect();
             for (columns, y0, pixels, count) in traced {
@@ -191,6 +193,67 @@ impl TrueScene {
         let spp = f64::from((samples.end.saturating_sub(samples.start)).max(1));
         let color = (sum / spp).as_vec3();
         [color.x, color.y, color.z, (f64::from(met) / spp) as f32]
+    }
+}
+
+/// What is traced of a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Portion {
+    /// Which samples of each pixel.
+    pub samples: Range<u32>,
+    /// Which pixels.
+    pub part: Part,
+}
+
+impl Portion {
+    /// Those samples of all pixels.
+    pub fn of_samples(samples: Range<u32>) -> Self {
+        Self { samples, part: Part::default() }
+    }
+}
+
+/// One of the parts that a picture is divided into: small squares from all over it, so that each part is about as dear as the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Which one, from 0.
+    pub number: u32,
+    /// How many there are, at least 1.
+    pub of: u32,
+}
+
+impl Default for Part {
+    /// The whole picture.
+    fn default() -> Self {
+        Self { number: 0, of: 1 }
+    }
+}
+
+/// A small square of a picture, cut off at its edges.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Square {
+    /// Its columns.
+    pub columns: Range<u32>,
+    /// Its rows.
+    pub rows: Range<u32>,
+}
+
+impl Square {
+    /// How many pixels it has.
+    pub fn pixels(&self) -> u64 {
+        self.columns.len() as u64 * self.rows.len() as u64
+    }
+}
+
+impl Part {
+    /// The squares of this part of a picture of `width` × `height` pixels. Every pixel is in one square of one part.
+    pub fn squares(&self, (width, height): (u32, u32)) -> Vec<Square> {
+        let along = |count: u32, i: u32| SQUARE * i..(SQUARE * (i + 1)).min(count);
+        let rows = 0..height.div_ceil(SQUARE);
+        rows.flat_map(|y| (0..width.div_ceil(SQUARE)).map(move |x| (x, y)))
+            // Along diagonals, so that no part has whole columns.
+            .filter(|(x, y)| (x + y) % self.of == self.number)
+            .map(|(x, y)| Square { columns: along(width, x), rows: along(height, y) })
+            .collect()
     }
 }
 

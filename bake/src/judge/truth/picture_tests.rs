@@ -318,8 +318,11 @@ fn samples_in_parts_are_the_whole_and_a_trace_can_be_broken_off() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
     let scene = scene(curves);
-    let part =
-        |samples| scene.samples(&camera(), &lighting(), (40, 40), samples, &mut |_, _| ControlFlow::Continue(()));
+    let part = |samples| {
+        scene.portion(&camera(), &lighting(), (40, 40), &Portion::of_samples(samples), &mut |_, _| {
+            ControlFlow::Continue(())
+        })
+    };
     let whole = trace(&scene, &lighting(), 40, 8);
     let mut mixed = part(0..2).unwrap();
     mixed.mix(&part(2..8).unwrap(), [0.25, 0.75]);
@@ -328,6 +331,40 @@ fn samples_in_parts_are_the_whole_and_a_trace_can_be_broken_off() {
         assert!((a - b).abs() < 1e-5, "{a} is not {b}");
     }
     assert!(part(0..2).unwrap() != part(2..4).unwrap(), "each part has samples of its own");
-    let broken = scene.samples(&camera(), &lighting(), (40, 40), 0..8, &mut |_, _| ControlFlow::Break(()));
+    let broken =
+        scene.portion(&camera(), &lighting(), (40, 40), &Portion::of_samples(0..8), &mut |_, _| ControlFlow::Break(()));
     assert_eq!(broken, None);
+}
+
+#[test]
+fn parts_of_a_picture_have_its_pixels() {
+    let mut curves = Curves::default();
+    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
+    let scene = scene(curves);
+    let size = (70, 45);
+    let whole = scene.picture(&camera(), &lighting(), size, 2, &mut |_, _| {});
+    let mut pixels = vec![[f32::NAN; 4]; whole.pixels.len()];
+    let mut rays = Rays::default();
+    for number in 0..5 {
+        let part = Part { number, of: 5 };
+        let portion = Portion { samples: 0..2, part };
+        let mut told = (0, 0);
+        let traced = scene.portion(&camera(), &lighting(), size, &portion, &mut |done, all| {
+            told = (done, all);
+            ControlFlow::Continue(())
+        });
+        let traced = traced.expect("nobody breaks off");
+        let squares = part.squares(size);
+        let count: u64 = squares.iter().map(Square::pixels).sum();
+        assert_eq!(told, (count, count));
+        assert!(count.abs_diff(70 * 45 / 5) < 300, "{count} pixels in part {number}");
+        for Square { columns, rows } in squares {
+            for at in rows.flat_map(|y| columns.clone().map(move |x| (y * 70 + x) as usize)) {
+                assert!(pixels[at][0].is_nan(), "pixel {at} is in two parts");
+                pixels[at] = traced.pixels[at];
+            }
+        }
+        (rays.primary, rays.shadow) = (rays.primary + traced.rays.primary, rays.shadow + traced.rays.shadow);
+    }
+    assert_eq!((pixels, rays), (whole.pixels, whole.rays));
 }

@@ -29,7 +29,7 @@ mod text;
 
 use crate::cast::{Actor, Cast, Place, Playing, carried_by, clip_named, framed, morph_named};
 use crate::framing::{FOV_DEG, Framing};
-use crate::toml_text::Source;
+use crate::toml_text::TomlText;
 use crate::track::Track;
 use crate::{NamedPackage, Shot, StageError, Viewpoint};
 use glam::Vec3;
@@ -103,7 +103,7 @@ impl SceneFile {
         })?;
         // Some editors begin a text file with a byte order mark.
         let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
-        let source = Source { name, text: &text };
+        let source = TomlText { name, text: &text };
         let scene: Scene = source.parse()?;
         if scene.models.is_empty() {
             return Err(source.fault("model", "found none, expected at least one [[model]] with a package"));
@@ -116,8 +116,8 @@ impl SceneFile {
         self.source().fault(key, reason)
     }
 
-    fn source(&self) -> Source<'_> {
-        Source { name: &self.name, text: &self.text }
+    fn source(&self) -> TomlText<'_> {
+        TomlText { name: &self.name, text: &self.text }
     }
 
     /// Pictures, where the scene says how many.
@@ -183,7 +183,7 @@ impl LoadedScene {
     }
 }
 
-fn check_light(source: &Source<'_>, light: Option<&SceneLight>) -> Result<(), StageError> {
+fn check_light(source: &TomlText<'_>, light: Option<&SceneLight>) -> Result<(), StageError> {
     match light {
         Some(SceneLight { direction: Some(towards), position: None }) if towards.0.try_normalize().is_none() => {
             Err(source.fault("light.direction", "found a direction of no length, expected one such as [1, 2, 1]"))
@@ -198,7 +198,7 @@ fn check_light(source: &Source<'_>, light: Option<&SceneLight>) -> Result<(), St
     }
 }
 
-fn shot(source: &Source<'_>, camera: &SceneCamera) -> Result<Shot, StageError> {
+fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<Shot, StageError> {
     let fov = |fov: Option<FieldOfView>| fov.map_or(FOV_DEG, |fov| fov.0);
     let keys: Vec<(String, f32, Vec3, Vec3, f32)> = match (camera.eye, camera.target, &camera.path) {
         (Some(eye), Some(target), None) => vec![("camera.target".into(), 0.0, eye.0, target.0, fov(camera.fov_deg))],
@@ -225,7 +225,7 @@ fn shot(source: &Source<'_>, camera: &SceneCamera) -> Result<Shot, StageError> {
 }
 
 /// What the models are called in results.
-fn names(source: &Source<'_>, models: &[SceneModel]) -> Result<Vec<String>, StageError> {
+fn names(source: &TomlText<'_>, models: &[SceneModel]) -> Result<Vec<String>, StageError> {
     for (i, model) in models.iter().enumerate() {
         let same = |other: &SceneModel| other.name.is_some() && other.name == model.name;
         if let Some(first) = models[..i].iter().position(same) {
@@ -239,7 +239,7 @@ fn names(source: &Source<'_>, models: &[SceneModel]) -> Result<Vec<String>, Stag
 }
 
 /// How a clip plays means nothing where none does.
-fn check_clip(source: &Source<'_>, i: usize, model: &SceneModel) -> Result<(), StageError> {
+fn check_clip(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<(), StageError> {
     let given = [
         ("speed", model.speed.is_some()),
         ("start_s", model.start_s.is_some()),
@@ -255,7 +255,7 @@ fn check_clip(source: &Source<'_>, i: usize, model: &SceneModel) -> Result<(), S
     }
 }
 
-fn place(source: &Source<'_>, i: usize, model: &SceneModel) -> Result<Place, StageError> {
+fn place(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<Place, StageError> {
     let scale = model.scale.map_or(1.0, |scale| scale.0);
     let key = |name: &str| format!("model[{i}].{name}");
     let Some(path) = &model.path else {
@@ -284,7 +284,7 @@ fn place(source: &Source<'_>, i: usize, model: &SceneModel) -> Result<Place, Sta
 
 /// Reads every package that the models name, once; with it which one each model has.
 fn read_packages(
-    source: &Source<'_>,
+    source: &TomlText<'_>,
     packages: &dyn PackageSource,
     models: &[SceneModel],
 ) -> Result<(Vec<NamedPackage<'static>>, Vec<usize>), StageError> {
@@ -303,7 +303,7 @@ fn read_packages(
 }
 
 fn playing(
-    source: &Source<'_>,
+    source: &TomlText<'_>,
     i: usize,
     model: &SceneModel,
     package: &str,
@@ -325,7 +325,7 @@ fn playing(
 
 /// How far a model's clip carries it in a round, where it is to.
 fn carried(
-    source: &Source<'_>,
+    source: &TomlText<'_>,
     i: usize,
     model: &SceneModel,
     clip: Option<Playing>,
@@ -345,7 +345,7 @@ fn carried(
 
 /// Index and weight of the morph targets that a model holds.
 fn weights(
-    source: &Source<'_>,
+    source: &TomlText<'_>,
     i: usize,
     model: &SceneModel,
     package: &str,

@@ -91,7 +91,7 @@ fn places_and_cameras_are_those_of_the_file() {
         "[camera]\npath = [\n{ time_s = 0, eye = [0, 1, 5], target = [0, 0, 0] },\n{ time_s = 2, eye = [4, 1, 5], target = [4, 0, 0], fov_deg = 40 }]",
         "path = [{ time_s = 1, position = [0, 0, 0] }, { time_s = 3, position = [2, 0, 0] }]\nscale = 2",
     );
-    let source = Source { name: "a.toml", text: &text };
+    let source = TomlText { name: "a.toml", text: &text };
     let words: Scene = source.parse().unwrap();
     let shot = shot(&source, words.camera.as_ref().unwrap()).unwrap();
     let at = |time_s| (shot.at(time_s).eye, shot.at(time_s).target, shot.at(time_s).fov_deg);

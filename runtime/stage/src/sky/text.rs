@@ -1,7 +1,7 @@
 //! Skies as TOML.
 
 use crate::StageError;
-use crate::toml_text::Source;
+use crate::toml_text::TomlText;
 use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
 use pelage_params::Raw;
 
@@ -11,7 +11,7 @@ use pelage_params::Raw;
 ///
 /// [`StageError::Input`] with line and key of what is wrong.
 pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, StageError> {
-    let source = Source { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
+    let source = TomlText { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
     let mut environment = Environment::default();
     for (key, value) in source.table()? {
         match (key.as_str(), &value) {
@@ -40,7 +40,7 @@ pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, Stag
 
 // Read by hand: a page loads this code, and what serde makes of three tables is a twentieth of all that it loads.
 
-fn lobe(source: &Source<'_>, number: usize, value: &Raw) -> Result<LightLobe, StageError> {
+fn lobe(source: &TomlText<'_>, number: usize, value: &Raw) -> Result<LightLobe, StageError> {
     let at = format!("lobe[{number}]");
     let Raw::Table(entries) = value else { return Err(source.fault(&at, value.instead_of("a table"))) };
     let [towards, width, radiance] = fields(source, &at, entries, ["towards", "width_deg", "radiance"])?;
@@ -54,7 +54,7 @@ fn lobe(source: &Source<'_>, number: usize, value: &Raw) -> Result<LightLobe, St
 
 /// The values of the fields of a table, all of which must be there, and no others.
 fn fields<'r, const N: usize>(
-    source: &Source<'_>,
+    source: &TomlText<'_>,
     at: &str,
     entries: &'r [(String, Raw)],
     names: [&str; N],
@@ -70,16 +70,16 @@ fn fields<'r, const N: usize>(
     Ok(found)
 }
 
-fn unknown(source: &Source<'_>, key: &str, names: &[&str]) -> StageError {
+fn unknown(source: &TomlText<'_>, key: &str, names: &[&str]) -> StageError {
     let name = key.rsplit('.').next().unwrap_or(key);
     source.fault(key, format!("unknown field `{name}`, expected one of {}", names.join(", ")))
 }
 
-fn number_of(source: &Source<'_>, key: &str, value: &Raw) -> Result<f32, StageError> {
+fn number_of(source: &TomlText<'_>, key: &str, value: &Raw) -> Result<f32, StageError> {
     value.number().map(|x| x as f32).ok_or_else(|| source.fault(key, value.instead_of("a number")))
 }
 
-fn three(source: &Source<'_>, key: &str, value: &Raw) -> Result<[f32; 3], StageError> {
+fn three(source: &TomlText<'_>, key: &str, value: &Raw) -> Result<[f32; 3], StageError> {
     match value {
         Raw::Array(items) if items.len() == 3 => {
             let mut out = [0.0; 3];

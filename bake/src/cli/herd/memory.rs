@@ -1,0 +1,41 @@
+//! What this machine has.
+
+use std::thread::available_parallelism;
+
+/// Where nobody says how much memory is free.
+const UNKNOWN: u64 = 4 << 30;
+
+/// Cores that this process may use.
+pub fn cores() -> u32 {
+    available_parallelism().map_or(1, |cores| cores.get() as u32)
+}
+
+/// Memory that commands may take, bytes: what is free now, or what is left of the group that this process is in.
+pub fn free_bytes() -> u64 {
+    let meminfo = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let free = available(&meminfo).unwrap_or(UNKNOWN);
+    let group = |name: &str| {
+        let text = std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?;
+        text.trim().parse::<u64>().ok()
+    };
+    let left = group("memory.max").map(|most| most.saturating_sub(group("memory.current").unwrap_or(0)));
+    left.map_or(free, |left| left.min(free))
+}
+
+/// Of /proc/meminfo.
+fn available(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn free_memory_is_read() {
+        assert_eq!(available("MemTotal: 9 kB\nMemAvailable:    2048 kB\n"), Some(2 << 20));
+        assert_eq!(available(""), None);
+        assert!(free_bytes() > 1 << 20 && cores() >= 1);
+    }
+}

@@ -1,0 +1,143 @@
+//! A herd as it lies on disk: its file, its models, what it has needed before, and where everything goes.
+
+use super::args::HerdFiles;
+use super::models;
+use super::paths::{absolute, io_error, seen_from, utf8};
+use crate::cli::exit::Failure;
+use crate::cli::output::make_folder;
+use crate::cli::reference::only_drawn;
+use pelage_bake::herd::{HerdFile, History, NAME, Plan, Rules, Task, Told, ninja, plan};
+use pelage_bake::{BakeError, io};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// A herd as it lies on disk.
+pub struct Herd {
+    /// The folder of its file, absolute: commands run there.
+    pub folder: PathBuf,
+    /// What it is called.
+    pub title: String,
+    /// Its commands.
+    pub plan: Plan,
+    /// What they have needed before.
+    pub history: History,
+    /// Folder of what was made before, from its folder.
+    pub cache: Option<String>,
+    /// The tool, absolute.
+    pub tool: String,
+}
+
+impl Herd {
+    /// Reads a herd file, finds its models and plans.
+    pub fn read(files: &HerdFiles, cache: Option<&Path>) -> Result<Self, Failure> {
+        let name = files.herd.display().to_string();
+        let file = HerdFile::parse(&name, &io::read_text(&files.herd, "a herd in TOML")?)?;
+        let parent = files.herd.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = absolute(parent)?;
+        let out = seen_from(&folder, &absolute(&files.output)?)?;
+        let cache = cache.map(|cache| seen_from(&folder, &absolute(cache)?)).transpose()?;
+        let rules = Rules::of(&file);
+        let models = models::find(&name, &file, &rules, &folder, &out)?;
+        check_files(&name, &file, &folder)?;
+        let history = history(&folder, &out);
+        let only_drawn = only_drawn();
+        let plan = plan(&Told {
+            name: &name,
+            file: &file,
+            rules: &rules,
+            models: &models,
+            out: &out,
+            only_drawn: &only_drawn,
+            history: &history,
+            is_file: &|path| folder.join(path).is_file(),
+        })?;
+        let title = file.title.clone().unwrap_or(name);
+        let tool = std::env::current_exe().map_err(|source| io_error(Path::new("pelage"), "find", source))?;
+        let tool = utf8(&tool)?.to_owned();
+        Ok(Self { folder, title, plan, history, cache, tool })
+    }
+
+    /// A path of the plan on disk.
+    pub fn path(&self, path: &str) -> PathBuf {
+        self.folder.join(path)
+    }
+
+    /// The herd's own folder, from its file's.
+    pub fn own(&self) -> String {
+        Plan::own_folder(&self.plan.out)
+    }
+
+    /// Makes the folders that commands write into, and sweeps those that are there.
+    pub fn make_folders(&self) -> Result<(), Failure> {
+        let files = self.plan.tasks.iter().flat_map(|task| {
+            task.outputs.iter().chain([&task.record]).chain(&task.depfile).filter_map(|file| Path::new(file).parent())
+        });
+        let folders: BTreeSet<&Path> = files.collect();
+        for folder in folders {
+            let folder = self.folder.join(folder);
+            if folder.is_dir() {
+                sweep(&folder);
+            } else {
+                make_folder(&folder)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the build file of what may run at the same time on this machine: where it is, from the herd's folder, and how much room it was made for.
+    pub fn write_ninja(&self, jobs: u32, memory_bytes: u64) -> Result<(String, ninja::Room), Failure> {
+        let tasks = ninja::untimed(&self.plan);
+        let room = ninja::Room::of(&tasks, jobs, memory_bytes);
+        let name = format!("{}/build.ninja", self.plan.out);
+        self.write_build(&name, &self.own(), &tasks, room)?;
+        Ok((name, room))
+    }
+
+    /// Writes a build file of some tasks, which keeps its log in a folder of its own.
+    pub fn write_build(&self, name: &str, own: &str, tasks: &[&Task], room: ninja::Room) -> Result<(), Failure> {
+        let settings = ninja::Settings { tool: &self.tool, cache: self.cache.as_deref(), own, room };
+        io::write_atomic(&self.path(name), ninja::text(tasks, &settings).as_bytes())?;
+        Ok(())
+    }
+}
+
+/// So long nothing is written into a file that a command still writes.
+const ABANDONED: Duration = Duration::from_secs(600);
+
+/// Removes what commands that were killed have left half-written under names of its own. What cannot be removed harms nobody.
+fn sweep(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let old = || entry.metadata().ok()?.modified().ok()?.elapsed().ok().filter(|age| *age > ABANDONED);
+        if name.starts_with(io::TEMPORARY.0) && name.ends_with(io::TEMPORARY.1) && old().is_some() {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Recipes and looks have to be there before anything begins: no engine can say what is wrong with the file that named them.
+fn check_files(name: &str, file: &HerdFile, folder: &Path) -> Result<(), Failure> {
+    let recipes = file.recipes.iter().enumerate().map(|(i, rule)| (format!("recipe[{i}].file"), &rule.file));
+    let variants = file.variants.iter().enumerate().map(|(i, variant)| (format!("variant[{i}].file"), &variant.file));
+    let looks = file.views.iter().enumerate().map(|(i, view)| (format!("view[{i}].look"), &view.look));
+    for (place, path) in recipes.chain(variants).chain(looks) {
+        let missing = |path: &&String| !path.contains(NAME) && !folder.join(path).is_file();
+        let Some(path) = path.as_ref().filter(missing) else { continue };
+        let reason = format!("{path:?} is no file; expected one, from the folder of {name}");
+        return Err(BakeError::Input { file: name.to_owned(), place, reason }.into());
+    }
+    Ok(())
+}
+
+/// Where it stands what commands have needed, from the herd's folder.
+pub fn history_file(own: &str) -> String {
+    format!("{own}/history.json")
+}
+
+/// What commands have needed before; nothing where nothing has run.
+fn history(folder: &Path, out: &str) -> History {
+    let text = std::fs::read(folder.join(history_file(&Plan::own_folder(out)))).unwrap_or_default();
+    serde_json::from_slice(&text).unwrap_or_default()
+}

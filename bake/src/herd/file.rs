@@ -1,0 +1,419 @@
+//! What a herd file may say.
+
+use super::pattern::{Patterns, base};
+use crate::BakeError;
+use pelage_stage::{StageError, TomlText};
+use serde::{Deserialize, Deserializer};
+use std::collections::BTreeSet;
+
+/// What is wanted of which models, word for word as the file has it.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HerdFile {
+    /// What the report is called.
+    pub title: Option<String>,
+    /// Which models there are; at least one.
+    #[serde(default, rename = "model")]
+    pub models: Vec<Models>,
+    /// With which recipe each is baked.
+    #[serde(default, rename = "recipe")]
+    pub recipes: Vec<RecipeRule>,
+    /// Which are baked more than once.
+    #[serde(default, rename = "variant")]
+    pub variants: Vec<Variant>,
+    /// Pictures of each package.
+    #[serde(default, rename = "view")]
+    pub views: Vec<View>,
+    /// Speed against accuracy.
+    #[serde(default, rename = "chart")]
+    pub charts: Vec<Chart>,
+    /// Pictures over time.
+    #[serde(default, rename = "sequence")]
+    pub sequences: Vec<Sequence>,
+}
+
+/// One word or several.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Words(pub Vec<String>);
+
+impl<'de> Deserialize<'de> for Words {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "expected a pattern, or a list of patterns")]
+        enum Either {
+            One(String),
+            Many(Vec<String>),
+        }
+        Ok(Self(match Either::deserialize(deserializer)? {
+            Either::One(word) => vec![word],
+            Either::Many(words) => words,
+        }))
+    }
+}
+
+/// All models.
+fn all() -> Words {
+    Words(vec!["**".into()])
+}
+
+/// `[[model]]`: models on disk.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Models {
+    /// Patterns of their paths, from the herd file's folder.
+    pub files: Words,
+    /// Patterns of those that are none.
+    #[serde(default)]
+    pub except: Words,
+    /// They may name files outside their own folders.
+    #[serde(default)]
+    pub allow_outside: bool,
+}
+
+/// `[[recipe]]`: a rule; of several that fit the last one's file counts, and all their changes, in their order.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecipeRule {
+    /// For which models.
+    #[serde(default = "all")]
+    pub models: Words,
+    /// The recipe, from the herd file's folder. `{name}` in it stands for the name of the model's file; then the rule fits where there is such a recipe.
+    pub file: Option<String>,
+    /// Keys of the recipe and their values.
+    #[serde(default)]
+    pub set: toml::Table,
+}
+
+/// `[[variant]]`: models that fit are baked once for each variant, and not without one.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Variant {
+    /// What it is called; its packages are called so, too.
+    pub name: String,
+    /// For which models.
+    #[serde(default = "all")]
+    pub models: Words,
+    /// A recipe in place of that of the rules.
+    pub file: Option<String>,
+    /// Changes beside those of the rules.
+    #[serde(default)]
+    pub set: toml::Table,
+}
+
+/// `[[view]]`: a picture of each package.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct View {
+    /// What it is called; its pictures are called so, too.
+    pub name: String,
+    /// Of which models.
+    #[serde(default = "all")]
+    pub models: Words,
+    /// Pixels: `"256x256"`.
+    pub size: Option<String>,
+    /// As `--camera` has it; without it the model is framed.
+    pub camera: Option<String>,
+    /// As `--orbit` has it.
+    pub orbit: Option<String>,
+    /// As `--look-at` has it.
+    pub look_at: Option<String>,
+    /// A look, from the herd file's folder.
+    pub look: Option<String>,
+    /// Keys of the look and their values.
+    #[serde(default)]
+    pub set: toml::Table,
+    /// Clip of the animation.
+    pub clip: Option<String>,
+    /// Time in it, seconds.
+    pub time: Option<f64>,
+    /// Frames of it are timed, so many.
+    pub bench: Option<u32>,
+    /// The true picture beside it.
+    pub truth: Option<Truth>,
+}
+
+/// `[view.truth]`: the same traced, and how far the picture is from it.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Truth {
+    /// Samples per pixel.
+    pub samples: Option<u32>,
+    /// In how many parts it is traced.
+    pub parts: Option<u32>,
+    /// As `--fibre` has it.
+    pub fibre: Option<String>,
+    /// As `--bounces` has it.
+    pub bounces: Option<u32>,
+    /// Largest mean FLIP that is no fault.
+    pub max_flip: Option<f64>,
+}
+
+/// `[[chart]]`: a chart of each model, or one without any.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chart {
+    /// As `pelage chart` has it.
+    pub topic: String,
+    /// Of which models; none without it.
+    pub models: Option<Words>,
+    /// In how many shares its rows are measured.
+    pub shares: Option<u32>,
+}
+
+/// `[[sequence]]`: numbered pictures of each package.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sequence {
+    /// What it is called; its folder is called so, too.
+    pub name: String,
+    /// Of which models.
+    #[serde(default = "all")]
+    pub models: Words,
+    /// The view whose look and camera it has.
+    pub view: Option<String>,
+    /// Clip of the animation, in place of the view's.
+    pub clip: Option<String>,
+    /// How many pictures.
+    pub frames: u32,
+    /// Pictures a second.
+    pub fps: Option<u32>,
+    /// In how many shares they are drawn.
+    pub shares: Option<u32>,
+    /// The camera goes once around.
+    #[serde(default)]
+    pub auto_rotate: bool,
+    /// The light goes once around.
+    #[serde(default)]
+    pub turn_light: bool,
+}
+
+/// Most parts or shares of one thing: more would do nothing but begin.
+const MOST_SHARES: u32 = 1000;
+
+impl HerdFile {
+    /// Reads a herd file.
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Input`] with line and key for what means nothing, and what contradicts something else.
+    pub fn parse(name: &str, text: &str) -> Result<Self, BakeError> {
+        let source = TomlText { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
+        let file: Self = source.parse().map_err(input)?;
+        match file.fault() {
+            Some((key, reason)) => Err(input(source.fault(&key, reason))),
+            None => Ok(file),
+        }
+    }
+
+    /// The first thing that cannot be, and where.
+    fn fault(&self) -> Option<(String, String)> {
+        if self.models.is_empty() {
+            return Some(("".into(), "found no models, expected [[model]] with files = \"animals/**/*.glb\"".into()));
+        }
+        let names = |key: &str, names: Vec<&str>| {
+            let mut known = BTreeSet::new();
+            names.into_iter().enumerate().find_map(|(i, name)| {
+                let place = format!("{key}[{i}].name");
+                if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\', ':', '%']) {
+                    return Some((place, format!("found {name:?}, expected a name that a file can have")));
+                }
+                (!known.insert(name)).then(|| (place, format!("{name:?} is there already, expected another name")))
+            })
+        };
+        names("variant", self.variants.iter().map(|v| v.name.as_str()).collect())
+            .or_else(|| names("view", self.views.iter().map(|v| v.name.as_str()).collect()))
+            .or_else(|| names("sequence", self.sequences.iter().map(|s| s.name.as_str()).collect()))
+            .or_else(|| self.patterns_fault())
+            .or_else(|| self.numbers_fault())
+    }
+
+    fn patterns_fault(&self) -> Option<(String, String)> {
+        let models = self.models.iter().enumerate().flat_map(|(i, models)| {
+            [(format!("model[{i}].files"), &models.files), (format!("model[{i}].except"), &models.except)]
+        });
+        let recipes = self.recipes.iter().enumerate().map(|(i, r)| (format!("recipe[{i}].models"), &r.models));
+        let variants = self.variants.iter().enumerate().map(|(i, v)| (format!("variant[{i}].models"), &v.models));
+        let views = self.views.iter().enumerate().map(|(i, v)| (format!("view[{i}].models"), &v.models));
+        let charts = self.charts.iter().enumerate();
+        let charts = charts.filter_map(|(i, c)| Some((format!("chart[{i}].models"), c.models.as_ref()?)));
+        let sequences = self.sequences.iter().enumerate().map(|(i, s)| (format!("sequence[{i}].models"), &s.models));
+        let all = models.chain(recipes).chain(variants).chain(views).chain(charts).chain(sequences);
+        for (key, words) in all {
+            if words.0.is_empty() && !key.ends_with(".except") {
+                return Some((key, "found no pattern, expected at least one".into()));
+            }
+            if let Err(reason) = Patterns::new(&words.0, &[]) {
+                return Some((key, reason));
+            }
+        }
+        None
+    }
+
+    fn numbers_fault(&self) -> Option<(String, String)> {
+        let views: Vec<&str> = self.views.iter().map(|view| view.name.as_str()).collect();
+        let shares = |key: String, shares: Option<u32>| {
+            let wrong = shares.filter(|n| !(1..=MOST_SHARES).contains(n))?;
+            Some((key, format!("found {wrong}, expected 1 to {MOST_SHARES}")))
+        };
+        for (i, view) in self.views.iter().enumerate() {
+            if let Some(truth) = &view.truth
+                && let fault @ Some(_) = shares(format!("view[{i}].truth.parts"), truth.parts)
+            {
+                return fault;
+            }
+        }
+        for (i, chart) in self.charts.iter().enumerate() {
+            if let fault @ Some(_) = shares(format!("chart[{i}].shares"), chart.shares) {
+                return fault;
+            }
+        }
+        for (i, sequence) in self.sequences.iter().enumerate() {
+            let most = sequence.frames;
+            if !(1..=100_000).contains(&most) {
+                return Some((format!("sequence[{i}].frames"), format!("found {most}, expected 1 to 100000 pictures")));
+            }
+            if let Some(wrong) = sequence.shares.filter(|n| !(1..=most.min(MOST_SHARES)).contains(n)) {
+                let most = most.min(MOST_SHARES);
+                return Some((format!("sequence[{i}].shares"), format!("found {wrong}, expected 1 to {most}")));
+            }
+            if let Some(wrong) = sequence.view.as_deref().filter(|name| !views.contains(name)) {
+                let reason = format!("found {wrong:?}, expected one of the views: {}", views.join(", "));
+                return Some((format!("sequence[{i}].view"), reason));
+            }
+        }
+        None
+    }
+
+    /// The folders that its models are in, from the file's own, each with the patterns that look there.
+    pub fn folders(&self) -> BTreeSet<String> {
+        self.models.iter().flat_map(|models| &models.files.0).map(|pattern| base(pattern)).collect()
+    }
+}
+
+/// The patterns of a herd file, ready to be held against many paths.
+#[derive(Clone, Debug, Default)]
+pub struct Rules {
+    models: Vec<Patterns>,
+    pub(super) recipes: Vec<Patterns>,
+    pub(super) variants: Vec<Patterns>,
+    pub(super) views: Vec<Patterns>,
+    /// `None` for a chart without a model.
+    pub(super) charts: Vec<Option<Patterns>>,
+    pub(super) sequences: Vec<Patterns>,
+}
+
+impl Rules {
+    /// Reads the patterns of a file that was parsed, all of which are some.
+    pub fn of(file: &HerdFile) -> Self {
+        let words = |words: &Words| Patterns::new(&words.0, &[]).unwrap_or_default();
+        let models = |models: &Models| Patterns::new(&models.files.0, &models.except.0).unwrap_or_default();
+        Self {
+            models: file.models.iter().map(models).collect(),
+            recipes: file.recipes.iter().map(|recipe| words(&recipe.models)).collect(),
+            variants: file.variants.iter().map(|variant| words(&variant.models)).collect(),
+            views: file.views.iter().map(|view| words(&view.models)).collect(),
+            charts: file.charts.iter().map(|chart| chart.models.as_ref().map(words)).collect(),
+            sequences: file.sequences.iter().map(|sequence| words(&sequence.models)).collect(),
+        }
+    }
+
+    /// Which `[[model]]` a path is of, if any.
+    pub fn model(&self, path: &str) -> Option<usize> {
+        self.models.iter().position(|patterns| patterns.fits(path))
+    }
+}
+
+/// Those of `all` whose patterns fit a path.
+pub(super) fn fitting<'a, T>(
+    all: &'a [T],
+    rules: &'a [Patterns],
+    path: &'a str,
+) -> impl DoubleEndedIterator<Item = &'a T> {
+    all.iter().zip(rules).filter(|(_, patterns)| patterns.fits(path)).map(|(one, _)| one)
+}
+
+fn input(error: StageError) -> BakeError {
+    match error {
+        StageError::Input { file, place, reason } => BakeError::Input { file, place, reason },
+        other => BakeError::Internal(other.to_string()),
+    }
+}
+
+/// Tables as the command line has them: `hair.length_m=0.02`.
+pub(super) fn assignments(table: &toml::Table) -> Vec<String> {
+    fn add(prefix: &str, table: &toml::Table, all: &mut Vec<String>) {
+        for (key, value) in table {
+            let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+            match value {
+                toml::Value::Table(inner) => add(&key, inner, all),
+                // Words are typed without their quotes.
+                toml::Value::String(word) => all.push(format!("{key}={word}")),
+                other => all.push(format!("{key}={other}")),
+            }
+        }
+    }
+    let mut all = Vec::new();
+    add("", table, &mut all);
+    // Builds differ in whether a table keeps its order, and a command must not.
+    all.sort();
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::*;
+
+    #[test]
+    fn a_file_is_read() {
+        let text = r##"
+            [[model]]
+            files = "a/*.glb"
+            [[recipe]]
+            models = ["*fox*", "*wolf*"]
+            file = "fox.toml"
+            set = { "hair.length_m" = 0.02, slice = { layers = 12 }, "color.tip" = "#ffffff" }
+            [[view]]
+            name = "front"
+            truth = { samples = 4, parts = 2, max_flip = 0.1 }
+            [[sequence]]
+            name = "turn"
+            view = "front"
+            frames = 8
+            shares = 2
+        "##;
+        let file = HerdFile::parse("h.toml", text).unwrap();
+        assert_eq!(file.recipes[0].models.0, ["*fox*", "*wolf*"]);
+        assert_eq!(assignments(&file.recipes[0].set), ["color.tip=#ffffff", "hair.length_m=0.02", "slice.layers=12"]);
+        assert_eq!(file.views[0].models, all());
+        assert_eq!(file.folders().into_iter().collect::<Vec<_>>(), ["a"]);
+        let rules = Rules::of(&file);
+        assert_eq!((rules.model("a/fox.glb"), rules.model("a/fox.obj")), (Some(0), None));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        for (text, message) in [
+            ("", "h.toml: whole file: found no models"),
+            ("[[model]]\nfile = \"a\"", "h.toml: line 2, model[0].file: unknown field"),
+            ("[[model]]\nfiles = 3", "line 2, model[0].files: expected a pattern, or a list of patterns"),
+            ("[[model]]\nfiles = \"a[\"", "line 2, model[0].files: \"a[\""),
+            ("[[model]]\nfiles = []", "found no pattern"),
+            ("[[model]]\nfiles = \"*\"\n[[view]]\nname = \"a/b\"", "line 4, view[0].name: found \"a/b\""),
+            ("[[model]]\nfiles = \"*\"\n[[view]]\nname = \"a\"\n[[view]]\nname = \"a\"", "line 6, view[1].name"),
+            ("[[model]]\nfiles = \"*\"\n[[view]]\nname = \"a\"\ntruth.parts = 0", "truth.parts: found 0, expected 1"),
+            ("[[model]]\nfiles = \"*\"\n[[sequence]]\nname = \"s\"\nframes = 0", "sequence[0].frames: found 0"),
+            (
+                "[[model]]\nfiles = \"*\"\n[[sequence]]\nname = \"s\"\nframes = 2\nshares = 3",
+                "sequence[0].shares: found 3, expected 1 to 2",
+            ),
+            (
+                "[[model]]\nfiles = \"*\"\n[[sequence]]\nname = \"s\"\nframes = 2\nview = \"x\"",
+                "sequence[0].view: found \"x\"",
+            ),
+        ] {
+            let error = HerdFile::parse("h.toml", text).unwrap_err().to_string();
+            assert!(error.contains(message), "{text}: {error}");
+        }
+    }
+}

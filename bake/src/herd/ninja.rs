@@ -1,0 +1,166 @@
+//! A plan as Ninja reads it.
+
+use super::kind::Kind;
+use super::plan::{Plan, Task};
+use super::shell::{shell_line, shell_word};
+use std::fmt::Write as _;
+
+/// How many commands run at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// Commands at once, at least 1.
+    pub jobs: u32,
+    /// Commands at once that need more memory than [`Self::light_bytes`], at least 1.
+    pub heavy: u32,
+    /// What a command may need that is none of these.
+    pub light_bytes: u64,
+    /// What one of them needs that does not even fit alone; 0 where all do.
+    pub too_large: u64,
+}
+
+impl Room {
+    /// As many commands as cores and memory allow: half of the memory is shared by those that need little, and the other half by those that need more.
+    ///
+    /// * `jobs`: at most so many
+    /// * `memory_bytes`: for all of them
+    pub fn of(tasks: &[&Task], jobs: u32, memory_bytes: u64) -> Self {
+        let jobs = jobs.max(1);
+        let light_bytes = memory_bytes / 2 / u64::from(jobs);
+        let largest = tasks.iter().map(|task| task.expected.peak_bytes).max().unwrap_or(0);
+        let heavy = (memory_bytes / 2).checked_div(largest.saturating_sub(light_bytes)).unwrap_or(u64::from(jobs));
+        let heavy = heavy.clamp(1, u64::from(jobs)) as u32;
+        let too_large = if largest > memory_bytes { largest } else { 0 };
+        Self { jobs, heavy, light_bytes, too_large }
+    }
+
+    fn is_heavy(&self, task: &Task) -> bool {
+        task.expected.peak_bytes > self.light_bytes
+    }
+}
+
+/// What a build file says beside the plan.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings<'a> {
+    /// The program, as an absolute path.
+    pub tool: &'a str,
+    /// Folder of what was made before.
+    pub cache: Option<&'a str>,
+    /// Where Ninja keeps its own files.
+    pub own: &'a str,
+    /// How many at once.
+    pub room: Room,
+}
+
+/// The build file of those tasks. What they read and none of them makes has to be there. It names no target for all of them: Ninja looks through all inputs of
+/// one each time that one of them is made.
+pub fn text(tasks: &[&Task], settings: &Settings<'_>) -> String {
+    let Settings { tool, cache, own, room } = settings;
+    let mut text = format!(
+        "# Written by `pelage herd`, which writes it anew.\n\
+         ninja_required_version = 1.10\n\
+         builddir = {}\n\
+         tool = {}\n\n\
+         pool heavy\n  depth = {}\n\n\
+         rule run\n  command = $tool $words\n  description = $task\n  restat = 1\n\n\
+         # Such a command names all files that it has read.\n\
+         rule read\n  command = $tool $words\n  description = $task\n  restat = 1\n  depfile = $depfile\n  deps = gcc\n\n",
+        path(own),
+        value(&shell_word(tool)),
+        room.heavy,
+    );
+    for task in tasks {
+        let (files, aside) = if task.outputs.is_empty() {
+            (vec![path(&task.record)], String::new())
+        } else {
+            (task.outputs.iter().map(|output| path(output)).collect(), format!(" | {}", path(&task.record)))
+        };
+        let rule = if task.depfile.is_some() { "read" } else { "run" };
+        let inputs: String = task.inputs.iter().map(|input| format!(" {}", path(input))).collect();
+        let _ = writeln!(text, "build {}{aside}: {rule}{inputs} | {}", files.join(" "), path(tool));
+        // The tool's own name is the rule's.
+        let words = task.command(*cache);
+        let _ = writeln!(text, "  words = {}\n  task = {}", value(&shell_line(&words[1..])), value(&task.name));
+        let _ = task.depfile.iter().try_for_each(|depfile| writeln!(text, "  depfile = {}", value(depfile)));
+        if room.is_heavy(task) {
+            text += "  pool = heavy\n";
+        }
+    }
+    text
+}
+
+/// The tasks of a plan that may run at the same time: not those that are timed, which want a quiet machine.
+pub fn untimed(plan: &Plan) -> Vec<&Task> {
+    plan.tasks.iter().filter(|task| task.kind != Kind::Bench).collect()
+}
+
+/// A path in a build line.
+fn path(path: &str) -> String {
+    let mut word = String::new();
+    for letter in path.chars() {
+        if matches!(letter, '$' | ' ' | ':' | '|') {
+            word.push('$');
+        }
+        word.push(letter);
+    }
+    word
+}
+
+/// The value of a variable.
+fn value(text: &str) -> String {
+    text.replace('$', "$$").replace('\n', "$\n")
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    use super::super::estimate::Known;
+    use super::*;
+
+    fn task(peak_bytes: u64) -> Task {
+        Task { expected: Known { seconds: 1.0, peak_bytes }, ..Task::default() }
+    }
+
+    #[test]
+    fn no_more_memory_is_given_away_than_there_is() {
+        for (jobs, memory, peaks) in [
+            (2, 1000, vec![10, 20]),
+            (8, 1000, vec![50, 62, 63, 500]),
+            (4, 1000, vec![400]),
+            (16, 1000, vec![900, 10]),
+            (1, 100, vec![100]),
+            (64, 24 << 30, vec![3 << 30, 200 << 20]),
+        ] {
+            let tasks: Vec<Task> = peaks.iter().map(|peak| task(*peak)).collect();
+            let room = Room::of(&tasks.iter().collect::<Vec<_>>(), jobs, memory);
+            let largest = *peaks.iter().max().unwrap();
+            let heavy = if largest > room.light_bytes { u64::from(room.heavy) } else { 0 };
+            let used = heavy * largest + (u64::from(room.jobs) - heavy) * room.light_bytes;
+            let fits = used <= memory || room.heavy == 1;
+            assert!(fits && room.jobs == jobs && room.too_large == 0, "{room:?} uses {used} of {memory}");
+        }
+        assert_eq!(Room::of(&[&task(2000)], 2, 1000).too_large, 2000);
+    }
+
+    #[test]
+    fn paths_and_words_are_written_as_ninja_reads_them() {
+        let task = Task {
+            name: "bake my fox".into(),
+            words: ["bake", "my fox$1:.glb", "-o", "out/my fox.pelage"].map(str::to_owned).into(),
+            inputs: vec!["my fox$1:.glb".into()],
+            outputs: vec!["out/my fox.pelage".into()],
+            record: "r.json".into(),
+            depfile: Some("d.d".into()),
+            ..Task::default()
+        };
+        let room = Room::of(&[&task], 2, 1 << 30);
+        let settings = Settings { tool: "/opt/my tools/pelage", cache: None, own: "out/.herd", room };
+        let text = text(&[&task], &settings);
+        for line in [
+            "tool = '/opt/my tools/pelage'",
+            "build out/my$ fox.pelage | r.json: read my$ fox$$1$:.glb | /opt/my$ tools/pelage",
+            "  words = bake 'my fox$$1:.glb' -o 'out/my fox.pelage' --quiet --depfile d.d --record r.json",
+        ] {
+            assert!(text.lines().any(|found| found == line), "{line}\n{text}");
+        }
+    }
+}

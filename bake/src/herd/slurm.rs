@@ -1,0 +1,260 @@
+//! A plan as Slurm runs it: stages of shards, each an array job whose tasks run Ninja on a few commands.
+//!
+//! A task of Slurm takes about a second to begin, and a command often no longer than that: so a shard has several. Ninja knows in each what is done and what
+//! is not, wherever a node died. No two shards write the same file, and each has a log of its own.
+
+use super::kind::Kind;
+use super::plan::{Plan, Task};
+use super::shell::shell_word;
+use std::collections::BTreeMap;
+
+/// Shards that may run at the same time; a stage begins when the one before is over.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stage {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its shards, in the order of their numbers.
+    pub shards: Vec<Shard>,
+}
+
+/// Commands that one task of an array runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shard {
+    /// Its number in its stage.
+    pub number: usize,
+    /// Numbers of its tasks.
+    pub tasks: Vec<usize>,
+}
+
+/// In which shard each task was, by their names: Ninja knows what is done where it was done.
+pub type Placed = BTreeMap<String, usize>;
+
+/// What a shard asks of the farm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Demand {
+    /// Memory of the dearest command, and a half more.
+    pub mebibytes: u64,
+    /// Minutes of all its commands one after another, three times over, and a few for a slow start.
+    pub minutes: u64,
+}
+
+/// Names of the stages, in their order: models and pictures; parts of large things; what is made of the parts; and what is timed, alone on a node.
+const STAGES: [&str; 4] = ["models", "parts", "wholes", "timed"];
+
+/// Divides a plan into stages, and those into shards of about as many seconds as `seconds`. All commands of one model are in one shard of their stage, and
+/// those that were in one before stay there.
+pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
+    let makers = plan.makers();
+    let mut stage_of = vec![0_usize; plan.tasks.len()];
+    for (i, task) in plan.tasks.iter().enumerate() {
+        let before = task.inputs.iter().filter_map(|input| makers.get(input.as_str()));
+        let before = before.map(|maker| stage_of[*maker]).max().unwrap_or(0);
+        stage_of[i] = match task.kind {
+            Kind::Bench => 3,
+            Kind::Part | Kind::Rows => 1,
+            Kind::Sequence if is_share(task) => 1,
+            // What is made of parts waits for all of them.
+            _ if before == 1 => 2,
+            _ => before,
+        };
+    }
+    let stage = |(number, name): (usize, &'static str)| {
+        let mut of_row: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
+        for (i, task) in plan.tasks.iter().enumerate().filter(|(i, _)| stage_of[*i] == number) {
+            // Parts of one thing go apart; that is what they are for.
+            let row = if number == 1 { Some(plan.rows.len() + i) } else { task.row };
+            of_row.entry(row).or_default().push(i);
+        }
+        let shard_of = |tasks: &[usize]| tasks.iter().find_map(|i| known.get(&plan.tasks[*i].name).copied());
+        let mut next = of_row.values().filter_map(|tasks| shard_of(tasks)).max().map_or(0, |last| last + 1);
+        let mut shards: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut filled: Option<f64> = None;
+        for tasks in of_row.into_values() {
+            let shard = shard_of(&tasks).unwrap_or_else(|| {
+                let needs: f64 = tasks.iter().map(|i| plan.tasks[*i].expected.seconds).sum();
+                if let Some(sum) = filled.filter(|sum| sum + needs <= seconds) {
+                    filled = Some(sum + needs);
+                } else {
+                    (filled, next) = (Some(needs), next + 1);
+                }
+                next - 1
+            });
+            shards.entry(shard).or_default().extend(tasks);
+        }
+        let shards = shards.into_iter().map(|(number, tasks)| Shard { number, tasks });
+        Stage { name, shards: shards.collect() }
+    };
+    STAGES.into_iter().enumerate().map(stage).filter(|stage| !stage.shards.is_empty()).collect()
+}
+
+/// In which shard each task is.
+pub fn known(plan: &Plan, stages: &[Stage]) -> Placed {
+    let shards = stages.iter().flat_map(|stage| &stage.shards);
+    let names = |shard: &'_ Shard| {
+        let number = shard.number;
+        shard.tasks.iter().map(|i| (plan.tasks[*i].name.clone(), number)).collect::<Vec<_>>()
+    };
+    shards.flat_map(names).collect()
+}
+
+/// Whether a sequence is drawn in several shares: `--frames=0..12/48`.
+fn is_share(task: &Task) -> bool {
+    let range = task.words.iter().find_map(|word| word.strip_prefix("--frames="));
+    range.and_then(|range| range.split_once("..")).is_some_and(|(first, rest)| {
+        let (end, of) = rest.split_once('/').unwrap_or((rest, rest));
+        first != "0" || end != of
+    })
+}
+
+/// What the shards of a stage ask for; all tasks of an array ask for the same.
+pub fn demand(plan: &Plan, stage: &Stage) -> Demand {
+    let of_shard = |shard: &Shard| {
+        let tasks = || shard.tasks.iter().map(|i| plan.tasks[*i].expected);
+        (tasks().map(|known| known.peak_bytes).max().unwrap_or(0), tasks().map(|known| known.seconds).sum::<f64>())
+    };
+    let (mut peak, mut seconds) = (0, 0.0_f64);
+    for shard in &stage.shards {
+        let (bytes, time) = of_shard(shard);
+        (peak, seconds) = (peak.max(bytes), seconds.max(time));
+    }
+    // Files that are read and written count as memory on many farms.
+    Demand { mebibytes: ((peak + peak / 2) >> 20) + 256, minutes: (3.0 * seconds / 60.0).ceil() as u64 + 5 }
+}
+
+/// How a stage is run.
+#[derive(Clone, Copy, Debug)]
+pub struct Script<'a> {
+    /// Its name.
+    pub stage: &'a str,
+    /// The folder that commands run in, absolute.
+    pub folder: &'a str,
+    /// Where its build files are, from there, as `models-0.ninja`.
+    pub files: &'a str,
+    /// How often what failed is tried again.
+    pub retries: u32,
+    /// Further options of `sbatch`.
+    pub options: &'a [String],
+    /// What it asks for.
+    pub demand: Demand,
+    /// It wants a node for itself.
+    pub exclusive: bool,
+}
+
+impl Script<'_> {
+    /// The script of an array job: task `$SLURM_ARRAY_TASK_ID` runs the build file of that number in `shards`.
+    pub fn text(&self) -> String {
+        let Self { stage, folder, files, retries, options, demand, exclusive } = self;
+        let (folder, files) = (shell_word(folder), shell_word(files));
+        let mut head = format!(
+            "#!/bin/sh\n\
+             #SBATCH --job-name=pelage-{stage}\n\
+             #SBATCH --ntasks=1 --cpus-per-task=1 --mem={}M --time={}\n\
+             # A node that dies gives its shards back; what they have made stays.\n\
+             #SBATCH --requeue --open-mode=append\n",
+            demand.mebibytes, demand.minutes
+        );
+        if *exclusive {
+            head += "#SBATCH --exclusive\n";
+        }
+        for option in *options {
+            head += &format!("#SBATCH {option}\n");
+        }
+        head + &format!(
+            "# Written by `pelage herd`. $1: the shards of this array, one for each of its tasks.\n\
+             set -u\n\
+             cd {folder} || exit 2\n\
+             shard=$(echo \"$1\" | cut -d, -f$((SLURM_ARRAY_TASK_ID + 1)))\n\
+             export RAYON_NUM_THREADS=1 LP_NUM_THREADS=1\n\
+             status=1\n\
+             for try in $(seq 0 {retries}); do\n\
+             \x20   [ \"$try\" = 0 ] || echo \"trying again what failed, $try of {retries}\"\n\
+             \x20   ninja -f {files}/{stage}-$shard.ninja -j 1 -k 0 && status=0 && break\n\
+             done\n\
+             echo \"$status\" > {files}/{stage}-$shard.done\n\
+             exit \"$status\"\n"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::estimate::Known;
+    use super::*;
+
+    fn plan() -> Plan {
+        let mut plan = Plan::default();
+        let mut add = |kind, row, name: &str, inputs: &[&str], words: &[&str]| {
+            let strings = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+            plan.tasks.push(Task {
+                kind,
+                row: Some(row),
+                outputs: vec![name.into()],
+                inputs: strings(inputs),
+                words: strings(words),
+                expected: Known { seconds: 10.0, peak_bytes: 100 << 20 },
+                ..Task::default()
+            });
+        };
+        for row in 0..3 {
+            let of = |name: &str| format!("{name}{row}");
+            add(Kind::Bake, row, &of("package"), &["model"], &[]);
+            add(Kind::Render, row, &of("picture"), &[&of("package")], &[]);
+            add(Kind::Part, row, &of("part1"), &[&of("package")], &[]);
+            add(Kind::Part, row, &of("part2"), &[&of("package")], &[]);
+            add(Kind::Merge, row, &of("truth"), &[&of("part1"), &of("part2")], &[]);
+            add(Kind::Compare, row, &of("map"), &[&of("picture"), &of("truth")], &[]);
+            add(Kind::Sequence, row, &of("some"), &[&of("package")], &["--frames=0..2/4"]);
+            add(Kind::Sequence, row, &of("all"), &[&of("package")], &["--frames=0..4/4"]);
+            add(Kind::Bench, row, &of("bench"), &[&of("package")], &[]);
+        }
+        plan
+    }
+
+    #[test]
+    fn stages_wait_for_what_they_need() {
+        let mut plan = plan();
+        plan.tasks.iter_mut().enumerate().for_each(|(i, task)| task.name = i.to_string());
+        let stages = stages(&plan, 60.0, &Placed::new());
+        let shape: Vec<_> = stages
+            .iter()
+            .map(|s| (s.name, s.shards.iter().map(|shard| shard.tasks.len()).collect::<Vec<_>>()))
+            .collect();
+        assert_eq!(shape, [("models", vec![6, 3]), ("parts", vec![6, 3]), ("wholes", vec![6]), ("timed", vec![3])]);
+        let mut all: Vec<usize> =
+            stages.iter().flat_map(|stage| &stage.shards).flat_map(|shard| shard.tasks.clone()).collect();
+        all.sort_unstable();
+        assert_eq!(all, (0..plan.tasks.len()).collect::<Vec<_>>());
+        // Whatever commands turn out to need, they stay where they were; what is new comes into shards of its own.
+        let known = known(&plan, &stages);
+        plan.tasks.iter_mut().for_each(|task| task.expected.seconds = 1.0);
+        assert_eq!(super::stages(&plan, 60.0, &known), stages);
+        let fewer: Placed = known.into_iter().filter(|(name, _)| name != "0" && name != "1" && name != "7").collect();
+        let again = super::stages(&plan, 60.0, &fewer);
+        assert!(again[0].shards.iter().any(|shard| shard.number == 2 && shard.tasks == [0, 1, 7]), "{again:?}");
+        plan.tasks.iter_mut().for_each(|task| task.expected.seconds = 10.0);
+        assert_eq!(demand(&plan, &stages[0]), Demand { mebibytes: 406, minutes: 8 });
+    }
+
+    #[test]
+    fn a_script_asks_for_what_it_needs() {
+        let script = Script {
+            stage: "models",
+            folder: "/a b",
+            files: "out/.herd/slurm",
+            retries: 1,
+            options: &["--partition=night".into()],
+            demand: Demand { mebibytes: 406, minutes: 8 },
+            exclusive: true,
+        };
+        let text = script.text();
+        for line in [
+            "#SBATCH --ntasks=1 --cpus-per-task=1 --mem=406M --time=8",
+            "#SBATCH --partition=night",
+            "#SBATCH --exclusive",
+            "cd '/a b' || exit 2",
+            "    ninja -f out/.herd/slurm/models-$shard.ninja -j 1 -k 0 && status=0 && break",
+        ] {
+            assert!(text.lines().any(|found| found == line), "{line}\n{text}");
+        }
+    }
+}

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# A herd on a real Slurm cluster against the same herd by Ninja: the same bytes, also where tasks, the node and the disk die in the middle.
+#
+#   slurm_herd.sh PELAGE DIR    runs all of it with that program, in that folder, as root; exits with 1 where anything differs
+set -euo pipefail
+
+say() { printf '%s\n' "$*"; }
+
+if [ $# -ne 2 ]; then
+    sed -n '4s/^# *//p' "$0" >&2
+    exit 1
+fi
+here=$(cd "$(dirname "$0")" && pwd)
+pelage=$(realpath "$1")
+mkdir -p "$2"
+folder=$(cd "$2" && pwd)
+herd=$folder/herd.toml
+models=$here/../../assets/models
+failed=0
+
+cluster() { "$here/slurm_cluster.sh" "$1" "$folder/cluster"; }
+
+# Everything that a herd has made, but for its own files and its report; and nothing that is half-written.
+hashes() { (cd "$1" && find packages pictures truths differences sequences -type f | LC_ALL=C sort | xargs -d '\n' sha256sum); }
+
+same() {
+    if hashes "$folder/$2" 2>&1 | diff -q - "$folder/expected" >/dev/null; then
+        say "same bytes: $1"
+    else
+        say "OTHER BYTES: $1"
+        hashes "$folder/$2" 2>&1 | diff - "$folder/expected" | head -5
+        failed=1
+    fi
+}
+
+# run NAME OPTION...: into the folder of that name.
+run() {
+    local name=$1
+    shift
+    "$pelage" herd run "$herd" -o "$folder/$name" --quiet "$@"
+}
+
+on_slurm() {
+    local name=$1
+    shift
+    run "$name" --engine slurm --shard-seconds 4 "$@"
+}
+
+# How many packages and pictures there are.
+made() { find "$1" \( -name '*.pelage' -o -name '*.png' \) 2>/dev/null | wc -l; }
+
+# await NAME COUNT: until a herd that runs has made so many.
+await() { for _ in $(seq 600); do if [ "$(made "$folder/$1")" -ge "$2" ]; then return; fi; sleep 0.1; done; }
+
+ran() { sed -n 's/ commands were run.*//p'; }
+
+mkdir -p "$folder/models"
+cp "$models"/{torus,knot,ox,crane}.glb "$folder/models"
+cat >"$herd" <<'TOML'
+[[model]]
+files = "models/*.glb"
+[[recipe]]
+set = { slice = { tile_texels = 64, layers = 8 } }
+[[variant]]
+name = "a"
+[[variant]]
+name = "b"
+set = { "hair.lean" = 0.6 }
+[[variant]]
+name = "c"
+set = { "hair.coat" = "wet" }
+[[view]]
+name = "front"
+size = "128x128"
+[view.truth]
+samples = 4
+parts = 2
+[[sequence]]
+name = "turn"
+models = "torus.glb"
+view = "front"
+frames = 8
+shares = 2
+auto_rotate = true
+TOML
+
+trap 'cluster stop 2>/dev/null || true; mountpoint -q "$folder/full" && umount "$folder/full"; true' EXIT
+eval "$(cluster start)"
+
+begun=$(date +%s.%N)
+say "ninja: $(run ninja --jobs 2 | ran) commands in $(echo "$(date +%s.%N) - $begun" | bc) s"
+hashes "$folder/ninja" >"$folder/expected"
+
+begun=$(date +%s.%N)
+say "slurm: $(on_slurm slurm | ran) commands in $(echo "$(date +%s.%N) - $begun" | bc) s, $(sacctless=$(find "$folder/slurm/.herd/slurm" -name '*.done' | wc -l); echo "$sacctless") shards"
+same "a herd on Slurm" slurm
+say "again: $(on_slurm slurm | ran) commands"
+
+# A command that is killed from outside: its shard tries again.
+on_slurm task >"$folder/task.txt" &
+await task 3
+for process in $(pgrep -f "^$pelage (bake|render|reference)" | head -2); do kill -9 "$process" || true; done
+wait $! || true
+say "two commands were killed: $(tail -2 "$folder/task.txt" | head -1)"
+same "after commands were killed" task
+
+# The node dies with all that runs on it; its shards go back into the queue, and begin anew when it is there again.
+on_slurm node >"$folder/node.txt" &
+await node 4
+cluster kill-node
+sleep 15
+say "while the node is away: $(sinfo --noheader --format=%T), $(made "$folder/node") files"
+cluster revive-node
+wait $! || true
+say "the node died: $(tail -2 "$folder/node.txt" | head -1)"
+say "half-written files that were left: $(find "$folder/node" -name '.pelage-*' | wc -l)"
+find "$folder/node" -name '.pelage-*' -delete
+same "after the node died" node
+
+# The disk is full in the middle.
+mkdir -p "$folder/full"
+mount -t tmpfs -o size=12m tmpfs "$folder/full"
+say "on a disk of 12 MiB: exit code $(on_slurm full >"$folder/full.txt" 2>&1; echo $?), $(grep -c 'No space left' "$folder/full.txt" || true) messages say that it is full"
+mount -o remount,size=2g "$folder/full"
+say "with room: $(on_slurm full | tail -2 | head -1)"
+same "after the disk was full" full
+
+exit "$failed"

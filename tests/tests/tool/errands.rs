@@ -1,0 +1,277 @@
+//! What build systems ask of every command: depfiles, records, caches, parts; through the real binary.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_tests::binary::{Run, Sandbox, workspace};
+use pelage_tests::gpu::gpu;
+use pelage_tests::schema;
+use serde_json::Value;
+use std::time::{Duration, SystemTime};
+
+/// A bake that takes a moment.
+const SMALL: [&str; 6] =
+    ["--set", "slice.tile_texels=32", "--set", "slice.layers=4", "--set", "pack.shell_format=rgba8"];
+
+/// A model with a buffer and an image of its own, and a recipe with a map.
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    std::fs::create_dir(sandbox.path().join("out")).unwrap();
+    std::fs::create_dir(sandbox.path().join("other")).unwrap();
+    let mut data = Vec::new();
+    for corner in [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]] {
+        data.extend(corner.iter().flat_map(|x| x.to_le_bytes()));
+    }
+    for uv in [[0.0_f32, 0.0], [1.0, 0.0], [0.0, 1.0]] {
+        data.extend(uv.iter().flat_map(|x| x.to_le_bytes()));
+    }
+    sandbox.write("models/a mesh.bin", data);
+    sandbox.write("models/skin #1.png", png(200));
+    sandbox.write("recipes/length.png", png(100));
+    sandbox.write("recipes/r.toml", "[hair]\ndensity = 20\nlength_m = 0.1\n[groom]\nlength = \"length.png\"\n");
+    sandbox.write(
+        "models/m.gltf",
+        r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],
+        "materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],
+        "textures":[{"source":0}],"images":[{"uri":"skin%20%231.png"}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,-1],"max":[1,0,0]},
+        {"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],
+        "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
+        "buffers":[{"uri":"a%20mesh.bin","byteLength":60}]}"#,
+    );
+    sandbox
+}
+
+fn png(grey: u8) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::GrayImage::from_pixel(4, 4, image::Luma([grey])).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+fn bake(sandbox: &Sandbox, more: &[&str]) -> Run {
+    let args = ["bake", "models/m.gltf", "--recipe", "recipes/r.toml"];
+    sandbox.run(&[&args[..], &SMALL[..], more].concat())
+}
+
+#[track_caller]
+fn json(sandbox: &Sandbox, name: &str) -> Value {
+    serde_json::from_slice(&bytes(sandbox, name)).unwrap()
+}
+
+#[track_caller]
+fn bytes(sandbox: &Sandbox, name: &str) -> Vec<u8> {
+    std::fs::read(sandbox.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+#[track_caller]
+fn record(sandbox: &Sandbox, name: &str) -> Value {
+    let record = json(sandbox, name);
+    schema::hold("record", &record);
+    record
+}
+
+fn time(sandbox: &Sandbox, name: &str) -> SystemTime {
+    std::fs::metadata(sandbox.path().join(name)).unwrap().modified().unwrap()
+}
+
+#[test]
+fn a_depfile_names_everything_that_was_read() {
+    let sandbox = sandbox();
+    let run = bake(&sandbox, &["-o", "out/m.pelage", "--depfile", "out/m.d"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let text = String::from_utf8(bytes(&sandbox, "out/m.d")).unwrap();
+    let rule = text.split("\n\n").next().unwrap();
+    let expected = "out/m.pelage: \\\n  recipes/r.toml \\\n  recipes/length.png \\\n  models/m.gltf \\\n  models/a\\ mesh.bin \\\n  models/skin\\ \\#1.png";
+    assert_eq!(rule.trim_end(), expected);
+    // A file that has gone is no error of Make.
+    assert!(text.contains("\nrecipes/length.png:\n"), "{text}");
+}
+
+#[test]
+fn what_does_not_change_keeps_its_time() {
+    let sandbox = sandbox();
+    assert_eq!(bake(&sandbox, &["-o", "out/m.pelage"]).code, Some(0));
+    let long_ago = SystemTime::now() - Duration::from_secs(3600);
+    let file = std::fs::File::options().append(true).open(sandbox.path().join("out/m.pelage")).unwrap();
+    file.set_modified(long_ago).unwrap();
+    drop(file);
+    assert_eq!(bake(&sandbox, &["-o", "out/m.pelage"]).code, Some(0));
+    assert_eq!(time(&sandbox, "out/m.pelage"), long_ago);
+    assert_eq!(bake(&sandbox, &["-o", "out/m.pelage", "--set", "hair.lean=0.2"]).code, Some(0));
+    assert!(time(&sandbox, "out/m.pelage") > long_ago);
+    assert_eq!(sandbox.files().iter().filter(|name| name.contains(".pelage-")).count(), 0);
+}
+
+#[test]
+fn a_record_says_what_became_of_a_command() {
+    let sandbox = sandbox();
+    assert_eq!(bake(&sandbox, &["-o", "out/m.pelage", "--record", "out/m.json"]).code, Some(0));
+    let whole = record(&sandbox, "out/m.json");
+    assert_eq!((&whole["exit_code"], &whole["error"], &whole["cached"]), (&0.into(), &Value::Null, &false.into()));
+    assert_eq!(whole["result"]["output"], "out/m.pelage");
+    assert!(whole["seconds"].as_f64().unwrap() > 0.0);
+    assert!(!cfg!(target_os = "linux") || whole["peak_bytes"].as_u64().unwrap() > 1 << 20);
+    sandbox.write("models/m.gltf", "no model");
+    let run = bake(&sandbox, &["-o", "out/m.pelage", "--record", "out/m.json"]);
+    assert_eq!(run.code, Some(3));
+    let failed = record(&sandbox, "out/m.json");
+    assert_eq!(failed["exit_code"], 3);
+    assert!(failed["error"].as_str().unwrap().contains("models/m.gltf"), "{failed}");
+}
+
+#[test]
+fn what_was_made_before_is_taken_from_a_cache() {
+    let sandbox = sandbox();
+    let bake = |out: &str, more: &[&str]| {
+        let (package, record_file) = (format!("{out}/m.pelage"), format!("{out}/m.json"));
+        let args = ["-o", &package, "--record", &record_file, "--cache", "cache", "--json"];
+        let run = bake(&sandbox, &[&args[..], more].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let said = schema::answer(&run, "bake");
+        assert_eq!(said["output"], package.as_str(), "what it says has the names of now");
+        (record(&sandbox, &record_file)["cached"].as_bool().unwrap(), bytes(&sandbox, &package))
+    };
+    let (cached, first) = bake("out", &[]);
+    assert!(!cached);
+    let (cached, again) = bake("other", &["--threads", "1"]);
+    assert!(cached && again == first, "threads and folders change nothing");
+    // Another argument, another image of the model, another map of the recipe: another package. As before: the one of before.
+    assert!(!bake("out", &["--set", "hair.lean=0.2"]).0);
+    for (file, grey) in [("models/skin #1.png", 200), ("recipes/length.png", 100)] {
+        sandbox.write(file, png(50));
+        let (cached, other) = bake("out", &[]);
+        assert!(!cached && other != first, "{file}");
+        sandbox.write(file, png(grey));
+        let (cached, again) = bake("out", &[]);
+        assert!(cached && again == first, "{file}");
+    }
+    // What is damaged is made again, and a depfile comes from the cache as well.
+    let mut files = Vec::new();
+    pelage_tests::binary::walk(&sandbox.path().join("cache/v1/files"), &mut files);
+    files.iter().for_each(|file| std::fs::write(file, "damaged").unwrap());
+    let (cached, again) = bake("out", &[]);
+    assert!(!cached && again == first);
+    pelage_tests::binary::walk(&sandbox.path().join("cache/v1/states"), &mut files);
+    files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
+    assert!(!bake("out", &[]).0);
+    let (cached, _) = bake("out", &["--depfile", "out/m.d"]);
+    assert!(cached);
+    assert!(String::from_utf8(bytes(&sandbox, "out/m.d")).unwrap().contains("models/skin\\ \\#1.png"));
+}
+
+#[test]
+fn a_cache_that_cannot_be_written_is_no_error() {
+    let sandbox = sandbox();
+    sandbox.write("cache", "a file");
+    let run = bake(&sandbox, &["-o", "out/m.pelage", "--cache", "cache"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    assert!(run.stderr.contains("note: --cache: ") && run.stderr.contains("is not kept there"), "{run:?}");
+}
+
+#[test]
+fn pictures_and_comparisons_are_kept_as_well() {
+    let Some(_) = gpu("pictures_and_comparisons_are_kept_as_well") else { return };
+    let sandbox = sandbox();
+    assert_eq!(bake(&sandbox, &["-o", "m.pelage"]).code, Some(0));
+    sandbox.write("look.toml", "[light]\nstrength = 1.5\n");
+    let run = |out: &str, args: &[&str], code: i32| {
+        let record_file = format!("{out}/record.json");
+        let args = [args, &["--record", &record_file, "--cache", "cache", "--quiet"]].concat();
+        let run = sandbox.run(&args);
+        assert_eq!(run.code, Some(code), "{args:?}: {run:?}");
+        record(&sandbox, &record_file)["cached"].as_bool().unwrap()
+    };
+    let render = |out: &str| {
+        let file = format!("{out}/p.png");
+        run(out, &["render", "m.pelage", "-o", &file, "--size", "32x32", "--look", "look.toml"], 0)
+    };
+    assert_eq!([render("out"), render("other")], [false, true]);
+    assert_eq!(bytes(&sandbox, "out/p.png"), bytes(&sandbox, "other/p.png"));
+    sandbox.write("look.toml", "[light]\nstrength = 0.5\n");
+    assert!(!render("other"), "a look is read, too");
+    let compare = |out: &str| run(out, &["compare", "out/p.png", "other/p.png", "--max-rmse", "0"], 7);
+    assert_eq!([compare("out"), compare("other")], [false, true], "a difference is a finding that is kept");
+    let sequence = |out: &str, frames: &str| {
+        let file = format!("{out}/%02d.png");
+        run(out, &["render", "m.pelage", "-o", &file, "--size", "32x32", "--auto-rotate", "--frames", frames], 0)
+    };
+    assert_eq!(
+        [sequence("out", "0..2/4"), sequence("other", "0..2/4"), sequence("other", "2..4/4")],
+        [false, true, false]
+    );
+    assert_eq!(bytes(&sandbox, "out/01.png"), bytes(&sandbox, "other/01.png"));
+    // Ranges are the pictures of the whole.
+    assert!(!sequence("out", "4"));
+    for picture in ["00.png", "01.png", "02.png", "03.png"] {
+        let (whole, range) = (bytes(&sandbox, &format!("out/{picture}")), bytes(&sandbox, &format!("other/{picture}")));
+        assert_eq!(whole, range, "{picture}");
+    }
+    let refused = sandbox.run(&["render", "m.pelage", "-o", "%d.png", "--auto-rotate", "--frames", "0..2"]);
+    assert!(refused.code == Some(1) && refused.stderr.contains("expected --frames A..B/N"), "{refused:?}");
+}
+
+#[test]
+fn parts_of_a_truth_are_the_whole() {
+    let sandbox = sandbox();
+    assert_eq!(bake(&sandbox, &["-o", "m.pelage"]).code, Some(0));
+    let view = ["--size", "50x40", "--spp", "3"];
+    let trace = |out: &str, more: &[&str]| {
+        let run = sandbox.run(&[&["reference", "m.pelage", "-o", out, "--quiet"], &view[..], more].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+    };
+    let merge = |args: &[&str]| sandbox.run(&[&["merge", "--json"], args].concat());
+    let all = ["3.part", "1.part", "2.part"];
+    for more in [&[][..], &["--background", "10,20,30"][..]] {
+        for part in ["1", "2", "3"] {
+            trace(&format!("{part}.part"), &[&["--part", &format!("{part}/3")], more].concat());
+        }
+        trace("whole.png", more);
+        let run = merge(&[&all[..], &["-o", "merged.png"]].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let said = schema::answer(&run, "merge");
+        assert_eq!((&said["parts"], &said["primary_rays"]), (&3.into(), &(50 * 40 * 3).into()));
+        assert_eq!(bytes(&sandbox, "merged.png"), bytes(&sandbox, "whole.png"), "{more:?}");
+        let exr = merge(&[&all[..], &["-o", "merged.exr"]].concat());
+        if more.is_empty() {
+            trace("whole.exr", more);
+            assert_eq!((exr.code, bytes(&sandbox, "merged.exr")), (Some(0), bytes(&sandbox, "whole.exr")));
+        } else {
+            assert!(exr.code == Some(3) && exr.stderr.contains("3.part: line 2: has a background"), "{exr:?}");
+        }
+    }
+    for (args, code, word) in [
+        (&["1.part", "2.part", "-o", "m.png"][..], 1, "parts 3 of 3 are missing"),
+        (&["1.part", "2.part", "1.part", "-o", "m.png"], 3, "is part 1 of 3, as 1.part is"),
+        (&["whole.png", "-o", "m.png"], 3, "whole.png: byte 0: is no part of a picture"),
+        (&["none.part", "-o", "m.png"], 2, "none.part"),
+        (&["1.part", "-o", "m.jpg"], 1, "expected a name that ends in .png or .exr"),
+    ] {
+        let run = merge(args);
+        assert!(run.code == Some(code) && run.stderr.contains(word), "{args:?}: {run:?}");
+    }
+    trace("3.part", &["--part", "3/3", "--style", "bare"]);
+    let run = merge(&[&all[..], &["-o", "m.png"]].concat());
+    assert!(run.code == Some(3) && run.stderr.contains("of picture"), "parts of another picture: {run:?}");
+    let run = sandbox.run(&["reference", "m.pelage", "-o", "a.png", "--part", "1/3"]);
+    assert!(run.code == Some(1) && run.stderr.contains("ends in .part"), "{run:?}");
+    assert!(!sandbox.path().join("m.png").exists());
+}
+
+#[test]
+fn rows_of_a_chart_are_measured_in_shares() {
+    let sandbox = sandbox();
+    let model = workspace().join("assets/models/torus.glb");
+    let chart = |args: &[&str]| {
+        let run = sandbox.run(&[&["chart", "surface", model.to_str().unwrap(), "--json"], args].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        schema::answer(&run, "chart")
+    };
+    let rows = chart(&["--rows", "1/4", "--part", "-o", "a"])["measured"].as_array().unwrap().len();
+    chart(&["--rows", "2/4,3/4,4/4", "--part", "-o", "b"]);
+    assert!(!sandbox.path().join("a/surface.csv").exists());
+    let from = ["--from", "a/surface.rows.jsonl", "--from", "b/surface.rows.jsonl", "-o", "all"];
+    let run = sandbox.run(&[&["chart", "surface", model.to_str().unwrap()], &from[..]].concat());
+    let all = chart(&from)["rows"].as_array().unwrap().len();
+    assert!(run.stderr.contains(&format!("{all} of {all} rows are there")), "{run:?}");
+    assert!(rows > 1 && all > 3 * rows && sandbox.path().join("all/surface.svg").exists());
+    assert!(sandbox.path().join("a/surface.rows.jsonl").exists(), "what others measured stays");
+}

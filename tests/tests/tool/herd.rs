@@ -1,0 +1,288 @@
+//! `pelage herd` through the real binary and Ninja: what runs, what does not, what fails, what survives.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use pelage_needs::ninja;
+use pelage_tests::binary::{Run, Sandbox, finish, walk, workspace};
+use pelage_tests::gpu::gpu;
+use pelage_tests::schema;
+use serde_json::Value;
+use sha2::{Digest as _, Sha256};
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+/// Two models, one of them in two variants, with a picture, a truth in parts, a comparison and a sequence in shares; all of it small.
+const HERD: &str = r#"
+title = "A herd of <three>"
+
+[[model]]
+files = "animals/*.{glb,obj,gltf}"
+
+[[recipe]]
+set = { slice = { tile_texels = 32, layers = 4 }, "hair.density" = 60, pack.shell_format = "rgba8" }
+
+[[recipe]]
+models = "*knot*"
+file = "recipes/knot.toml"
+
+[[variant]]
+name = "wet one"
+models = "*torus*"
+set = { "color.gain" = 0.8 }
+
+[[variant]]
+name = "dry"
+models = "*torus*"
+
+[[view]]
+name = "front"
+size = "48x32"
+set = { "fur.layers" = 3 }
+truth = { samples = 2, parts = 2, max_flip = 0.9 }
+
+[[sequence]]
+name = "turn"
+models = "*knot*"
+view = "front"
+frames = 3
+shares = 2
+auto_rotate = true
+"#;
+
+/// Bakes, looks into packages, draws, traces two parts, merges, compares; twice draws a share.
+const TASKS: usize = 3 * 7 + 2;
+
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    for name in ["torus", "knot"] {
+        let model = std::fs::read(workspace().join(format!("assets/models/{name}.glb"))).unwrap();
+        sandbox.write(&format!("herd/animals/{name}.glb"), model);
+    }
+    sandbox.write("herd/recipes/knot.toml", "[hair]\nlean = 0.3\n");
+    sandbox.write("herd/herd.toml", HERD);
+    sandbox
+}
+
+fn herd(sandbox: &Sandbox, action: &str, more: &[&str]) -> Run {
+    sandbox.run(&[&["herd", action, "herd/herd.toml", "-o", "herd/out", "--json"], more].concat())
+}
+
+/// Runs a herd, which ends with that code: what it says, and how many commands were run.
+#[track_caller]
+fn run(sandbox: &Sandbox, code: i32, more: &[&str]) -> (Value, u64) {
+    let run = herd(sandbox, "run", more);
+    assert_eq!(run.code, Some(code), "{run:?}");
+    let said = schema::answer(&run, "herd");
+    let ran = said["ran"].as_u64().unwrap();
+    (said, ran)
+}
+
+/// Hashes of all that a herd has made, but for its own files.
+fn results(sandbox: &Sandbox, out: &str) -> BTreeMap<String, Vec<u8>> {
+    let mut files = Vec::new();
+    for folder in ["packages", "pictures", "truths", "differences", "sequences"] {
+        walk(&sandbox.path().join(out).join(folder), &mut files);
+    }
+    let hash = |path: &std::path::PathBuf| {
+        let name = path.strip_prefix(sandbox.path().join(out)).unwrap().display().to_string();
+        (name, Sha256::digest(std::fs::read(path).unwrap()).to_vec())
+    };
+    files.iter().map(hash).collect()
+}
+
+fn touch(sandbox: &Sandbox, name: &str) {
+    // Ninja goes by times, and those of a file system may be coarse.
+    std::thread::sleep(Duration::from_millis(20));
+    let file = std::fs::File::options().append(true).open(sandbox.path().join(name)).unwrap();
+    file.set_modified(std::time::SystemTime::now()).unwrap();
+}
+
+#[test]
+fn a_herd_runs_what_changed_and_nothing_else() {
+    if !ninja("a_herd_runs_what_changed_and_nothing_else") {
+        return;
+    }
+    let Some(_) = gpu("a_herd_runs_what_changed_and_nothing_else") else { return };
+    let sandbox = sandbox();
+    let (said, ran) = run(&sandbox, 0, &[]);
+    assert_eq!((ran as usize, &said["models"], &said["tasks"]["done"]), (TASKS, &3.into(), &TASKS.into()), "{said}");
+    let first = results(&sandbox, "herd/out");
+    for name in [
+        "packages/animals/torus.wet one.pelage",
+        "packages/animals/knot.pelage",
+        "pictures/animals/torus.dry.front.png",
+        "truths/animals/knot.front.png",
+        "truths/animals/knot.front.parts/2.part",
+        "differences/animals/knot.front.png",
+        "sequences/animals/knot.turn/0002.png",
+    ] {
+        assert!(first.contains_key(name), "{name} is missing: {:?}", first.keys());
+    }
+    let page = std::fs::read_to_string(sandbox.path().join("herd/out/report.html")).unwrap();
+    assert!(page.contains("<title>A herd of &lt;three&gt;") && page.contains("data:image/jpeg;base64,"));
+
+    // Nothing changed; a model whose bytes are the same; a recipe, which has nothing to do with the torus.
+    assert_eq!(run(&sandbox, 0, &[]).1, 0);
+    touch(&sandbox, "herd/animals/torus.glb");
+    assert_eq!(run(&sandbox, 0, &[]).1, 2, "two variants are baked, and what is made of them stays");
+    assert_eq!(results(&sandbox, "herd/out"), first);
+    sandbox.write("herd/recipes/knot.toml", "[hair]\nlean = 0.5\n");
+    let (_, ran) = run(&sandbox, 0, &[]);
+    assert_eq!(ran as usize, TASKS / 3 + 2, "all of the knot, and nothing else");
+    let second = results(&sandbox, "herd/out");
+    let changed: Vec<_> = second.iter().filter(|(name, hash)| first[*name] != **hash).map(|(name, _)| name).collect();
+    assert!(changed.len() > 4 && changed.iter().all(|name| name.contains("knot")), "{changed:?}");
+
+    // The same herd elsewhere, by one command at a time, has the same bytes; from a cache as well.
+    let elsewhere = |out: &str, cache: &str| {
+        let args = ["herd", "run", "herd/herd.toml", "-o", out, "--jobs", "1", "--cache", cache, "--json"];
+        let run = sandbox.run(&args);
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let mut records = Vec::new();
+        walk(&sandbox.path().join(out).join(".herd/records"), &mut records);
+        let read = |path| serde_json::from_slice::<Value>(&std::fs::read(path).unwrap()).unwrap();
+        records.iter().map(read).filter(|record| record["cached"] == true).count()
+    };
+    assert_eq!(elsewhere("alone", "cache"), 0);
+    assert_eq!(results(&sandbox, "alone"), second);
+    // Once more where nothing is left, as on another machine: all but what looks into packages is there.
+    std::fs::remove_dir_all(sandbox.path().join("alone")).unwrap();
+    assert_eq!(elsewhere("alone", "cache"), TASKS - 3);
+    assert_eq!(results(&sandbox, "alone"), second);
+}
+
+#[test]
+fn a_herd_goes_on_after_failures_and_says_why() {
+    if !ninja("a_herd_goes_on_after_failures_and_says_why") {
+        return;
+    }
+    let Some(_) = gpu("a_herd_goes_on_after_failures_and_says_why") else { return };
+    let sandbox = sandbox();
+    sandbox.write("herd/animals/broken <one>.glb", "no model");
+    sandbox.write("herd/herd.toml", HERD.replace("max_flip = 0.9", "max_flip = 1e-6"));
+    let (said, _) = run(&sandbox, 3, &[]);
+    let (tasks, failures) = (&said["tasks"], said["failures"].as_array().unwrap());
+    let counts = ["failed", "differ", "missing"].map(|key| tasks[key].as_u64().unwrap());
+    assert_eq!(counts, [1, 3, 6], "{said}");
+    assert_eq!(tasks["done"].as_u64().unwrap() as usize, TASKS - 3);
+    let first = failures[0]["message"].as_str().unwrap();
+    assert!(first.contains("animals/broken <one>.glb: byte 0"), "{first}");
+    assert!(failures[1]["message"].as_str().unwrap().contains("--max-flip"), "{said}");
+    // What failed is tried again, and nothing else.
+    assert_eq!(run(&sandbox, 3, &[]).1, 4);
+    std::fs::remove_file(sandbox.path().join("herd/animals/broken <one>.glb")).unwrap();
+    let (said, ran) = run(&sandbox, 7, &[]);
+    assert_eq!((ran, &said["tasks"]["missing"]), (3, &0.into()), "{said}");
+    sandbox.write("herd/herd.toml", HERD);
+    assert_eq!(run(&sandbox, 0, &[]).1, 3, "another limit is another command");
+    let report = herd(&sandbox, "report", &[]);
+    assert_eq!(report.code, Some(0), "{report:?}");
+}
+
+#[test]
+fn a_herd_that_was_killed_goes_on_and_has_the_same_bytes() {
+    if !ninja("a_herd_that_was_killed_goes_on_and_has_the_same_bytes") {
+        return;
+    }
+    let Some(_) = gpu("a_herd_that_was_killed_goes_on_and_has_the_same_bytes") else { return };
+    let whole = sandbox();
+    run(&whole, 0, &[]);
+    let expected = results(&whole, "herd/out");
+    let sandbox = sandbox();
+    for made in [1, 3, 5] {
+        // In a group of its own, of which nobody gets a chance to tidy up: neither tool nor Ninja nor commands.
+        let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out", "--quiet"]);
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.stdout(std::process::Stdio::null()).spawn().unwrap();
+        let began = Instant::now();
+        let count = || {
+            let mut files = Vec::new();
+            walk(&sandbox.path().join("herd"), &mut files);
+            files.iter().filter(|path| path.extension().is_some_and(|e| e == "pelage" || e == "png")).count()
+        };
+        while count() < made + 1 && began.elapsed() < Duration::from_secs(120) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let killed = std::process::Command::new("kill").args(["-9", "--", &format!("-{}", child.id())]).status();
+        assert!(killed.unwrap().success());
+        child.wait().unwrap();
+    }
+    let (said, ran) = run(&sandbox, 0, &[]);
+    assert!(ran > 0 && (ran as usize) < TASKS, "{said}");
+    let found: BTreeMap<_, _> =
+        results(&sandbox, "herd/out").into_iter().filter(|(name, _)| !name.contains(".pelage-")).collect();
+    assert_eq!(found, expected);
+    assert_eq!(run(&sandbox, 0, &[]).1, 0);
+}
+
+#[test]
+fn a_plan_is_a_graph_of_plain_commands() {
+    let sandbox = sandbox();
+    let plan = herd(&sandbox, "plan", &["--cache", "cache"]);
+    assert_eq!(plan.code, Some(0), "{plan:?}");
+    let plan = schema::answer(&plan, "herd");
+    let tasks = plan["tasks"].as_array().unwrap();
+    assert_eq!(tasks.len(), TASKS);
+    let mut made: Vec<&str> = Vec::new();
+    for task in tasks {
+        let strings = |key: &str| -> Vec<&str> {
+            task[key].as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect()
+        };
+        // What a task reads is there, or made by one before it.
+        for input in strings("inputs") {
+            assert!(made.contains(&input) || sandbox.path().join("herd").join(input).is_file(), "{input}");
+        }
+        made.extend(strings("outputs"));
+        assert!(task["expected"]["seconds"].as_f64().unwrap() > 0.0 && strings("command")[0] == "pelage", "{task}");
+    }
+    // A look that says how layers are drawn means nothing to a truth.
+    let words = |kind: &str| tasks.iter().find(|task| task["kind"] == kind).unwrap()["command"].to_string();
+    assert!(words("render").contains("--look=fur.layers=3") && !words("part").contains("fur.layers"));
+    assert!(words("bake").contains("--cache\",\"../cache") || words("bake").contains("cache"), "{}", words("bake"));
+    // The commands are what a shell takes, from the herd's folder.
+    let text = sandbox.run(&["herd", "plan", "herd/herd.toml", "-o", "herd/out"]).stdout;
+    let bake = text.lines().find(|line| line.contains("knot.pelage") && line.contains("bake")).unwrap();
+    let bake = bake.strip_prefix("pelage ").unwrap();
+    for folder in ["packages/animals", ".herd/deps/packages/animals", ".herd/records/packages/animals"] {
+        std::fs::create_dir_all(sandbox.path().join("herd/out").join(folder)).unwrap();
+    }
+    let mut shell = std::process::Command::new("sh");
+    let tool = pelage_tests::binary::pelage().display().to_string();
+    shell.arg("-c").arg(format!("'{tool}' {bake}")).current_dir(sandbox.path().join("herd"));
+    let run = finish(shell);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    assert!(sandbox.path().join("herd/out/packages/animals/knot.pelage").is_file());
+}
+
+#[test]
+fn what_a_herd_file_says_wrong_is_told_before_anything_runs() {
+    let sandbox = sandbox();
+    for (text, code, word) in [
+        ("[[model]]\nfiles = \"none/*.glb\"", 3, "herd/herd.toml: model: \"none\" is no folder"),
+        ("[[model]]\nfiles = \"animals/*.fbx\"", 3, "herd/herd.toml: model: no file fits these patterns"),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[recipe]]\nfile = \"no.toml\"",
+            3,
+            "recipe[0].file: \"no.toml\" is no file",
+        ),
+        ("[[model]]\nfiles = \"animals/*\"\n[[view]]\nnme = \"a\"", 3, "herd/herd.toml: line 4, view[0].nme"),
+        ("[[model]]\nfiles = \"animals/*\"\n[[variant]]\nname = \"a b\"", 0, ""),
+    ] {
+        sandbox.write("herd/herd.toml", text);
+        let run = herd(&sandbox, "plan", &[]);
+        assert!(run.code == Some(code) && run.stderr.contains(word), "{text}: {run:?}");
+    }
+    let run = herd(&sandbox, "run", &["--detach"]);
+    assert!(run.code == Some(1) && run.stderr.contains("--detach: it is for --engine slurm"), "{run:?}");
+    let run = herd(&sandbox, "run", &["--engine", "slurm", "--jobs", "2"]);
+    assert!(run.code == Some(1) && run.stderr.contains("--jobs: it is for --engine ninja"), "{run:?}");
+    let run = sandbox.run(&["herd", "run", "none.toml", "-o", "out"]);
+    assert_eq!(run.code, Some(2), "{run:?}");
+    // A machine without Ninja is told what to install.
+    let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out"]);
+    let run = finish({
+        command.env("PATH", sandbox.path());
+        command
+    });
+    assert!(run.code == Some(2) && run.stderr.contains("apt-get install ninja-build"), "{run:?}");
+}
