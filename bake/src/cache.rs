@@ -9,13 +9,11 @@
 
 use crate::BakeError;
 use crate::hexadecimal::{self, hex};
-use crate::io::{read_file, write_atomic};
+use crate::io::{digest, read_file, write_atomic};
 use crate::traffic::{Asked, Digest, Traffic};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// A folder of what was made.
@@ -95,9 +93,7 @@ impl Cache {
         if let Some(known) = std::fs::read_to_string(&path).ok().and_then(|text| from_hex(&text)) {
             return Ok(known);
         }
-        let mut hash = Sha256::new();
-        File::open(program).and_then(|mut file| std::io::copy(&mut file, &mut hash)).map_err(fail)?;
-        let digest: Digest = hash.finalize().into();
+        let digest = digest(program, u64::MAX).map_err(fail)?;
         // Whoever cannot keep it makes it again.
         let _ = write(&path, hex(&digest).as_bytes());
         Ok(digest)
@@ -196,9 +192,7 @@ fn digest_of(path: &Path, most: u64) -> Option<Option<Digest>> {
     if !found.is_file() {
         return None;
     }
-    let mut hash = Sha256::new();
-    std::io::copy(&mut File::open(path).ok()?.take(most), &mut hash).ok()?;
-    Some(Some(hash.finalize().into()))
+    digest(path, most).ok().map(Some)
 }
 
 /// The state after something was learnt.

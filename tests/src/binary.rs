@@ -113,6 +113,16 @@ impl Sandbox {
         path
     }
 
+    /// The bytes of a file.
+    ///
+    /// # Panics
+    ///
+    /// Where it cannot be read.
+    #[track_caller]
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
     /// As [`files`] of the folder.
     pub fn files(&self) -> Vec<String> {
         files(self.path())

@@ -82,16 +82,13 @@ pub fn run(
     }
     let began = Instant::now();
     let cache = args.cache.as_deref().zip(errand).and_then(|(folder, errand)| Kitchen::open(folder, errand, output));
-    let mut read = Vec::new();
-    let mut written = Vec::new();
-    let mut found = None;
-    let mut result = match cache.as_ref().and_then(Kitchen::find) {
-        Some((was, files)) => {
-            read.clone_from(&was.read);
-            written.extend(files.iter().map(|(path, _)| path.clone()));
-            let served = serve(&was.kept, &files, output);
-            found = Some(was);
-            served
+    output.listen();
+    let found = cache.as_ref().and_then(Kitchen::find);
+    let cached = found.is_some();
+    let (mut result, mut read, written): (_, Vec<PathBuf>, Vec<PathBuf>) = match found {
+        Some((Found { kept, read }, files)) => {
+            let served = serve(&kept, &files, output);
+            (served, read, files.into_iter().map(|(path, _)| path).collect())
         }
         None => {
             traffic::note_down();
@@ -100,9 +97,8 @@ pub fn run(
             if let (Some(cache), Ok(exit)) = (&cache, &result) {
                 cache.keep(&traffic, *exit, output);
             }
-            read.extend(traffic.files_read().into_iter().map(Path::to_owned));
-            written.extend(traffic.written.into_iter().map(|written| written.path));
-            result
+            let read = traffic.files_read().into_iter().map(Path::to_owned).collect();
+            (result, read, traffic.written.into_iter().map(|written| written.path).collect())
         }
     };
     if let (Some(path), Ok(_)) = (&args.depfile, &result) {
@@ -113,7 +109,7 @@ pub fn run(
         });
     }
     if let Some(path) = &args.record {
-        let record = record(&result, &output.said(), began.elapsed().as_secs_f64(), found.is_some());
+        let record = record(&result, &output.said(), began.elapsed().as_secs_f64(), cached);
         let recorded = io::write_atomic(path, format!("{record:#}\n").as_bytes());
         // An error of the command is what its user has to know first.
         result = result.and_then(|exit| recorded.map(|()| exit).map_err(Into::into));
@@ -205,8 +201,7 @@ fn serve(kept: &Kept, files: &[(PathBuf, Vec<u8>)], output: &mut Output) -> Resu
         }
     }
     output.result(&text, &json)?;
-    let exit = Exit::ALL.iter().map(|(exit, ..)| *exit).find(|exit| *exit as u8 == kept.exit);
-    Ok(exit.unwrap_or(Exit::Done))
+    Ok(Exit::of(kept.exit).unwrap_or(Exit::Done))
 }
 
 /// Puts another word in the place of every string that is `old`.

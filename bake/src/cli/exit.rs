@@ -48,6 +48,11 @@ impl Exit {
         ),
     ];
 
+    /// The one with that code.
+    pub fn of(code: u8) -> Option<Self> {
+        Self::ALL.iter().map(|(exit, ..)| *exit).find(|exit| *exit as u8 == code)
+    }
+
     /// All of them in a line, for the end of a help text.
     pub fn summary() -> String {
         let codes = Self::ALL.map(|(exit, word, _)| format!("{} {word}", exit as u8));

@@ -5,7 +5,7 @@
 use super::exit::Failure;
 use pelage_bake::BakeError;
 use pelage_bake::hexadecimal::hex;
-use pelage_bake::io::read_text;
+use pelage_bake::io::{digest, read_text};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -137,8 +137,8 @@ impl Key {
 
     /// As [`Self::new`], wherever the tool is installed: its program is hashed, which takes a moment.
     pub fn of_program() -> Self {
-        let program = std::env::current_exe().and_then(std::fs::read);
-        Self::of_version().and(program.map(Sha256::digest).unwrap_or_default())
+        let program = std::env::current_exe().and_then(|program| digest(&program, u64::MAX));
+        Self::of_version().and(program.unwrap_or_default())
     }
 
     /// Another version of the tool gives another key: for what machines put together that each have a tool of their own.

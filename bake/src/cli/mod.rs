@@ -40,6 +40,7 @@ mod render;
 mod scene;
 #[cfg(feature = "preview")]
 mod sequence;
+mod share;
 #[cfg(feature = "preview")]
 mod shell_judge;
 #[cfg(feature = "preview")]

@@ -24,8 +24,8 @@ pub struct Output {
     steps: Arc<Steps>,
     /// Who shows the work.
     shown: Option<Shown>,
-    /// What was said.
-    said: Mutex<Said>,
+    /// What was said since somebody listens.
+    said: Mutex<Option<Said>>,
 }
 
 /// What a command has said, for who keeps it.
@@ -70,14 +70,18 @@ impl Output {
             bytes.push('\n');
         }
         self.done = true;
-        self.said.lock().unwrap_or_else(PoisonError::into_inner).result = Some((text.to_owned(), json.clone()));
+        if let Some(said) = &mut *self.heard() {
+            said.result = Some((text.to_owned(), json.clone()));
+        }
         let mut stdout = io::stdout().lock();
         stdout.write_all(bytes.as_bytes()).and_then(|()| stdout.flush()).map_err(Failure::Stdout)
     }
 
     /// Says something on stderr, unless quiet.
     pub fn note(&self, text: &str) {
-        self.said.lock().unwrap_or_else(PoisonError::into_inner).notes.push(text.to_owned());
+        if let Some(said) = &mut *self.heard() {
+            said.notes.push(text.to_owned());
+        }
         if !self.quiet {
             let line = || to_stderr(&format!("{text}\n"));
             match &self.shown {
@@ -87,9 +91,18 @@ impl Output {
         }
     }
 
-    /// What was said so far.
+    /// From now on what is said is kept.
+    pub fn listen(&self) {
+        *self.heard() = Some(Said::default());
+    }
+
+    /// What was said since [`Self::listen`].
     pub fn said(&self) -> Said {
-        self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.heard().clone().unwrap_or_default()
+    }
+
+    fn heard(&self) -> MutexGuard<'_, Option<Said>> {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Where stages count their steps, so that [`Self::progress`] shows how far they are.

@@ -6,6 +6,7 @@ use super::exit::{Exit, Failure};
 use super::journal::Key;
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file;
+use super::share::share;
 use super::threads;
 use super::truth::{Truth, encode};
 use super::view::View;
@@ -55,9 +56,8 @@ pub struct ReferenceArgs {
 
 /// `3/16`, from 1.
 fn parse_part(text: &str) -> Result<Part, String> {
-    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.trim().parse().ok()?, n.trim().parse().ok()?)));
-    let (number, of) = numbers
-        .filter(|(k, n)| (1..=*n).contains(k) && *n <= MOST_PARTS)
+    let (number, of) = share(text)
+        .filter(|(_, of)| *of <= MOST_PARTS)
         .ok_or_else(|| format!("expected a part and how many there are, such as 3/16, at most {MOST_PARTS}"))?;
     Ok(Part { number: number - 1, of })
 }

@@ -30,6 +30,9 @@ pub struct HerdFile {
     /// Pictures over time.
     #[serde(default, rename = "sequence")]
     pub sequences: Vec<Sequence>,
+    /// All patterns among these.
+    #[serde(skip)]
+    pub rules: Rules,
 }
 
 /// One word or several.
@@ -190,6 +193,9 @@ pub struct Sequence {
 /// Most parts or shares of one thing: more would do nothing but begin.
 const MOST_SHARES: u32 = 1000;
 
+/// A key, and what is wrong with it.
+type Fault = (String, String);
+
 impl HerdFile {
     /// Reads a herd file.
     ///
@@ -198,15 +204,15 @@ impl HerdFile {
     /// [`BakeError::Input`] with line and key for what means nothing, and what contradicts something else.
     pub fn parse(name: &str, text: &str) -> Result<Self, BakeError> {
         let source = TomlText { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
-        let file: Self = source.parse().map_err(input)?;
-        match file.fault() {
-            Some((key, reason)) => Err(input(source.fault(&key, reason))),
-            None => Ok(file),
-        }
+        let mut file: Self = source.parse().map_err(input)?;
+        let fault = |(key, reason): Fault| input(source.fault(&key, reason));
+        file.names_fault().map_or(Ok(()), |found| Err(fault(found)))?;
+        file.rules = Rules::of(&file).map_err(fault)?;
+        file.numbers_fault().map_or(Ok(file), |found| Err(fault(found)))
     }
 
-    /// The first thing that cannot be, and where.
-    fn fault(&self) -> Option<(String, String)> {
+    /// The first name that cannot be.
+    fn names_fault(&self) -> Option<Fault> {
         if self.models.is_empty() {
             return Some(("".into(), "found no models, expected [[model]] with files = \"animals/**/*.glb\"".into()));
         }
@@ -223,33 +229,10 @@ impl HerdFile {
         names("variant", self.variants.iter().map(|v| v.name.as_str()).collect())
             .or_else(|| names("view", self.views.iter().map(|v| v.name.as_str()).collect()))
             .or_else(|| names("sequence", self.sequences.iter().map(|s| s.name.as_str()).collect()))
-            .or_else(|| self.patterns_fault())
-            .or_else(|| self.numbers_fault())
     }
 
-    fn patterns_fault(&self) -> Option<(String, String)> {
-        let models = self.models.iter().enumerate().flat_map(|(i, models)| {
-            [(format!("model[{i}].files"), &models.files), (format!("model[{i}].except"), &models.except)]
-        });
-        let recipes = self.recipes.iter().enumerate().map(|(i, r)| (format!("recipe[{i}].models"), &r.models));
-        let variants = self.variants.iter().enumerate().map(|(i, v)| (format!("variant[{i}].models"), &v.models));
-        let views = self.views.iter().enumerate().map(|(i, v)| (format!("view[{i}].models"), &v.models));
-        let charts = self.charts.iter().enumerate();
-        let charts = charts.filter_map(|(i, c)| Some((format!("chart[{i}].models"), c.models.as_ref()?)));
-        let sequences = self.sequences.iter().enumerate().map(|(i, s)| (format!("sequence[{i}].models"), &s.models));
-        let all = models.chain(recipes).chain(variants).chain(views).chain(charts).chain(sequences);
-        for (key, words) in all {
-            if words.0.is_empty() && !key.ends_with(".except") {
-                return Some((key, "found no pattern, expected at least one".into()));
-            }
-            if let Err(reason) = Patterns::new(&words.0, &[]) {
-                return Some((key, reason));
-            }
-        }
-        None
-    }
-
-    fn numbers_fault(&self) -> Option<(String, String)> {
+    /// The first number, or view, that cannot be.
+    fn numbers_fault(&self) -> Option<Fault> {
         let views: Vec<&str> = self.views.iter().map(|view| view.name.as_str()).collect();
         let shares = |key: String, shares: Option<u32>| {
             let wrong = shares.filter(|n| !(1..=MOST_SHARES).contains(n))?;
@@ -303,24 +286,41 @@ pub struct Rules {
 }
 
 impl Rules {
-    /// Reads the patterns of a file that was parsed, all of which are some.
-    pub fn of(file: &HerdFile) -> Self {
-        let words = |words: &Words| Patterns::new(&words.0, &[]).unwrap_or_default();
-        let models = |models: &Models| Patterns::new(&models.files.0, &models.except.0).unwrap_or_default();
-        Self {
-            models: file.models.iter().map(models).collect(),
-            recipes: file.recipes.iter().map(|recipe| words(&recipe.models)).collect(),
-            variants: file.variants.iter().map(|variant| words(&variant.models)).collect(),
-            views: file.views.iter().map(|view| words(&view.models)).collect(),
-            charts: file.charts.iter().map(|chart| chart.models.as_ref().map(words)).collect(),
-            sequences: file.sequences.iter().map(|sequence| words(&sequence.models)).collect(),
-        }
+    /// Reads the patterns of a file, or says which of them is none.
+    fn of(file: &HerdFile) -> Result<Self, Fault> {
+        let rules = |table: &str, words: Vec<&Words>| {
+            let patterns = |(i, words): (usize, &Words)| patterns(format!("{table}[{i}].models"), words);
+            words.into_iter().enumerate().map(patterns).collect::<Result<Vec<_>, _>>()
+        };
+        let models = |(i, models): (usize, &Models)| {
+            let found = patterns(format!("model[{i}].files"), &models.files)?;
+            found.but(&models.except.0).map_err(|reason| (format!("model[{i}].except"), reason))
+        };
+        let chart = |(i, chart): (usize, &Chart)| {
+            chart.models.as_ref().map(|words| patterns(format!("chart[{i}].models"), words)).transpose()
+        };
+        Ok(Self {
+            models: file.models.iter().enumerate().map(models).collect::<Result<_, _>>()?,
+            recipes: rules("recipe", file.recipes.iter().map(|recipe| &recipe.models).collect())?,
+            variants: rules("variant", file.variants.iter().map(|variant| &variant.models).collect())?,
+            views: rules("view", file.views.iter().map(|view| &view.models).collect())?,
+            charts: file.charts.iter().enumerate().map(chart).collect::<Result<_, _>>()?,
+            sequences: rules("sequence", file.sequences.iter().map(|sequence| &sequence.models).collect())?,
+        })
     }
 
     /// Which `[[model]]` a path is of, if any.
     pub fn model(&self, path: &str) -> Option<usize> {
         self.models.iter().position(|patterns| patterns.fits(path))
     }
+}
+
+/// At least one pattern.
+fn patterns(key: String, words: &Words) -> Result<Patterns, Fault> {
+    if words.0.is_empty() {
+        return Err((key, "found no pattern, expected at least one".into()));
+    }
+    Patterns::new(&words.0).map_err(|reason| (key, reason))
 }
 
 /// Those of `all` whose patterns fit a path.
@@ -387,7 +387,7 @@ mod tests {
         assert_eq!(assignments(&file.recipes[0].set), ["color.tip=#ffffff", "hair.length_m=0.02", "slice.layers=12"]);
         assert_eq!(file.views[0].models, all());
         assert_eq!(file.folders().into_iter().collect::<Vec<_>>(), ["a"]);
-        let rules = Rules::of(&file);
+        let rules = &file.rules;
         assert_eq!((rules.model("a/fox.glb"), rules.model("a/fox.obj")), (Some(0), None));
     }
 

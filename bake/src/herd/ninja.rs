@@ -5,6 +5,10 @@ use super::plan::{Plan, Task};
 use super::shell::{shell_line, shell_word};
 use std::fmt::Write as _;
 
+/// Variables of the environment that say how many threads a command has beside its options: one, because cores are for several commands at once, and what is
+/// drawn by software takes all of them otherwise.
+pub const THREADS: [&str; 2] = ["RAYON_NUM_THREADS", "LP_NUM_THREADS"];
+
 /// How many commands run at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {

@@ -15,8 +15,17 @@ impl Patterns {
     /// # Errors
     ///
     /// Which of them is none, and why.
-    pub fn new(fit: &[String], except: &[String]) -> Result<Self, String> {
-        Ok(Self { fit: matchers(fit)?, except: matchers(except)? })
+    pub fn new(fit: &[String]) -> Result<Self, String> {
+        Ok(Self { fit: matchers(fit)?, except: Vec::new() })
+    }
+
+    /// The same, but for what fits one of `except`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::new`].
+    pub fn but(self, except: &[String]) -> Result<Self, String> {
+        Ok(Self { except: matchers(except)?, ..self })
     }
 
     /// Whether a path fits, as it is written from the herd file's folder, with slashes.
@@ -56,7 +65,9 @@ mod tests {
     #[test]
     fn paths_fit_as_in_a_shell() {
         let list = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
-        let fits = |fit: &[&str], path: &str| Patterns::new(&list(fit), &list(&["**/wip/**"])).unwrap().fits(path);
+        let fits = |fit: &[&str], path: &str| {
+            Patterns::new(&list(fit)).and_then(|fit| fit.but(&list(&["**/wip/**"]))).unwrap().fits(path)
+        };
         for (pattern, path, expected) in [
             ("a/*.glb", "a/fox.glb", true),
             ("a/*.glb", "a/b/fox.glb", false),
@@ -72,7 +83,7 @@ mod tests {
         ] {
             assert_eq!(fits(&[pattern], path), expected, "{pattern} {path}");
         }
-        assert!(Patterns::new(&list(&["a/[x"]), &[]).unwrap_err().contains("a/[x"));
+        assert!(Patterns::new(&list(&["a/[x"])).unwrap_err().contains("a/[x"));
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! The commands that a herd takes, and what each reads and writes.
 
 use super::estimate::{History, Known};
-use super::file::{Chart, HerdFile, Rules, Sequence, Truth, Variant, View, assignments, fitting};
+use super::file::{Chart, HerdFile, Sequence, Truth, Variant, View, assignments, fitting};
 use super::kind::Kind;
 use crate::BakeError;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// A model on disk.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -23,8 +24,6 @@ pub struct Told<'a> {
     pub name: &'a str,
     /// What it says.
     pub file: &'a HerdFile,
-    /// Its patterns.
-    pub rules: &'a Rules,
     /// The models, in the order of their paths.
     pub models: &'a [Found],
     /// The folder that everything is written into, from the herd file's.
@@ -58,6 +57,9 @@ pub struct Task {
     pub record: String,
     /// Where it names all that it has read.
     pub depfile: Option<String>,
+    /// Whether it is a part of something large, which several machines share.
+    #[serde(skip)]
+    pub part: bool,
     /// What it is expected to need.
     pub expected: Known,
 }
@@ -113,6 +115,11 @@ impl Plan {
         join(out, ".herd")
     }
 
+    /// A file without the folder that all of them are in.
+    pub fn inside<'a>(&self, file: &'a str) -> &'a str {
+        file.strip_prefix(self.out.as_str()).unwrap_or(file).trim_start_matches('/')
+    }
+
     /// Which task makes each file.
     pub fn makers(&self) -> BTreeMap<&str, usize> {
         self.tasks.iter().enumerate().flat_map(|(i, task)| task.outputs.iter().map(move |o| (o.as_str(), i))).collect()
@@ -144,7 +151,7 @@ pub fn plan(told: &Told<'_>) -> Result<Plan, BakeError> {
     let mut plan = Plan { out: told.out.to_owned(), ..Plan::default() };
     let mut packages: BTreeMap<String, String> = BTreeMap::new();
     for (model, name) in told.models.iter().zip(&names) {
-        let variants: Vec<&Variant> = fitting(&told.file.variants, &told.rules.variants, &model.path).collect();
+        let variants: Vec<&Variant> = fitting(&told.file.variants, &told.file.rules.variants, &model.path).collect();
         let variants: Vec<Option<&Variant>> =
             if variants.is_empty() { vec![None] } else { variants.into_iter().map(Some).collect() };
         for variant in variants {
@@ -182,14 +189,7 @@ fn names(models: &[Found]) -> Vec<String> {
         let steps: Vec<&str> = path.split('/').filter(|step| !matches!(*step, "" | "." | "..")).collect();
         steps.join("/")
     };
-    let stem = |path: &str| {
-        let path = inside(path);
-        let name = path.rfind('/').map_or(0, |slash| slash + 1);
-        match path[name..].rfind('.') {
-            Some(dot) if dot > 0 => path[..name + dot].to_owned(),
-            _ => path,
-        }
-    };
+    let stem = |path: &str| Path::new(&inside(path)).with_extension("").to_string_lossy().into_owned();
     let mut count: BTreeMap<String, usize> = BTreeMap::new();
     models.iter().for_each(|model| *count.entry(stem(&model.path)).or_default() += 1);
     models.iter().map(|m| Some(stem(&m.path)).filter(|s| count[s] == 1).unwrap_or_else(|| inside(&m.path))).collect()
@@ -204,7 +204,17 @@ struct Planner<'a, 'p> {
     called: &'a str,
 }
 
+/// A model that is charted: as it is baked.
+struct Charted<'a> {
+    row: usize,
+    /// The model, and its recipe.
+    inputs: &'a [String],
+    /// Words that say the recipe.
+    making: &'a [String],
+}
+
 /// A task before its record and depfile have names.
+#[derive(Default)]
 struct Draft {
     kind: Kind,
     name: String,
@@ -216,6 +226,8 @@ struct Draft {
     place: String,
     /// Whether it may read files that nobody knows yet.
     finds_more: bool,
+    /// Whether it is a part of something large, which goes apart.
+    part: bool,
     pixels: f64,
     samples: f64,
 }
@@ -248,6 +260,7 @@ impl Planner<'_, '_> {
             inputs: draft.inputs,
             outputs: draft.outputs,
             record: format!("{own}/records/{}.json", draft.place),
+            part: draft.part,
             depfile: draft.finds_more.then(|| format!("{own}/deps/{}.d", draft.place)),
             expected,
             name: draft.name,
@@ -257,22 +270,23 @@ impl Planner<'_, '_> {
     fn model(&mut self, name: &str, variant: Option<&Variant>) {
         let (called, path) = (self.called, self.model.path.as_str());
         let told = self.told;
-        let rules = || fitting(&told.file.recipes, &told.rules.recipes, path);
+        let rules = || fitting(&told.file.recipes, &told.file.rules.recipes, path);
         let named = |file: &String| self.recipe_file(file);
         let of_rules = || rules().filter_map(|rule| rule.file.as_ref().and_then(named)).next_back();
         let recipe = variant.and_then(|variant| variant.file.as_ref().and_then(named)).or_else(of_rules);
         let package = self.out(&format!("packages/{called}.pelage"));
-        let mut bake = words(&["bake", path, "-o", &package]);
-        bake.extend(recipe.iter().flat_map(|recipe| words(&["--recipe", recipe])));
+        let mut making: Vec<String> = recipe.iter().flat_map(|recipe| words(&["--recipe", recipe])).collect();
         let sets = rules().map(|rule| &rule.set).chain(variant.map(|variant| &variant.set));
-        bake.extend(sets.flat_map(assignments).flat_map(|set| words(&["--set", &set])));
-        if told.rules.model(path).is_some_and(|models| told.file.models[models].allow_outside) {
-            bake.push("--allow-outside".into());
+        making.extend(sets.flat_map(assignments).flat_map(|set| words(&["--set", &set])));
+        if told.file.rules.model(path).is_some_and(|models| told.file.models[models].allow_outside) {
+            making.push("--allow-outside".into());
         }
+        let mut bake = words(&["bake", path, "-o", &package]);
+        bake.extend(making.iter().cloned());
         // Cores are for several commands at once.
         bake.extend(words(&["--threads", "1"]));
-        let inputs = [path.to_owned()].into_iter().chain(recipe.clone()).collect();
-        let (row, first) = (self.plan.rows.len(), self.plan.tasks.len());
+        let inputs: Vec<String> = [path.to_owned()].into_iter().chain(recipe.clone()).collect();
+        let row = self.plan.rows.len();
         self.plan.rows.push(Row {
             name: name.to_owned(),
             variant: variant.map(|variant| variant.name.clone()),
@@ -280,38 +294,35 @@ impl Planner<'_, '_> {
             recipe,
             package: package.clone(),
         });
-        let draft = |kind, what: &str, words, inputs, outputs: Vec<String>, place: &str| Draft {
-            kind,
-            name: format!("{what} {called}"),
-            view: None,
-            words,
-            inputs,
-            outputs,
-            place: place.to_owned(),
-            finds_more: false,
-            pixels: 0.0,
-            samples: 0.0,
+        let baked = Draft {
+            kind: Kind::Bake,
+            name: format!("bake {called}"),
+            words: bake,
+            inputs: inputs.clone(),
+            outputs: vec![package.clone()],
+            place: format!("packages/{called}"),
+            finds_more: true,
+            ..Draft::default()
         };
-        let baked = draft(Kind::Bake, "bake", bake, inputs, vec![package.clone()], &format!("packages/{called}"));
-        self.add(Draft { finds_more: true, ..baked }, Some(row));
-        let look = draft(
-            Kind::Inspect,
-            "inspect",
-            words(&["inspect", &package]),
-            vec![package.clone()],
-            Vec::new(),
-            &format!("inspect/{called}"),
-        );
-        self.add(look, Some(row));
-        for view in fitting(&told.file.views, &told.rules.views, path) {
+        self.add(baked, Some(row));
+        let inspected = Draft {
+            kind: Kind::Inspect,
+            name: format!("inspect {called}"),
+            words: words(&["inspect", &package]),
+            inputs: vec![package.clone()],
+            place: format!("inspect/{called}"),
+            ..Draft::default()
+        };
+        self.add(inspected, Some(row));
+        for view in fitting(&told.file.views, &told.file.rules.views, path) {
             self.view(view, row, &package);
         }
-        for sequence in fitting(&told.file.sequences, &told.rules.sequences, path) {
+        for sequence in fitting(&told.file.sequences, &told.file.rules.sequences, path) {
             self.sequence(sequence, row, &package);
         }
-        for (chart, patterns) in told.file.charts.iter().zip(&told.rules.charts) {
+        for (chart, patterns) in told.file.charts.iter().zip(&told.file.rules.charts) {
             if patterns.as_ref().is_some_and(|patterns| patterns.fits(path)) {
-                self.chart(chart, Some((row, first)));
+                self.chart(chart, Some(&Charted { row, inputs: &inputs, making: &making }));
             }
         }
     }
@@ -321,9 +332,8 @@ impl Planner<'_, '_> {
         if !file.contains(NAME) {
             return Some(file.to_owned());
         }
-        let name = self.model.path.rsplit('/').next().unwrap_or_default();
-        let stem = name.rfind('.').filter(|dot| *dot > 0).map_or(name, |dot| &name[..dot]);
-        Some(file.replace(NAME, stem)).filter(|file| (self.told.is_file)(file))
+        let stem = Path::new(&self.model.path).file_stem().unwrap_or_default().to_string_lossy();
+        Some(file.replace(NAME, &stem)).filter(|file| (self.told.is_file)(file))
     }
 
     /// The options of a view; `truth` leaves out what means nothing to it.
@@ -345,54 +355,47 @@ impl Planner<'_, '_> {
         options
     }
 
+    /// What a picture of a package reads, as far as anybody knows.
+    fn seen(view: &View, package: &str) -> Vec<String> {
+        [package.to_owned()].into_iter().chain(view.look.clone()).collect()
+    }
+
     fn view(&mut self, view: &View, row: usize, package: &str) {
         let called = self.called;
-        let pixels = pixels(view.size.as_deref());
-        let place = format!("pictures/{called}.{}", view.name);
-        let picture = self.out(&format!("{place}.png"));
-        let reads = |more: &[String]| {
-            let looks = view.look.iter().cloned();
-            [package.to_owned()].into_iter().chain(looks).chain(more.iter().cloned()).collect::<Vec<_>>()
-        };
-        let mut command = words(&["render", package, "-o", &picture]);
-        command.extend(Self::options(self.told, view, false));
-        let draft = |kind, what: &str, words, inputs, outputs, place: &str| Draft {
+        let draft = |kind, what: &str, place: &str| Draft {
             kind,
             name: format!("{what} {called} {}", view.name),
             view: Some(view.name.clone()),
-            words,
-            inputs,
-            outputs,
-            place: place.to_owned(),
-            finds_more: false,
-            pixels,
-            samples: 0.0,
+            inputs: Self::seen(view, package),
+            place: format!("{place}/{called}.{}", view.name),
+            pixels: pixels(view.size.as_deref()),
+            ..Draft::default()
         };
-        let drawn = draft(Kind::Render, "draw", command, reads(&[]), vec![picture.clone()], &place);
-        self.add(Draft { finds_more: true, ..drawn }, Some(row));
+        let picture = self.out(&format!("pictures/{called}.{}.png", view.name));
+        let mut command = words(&["render", package, "-o", &picture]);
+        command.extend(Self::options(self.told, view, false));
+        let drawn = draft(Kind::Render, "draw", "pictures");
+        let outputs = vec![picture.clone()];
+        self.add(Draft { words: command, outputs, finds_more: true, ..drawn }, Some(row));
         if let Some(frames) = view.bench {
             let mut command = words(&["bench", package, "--frames", &frames.to_string()]);
             command.extend(Self::options(self.told, view, false));
-            let place = format!("bench/{called}.{}", view.name);
-            self.add(draft(Kind::Bench, "time", command, reads(&[]), Vec::new(), &place), Some(row));
+            self.add(Draft { words: command, ..draft(Kind::Bench, "time", "bench") }, Some(row));
         }
         let Some(truth) = &view.truth else { return };
-        let traced = self.truth(view, truth, row, package, &reads(&[]));
-        let place = format!("differences/{called}.{}", view.name);
-        let map = self.out(&format!("{place}.png"));
+        let traced = self.truth(view, truth, row, package);
+        let compared = draft(Kind::Compare, "compare", "differences");
+        let map = self.out(&format!("{}.png", compared.place));
         let mut command = words(&["compare", &picture, &traced, "-o", &map]);
         command.extend(truth.max_flip.map(|most| format!("--max-flip={most}")));
-        let inputs = vec![picture, traced];
-        self.add(draft(Kind::Compare, "compare", command, inputs, vec![map], &place), Some(row));
+        self.add(Draft { words: command, inputs: vec![picture, traced], outputs: vec![map], ..compared }, Some(row));
     }
 
     /// The true picture of a view, in one piece or in parts; its file.
-    fn truth(&mut self, view: &View, truth: &Truth, row: usize, package: &str, inputs: &[String]) -> String {
-        let called = self.called;
-        let pixels = pixels(view.size.as_deref());
+    fn truth(&mut self, view: &View, truth: &Truth, row: usize, package: &str) -> String {
+        let (told, called) = (self.told, self.called);
         let place = format!("truths/{called}.{}", view.name);
         let picture = self.out(&format!("{place}.png"));
-        let told = self.told;
         let command = |output: &str| {
             let mut command = words(&["reference", package, "-o", output]);
             command.extend(Self::options(told, view, true));
@@ -403,39 +406,38 @@ impl Planner<'_, '_> {
             command
         };
         let parts = truth.parts.unwrap_or(1);
-        let samples = 1e-6 * pixels * f64::from(truth.samples.unwrap_or(64)) / f64::from(parts);
-        let draft = |kind, name, words, inputs, output: &str, place: &str| Draft {
+        let pixels = pixels(view.size.as_deref());
+        let draft = |kind, what: &str| Draft {
             kind,
-            name,
+            name: format!("{what} {called} {}", view.name),
             view: Some(view.name.clone()),
-            words,
-            inputs,
-            outputs: vec![output.to_owned()],
-            place: place.to_owned(),
-            finds_more: true,
+            inputs: Self::seen(view, package),
+            outputs: vec![picture.clone()],
+            place: place.clone(),
             pixels,
-            samples,
+            ..Draft::default()
         };
-        let named = |what: &str| format!("{what} {called} {}", view.name);
+        let samples = 1e-6 * pixels * f64::from(truth.samples.unwrap_or(64)) / f64::from(parts);
+        let traced = || Draft { finds_more: true, samples, ..draft(Kind::Truth, "trace") };
         if parts == 1 {
-            let whole = draft(Kind::Truth, named("trace"), command(&picture), inputs.to_vec(), &picture, &place);
-            self.add(whole, Some(row));
+            self.add(Draft { words: command(&picture), ..traced() }, Some(row));
             return picture;
         }
         let mut files = Vec::new();
         for part in 1..=parts {
+            let traced = traced();
             let place = format!("{place}.parts/{part}");
             let file = self.out(&format!("{place}.part"));
             let mut words = command(&file);
             words.push(format!("--part={part}/{parts}"));
-            let name = format!("{} {part}/{parts}", named("trace"));
-            self.add(draft(Kind::Part, name, words, inputs.to_vec(), &file, &place), Some(row));
+            let (name, outputs) = (format!("{} {part}/{parts}", traced.name), vec![file.clone()]);
+            let traced = Draft { kind: Kind::Part, part: true, name, words, outputs, place, ..traced };
+            self.add(traced, Some(row));
             files.push(file);
         }
         let mut words = words(&["merge", "-o", &picture]);
         words.extend(files.iter().cloned());
-        let merged = draft(Kind::Merge, named("merge"), words, files, &picture, &place);
-        self.add(Draft { finds_more: false, samples: 0.0, ..merged }, Some(row));
+        self.add(Draft { words, inputs: files, ..draft(Kind::Merge, "merge") }, Some(row));
         picture
     }
 
@@ -463,62 +465,54 @@ impl Planner<'_, '_> {
                 name: format!("sequence {} {} {first}..{end}", self.called, sequence.name),
                 view: Some(sequence.name.clone()),
                 words: command,
-                inputs: [package.to_owned()].into_iter().chain(view.look.clone()).collect(),
+                inputs: Self::seen(&view, package),
                 outputs: pictures,
                 place: format!("{folder}/{first}"),
                 finds_more: true,
+                part: shares > 1,
                 pixels: pixels(view.size.as_deref()) * f64::from(end - first),
-                samples: 0.0,
+                ..Draft::default()
             };
             self.add(draft, Some(row));
         }
     }
 
-    /// * `of`: row of a model, and the number of its bake, whose recipe the chart has
-    fn chart(&mut self, chart: &Chart, of: Option<(usize, usize)>) {
+    fn chart(&mut self, chart: &Chart, of: Option<&Charted<'_>>) {
         let topic = chart.topic.as_str();
         let folder = if of.is_some() { format!("charts/{}", self.called) } else { "charts".to_owned() };
-        let (row, bake) = (of.map(|(row, _)| row), of.map(|(_, bake)| &self.plan.tasks[bake]));
-        let recipe: Vec<String> = bake.map_or_else(Vec::new, |bake| {
-            let pairs = bake.words.windows(2).filter(|pair| matches!(pair[0].as_str(), "--recipe" | "--set"));
-            let outside = bake.words.iter().filter(|word| *word == "--allow-outside").cloned();
-            pairs.flatten().cloned().chain(outside).collect()
-        });
-        let inputs: Vec<String> = bake.map_or_else(Vec::new, |bake| bake.inputs.clone());
+        let row = of.map(|of| of.row);
+        let inputs = of.map_or(&[][..], |of| of.inputs);
         let command = |folder: &str| {
             let mut command = words(&["chart", topic]);
             command.extend(inputs.first().cloned());
-            command.extend(recipe.iter().cloned());
+            command.extend(of.map_or(&[][..], |of| of.making).iter().cloned());
             command.extend(words(&["-o", folder]));
             command
         };
-        let name = format!("chart {topic} {}", self.called).trim_end().to_owned();
-        let draft = |kind, name, words, inputs, outputs, place| Draft {
-            kind,
-            name,
+        let draft = || Draft {
+            kind: Kind::Chart,
+            name: format!("chart {topic} {}", self.called).trim_end().to_owned(),
             view: Some(topic.to_owned()),
-            words,
-            inputs,
-            outputs,
-            place,
+            inputs: inputs.to_vec(),
+            place: format!("{folder}/{topic}"),
             finds_more: true,
-            pixels: 0.0,
-            samples: 0.0,
+            ..Draft::default()
         };
+        let mut whole = draft();
+        let outputs = ["csv", "svg"].map(|extension| self.out(&format!("{}.{extension}", whole.place)));
+        (whole.words, whole.outputs) = (command(&self.out(&folder)), outputs.into());
         let shares = chart.shares.unwrap_or(1);
-        let (mut whole, mut files) = (command(&self.out(&folder)), Vec::new());
+        let mut rows = Vec::new();
         for share in (1..=shares).filter(|_| shares > 1) {
-            let place = format!("{folder}/{topic}.parts/{share}");
+            let place = format!("{}.parts/{share}", whole.place);
             let mut words = command(&self.out(&place));
             words.extend([format!("--rows={share}/{shares}"), "--part".into()]);
             let file = self.out(&format!("{place}/{topic}.rows.jsonl"));
-            let name = format!("{name} {share}/{shares}");
-            self.add(draft(Kind::Rows, name, words, inputs.clone(), vec![file.clone()], place), row);
-            whole.push(format!("--from={file}"));
-            files.push(file);
+            whole.words.push(format!("--from={file}"));
+            whole.inputs.push(file.clone());
+            let name = format!("{} {share}/{shares}", whole.name);
+            rows.push(Draft { kind: Kind::Rows, part: true, name, words, outputs: vec![file], place, ..draft() });
         }
-        let outputs = ["csv", "svg"].map(|extension| self.out(&format!("{folder}/{topic}.{extension}"))).into();
-        let inputs = inputs.iter().cloned().chain(files).collect();
-        self.add(draft(Kind::Chart, name, whole, inputs, outputs, format!("{folder}/{topic}")), row);
+        rows.into_iter().chain([whole]).for_each(|draft| self.add(draft, row));
     }
 }

@@ -159,7 +159,7 @@ impl<'a> Report<'a> {
         let charts = charts.filter(|(task, state)| task.kind == Kind::Chart && **state == State::Done);
         let of = |(task, _): (&Task, &State)| {
             let file = |extension: &str| task.outputs.iter().find(|output| output.ends_with(extension));
-            let place = |extension: &str| file(extension).map(|output| self.place(output));
+            let place = |extension: &str| file(extension).map(|output| self.plan.inside(output));
             json!({ "name": task.view, "model": self.row_name(task), "file": place(".svg"), "table": place(".csv") })
         };
         charts.map(of).collect()
@@ -173,13 +173,13 @@ impl<'a> Report<'a> {
             }
             let Some(first) = task.outputs.first() else { continue };
             let folder = first.rsplit_once('/').map_or("", |(folder, _)| folder);
-            let pattern = self.place(&format!("{folder}/%04d.png"));
+            let pattern = self.plan.inside(&format!("{folder}/%04d.png")).to_owned();
             let count = task.outputs.len() as u64;
             if let Some((_, _, pictures)) = all.iter_mut().find(|(known, ..)| *known == pattern) {
                 *pictures += count;
                 continue;
             }
-            let thumb = picture(first).map(|src| json!({ "src": src, "file": self.place(first) }));
+            let thumb = picture(first).map(|src| json!({ "src": src, "file": self.plan.inside(first) }));
             let data = json!({ "name": task.view, "model": self.row_name(task), "first": thumb, "pattern": pattern });
             all.push((pattern, data, count));
         }
@@ -188,12 +188,6 @@ impl<'a> Report<'a> {
             data
         };
         all.into_iter().map(counted).collect()
-    }
-
-    /// A file as the page names it, which lies in the same folder as all of them.
-    fn place(&self, file: &str) -> String {
-        let inside = file.strip_prefix(self.plan.out.as_str()).unwrap_or(file);
-        inside.trim_start_matches('/').to_owned()
     }
 }
 
@@ -244,7 +238,7 @@ impl RowData<'_, '_> {
     fn thumb(&self, task: Option<&Task>) -> Value {
         let file = task.and_then(|task| task.outputs.first());
         let thumb = file.and_then(|file| Some((file, (self.picture)(file)?)));
-        thumb.map_or(Value::Null, |(file, src)| json!({ "src": src, "file": self.report.place(file) }))
+        thumb.map_or(Value::Null, |(file, src)| json!({ "src": src, "file": self.report.plan.inside(file) }))
     }
 
     fn row(&self, row: &Row) -> Value {
@@ -278,7 +272,7 @@ impl RowData<'_, '_> {
         let package = bake.map(|bake| {
             let figure = |key: &str| inspect.map_or(Value::Null, |inspect| inspect[key].clone());
             json!({
-                "file": report.place(&row.package),
+                "file": report.plan.inside(&row.package),
                 "bytes": bake.result["bytes"],
                 "gpu_bytes": figure("gpu_bytes"),
                 "triangles": figure("triangles"),

@@ -4,7 +4,8 @@
 //! is not, wherever a node died. No two shards write the same file, and each has a log of its own.
 
 use super::kind::Kind;
-use super::plan::{Plan, Task};
+use super::ninja::THREADS;
+use super::plan::Plan;
 use super::shell::shell_word;
 use std::collections::BTreeMap;
 
@@ -39,7 +40,10 @@ pub struct Demand {
 }
 
 /// Names of the stages, in their order: models and pictures; parts of large things; what is made of the parts; and what is timed, alone on a node.
-const STAGES: [&str; 4] = ["models", "parts", "wholes", "timed"];
+const STAGES: [&str; 4] = ["models", "parts", "wholes", TIMED];
+
+/// The stage whose shards want a node for themselves.
+pub const TIMED: &str = "timed";
 
 /// Divides a plan into stages, and those into shards of about as many seconds as `seconds`. All commands of one model are in one shard of their stage, and
 /// those that were in one before stay there.
@@ -51,8 +55,7 @@ pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
         let before = before.map(|maker| stage_of[*maker]).max().unwrap_or(0);
         stage_of[i] = match task.kind {
             Kind::Bench => 3,
-            Kind::Part | Kind::Rows => 1,
-            Kind::Sequence if is_share(task) => 1,
+            _ if task.part => 1,
             // What is made of parts waits for all of them.
             _ if before == 1 => 2,
             _ => before,
@@ -90,33 +93,16 @@ pub fn stages(plan: &Plan, seconds: f64, known: &Placed) -> Vec<Stage> {
 /// In which shard each task is.
 pub fn known(plan: &Plan, stages: &[Stage]) -> Placed {
     let shards = stages.iter().flat_map(|stage| &stage.shards);
-    let names = |shard: &'_ Shard| {
-        let number = shard.number;
-        shard.tasks.iter().map(|i| (plan.tasks[*i].name.clone(), number)).collect::<Vec<_>>()
-    };
-    shards.flat_map(names).collect()
-}
-
-/// Whether a sequence is drawn in several shares: `--frames=0..12/48`.
-fn is_share(task: &Task) -> bool {
-    let range = task.words.iter().find_map(|word| word.strip_prefix("--frames="));
-    range.and_then(|range| range.split_once("..")).is_some_and(|(first, rest)| {
-        let (end, of) = rest.split_once('/').unwrap_or((rest, rest));
-        first != "0" || end != of
-    })
+    let tasks = shards.flat_map(|shard| shard.tasks.iter().map(|task| (*task, shard.number)));
+    tasks.map(|(task, shard)| (plan.tasks[task].name.clone(), shard)).collect()
 }
 
 /// What the shards of a stage ask for; all tasks of an array ask for the same.
 pub fn demand(plan: &Plan, stage: &Stage) -> Demand {
-    let of_shard = |shard: &Shard| {
-        let tasks = || shard.tasks.iter().map(|i| plan.tasks[*i].expected);
-        (tasks().map(|known| known.peak_bytes).max().unwrap_or(0), tasks().map(|known| known.seconds).sum::<f64>())
-    };
-    let (mut peak, mut seconds) = (0, 0.0_f64);
-    for shard in &stage.shards {
-        let (bytes, time) = of_shard(shard);
-        (peak, seconds) = (peak.max(bytes), seconds.max(time));
-    }
+    let expected = |shard: &'_ Shard| shard.tasks.iter().map(|i| plan.tasks[*i].expected).collect::<Vec<_>>();
+    let shards: Vec<_> = stage.shards.iter().map(expected).collect();
+    let peak = shards.iter().flatten().map(|known| known.peak_bytes).max().unwrap_or(0);
+    let seconds = shards.iter().map(|all| all.iter().map(|known| known.seconds).sum()).fold(0.0, f64::max);
     // Files that are read and written count as memory on many farms.
     Demand { mebibytes: ((peak + peak / 2) >> 20) + 256, minutes: (3.0 * seconds / 60.0).ceil() as u64 + 5 }
 }
@@ -145,6 +131,7 @@ impl Script<'_> {
     pub fn text(&self) -> String {
         let Self { stage, folder, files, retries, options, demand, exclusive } = self;
         let (folder, files) = (shell_word(folder), shell_word(files));
+        let threads = THREADS.map(|name| format!("{name}=1")).join(" ");
         let mut head = format!(
             "#!/bin/sh\n\
              #SBATCH --job-name=pelage-{stage}\n\
@@ -164,7 +151,7 @@ impl Script<'_> {
              set -u\n\
              cd {folder} || exit 2\n\
              shard=$(echo \"$1\" | cut -d, -f$((SLURM_ARRAY_TASK_ID + 1)))\n\
-             export RAYON_NUM_THREADS=1 LP_NUM_THREADS=1\n\
+             export {threads}\n\
              status=1\n\
              for try in $(seq 0 {retries}); do\n\
              \x20   [ \"$try\" = 0 ] || echo \"trying again what failed, $try of {retries}\"\n\
@@ -179,33 +166,34 @@ impl Script<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::estimate::Known;
+    use super::super::plan::Task;
     use super::*;
 
     fn plan() -> Plan {
         let mut plan = Plan::default();
-        let mut add = |kind, row, name: &str, inputs: &[&str], words: &[&str]| {
+        let mut add = |kind, row, name: &str, inputs: &[&str], part| {
             let strings = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
             plan.tasks.push(Task {
                 kind,
                 row: Some(row),
                 outputs: vec![name.into()],
                 inputs: strings(inputs),
-                words: strings(words),
+                part,
                 expected: Known { seconds: 10.0, peak_bytes: 100 << 20 },
                 ..Task::default()
             });
         };
         for row in 0..3 {
             let of = |name: &str| format!("{name}{row}");
-            add(Kind::Bake, row, &of("package"), &["model"], &[]);
-            add(Kind::Render, row, &of("picture"), &[&of("package")], &[]);
-            add(Kind::Part, row, &of("part1"), &[&of("package")], &[]);
-            add(Kind::Part, row, &of("part2"), &[&of("package")], &[]);
-            add(Kind::Merge, row, &of("truth"), &[&of("part1"), &of("part2")], &[]);
-            add(Kind::Compare, row, &of("map"), &[&of("picture"), &of("truth")], &[]);
-            add(Kind::Sequence, row, &of("some"), &[&of("package")], &["--frames=0..2/4"]);
-            add(Kind::Sequence, row, &of("all"), &[&of("package")], &["--frames=0..4/4"]);
-            add(Kind::Bench, row, &of("bench"), &[&of("package")], &[]);
+            add(Kind::Bake, row, &of("package"), &["model"], false);
+            add(Kind::Render, row, &of("picture"), &[&of("package")], false);
+            add(Kind::Part, row, &of("part1"), &[&of("package")], true);
+            add(Kind::Part, row, &of("part2"), &[&of("package")], true);
+            add(Kind::Merge, row, &of("truth"), &[&of("part1"), &of("part2")], false);
+            add(Kind::Compare, row, &of("map"), &[&of("picture"), &of("truth")], false);
+            add(Kind::Sequence, row, &of("some"), &[&of("package")], true);
+            add(Kind::Sequence, row, &of("all"), &[&of("package")], false);
+            add(Kind::Bench, row, &of("bench"), &[&of("package")], false);
         }
         plan
     }

@@ -54,12 +54,7 @@ fn bake(sandbox: &Sandbox, more: &[&str]) -> Run {
 
 #[track_caller]
 fn json(sandbox: &Sandbox, name: &str) -> Value {
-    serde_json::from_slice(&bytes(sandbox, name)).unwrap()
-}
-
-#[track_caller]
-fn bytes(sandbox: &Sandbox, name: &str) -> Vec<u8> {
-    std::fs::read(sandbox.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    serde_json::from_slice(&sandbox.read(name)).unwrap()
 }
 
 #[track_caller]
@@ -78,7 +73,7 @@ fn a_depfile_names_everything_that_was_read() {
     let sandbox = sandbox();
     let run = bake(&sandbox, &["-o", "out/m.pelage", "--depfile", "out/m.d"]);
     assert_eq!(run.code, Some(0), "{run:?}");
-    let text = String::from_utf8(bytes(&sandbox, "out/m.d")).unwrap();
+    let text = String::from_utf8(sandbox.read("out/m.d")).unwrap();
     let rule = text.split("\n\n").next().unwrap();
     let expected = "out/m.pelage: \\\n  recipes/r.toml \\\n  recipes/length.png \\\n  models/m.gltf \\\n  models/a\\ mesh.bin \\\n  models/skin\\ \\#1.png";
     assert_eq!(rule.trim_end(), expected);
@@ -128,7 +123,7 @@ fn what_was_made_before_is_taken_from_a_cache() {
         assert_eq!(run.code, Some(0), "{run:?}");
         let said = schema::answer(&run, "bake");
         assert_eq!(said["output"], package.as_str(), "what it says has the names of now");
-        (record(&sandbox, &record_file)["cached"].as_bool().unwrap(), bytes(&sandbox, &package))
+        (record(&sandbox, &record_file)["cached"].as_bool().unwrap(), sandbox.read(&package))
     };
     let (cached, first) = bake("out", &[]);
     assert!(!cached);
@@ -155,7 +150,7 @@ fn what_was_made_before_is_taken_from_a_cache() {
     assert!(!bake("out", &[]).0);
     let (cached, _) = bake("out", &["--depfile", "out/m.d"]);
     assert!(cached);
-    assert!(String::from_utf8(bytes(&sandbox, "out/m.d")).unwrap().contains("models/skin\\ \\#1.png"));
+    assert!(String::from_utf8(sandbox.read("out/m.d")).unwrap().contains("models/skin\\ \\#1.png"));
 }
 
 #[test]
@@ -185,7 +180,7 @@ fn pictures_and_comparisons_are_kept_as_well() {
         run(out, &["render", "m.pelage", "-o", &file, "--size", "32x32", "--look", "look.toml"], 0)
     };
     assert_eq!([render("out"), render("other")], [false, true]);
-    assert_eq!(bytes(&sandbox, "out/p.png"), bytes(&sandbox, "other/p.png"));
+    assert_eq!(sandbox.read("out/p.png"), sandbox.read("other/p.png"));
     sandbox.write("look.toml", "[light]\nstrength = 0.5\n");
     assert!(!render("other"), "a look is read, too");
     let compare = |out: &str| run(out, &["compare", "out/p.png", "other/p.png", "--max-rmse", "0"], 7);
@@ -198,11 +193,11 @@ fn pictures_and_comparisons_are_kept_as_well() {
         [sequence("out", "0..2/4"), sequence("other", "0..2/4"), sequence("other", "2..4/4")],
         [false, true, false]
     );
-    assert_eq!(bytes(&sandbox, "out/01.png"), bytes(&sandbox, "other/01.png"));
+    assert_eq!(sandbox.read("out/01.png"), sandbox.read("other/01.png"));
     // Ranges are the pictures of the whole.
     assert!(!sequence("out", "4"));
     for picture in ["00.png", "01.png", "02.png", "03.png"] {
-        let (whole, range) = (bytes(&sandbox, &format!("out/{picture}")), bytes(&sandbox, &format!("other/{picture}")));
+        let (whole, range) = (sandbox.read(&format!("out/{picture}")), sandbox.read(&format!("other/{picture}")));
         assert_eq!(whole, range, "{picture}");
     }
     let refused = sandbox.run(&["render", "m.pelage", "-o", "%d.png", "--auto-rotate", "--frames", "0..2"]);
@@ -229,11 +224,11 @@ fn parts_of_a_truth_are_the_whole() {
         assert_eq!(run.code, Some(0), "{run:?}");
         let said = schema::answer(&run, "merge");
         assert_eq!((&said["parts"], &said["primary_rays"]), (&3.into(), &(50 * 40 * 3).into()));
-        assert_eq!(bytes(&sandbox, "merged.png"), bytes(&sandbox, "whole.png"), "{more:?}");
+        assert_eq!(sandbox.read("merged.png"), sandbox.read("whole.png"), "{more:?}");
         let exr = merge(&[&all[..], &["-o", "merged.exr"]].concat());
         if more.is_empty() {
             trace("whole.exr", more);
-            assert_eq!((exr.code, bytes(&sandbox, "merged.exr")), (Some(0), bytes(&sandbox, "whole.exr")));
+            assert_eq!((exr.code, sandbox.read("merged.exr")), (Some(0), sandbox.read("whole.exr")));
         } else {
             assert!(exr.code == Some(3) && exr.stderr.contains("3.part: line 2: has a background"), "{exr:?}");
         }

@@ -47,12 +47,7 @@ fn rendered(sandbox: &Sandbox, args: &[&str]) -> (Value, Run) {
 #[track_caller]
 fn picture(sandbox: &Sandbox, args: &[&str]) -> Vec<u8> {
     rendered(sandbox, &[args, &["-o", "picture.png"]].concat());
-    bytes(sandbox, "picture.png")
-}
-
-#[track_caller]
-fn bytes(sandbox: &Sandbox, name: &str) -> Vec<u8> {
-    std::fs::read(sandbox.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    sandbox.read("picture.png")
 }
 
 #[test]
@@ -71,7 +66,7 @@ fn a_blend_goes_from_one_clip_to_another() {
     let traced = |more: &[&str]| {
         let run = sandbox.run(&[&["reference", "-o", "true.png", "--spp", "1"], &seen[..], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
-        bytes(&sandbox, "true.png")
+        sandbox.read("true.png")
     };
     let of_half = traced(&["--clip", "EarBreath", "--blend", "Walk:0.5"]);
     assert!(of_half != traced(&["--clip", "EarBreath"]) && of_half != traced(&["--clip", "Walk"]));
@@ -148,7 +143,7 @@ fn a_scene_of_one_model_is_the_picture_of_its_package() {
         let mut child = sandbox.command(&args).stdin(Stdio::piped()).spawn().unwrap();
         child.stdin.take().unwrap().write_all(look.as_bytes()).unwrap();
         assert!(child.wait().unwrap().success());
-        assert!(bytes(&sandbox, "piped.png") == drawn[0], "a look from a pipe");
+        assert!(sandbox.read("piped.png") == drawn[0], "a look from a pipe");
     }
     // None of the words above is without effect. At its end the clip is back in the pose at rest; its camera frames all of the clip.
     drawn.sort();
@@ -212,9 +207,9 @@ fn packages_are_loaded_once_and_stand_together() {
     let draw =
         |fps: &str| rendered(&sandbox, &["c.toml", "--size", "64x64", "-o", "c%1d.png", "--frames", "3", "--fps", fps]);
     draw("5");
-    let second = bytes(&sandbox, "c1.png");
+    let second = sandbox.read("c1.png");
     draw("10");
-    assert!(second == bytes(&sandbox, "c2.png") && second != bytes(&sandbox, "c1.png"));
+    assert!(second == sandbox.read("c2.png") && second != sandbox.read("c1.png"));
 }
 
 #[test]
@@ -301,7 +296,7 @@ fn videos_hold_the_pictures() {
     assert_eq!((&value["frames"], value["output"].as_str()), (&4.into(), Some("a.y4m")));
     assert_eq!(value["covered_pixels_per_picture"].as_array().unwrap().len(), 4);
     rendered(&sandbox, &[&view[..], &["-o", "%1d.png"]].concat());
-    let video = bytes(&sandbox, "a.y4m");
+    let video = sandbox.read("a.y4m");
     let header = b"YUV4MPEG2 W180 H130 F12:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
     assert!(video.starts_with(header));
     let planes = width * height;
@@ -351,7 +346,7 @@ fn videos_hold_the_pictures() {
 
 /// Mean difference of two pictures' channels, 0..=255.
 fn difference(sandbox: &Sandbox, a: &str, b: &str) -> f64 {
-    let [a, b] = [a, b].map(|name| image::load_from_memory(&bytes(sandbox, name)).unwrap().to_rgba8());
+    let [a, b] = [a, b].map(|name| image::load_from_memory(&sandbox.read(name)).unwrap().to_rgba8());
     let off = a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| f64::from(a.abs_diff(*b)));
     off.sum::<f64>() / a.as_raw().len() as f64
 }
@@ -375,7 +370,7 @@ fn hair_swings_in_sequences() {
     shot(&["--frames", "5", "--fps", "16", "-o", "e/%d.png"]);
     shot(&["--frames", "4", "--fps", "12", "--look", "motion.hair=false", "-o", "c/%d.png"]);
     // Rates that divide the steps of a second see the same, to the byte; others nearly so.
-    assert!(bytes(&sandbox, "a/3.png") == bytes(&sandbox, "b/6.png"), "12 and 24 pictures a second");
+    assert!(sandbox.read("a/3.png") == sandbox.read("b/6.png"), "12 and 24 pictures a second");
     let (rate, swing) = (difference(&sandbox, "a/3.png", "e/4.png"), difference(&sandbox, "a/3.png", "c/3.png"));
     assert!(swing > 0.5 && rate < 0.15 * swing, "another rate differs by {rate}, stiff hair by {swing}");
     // One picture stands still.
@@ -398,7 +393,7 @@ fn hair_swings_in_sequences() {
     child.wait().unwrap();
     assert!(shot(&more).0["skipped"].as_u64().unwrap() > 0);
     for i in 0..4 {
-        assert!(bytes(&sandbox, &format!("a/{i}.png")) == bytes(&sandbox, &format!("d/{i}.png")), "picture {i}");
+        assert!(sandbox.read(&format!("a/{i}.png")) == sandbox.read(&format!("d/{i}.png")), "picture {i}");
     }
 }
 
@@ -442,7 +437,7 @@ fn a_sequence_that_was_interrupted_goes_on() {
     let same = || {
         for i in 0..14 {
             let name = format!("{i:04}.png");
-            assert!(bytes(&sandbox, &format!("out/{name}")) == bytes(&sandbox, &format!("whole/{name}")), "{name}");
+            assert!(sandbox.read(&format!("out/{name}")) == sandbox.read(&format!("whole/{name}")), "{name}");
         }
         assert!(!journal.exists(), "the journal goes when the pictures are whole");
     };

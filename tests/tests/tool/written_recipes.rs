@@ -22,19 +22,15 @@ fn bake(sandbox: &Sandbox, package: &str, more: &[&str]) -> Run {
     sandbox.run(&[&["bake", "torus.glb", "-o", package], more].concat())
 }
 
-fn read(sandbox: &Sandbox, name: &str) -> Vec<u8> {
-    std::fs::read(sandbox.path().join(name)).unwrap()
-}
-
 /// Bakes and writes the recipe, bakes by it, and returns it.
 fn written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
     let first = bake(sandbox, "first.pelage", &[&["--write-recipe", path], more].concat());
     assert_eq!(first.code, Some(0), "{first:?}");
     assert!(first.stdout.contains(path), "{first:?}");
-    let text = String::from_utf8(read(sandbox, path)).unwrap();
+    let text = String::from_utf8(sandbox.read(path)).unwrap();
     let second = bake(sandbox, "second.pelage", &["--recipe", path]);
     assert_eq!(second.code, Some(0), "{second:?}");
-    let same = read(sandbox, "first.pelage") == read(sandbox, "second.pelage");
+    let same = sandbox.read("first.pelage") == sandbox.read("second.pelage");
     assert!(same, "another package, by {text}");
     assert_eq!(sandbox.run(&["validate", "first.pelage"]).code, Some(0));
     text
@@ -118,19 +114,19 @@ fn a_recipe_that_would_not_find_its_files_is_not_written() {
     sandbox.write("spots.png", std::fs::read(workspace().join("assets/patterns/zebra.png")).unwrap());
     refused("whole.toml", &["whole.toml", "another file", "spots.png"]);
     // The same one does.
-    sandbox.write("spots.png", read(&sandbox, "recipes/spots.png"));
+    sandbox.write("spots.png", sandbox.read("recipes/spots.png"));
     written(&sandbox, "whole.toml", &["--recipe", "recipes/mine.toml"]);
 }
 
 #[test]
 fn a_recipe_takes_the_place_of_nothing_that_was_read() {
     let sandbox = sandbox();
-    let before = (sandbox.files(), read(&sandbox, "recipes/mine.toml"));
+    let before = (sandbox.files(), sandbox.read("recipes/mine.toml"));
     for path in ["recipes/../recipes/mine.toml", "p.pelage", "torus.glb"] {
         let run = bake(&sandbox, "p.pelage", &["--recipe", "recipes/mine.toml", "--write-recipe", path]);
         assert_eq!(run.code, Some(1), "{path}: {run:?}");
         assert!(run.stderr.contains(path), "{path}: {run:?}");
-        assert_eq!((sandbox.files(), read(&sandbox, "recipes/mine.toml")), before, "{path}");
+        assert_eq!((sandbox.files(), sandbox.read("recipes/mine.toml")), before, "{path}");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::cli::bake::RecipeArgs;
 use crate::cli::exit::Failure;
+use crate::cli::share::share;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -71,17 +72,9 @@ impl FromStr for Rows {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let number = |word: &str| word.trim().parse::<usize>().ok().filter(|n| *n > 0);
-        let rows = match text.split_once('/') {
-            Some((share, of)) => number(share).zip(number(of)).filter(|(share, of)| share <= of),
-            None => {
-                return number(text)
-                    .map(Self::Number)
-                    .ok_or_else(|| "expected a row from 1, or a share such as 2/8".into());
-            }
-        };
-        rows.map(|(share, of)| Self::Share { share, of })
-            .ok_or_else(|| "expected a share of the rows from 1, such as 2/8".into())
+        let number = text.trim().parse().ok().filter(|row| *row > 0).map(Self::Number);
+        let share = || share(text).map(|(share, of)| Self::Share { share: share as usize, of: of as usize });
+        number.or_else(share).ok_or_else(|| "expected a row from 1, or a share of the rows from 1 such as 2/8".into())
     }
 }
 

@@ -6,7 +6,7 @@ use super::paths::io_error;
 use crate::cli::exit::Failure;
 use crate::cli::output::{Output, human_bytes, make_folder};
 use pelage_bake::BakeError;
-use pelage_bake::herd::ninja::Room;
+use pelage_bake::herd::ninja::{Room, THREADS};
 use pelage_bake::herd::{Kind, Task};
 use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
@@ -41,8 +41,7 @@ pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Re
 pub fn command(herd: &Herd, file: &str) -> Command {
     let mut command = Command::new("ninja");
     command.current_dir(&herd.folder).args(["-f", file]);
-    // Cores are for several commands at once, and what is drawn by software takes all of them otherwise.
-    for threads in ["RAYON_NUM_THREADS", "LP_NUM_THREADS"] {
+    for threads in THREADS {
         if std::env::var_os(threads).is_none() {
             command.env(threads, "1");
         }

@@ -7,7 +7,7 @@ use super::on_disk::Herd;
 use super::paths::io_error;
 use crate::cli::exit::Failure;
 use crate::cli::output::{Output, make_folder};
-use pelage_bake::herd::slurm::{Script, Shard, Stage, demand, known, stages};
+use pelage_bake::herd::slurm::{Script, Shard, Stage, TIMED, demand, known, stages};
 use pelage_bake::herd::{Task, ninja};
 use pelage_bake::{BakeError, io};
 use serde_json::json;
@@ -46,7 +46,7 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
             retries: args.retries,
             options: &args.sbatch,
             demand: demand(&herd.plan, stage),
-            exclusive: stage.name == "timed",
+            exclusive: stage.name == TIMED,
         };
         let name = format!("{files}/{}.sh", stage.name);
         io::write_atomic(&herd.path(&name), script.text().as_bytes())?;

@@ -43,10 +43,7 @@ fn failed_before(herd: &Herd) -> Vec<String> {
 
 /// Removes the records of commands that failed: no engine may take these for done.
 pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
-    let path = herd.path(&failures_file(&herd.own()));
-    let records: Vec<String> =
-        std::fs::read(&path).ok().and_then(|t| serde_json::from_slice(&t).ok()).unwrap_or_default();
-    for record in records {
+    for record in failed_before(herd) {
         match std::fs::remove_file(herd.path(&record)) {
             Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
                 return Err(io_error(&herd.path(&record), "remove", source));
@@ -176,7 +173,7 @@ fn tell(
     output.result(&lines.join("\n"), &value)?;
     // The first of those that failed says what kind of failure it is; a difference is one where nothing else is wrong.
     let code = failures.first().map_or(if missing > 0 { Exit::FileSystem as u8 } else { 0 }, |(_, exit, _)| *exit);
-    Ok(Exit::ALL.iter().map(|(exit, ..)| *exit).find(|exit| *exit as u8 == code).unwrap_or(Exit::Internal))
+    Ok(Exit::of(code).unwrap_or(Exit::Internal))
 }
 
 /// Small pictures, made once for each that is there.
@@ -198,7 +195,7 @@ impl<'a> Thumbs<'a> {
         let path = self.herd.path(file);
         let found = std::fs::metadata(&path).ok()?;
         if self.herd.plan.rows.len() > MOST_ROWS {
-            let inside = file.strip_prefix(self.herd.plan.out.as_str()).unwrap_or(file).trim_start_matches('/');
+            let inside = self.herd.plan.inside(file);
             return Some(inside.split('/').map(|step| urlencoding::encode(step)).collect::<Vec<_>>().join("/"));
         }
         let name = Sha256::digest(format!("{file} {} {:?}", found.len(), found.modified().ok()));

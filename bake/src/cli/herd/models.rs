@@ -3,7 +3,7 @@
 use super::paths::utf8;
 use crate::cli::exit::Failure;
 use pelage_bake::BakeError;
-use pelage_bake::herd::{Found, HerdFile, Rules};
+use pelage_bake::herd::{Found, HerdFile};
 use std::collections::BTreeMap;
 use std::path::Path;
 use walkdir::WalkDir;
@@ -11,10 +11,9 @@ use walkdir::WalkDir;
 /// Finds the models of a herd, in the order of their paths. Folders whose names begin with a dot, and that of the results, are passed by.
 ///
 /// * `name`: the herd file, for messages
-/// * `file`, `rules`: what it says
 /// * `folder`: its folder
 /// * `out`: that of the results, from there
-pub fn find(name: &str, file: &HerdFile, rules: &Rules, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
+pub fn find(name: &str, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
     let results = folder.join(out);
     let mut found: BTreeMap<String, u64> = BTreeMap::new();
     for base in file.folders() {
@@ -42,7 +41,7 @@ pub fn find(name: &str, file: &HerdFile, rules: &Rules, folder: &Path, out: &str
                 "/" => format!("/{inside}"),
                 base => format!("{base}/{inside}"),
             };
-            if rules.model(&path).is_some() {
+            if file.rules.model(&path).is_some() {
                 found.insert(path, entry.metadata().map_or(0, |metadata| metadata.len()));
             }
         }

@@ -6,7 +6,7 @@ use super::paths::{absolute, io_error, seen_from, utf8};
 use crate::cli::exit::Failure;
 use crate::cli::output::make_folder;
 use crate::cli::reference::only_drawn;
-use pelage_bake::herd::{HerdFile, History, NAME, Plan, Rules, Task, Told, ninja, plan};
+use pelage_bake::herd::{HerdFile, History, NAME, Plan, Task, Told, ninja, plan};
 use pelage_bake::{BakeError, io};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -37,15 +37,13 @@ impl Herd {
         let folder = absolute(parent)?;
         let out = seen_from(&folder, &absolute(&files.output)?)?;
         let cache = cache.map(|cache| seen_from(&folder, &absolute(cache)?)).transpose()?;
-        let rules = Rules::of(&file);
-        let models = models::find(&name, &file, &rules, &folder, &out)?;
+        let models = models::find(&name, &file, &folder, &out)?;
         check_files(&name, &file, &folder)?;
         let history = history(&folder, &out);
         let only_drawn = only_drawn();
         let plan = plan(&Told {
             name: &name,
             file: &file,
-            rules: &rules,
             models: &models,
             out: &out,
             only_drawn: &only_drawn,
