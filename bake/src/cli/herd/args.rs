@@ -15,12 +15,14 @@ pub struct HerdArgs {
 
 #[derive(Debug, Subcommand)]
 pub enum Action {
+    /// Say which commands a herd takes, one a line, and write them as DIR/build.ninja; --json says what each reads and writes, too
     Plan(HerdFiles),
     Run(Box<RunArgs>),
+    /// Write DIR/report.html of what became of a herd, and run nothing
     Report(HerdFiles),
 }
 
-/// Say which commands a herd takes, one a line, and write them as DIR/build.ninja; --json says what each reads and writes, too
+// No comment of the documents: `flatten` would take it for the text of every action.
 #[derive(Clone, Debug, Args)]
 pub struct HerdFiles {
     /// What is wanted of which models
