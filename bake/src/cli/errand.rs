@@ -2,6 +2,7 @@
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, Said};
+use pelage_bake::BakeError;
 use pelage_bake::cache::{Cache, Found, Kept, KeptFile};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
@@ -104,8 +105,11 @@ pub fn run(
     if let (Some(path), Ok(_)) = (&args.depfile, &result) {
         // What a command has written itself it does not depend on, also where it looked at it again.
         read.retain(|path| !written.contains(path));
+        // A rule needs something that it makes: of a command without results, what says that it has run.
+        let targets =
+            if written.is_empty() { vec![args.record.clone().unwrap_or_else(|| path.clone())] } else { written };
         result = result.and_then(|exit| {
-            io::write_atomic(path, rule(&written, &read).as_bytes()).map(|()| exit).map_err(Into::into)
+            io::write_atomic(path, rule(&targets, &read).as_bytes()).map(|()| exit).map_err(Into::into)
         });
     }
     if let Some(path) = &args.record {
@@ -220,17 +224,53 @@ fn record(result: &Result<Exit, Failure>, said: &Said, seconds: f64, cached: boo
         Ok(exit) => (*exit, None),
         Err(failure) => (failure.exit(), Some(failure.to_string())),
     };
+    let mut record = unrecorded(words(), exit, error.as_deref());
+    record["seconds"] = json!(seconds);
+    record["peak_bytes"] = json!(peak_bytes());
+    record["cached"] = json!(cached);
+    record["result"] = json!(said.result.as_ref().map(|(_, json)| json));
+    record["notes"] = json!(said.notes);
+    record
+}
+
+/// The record of a command that could write none itself.
+pub fn unrecorded(words: Vec<String>, exit: Exit, error: Option<&str>) -> Value {
     json!({
-        "command": std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>(),
+        "command": words,
         "version": env!("CARGO_PKG_VERSION"),
         "exit_code": exit as u8,
-        "seconds": seconds,
-        "peak_bytes": peak_bytes(),
-        "cached": cached,
-        "result": said.result.as_ref().map(|(_, json)| json),
+        "seconds": 0.0,
+        "peak_bytes": null,
+        "cached": false,
+        "result": null,
         "error": error,
-        "notes": said.notes,
+        "notes": [],
     })
+}
+
+/// Writes the record of a command line that is refused, where its words ask for one.
+pub fn record_refusal(why: &str) -> Result<(), BakeError> {
+    match record_asked(&words()) {
+        Some(path) => {
+            let record = unrecorded(words(), Exit::Usage, Some(why));
+            io::write_atomic(Path::new(&path), format!("{record:#}\n").as_bytes())
+        }
+        None => Ok(()),
+    }
+}
+
+/// The words of this process.
+fn words() -> Vec<String> {
+    std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
+}
+
+/// What `--record` says among words that are no command.
+fn record_asked(words: &[String]) -> Option<String> {
+    let mut words = words.iter().take_while(|word| *word != "--");
+    let found =
+        words.find_map(|word| word.strip_prefix("--record").filter(|rest| rest.is_empty() || rest.starts_with('=')))?;
+    let file = found.strip_prefix('=').map(str::to_owned).or_else(|| words.next().cloned());
+    file.filter(|file| !file.is_empty())
 }
 
 /// The most memory that this process has had, where the system says so.
@@ -294,6 +334,23 @@ mod tests {
         let mut value = json!({ "output": "a/x.png", "all": ["a/x.png", "a/x.png2"], "n": 1 });
         rename(&mut value, "a/x.png", "b/x.png");
         assert_eq!(value, json!({ "output": "b/x.png", "all": ["b/x.png", "a/x.png2"], "n": 1 }));
+    }
+
+    #[test]
+    fn a_record_is_asked_for_in_whatever_is_typed() {
+        let asked = |line: &str| record_asked(&line.split(' ').map(str::to_owned).collect::<Vec<_>>());
+        for line in ["pelage bake --record r.json --odd", "pelage --record=r.json", "pelage x y --record r.json"] {
+            assert_eq!(asked(line).as_deref(), Some("r.json"), "{line}");
+        }
+        for line in [
+            "pelage",
+            "pelage --records r.json",
+            "pelage bake --record",
+            "pelage -- --record r.json",
+            "pelage --record=",
+        ] {
+            assert_eq!(asked(line), None, "{line}");
+        }
     }
 
     #[test]

@@ -187,6 +187,11 @@ fn first_line(error: &clap::Error) -> String {
     first.strip_prefix("error: ").unwrap_or(first).to_owned()
 }
 
+/// Why a command line is refused, if it is.
+fn refusal(words: &[String]) -> Option<String> {
+    Cli::try_parse_from(words).err().filter(clap::Error::use_stderr).map(|error| first_line(&error))
+}
+
 /// Runs `body`; a panic in it is an internal error that the hook has reported already.
 fn catch(body: impl FnOnce() -> Result<Exit, Failure>) -> Result<Exit, Failure> {
     panic::catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Failure::Panicked))
@@ -216,6 +221,9 @@ fn usage(error: &clap::Error) -> Exit {
     let _ = error.print();
     if std::env::args_os().any(|arg| arg == "--json") {
         Output::new(true, true).error_object(Exit::Usage, &first_line(error));
+    }
+    if let Err(unwritten) = errand::record_refusal(&first_line(error)) {
+        output::to_stderr(&format!("error: {unwritten}\n"));
     }
     Exit::Usage
 }

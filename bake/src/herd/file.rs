@@ -1,6 +1,7 @@
 //! What a herd file may say.
 
 use super::pattern::{Patterns, base};
+use super::plan::{Found, NAME};
 use crate::BakeError;
 use pelage_stage::{StageError, TomlText};
 use serde::{Deserialize, Deserializer};
@@ -194,21 +195,66 @@ pub struct Sequence {
 const MOST_SHARES: u32 = 1000;
 
 /// A key, and what is wrong with it.
-type Fault = (String, String);
+pub(super) type Fault = (String, String);
 
 impl HerdFile {
     /// Reads a herd file.
     ///
+    /// * `only_drawn`: keys of looks that mean nothing to a truth, such as `fur.layers`
+    /// * `refusal`: why `pelage` refuses such a command line, if it does
+    ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with line and key for what means nothing, and what contradicts something else.
-    pub fn parse(name: &str, text: &str) -> Result<Self, BakeError> {
-        let source = TomlText { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
+    /// [`BakeError::Input`] with line and key for what means nothing, also to the commands that have it, and what contradicts something else.
+    pub fn parse(
+        name: &str,
+        text: &str,
+        only_drawn: &[&str],
+        refusal: &dyn Fn(&[String]) -> Option<String>,
+    ) -> Result<Self, BakeError> {
+        let source = source(name, text);
         let mut file: Self = source.parse().map_err(input)?;
         let fault = |(key, reason): Fault| input(source.fault(&key, reason));
         file.names_fault().map_or(Ok(()), |found| Err(fault(found)))?;
         file.rules = Rules::of(&file).map_err(fault)?;
-        file.numbers_fault().map_or(Ok(file), |found| Err(fault(found)))
+        let wrong = file.numbers_fault().or_else(|| file.words_fault(only_drawn, refusal));
+        wrong.map_or(Ok(file), |found| Err(fault(found)))
+    }
+
+    /// What of it does nothing, as a message each: patterns that fit no model, and recipes by name of which none is there.
+    ///
+    /// * `name`, `text`: as it was read
+    /// * `models`: those that it found
+    /// * `is_file`: whether a file is there, from its folder
+    pub fn idle(&self, name: &str, text: &str, models: &[Found], is_file: &dyn Fn(&str) -> bool) -> Vec<String> {
+        let rules = &self.rules;
+        let fits = |patterns: &Patterns| models.iter().any(|model| patterns.fits(&model.path));
+        let all = [
+            ("model", "files", rules.models.iter().map(Some).collect::<Vec<_>>()),
+            ("recipe", "models", rules.recipes.iter().map(Some).collect()),
+            ("variant", "models", rules.variants.iter().map(Some).collect()),
+            ("view", "models", rules.views.iter().map(Some).collect()),
+            ("chart", "models", rules.charts.iter().map(Option::as_ref).collect()),
+            ("sequence", "models", rules.sequences.iter().map(Some).collect()),
+        ];
+        let mut idle: Vec<Fault> = Vec::new();
+        for (table, key, rules) in all {
+            let of_table = rules.into_iter().enumerate().filter(|(_, rule)| rule.is_some_and(|rule| !fits(rule)));
+            idle.extend(of_table.map(|(i, _)| (format!("{table}[{i}].{key}"), "it fits no model".to_owned())));
+        }
+        let recipes = self.recipes.iter().map(|rule| &rule.file).zip(&rules.recipes).enumerate();
+        let variants = self.variants.iter().map(|variant| &variant.file).zip(&rules.variants).enumerate();
+        let recipes = recipes.map(|(i, rule)| (format!("recipe[{i}].file"), rule));
+        for (key, (file, patterns)) in recipes.chain(variants.map(|(i, rule)| (format!("variant[{i}].file"), rule))) {
+            let Some(file) = file.as_ref().filter(|file| file.contains(NAME)) else { continue };
+            let mut named = models.iter().filter(|model| patterns.fits(&model.path)).map(|model| model.named(file));
+            let Some(first) = named.next() else { continue };
+            if !is_file(&first) && !named.any(|file| is_file(&file)) {
+                idle.push((key, format!("no model has such a recipe; that of the first would be {first:?}")));
+            }
+        }
+        let source = source(name, text);
+        idle.into_iter().map(|(key, reason)| input(source.fault(&key, reason)).to_string()).collect()
     }
 
     /// The first name that cannot be.
@@ -315,6 +361,10 @@ impl Rules {
     }
 }
 
+fn source<'a>(name: &'a str, text: &'a str) -> TomlText<'a> {
+    TomlText { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) }
+}
+
 /// At least one pattern.
 fn patterns(key: String, words: &Words) -> Result<Patterns, Fault> {
     if words.0.is_empty() {
@@ -339,30 +389,16 @@ fn input(error: StageError) -> BakeError {
     }
 }
 
-/// Tables as the command line has them: `hair.length_m=0.02`.
-pub(super) fn assignments(table: &toml::Table) -> Vec<String> {
-    fn add(prefix: &str, table: &toml::Table, all: &mut Vec<String>) {
-        for (key, value) in table {
-            let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-            match value {
-                toml::Value::Table(inner) => add(&key, inner, all),
-                // Words are typed without their quotes.
-                toml::Value::String(word) => all.push(format!("{key}={word}")),
-                other => all.push(format!("{key}={other}")),
-            }
-        }
-    }
-    let mut all = Vec::new();
-    add("", table, &mut all);
-    // Builds differ in whether a table keeps its order, and a command must not.
-    all.sort();
-    all
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
+
+    fn parse(text: &str) -> Result<HerdFile, BakeError> {
+        HerdFile::parse("h.toml", text, &[], &|words| {
+            words.contains(&"--size=96".to_owned()).then(|| "no size".to_owned())
+        })
+    }
 
     #[test]
     fn a_file_is_read() {
@@ -382,9 +418,8 @@ mod tests {
             frames = 8
             shares = 2
         "##;
-        let file = HerdFile::parse("h.toml", text).unwrap();
+        let file = parse(text).unwrap();
         assert_eq!(file.recipes[0].models.0, ["*fox*", "*wolf*"]);
-        assert_eq!(assignments(&file.recipes[0].set), ["color.tip=#ffffff", "hair.length_m=0.02", "slice.layers=12"]);
         assert_eq!(file.views[0].models, all());
         assert_eq!(file.folders().into_iter().collect::<Vec<_>>(), ["a"]);
         let rules = &file.rules;
@@ -411,9 +446,51 @@ mod tests {
                 "[[model]]\nfiles = \"*\"\n[[sequence]]\nname = \"s\"\nframes = 2\nview = \"x\"",
                 "sequence[0].view: found \"x\"",
             ),
+            (
+                "[[model]]\nfiles = \"*\"\n[[view]]\nname = \"a\"\nsize = \"96\"",
+                "h.toml: line 5, view[0].size: no size",
+            ),
+            (
+                "[[model]]\nfiles = \"*\"\n[[recipe]]\n[recipe.set]\n\"hair.density\" = 9\n\"hair.lenght_m\" = 1",
+                "h.toml: line 6, recipe[0].set.hair.lenght_m: unknown key",
+            ),
+            (
+                "[[model]]\nfiles = \"*\"\n[[variant]]\nname = \"a\"\nset = { hair = { density = -1 } }",
+                "h.toml: line 5, variant[0].set.hair.density: found -1",
+            ),
         ] {
-            let error = HerdFile::parse("h.toml", text).unwrap_err().to_string();
+            let error = parse(text).unwrap_err().to_string();
             assert!(error.contains(message), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn what_does_nothing_is_told() {
+        let text = r#"
+            [[model]]
+            files = ["*.glb", "*.obj"]
+            [[model]]
+            files = "*.gltf"
+            [[recipe]]
+            file = "{name}.toml"
+            [[recipe]]
+            models = "fox*"
+            file = "r/{name}.toml"
+            [[recipe]]
+            models = ["wolf*", "bear*"]
+            [[view]]
+            name = "front"
+            [[chart]]
+            topic = "shells"
+        "#;
+        let file = parse(text).unwrap();
+        let models = ["fox.glb", "hare.obj"].map(|path| Found { path: path.into(), bytes: 1 });
+        let idle = file.idle("h.toml", text, &models, &|file| file == "hare.toml");
+        let expected = [
+            "h.toml: line 5, model[1].files: it fits no model",
+            "h.toml: line 12, recipe[2].models: it fits no model",
+            "h.toml: line 10, recipe[1].file: no model has such a recipe; that of the first would be \"r/fox.toml\"",
+        ];
+        assert_eq!(idle, expected);
     }
 }

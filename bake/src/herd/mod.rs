@@ -12,6 +12,7 @@ mod plan;
 mod report;
 mod shell;
 pub mod slurm;
+mod words;
 
 pub use estimate::{History, Known};
 pub use file::{Chart, HerdFile, Models, RecipeRule, Rules, Sequence, Truth, Variant, View, Words};

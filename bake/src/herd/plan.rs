@@ -1,8 +1,9 @@
 //! The commands that a herd takes, and what each reads and writes.
 
 use super::estimate::{History, Known};
-use super::file::{Chart, HerdFile, Sequence, Truth, Variant, View, assignments, fitting};
+use super::file::{Chart, HerdFile, Sequence, Truth, Variant, View, fitting};
 use super::kind::Kind;
+use super::words::{Word, sets};
 use crate::BakeError;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -15,6 +16,13 @@ pub struct Found {
     pub path: String,
     /// Of the file.
     pub bytes: u64,
+}
+
+impl Found {
+    /// A file of its own name: [`NAME`] stands for that.
+    pub(super) fn named(&self, file: &str) -> String {
+        file.replace(NAME, &Path::new(&self.path).file_stem().unwrap_or_default().to_string_lossy())
+    }
 }
 
 /// What a plan is made of.
@@ -236,6 +244,11 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
+/// Words without the keys that they come from.
+fn options(words: Vec<Word>) -> impl Iterator<Item = String> {
+    words.into_iter().map(|(_, word)| word)
+}
+
 /// Pixels of a size such as `256x256`; those of the default where there is none.
 fn pixels(size: Option<&str>) -> f64 {
     let sides = size.and_then(|size| size.split_once(['x', 'X']));
@@ -276,8 +289,7 @@ impl Planner<'_, '_> {
         let recipe = variant.and_then(|variant| variant.file.as_ref().and_then(named)).or_else(of_rules);
         let package = self.out(&format!("packages/{called}.pelage"));
         let mut making: Vec<String> = recipe.iter().flat_map(|recipe| words(&["--recipe", recipe])).collect();
-        let sets = rules().map(|rule| &rule.set).chain(variant.map(|variant| &variant.set));
-        making.extend(sets.flat_map(assignments).flat_map(|set| words(&["--set", &set])));
+        making.extend(rules().map(|rule| &rule.set).chain(variant.map(|variant| &variant.set)).flat_map(sets));
         if told.file.rules.model(path).is_some_and(|models| told.file.models[models].allow_outside) {
             making.push("--allow-outside".into());
         }
@@ -332,27 +344,7 @@ impl Planner<'_, '_> {
         if !file.contains(NAME) {
             return Some(file.to_owned());
         }
-        let stem = Path::new(&self.model.path).file_stem().unwrap_or_default().to_string_lossy();
-        Some(file.replace(NAME, &stem)).filter(|file| (self.told.is_file)(file))
-    }
-
-    /// The options of a view; `truth` leaves out what means nothing to it.
-    fn options(told: &Told<'_>, view: &View, truth: bool) -> Vec<String> {
-        let mut options = Vec::new();
-        let mut option = |name: &str, value: &Option<String>| {
-            options.extend(value.iter().map(|value| format!("--{name}={value}")));
-        };
-        option("size", &view.size);
-        option("camera", &view.camera);
-        option("orbit", &view.orbit);
-        option("look-at", &view.look_at);
-        option("look", &view.look);
-        option("clip", &view.clip);
-        option("time", &view.time.map(|time| time.to_string()));
-        let drawn = |set: &String| set.split('=').next().is_some_and(|key| told.only_drawn.contains(&key));
-        let sets = assignments(&view.set).into_iter().filter(|set| !truth || !drawn(set));
-        options.extend(sets.map(|set| format!("--look={set}")));
-        options
+        Some(self.model.named(file)).filter(|file| (self.told.is_file)(file))
     }
 
     /// What a picture of a package reads, as far as anybody knows.
@@ -373,13 +365,13 @@ impl Planner<'_, '_> {
         };
         let picture = self.out(&format!("pictures/{called}.{}.png", view.name));
         let mut command = words(&["render", package, "-o", &picture]);
-        command.extend(Self::options(self.told, view, false));
+        command.extend(options(view.words()));
         let drawn = draft(Kind::Render, "draw", "pictures");
         let outputs = vec![picture.clone()];
         self.add(Draft { words: command, outputs, finds_more: true, ..drawn }, Some(row));
         if let Some(frames) = view.bench {
             let mut command = words(&["bench", package, "--frames", &frames.to_string()]);
-            command.extend(Self::options(self.told, view, false));
+            command.extend(options(view.words()));
             self.add(Draft { words: command, ..draft(Kind::Bench, "time", "bench") }, Some(row));
         }
         let Some(truth) = &view.truth else { return };
@@ -398,10 +390,8 @@ impl Planner<'_, '_> {
         let picture = self.out(&format!("{place}.png"));
         let command = |output: &str| {
             let mut command = words(&["reference", package, "-o", output]);
-            command.extend(Self::options(told, view, true));
-            command.extend(truth.samples.map(|n| format!("--spp={n}")));
-            command.extend(truth.fibre.iter().map(|fibre| format!("--fibre={fibre}")));
-            command.extend(truth.bounces.map(|n| format!("--bounces={n}")));
+            command.extend(options(view.traced(told.only_drawn)));
+            command.extend(options(truth.words()));
             command.extend(words(&["--threads", "1"]));
             command
         };
@@ -454,9 +444,9 @@ impl Planner<'_, '_> {
             let at = |share: u32| (u64::from(count) * u64::from(share) / u64::from(shares)) as u32;
             let (first, end) = (at(share), at(share + 1));
             let mut command = words(&["render", package, "-o", &pattern]);
-            command.extend(Self::options(self.told, &view, false));
+            command.extend(options(view.words()));
             command.push(format!("--frames={first}..{end}/{count}"));
-            command.extend(sequence.fps.map(|fps| format!("--fps={fps}")));
+            command.extend(options(sequence.words()));
             let flags = [("--auto-rotate", sequence.auto_rotate), ("--turn-light", sequence.turn_light)];
             command.extend(flags.iter().filter(|(_, on)| *on).map(|(flag, _)| (*flag).to_owned()));
             let pictures = (first..end).map(|i| self.out(&format!("{folder}/{i:04}.png"))).collect();

@@ -64,16 +64,24 @@ impl TomlText<'_> {
     /// The byte where a key's value stands, or that of the nearest thing around it that is there.
     fn find(&self, key: &str) -> Option<usize> {
         let document = DeTable::parse(self.text).ok()?;
-        let mut steps = key.split(['.', '[']).map(|step| step.trim_end_matches(']'));
-        let mut here = document.get_ref().get(steps.next()?)?;
-        for step in steps {
+        let (first, mut rest) = key.split_once(['.', '[']).unwrap_or((key, ""));
+        let mut here = document.get_ref().get(first)?;
+        while !rest.is_empty() {
+            let (step, behind) = rest.split_once(['.', '[']).unwrap_or((rest, ""));
             let inner = match here.get_ref() {
-                DeValue::Table(table) => table.get(step),
-                DeValue::Array(array) => step.parse().ok().and_then(|i: usize| array.get(i)),
+                // A key with dots may stand in quotes.
+                DeValue::Table(table) => match table.get(rest) {
+                    Some(inner) => Some((inner, "")),
+                    None => table.get(step).map(|inner| (inner, behind)),
+                },
+                DeValue::Array(array) => {
+                    let number = step.trim_end_matches(']').parse().ok();
+                    number.and_then(|i: usize| array.get(i)).map(|inner| (inner, behind))
+                }
                 _ => None,
             };
-            let Some(inner) = inner else { break };
-            here = inner;
+            let Some((inner, behind)) = inner else { break };
+            (here, rest) = (inner, behind);
         }
         Some(here.span().start)
     }

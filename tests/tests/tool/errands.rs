@@ -79,6 +79,13 @@ fn a_depfile_names_everything_that_was_read() {
     assert_eq!(rule.trim_end(), expected);
     // A file that has gone is no error of Make.
     assert!(text.contains("\nrecipes/length.png:\n"), "{text}");
+    // What makes nothing has its record for a target, or the rule itself.
+    for (more, target) in [(&["--record", "out/i.json"][..], "out/i.json"), (&[], "out/i.d")] {
+        let run = sandbox.run(&[&["inspect", "out/m.pelage", "--depfile", "out/i.d"], more].concat());
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let text = String::from_utf8(sandbox.read("out/i.d")).unwrap();
+        assert!(text.starts_with(&format!("{target}: \\\n  out/m.pelage\n")), "{text}");
+    }
 }
 
 #[test]
@@ -111,6 +118,17 @@ fn a_record_says_what_became_of_a_command() {
     let failed = record(&sandbox, "out/m.json");
     assert_eq!(failed["exit_code"], 3);
     assert!(failed["error"].as_str().unwrap().contains("models/m.gltf"), "{failed}");
+    // Also of a command line that is refused, wherever in it that stands.
+    for args in [["--record", "out/r.json", "--odd"], ["--odd", "--record=out/r.json", "--quiet"]] {
+        let run = bake(&sandbox, &args);
+        assert_eq!(run.code, Some(1), "{run:?}");
+        let refused = record(&sandbox, "out/r.json");
+        assert_eq!(refused["exit_code"], 1);
+        assert!(refused["error"].as_str().unwrap().contains("'--odd'"), "{refused}");
+        std::fs::remove_file(sandbox.path().join("out/r.json")).unwrap();
+    }
+    let run = bake(&sandbox, &["--odd", "--record", "none/r.json"]);
+    assert!(run.code == Some(1) && run.stderr.contains("none: cannot create a file in"), "{run:?}");
 }
 
 #[test]

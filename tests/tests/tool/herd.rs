@@ -122,8 +122,21 @@ fn a_herd_runs_what_changed_and_nothing_else() {
     assert!(page.contains("<title>A herd of &lt;three&gt;") && page.contains("data:image/jpeg;base64,"));
 
     // Nothing changed; a model whose bytes are the same; a recipe, which has nothing to do with the torus.
+    let due = || {
+        let plan = schema::answer(&herd(&sandbox, "plan", &["--due"]), "herd");
+        plan["tasks"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|task| task["name"].as_str().unwrap().to_owned())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(due(), [""; 0]);
     assert_eq!(run(&sandbox, 0, &[]).1, 0);
     touch(&sandbox, "herd/animals/torus.glb");
+    let touched = due();
+    assert_eq!(touched.len(), 2 * 7, "{touched:?}");
+    assert!(touched.iter().all(|name| name.contains("torus")), "{touched:?}");
     assert_eq!(run(&sandbox, 0, &[]).1, 2, "two variants are baked, and what is made of them stays");
     assert_eq!(results(&sandbox, "herd/out"), first);
     sandbox.write("herd/recipes/knot.toml", "[hair]\nlean = 0.5\n");
@@ -138,10 +151,13 @@ fn a_herd_runs_what_changed_and_nothing_else() {
         let args = ["herd", "run", "herd/herd.toml", "-o", out, "--jobs", "1", "--cache", cache, "--json"];
         let run = sandbox.run(&args);
         assert_eq!(run.code, Some(0), "{run:?}");
+        let said = schema::answer(&run, "herd")["cached"].as_u64().unwrap() as usize;
         let mut records = Vec::new();
         walk(&sandbox.path().join(out).join(".herd/records"), &mut records);
         let read = |path| serde_json::from_slice::<Value>(&std::fs::read(path).unwrap()).unwrap();
-        records.iter().map(read).filter(|record| record["cached"] == true).count()
+        let cached = records.iter().map(read).filter(|record| record["cached"] == true).count();
+        assert_eq!(said, cached);
+        cached
     };
     assert_eq!(elsewhere("alone", "cache"), 0);
     assert_eq!(results(&sandbox, "alone"), second);
@@ -216,6 +232,35 @@ fn a_herd_that_was_killed_goes_on_and_has_the_same_bytes() {
 }
 
 #[test]
+fn a_command_that_dies_without_a_word_is_told() {
+    if !ninja("a_command_that_dies_without_a_word_is_told") {
+        return;
+    }
+    let sandbox = sandbox();
+    let models_alone = HERD.split("[[view]]").next().unwrap();
+    sandbox.write("herd/herd.toml", models_alone);
+    // The system kills a process that writes a larger file than it may.
+    sandbox.write("bin/ninja", "#!/bin/sh\nPATH=\"${PATH#*:}\"\nulimit -f 8\nexec ninja \"$@\"\n");
+    let shim = sandbox.path().join("bin/ninja");
+    std::fs::set_permissions(shim, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out", "--json"]);
+    let path = format!("{}/bin:{}", sandbox.path().display(), std::env::var("PATH").unwrap());
+    command.env("PATH", path);
+    let killed = finish(command);
+    assert_eq!(killed.code, Some(2), "{killed:?}");
+    let said = schema::answer(&killed, "herd");
+    let counts = ["failed", "differ", "missing"].map(|key| said["tasks"][key].as_u64().unwrap());
+    assert_eq!(counts, [3, 0, 3], "{said}");
+    let why = said["failures"][0]["message"].as_str().unwrap();
+    assert!(why.contains("it ended without a"), "{said}");
+    let page = std::fs::read_to_string(sandbox.path().join("herd/out/report.html")).unwrap();
+    assert!(page.contains("it ended without a"));
+    // Where there is room it is tried again.
+    let (said, ran) = run(&sandbox, 0, &[]);
+    assert_eq!((ran, &said["tasks"]["failed"]), (6, &0.into()), "{said}");
+}
+
+#[test]
 fn a_plan_is_a_graph_of_plain_commands() {
     let sandbox = sandbox();
     let plan = herd(&sandbox, "plan", &["--cache", "cache"]);
@@ -266,7 +311,52 @@ fn what_a_herd_file_says_wrong_is_told_before_anything_runs() {
             "recipe[0].file: \"no.toml\" is no file",
         ),
         ("[[model]]\nfiles = \"animals/*\"\n[[view]]\nnme = \"a\"", 3, "herd/herd.toml: line 4, view[0].nme"),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[view]]\nname = \"a\"\nsize = \"96\"",
+            3,
+            "line 5, view[0].size: invalid value '96'",
+        ),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[view]]\nname = \"a\"\norbit = \"1,2\"\ncamera = \"0,0,1/0,0,0/40\"",
+            3,
+            "line 3, view[0]: the argument '--camera",
+        ),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[view]]\nname = \"a\"\nset = { \"fur.layer\" = 3 }",
+            3,
+            "line 5, view[0].set.fur.layer: invalid value",
+        ),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[view]]\nname = \"a\"\n[view.truth]\nfibre = \"wool\"",
+            3,
+            "line 6, view[0].truth.fibre: invalid value 'wool'",
+        ),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[view]]\nname = \"a\"\n[view.truth]\nmax_flip = -1",
+            3,
+            "line 6, view[0].truth.max_flip: invalid value '-1'",
+        ),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[chart]]\ntopic = \"fur\"",
+            3,
+            "line 4, chart[0].topic: invalid value 'fur'",
+        ),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[recipe]]\nset = { \"hair.lenght_m\" = 1 }",
+            3,
+            "line 4, recipe[0].set.hair.lenght_m: unknown key",
+        ),
         ("[[model]]\nfiles = \"animals/*\"\n[[variant]]\nname = \"a b\"", 0, ""),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[recipe]]\nmodels = \"*fox*\"",
+            0,
+            "note: herd/herd.toml: line 4, recipe[0].models: it fits no model",
+        ),
+        (
+            "[[model]]\nfiles = \"animals/*\"\n[[recipe]]\nfile = \"r/{name}.toml\"",
+            0,
+            "note: herd/herd.toml: line 4, recipe[0].file: no model has such a recipe",
+        ),
     ] {
         sandbox.write("herd/herd.toml", text);
         let run = herd(&sandbox, "plan", &[]);

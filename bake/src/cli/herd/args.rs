@@ -15,8 +15,7 @@ pub struct HerdArgs {
 
 #[derive(Debug, Subcommand)]
 pub enum Action {
-    /// Say which commands a herd takes, one a line, and write them as DIR/build.ninja; --json says what each reads and writes, too
-    Plan(HerdFiles),
+    Plan(PlanArgs),
     Run(Box<RunArgs>),
     /// Write DIR/report.html of what became of a herd, and run nothing
     Report(HerdFiles),
@@ -31,6 +30,17 @@ pub struct HerdFiles {
     /// The folder that everything is written into, made where it is missing
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
+}
+
+/// Say which commands a herd takes, one a line, and write them as DIR/build.ninja; --json says what each reads and writes, too
+#[derive(Clone, Debug, Args)]
+pub struct PlanArgs {
+    #[command(flatten)]
+    pub files: HerdFiles,
+    /// Those alone that `run` would run now, as Ninja finds it. What is made of the files of one of them is among them, though it stays where they come out
+    /// the same
+    #[arg(long)]
+    pub due: bool,
 }
 
 /// Run what is not done of a herd, go on after failures, and write DIR/report.html

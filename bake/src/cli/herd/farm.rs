@@ -1,7 +1,7 @@
 //! Slurm, by its commands.
 
 use super::args::RunArgs;
-use super::engine;
+use super::engine::{self, Failed};
 use super::finish::Ran;
 use super::on_disk::Herd;
 use super::paths::io_error;
@@ -32,7 +32,7 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
     io::write_atomic(&shards_file, json!(known(&herd.plan, &stages)).to_string().as_bytes())?;
     let open = open_shards(herd, &files, &stages, output)?;
     let mut ids: Vec<String> = Vec::new();
-    let mut shards = Vec::new();
+    let (mut shards, mut logs) = (Vec::new(), Vec::new());
     let most = array_size();
     let mut before: Vec<String> = Vec::new();
     for (stage, open) in stages.iter().zip(&open) {
@@ -52,19 +52,22 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
         io::write_atomic(&herd.path(&name), script.text().as_bytes())?;
         let mut jobs = Vec::new();
         for array in open.chunks(most) {
-            jobs.push(submit(herd, &name, stage.name, array, &before)?);
+            let job = submit(herd, &name, stage.name, array, &before)?;
+            logs.push(format!("{}-{job}_", stage.name));
+            jobs.push(job);
         }
         shards.extend(open.iter().map(|shard| format!("{files}/{}-{}.done", stage.name, shard.number)));
         // What a stage needs is made, or it failed and says so, when the one before is over.
         before.clone_from(&jobs);
         ids.extend(jobs);
     }
-    let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
+    let tasks = open.iter().flatten().flat_map(|shard| &shard.tasks).map(|i| herd.plan.tasks[*i].name.clone());
+    let tasks: BTreeSet<String> = tasks.collect();
     if args.detach {
         let text = format!("submitted {} jobs, {} shards: {}", ids.len(), shards.len(), ids.join(" "));
         output.result(
             &text,
-            &json!({ "action": "submitted", "jobs_submitted": ids, "shards": shards.len(), "tasks": tasks }),
+            &json!({ "action": "submitted", "jobs_submitted": ids, "shards": shards.len(), "tasks": tasks.len() }),
         )?;
         return Ok(None);
     }
@@ -72,7 +75,21 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
         output.note(&format!("submitted jobs {0}; `scancel {0}` ends them", ids.join(" ")));
     }
     wait(herd, &ids, &shards, output)?;
-    Ok(Some(Ran { commands: tasks }))
+    Ok(Some(Ran { tasks, failed: failed(herd, &files, &logs) }))
+}
+
+/// What Ninja said on the farm of commands that failed, where its logs can be read.
+fn failed(herd: &Herd, files: &str, logs: &[String]) -> Failed {
+    let mut failed = Failed::default();
+    for entry in std::fs::read_dir(herd.path(files)).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if logs.iter().any(|log| name.starts_with(log.as_str())) {
+            let text = std::fs::read(entry.path()).unwrap_or_default();
+            String::from_utf8_lossy(&text).lines().for_each(|line| failed.hear(line));
+        }
+    }
+    failed
 }
 
 /// Writes the build files of all shards: those that are not done, for each stage.

@@ -1,11 +1,13 @@
 //! What became of a herd: read, told and put on a page.
 
+use super::engine::Failed;
 use super::on_disk::{Herd, history_file};
 use super::paths::io_error;
+use crate::cli::errand;
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::output::{Output, make_folder};
 use image::{DynamicImage, Rgb, RgbImage, imageops};
-use pelage_bake::herd::{Became, Known, Report, State};
+use pelage_bake::herd::{Became, Known, Report, State, Task};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::{BakeError, io};
 use rayon::prelude::*;
@@ -16,10 +18,12 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// What an engine has done.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Ran {
-    /// Commands that were run.
-    pub commands: usize,
+    /// The names of commands that were run.
+    pub tasks: BTreeSet<String>,
+    /// Those that failed.
+    pub failed: Failed,
 }
 
 /// Pixels of the longer side of a small picture.
@@ -54,9 +58,23 @@ pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
     Ok(())
 }
 
-fn became(herd: &Herd) -> Vec<Option<Became>> {
+fn became(herd: &Herd, failed: &Failed) -> Result<Vec<Option<Became>>, Failure> {
     let read = |record: &str| serde_json::from_slice(&std::fs::read(herd.path(record)).ok()?).ok();
-    herd.plan.tasks.par_iter().map(|task| read(&task.record)).collect()
+    let of = |task: &Task| match (read(&task.record), failed.last_words(&task.record)) {
+        (None, Some(last_words)) => bury(herd, task, &last_words).map(|()| read(&task.record)),
+        (found, _) => Ok(found),
+    };
+    herd.plan.tasks.par_iter().map(of).collect()
+}
+
+/// Writes the record of a command that has ended without one.
+fn bury(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
+    let mut why = "it ended without a word: something has killed it, perhaps for want of memory".to_owned();
+    if !last_words.is_empty() {
+        why = format!("it ended without a record, and its last words were: {last_words}");
+    }
+    let record = errand::unrecorded(task.command(herd.cache.as_deref()), Exit::FileSystem, Some(&why));
+    write_json(&herd.path(&task.record), &record)
 }
 
 /// How many commands are in which state.
@@ -75,13 +93,13 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     let plan = plan_key(herd)?;
     let key_file = herd.path(&format!("{own}/report.key"));
     let known = page.is_file() && std::fs::read_to_string(&key_file).is_ok_and(|key| key == plan);
-    if ran.commands == 0 && known && failed_before(herd).is_empty() {
+    if ran.tasks.is_empty() && known && failed_before(herd).is_empty() {
         // Of a large farm's herd there are very many records; all of them say that all is well.
         let counts = Counts { done: herd.plan.tasks.len(), ..Counts::default() };
-        return tell(herd, counts, &[], ran, &page, output);
+        return tell(herd, counts, &[], (0, 0), &page, output);
     }
     output.progress("writing the report");
-    let became = became(herd);
+    let became = became(herd, &ran.failed)?;
     let report = Report::new(&herd.plan, &became);
     let failures = report.failures();
     let thumbs = Thumbs::new(herd)?;
@@ -110,6 +128,11 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
         differ: count(State::Differs),
         missing: count(State::Missing),
     };
+    let tasks = herd.plan.tasks.iter().zip(&became);
+    let from_cache = |(task, became): &(&Task, &Option<Became>)| {
+        became.as_ref().is_some_and(|became| became.cached) && ran.tasks.contains(&task.name)
+    };
+    let ran = (ran.tasks.len(), tasks.filter(from_cache).count());
     tell(herd, counts, &failures, ran, &page, output)
 }
 
@@ -129,7 +152,7 @@ fn tell(
     herd: &Herd,
     counts: Counts,
     failures: &[(usize, u8, String)],
-    ran: &Ran,
+    (ran, cached): (usize, usize),
     page: &Path,
     output: &mut Output,
 ) -> Result<Exit, Failure> {
@@ -141,8 +164,11 @@ fn tell(
     if failures.len() > TOLD {
         lines.push(format!("and {} more, which the report has", failures.len() - TOLD));
     }
-    let mut told =
-        vec![format!("{} of {} commands were run", ran.commands, herd.plan.tasks.len()), format!("{done} are done")];
+    let mut told = vec![format!("{ran} of {} commands were run", herd.plan.tasks.len())];
+    if cached > 0 {
+        told.push(format!("{cached} of them from the cache"));
+    }
+    told.push(format!("{done} are done"));
     for (number, what) in [(failed, "failed"), (differ, "differ by more than their limit"), (missing, "could not run")]
     {
         if number > 0 {
@@ -160,7 +186,8 @@ fn tell(
         "action": "run",
         "report": page,
         "models": herd.plan.rows.len(),
-        "ran": ran.commands,
+        "ran": ran,
+        "cached": cached,
         "tasks": {
             "all": herd.plan.tasks.len(),
             "done": done,

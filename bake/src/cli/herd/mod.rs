@@ -11,9 +11,9 @@ mod paths;
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
-use args::{Action, Engine, HerdFiles, RunArgs};
+use args::{Action, Engine, PlanArgs, RunArgs};
 use on_disk::Herd;
-use pelage_bake::herd::{Kind, Plan, Task, shell_line};
+use pelage_bake::herd::{Kind, Task, shell_line};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,7 +23,7 @@ pub use args::HerdArgs;
 /// Runs the subcommand; `cache` is the one that was given for all commands.
 pub fn run(args: &HerdArgs, cache: Option<&Path>, output: &mut Output) -> Result<Exit, Failure> {
     match &args.action {
-        Action::Plan(files) => say_plan(files, cache, output),
+        Action::Plan(args) => say_plan(args, cache, output),
         Action::Run(args) => run_all(args, cache, output),
         Action::Report(files) => {
             output.progress("reading what became of it");
@@ -33,13 +33,17 @@ pub fn run(args: &HerdArgs, cache: Option<&Path>, output: &mut Output) -> Result
     }
 }
 
-fn say_plan(files: &HerdFiles, cache: Option<&Path>, output: &mut Output) -> Result<Exit, Failure> {
-    let herd = Herd::read(files, cache)?;
+fn say_plan(args: &PlanArgs, cache: Option<&Path>, output: &mut Output) -> Result<Exit, Failure> {
+    let herd = Herd::read(&args.files, cache)?;
+    herd.say_idle(output);
     make_folder(&herd.path(&herd.plan.out))?;
     let (name, room) = herd.write_ninja(memory::cores(), memory::free_bytes())?;
     let cache = herd.cache.as_deref();
+    let due = if args.due { Some(engine::due(&herd, &name)?) } else { None };
+    let tasks = herd.plan.tasks.iter().filter(|task| due.as_ref().is_none_or(|due| due.contains(&task.name)));
+    let tasks: Vec<&Task> = tasks.collect();
     if !output.is_json() {
-        let lines: Vec<String> = herd.plan.tasks.iter().map(|task| shell_line(&task.command(cache))).collect();
+        let lines: Vec<String> = tasks.iter().map(|task| shell_line(&task.command(cache))).collect();
         output.result(&lines.join("\n"), &Value::Null)?;
         return Ok(Exit::Done);
     }
@@ -48,14 +52,15 @@ fn say_plan(files: &HerdFiles, cache: Option<&Path>, output: &mut Output) -> Res
         value["command"] = task.command(cache).into();
         value
     };
-    let tasks: Vec<Value> = herd.plan.tasks.iter().map(of).collect();
+    let kinds = kinds(&tasks);
+    let tasks: Vec<Value> = tasks.into_iter().map(of).collect();
     let value = json!({
         "action": "plan",
         "folder": herd.folder.display().to_string(),
         "ninja": name,
         "rows": herd.plan.rows,
         "tasks": tasks,
-        "kinds": kinds(&herd.plan),
+        "kinds": kinds,
         "jobs": room.jobs,
         "heavy_jobs": room.heavy,
     });
@@ -64,9 +69,9 @@ fn say_plan(files: &HerdFiles, cache: Option<&Path>, output: &mut Output) -> Res
 }
 
 /// How many commands of each kind there are, and what they are expected to need.
-fn kinds(plan: &Plan) -> Value {
+fn kinds(tasks: &[&Task]) -> Value {
     let mut kinds: BTreeMap<Kind, (usize, f64, u64)> = BTreeMap::new();
-    for task in &plan.tasks {
+    for task in tasks {
         let (count, seconds, peak) = kinds.entry(task.kind).or_default();
         *count += 1;
         *seconds += task.expected.seconds;
@@ -91,6 +96,7 @@ fn run_all(args: &RunArgs, cache: Option<&Path>, output: &mut Output) -> Result<
     }
     output.progress("planning");
     let herd = Herd::read(&args.files, cache)?;
+    herd.say_idle(output);
     herd.make_folders()?;
     finish::forget_failures(&herd)?;
     let ran = if farm {

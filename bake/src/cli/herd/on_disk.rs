@@ -4,9 +4,10 @@ use super::args::HerdFiles;
 use super::models;
 use super::paths::{absolute, io_error, seen_from, utf8};
 use crate::cli::exit::Failure;
-use crate::cli::output::make_folder;
+use crate::cli::output::{Output, make_folder};
 use crate::cli::reference::only_drawn;
-use pelage_bake::herd::{HerdFile, History, NAME, Plan, Task, Told, ninja, plan};
+use crate::cli::refusal;
+use pelage_bake::herd::{HerdFile, History, Kind, NAME, Plan, Task, Told, ninja, plan};
 use pelage_bake::{BakeError, io};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -26,13 +27,17 @@ pub struct Herd {
     pub cache: Option<String>,
     /// The tool, absolute.
     pub tool: String,
+    /// What of its file does nothing.
+    pub idle: Vec<String>,
 }
 
 impl Herd {
     /// Reads a herd file, finds its models and plans.
     pub fn read(files: &HerdFiles, cache: Option<&Path>) -> Result<Self, Failure> {
         let name = files.herd.display().to_string();
-        let file = HerdFile::parse(&name, &io::read_text(&files.herd, "a herd in TOML")?)?;
+        let text = io::read_text(&files.herd, "a herd in TOML")?;
+        let only_drawn = only_drawn();
+        let file = HerdFile::parse(&name, &text, &only_drawn, &refusal)?;
         let parent = files.herd.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = absolute(parent)?;
         let out = seen_from(&folder, &absolute(&files.output)?)?;
@@ -40,7 +45,7 @@ impl Herd {
         let models = models::find(&name, &file, &folder, &out)?;
         check_files(&name, &file, &folder)?;
         let history = history(&folder, &out);
-        let only_drawn = only_drawn();
+        let is_file = |path: &str| folder.join(path).is_file();
         let plan = plan(&Told {
             name: &name,
             file: &file,
@@ -48,12 +53,13 @@ impl Herd {
             out: &out,
             only_drawn: &only_drawn,
             history: &history,
-            is_file: &|path| folder.join(path).is_file(),
+            is_file: &is_file,
         })?;
+        let idle = file.idle(&name, &text, &models, &is_file);
         let title = file.title.clone().unwrap_or(name);
         let tool = std::env::current_exe().map_err(|source| io_error(Path::new("pelage"), "find", source))?;
         let tool = utf8(&tool)?.to_owned();
-        Ok(Self { folder, title, plan, history, cache, tool })
+        Ok(Self { folder, title, plan, history, cache, tool, idle })
     }
 
     /// A path of the plan on disk.
@@ -81,6 +87,27 @@ impl Herd {
             }
         }
         Ok(())
+    }
+
+    /// Says what of its file does nothing.
+    pub fn say_idle(&self, output: &Output) {
+        self.idle.iter().for_each(|idle| output.note(&format!("note: {idle}")));
+    }
+
+    /// The tasks that are timed and whose packages are there: what could not be baked cannot be timed.
+    pub fn timed(&self) -> Vec<&Task> {
+        let there =
+            |task: &&Task| task.kind == Kind::Bench && task.inputs.iter().all(|input| self.path(input).is_file());
+        self.plan.tasks.iter().filter(there).collect()
+    }
+
+    /// Writes the build file of what is timed, one after another, and its name.
+    pub fn write_timed(&self, timed: &[&Task], memory_bytes: u64) -> Result<String, Failure> {
+        let own = format!("{}/timed", self.own());
+        let name = format!("{own}/build.ninja");
+        make_folder(&self.path(&own))?;
+        self.write_build(&name, &own, timed, ninja::Room::of(timed, 1, memory_bytes))?;
+        Ok(name)
     }
 
     /// Writes the build file of what may run at the same time on this machine: where it is, from the herd's folder, and how much room it was made for.
