@@ -164,6 +164,15 @@ impl RecipeArgs {
         if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
     }
 
+    /// Why a change of `--set` cannot be made, if it cannot.
+    pub fn refusal(assignment: &str) -> Option<String> {
+        let args = Self { recipe: None, set: vec![assignment.to_owned()], allow_outside: false };
+        args.apply_to(&mut Recipe::default()).err().map(|error| match error {
+            BakeError::Input { reason, .. } => reason,
+            other => other.to_string(),
+        })
+    }
+
     /// Makes the changes of `--set` to a recipe.
     pub fn apply_to(&self, recipe: &mut Recipe) -> Result<(), BakeError> {
         self.set.iter().try_for_each(|assignment| {

@@ -9,6 +9,7 @@ use pelage_bake::io;
 use pelage_bake::traffic::{self, Digest, Traffic};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
+use std::ffi::OsString;
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -82,6 +83,11 @@ pub fn run(
         return command(output);
     }
     let began = Instant::now();
+    if let Some(record) = &args.record {
+        // Whoever finds a record has to know that it is of this run: a command that is killed leaves none. What cannot be removed cannot be written either,
+        // and is told then.
+        let _ = std::fs::remove_file(record);
+    }
     let cache = args.cache.as_deref().zip(errand).and_then(|(folder, errand)| Kitchen::open(folder, errand, output));
     output.listen();
     let found = cache.as_ref().and_then(Kitchen::find);
@@ -250,10 +256,10 @@ pub fn unrecorded(words: Vec<String>, exit: Exit, error: Option<&str>) -> Value 
 
 /// Writes the record of a command line that is refused, where its words ask for one.
 pub fn record_refusal(why: &str) -> Result<(), BakeError> {
-    match record_asked(&words()) {
+    match record_asked(std::env::args_os()) {
         Some(path) => {
             let record = unrecorded(words(), Exit::Usage, Some(why));
-            io::write_atomic(Path::new(&path), format!("{record:#}\n").as_bytes())
+            io::write_atomic(&path, format!("{record:#}\n").as_bytes())
         }
         None => Ok(()),
     }
@@ -264,13 +270,18 @@ fn words() -> Vec<String> {
     std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
 }
 
-/// What `--record` says among words that are no command.
-fn record_asked(words: &[String]) -> Option<String> {
-    let mut words = words.iter().take_while(|word| *word != "--");
-    let found =
-        words.find_map(|word| word.strip_prefix("--record").filter(|rest| rest.is_empty() || rest.starts_with('=')))?;
-    let file = found.strip_prefix('=').map(str::to_owned).or_else(|| words.next().cloned());
-    file.filter(|file| !file.is_empty())
+/// What `--record` says among words that are no command. A word behind it that looks like an option is none of its own, as clap has it.
+fn record_asked(words: impl Iterator<Item = OsString>) -> Option<PathBuf> {
+    let mut words = words.take_while(|word| word != "--");
+    while let Some(word) = words.next() {
+        if word == "--record" {
+            return words.next().filter(|file| !file.to_string_lossy().starts_with('-')).map(PathBuf::from);
+        }
+        if let Some(file) = word.to_str().and_then(|word| word.strip_prefix("--record=")) {
+            return Some(PathBuf::from(file)).filter(|file| !file.as_os_str().is_empty());
+        }
+    }
+    None
 }
 
 /// The most memory that this process has had, where the system says so.
@@ -338,9 +349,9 @@ mod tests {
 
     #[test]
     fn a_record_is_asked_for_in_whatever_is_typed() {
-        let asked = |line: &str| record_asked(&line.split(' ').map(str::to_owned).collect::<Vec<_>>());
+        let asked = |line: &str| record_asked(line.split(' ').map(OsString::from));
         for line in ["pelage bake --record r.json --odd", "pelage --record=r.json", "pelage x y --record r.json"] {
-            assert_eq!(asked(line).as_deref(), Some("r.json"), "{line}");
+            assert_eq!(asked(line).as_deref(), Some(Path::new("r.json")), "{line}");
         }
         for line in [
             "pelage",
@@ -348,6 +359,7 @@ mod tests {
             "pelage bake --record",
             "pelage -- --record r.json",
             "pelage --record=",
+            "pelage bake --record --json",
         ] {
             assert_eq!(asked(line), None, "{line}");
         }

@@ -61,6 +61,7 @@ mod work;
 mod write_recipe;
 
 use clap::CommandFactory as _;
+use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
@@ -142,7 +143,7 @@ impl Command {
             Self::CommandsPage(_) => commands_page::run(Cli::command(), output),
             Self::Compare(args) => compare::run(args, output),
             Self::Doctor(args) => doctor::run(args, output),
-            Self::Herd(args) => herd::run(args, global.errand.cache(), output),
+            Self::Herd(args) => herd::run(args, global.errand.cache(), &refusal, output),
         }
     }
 }
@@ -180,16 +181,18 @@ pub fn main() -> std::process::ExitCode {
     exit.into()
 }
 
-/// What clap found wrong, without its advice.
-fn first_line(error: &clap::Error) -> String {
+/// What clap found wrong and what it expected, in a line, without its advice.
+fn said_in_a_line(error: &clap::Error) -> String {
     let message = error.to_string();
-    let first = message.lines().next().unwrap_or_default();
-    first.strip_prefix("error: ").unwrap_or(first).to_owned()
+    let lines = message.lines().take_while(|line| !line.trim().is_empty());
+    let line = lines.map(str::trim).collect::<Vec<_>>().join(" ");
+    line.strip_prefix("error: ").unwrap_or(&line).to_owned()
 }
 
-/// Why a command line is refused, if it is.
+/// Why a command line is refused, if it is. Of a command that this build lacks, words cannot be judged.
 fn refusal(words: &[String]) -> Option<String> {
-    Cli::try_parse_from(words).err().filter(clap::Error::use_stderr).map(|error| first_line(&error))
+    let error = Cli::try_parse_from(words).err()?;
+    (error.use_stderr() && error.kind() != ErrorKind::InvalidSubcommand).then(|| said_in_a_line(&error))
 }
 
 /// Runs `body`; a panic in it is an internal error that the hook has reported already.
@@ -220,9 +223,9 @@ fn usage(error: &clap::Error) -> Exit {
     // With stderr closed there is nobody to tell.
     let _ = error.print();
     if std::env::args_os().any(|arg| arg == "--json") {
-        Output::new(true, true).error_object(Exit::Usage, &first_line(error));
+        Output::new(true, true).error_object(Exit::Usage, &said_in_a_line(error));
     }
-    if let Err(unwritten) = errand::record_refusal(&first_line(error)) {
+    if let Err(unwritten) = errand::record_refusal(&said_in_a_line(error)) {
         output::to_stderr(&format!("error: {unwritten}\n"));
     }
     Exit::Usage

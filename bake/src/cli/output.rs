@@ -66,7 +66,8 @@ impl Output {
     pub fn result(&mut self, text: &str, json: &serde_json::Value) -> Result<(), Failure> {
         self.end_progress();
         let mut bytes = if self.json { format!("{json:#}") } else { text.to_owned() };
-        if !bytes.ends_with('\n') {
+        // Of no lines there is none.
+        if !bytes.is_empty() && !bytes.ends_with('\n') {
             bytes.push('\n');
         }
         self.done = true;

@@ -1,11 +1,11 @@
 //! What a herd file may say.
 
+use super::found::{Found, NAME};
 use super::pattern::{Patterns, base};
-use super::plan::{Found, NAME};
 use crate::BakeError;
 use pelage_stage::{StageError, TomlText};
 use serde::{Deserialize, Deserializer};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What is wanted of which models, word for word as the file has it.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -198,27 +198,23 @@ const MOST_SHARES: u32 = 1000;
 pub(super) type Fault = (String, String);
 
 impl HerdFile {
-    /// Reads a herd file.
-    ///
-    /// * `only_drawn`: keys of looks that mean nothing to a truth, such as `fur.layers`
-    /// * `refusal`: why `pelage` refuses such a command line, if it does
+    /// Reads a herd file. What only the commands know to be wrong, [`Self::read`] finds.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with line and key for what means nothing, also to the commands that have it, and what contradicts something else.
-    pub fn parse(
-        name: &str,
-        text: &str,
-        only_drawn: &[&str],
-        refusal: &dyn Fn(&[String]) -> Option<String>,
-    ) -> Result<Self, BakeError> {
+    /// [`BakeError::Input`] with line and key for what means nothing, and what contradicts something else.
+    pub fn parse(name: &str, text: &str) -> Result<Self, BakeError> {
         let source = source(name, text);
         let mut file: Self = source.parse().map_err(input)?;
         let fault = |(key, reason): Fault| input(source.fault(&key, reason));
         file.names_fault().map_or(Ok(()), |found| Err(fault(found)))?;
         file.rules = Rules::of(&file).map_err(fault)?;
-        let wrong = file.numbers_fault().or_else(|| file.words_fault(only_drawn, refusal));
-        wrong.map_or(Ok(file), |found| Err(fault(found)))
+        file.numbers_fault().map_or(Ok(file), |found| Err(fault(found)))
+    }
+
+    /// An error at a key of the file, with its line.
+    pub fn fault(name: &str, text: &str, key: &str, reason: String) -> BakeError {
+        input(source(name, text).fault(key, reason))
     }
 
     /// What of it does nothing, as a message each: patterns that fit no model, and recipes by name of which none is there.
@@ -253,8 +249,7 @@ impl HerdFile {
                 idle.push((key, format!("no model has such a recipe; that of the first would be {first:?}")));
             }
         }
-        let source = source(name, text);
-        idle.into_iter().map(|(key, reason)| input(source.fault(&key, reason)).to_string()).collect()
+        idle.into_iter().map(|(key, reason)| Self::fault(name, text, &key, reason).to_string()).collect()
     }
 
     /// The first name that cannot be.
@@ -313,9 +308,13 @@ impl HerdFile {
         None
     }
 
-    /// The folders that its models are in, from the file's own, each with the patterns that look there.
-    pub fn folders(&self) -> BTreeSet<String> {
-        self.models.iter().flat_map(|models| &models.files.0).map(|pattern| base(pattern)).collect()
+    /// The folders that its models are in, from the file's own, each with the key of the first patterns that look there.
+    pub fn folders(&self) -> BTreeMap<String, String> {
+        let of = |(i, models): (usize, &Models)| {
+            models.files.0.iter().map(|pattern| (base(pattern), format!("model[{i}].files"))).collect::<Vec<_>>()
+        };
+        // Of those that have the same folder the first is to be kept.
+        self.models.iter().enumerate().rev().flat_map(of).collect()
     }
 }
 
@@ -394,12 +393,6 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
-    fn parse(text: &str) -> Result<HerdFile, BakeError> {
-        HerdFile::parse("h.toml", text, &[], &|words| {
-            words.contains(&"--size=96".to_owned()).then(|| "no size".to_owned())
-        })
-    }
-
     #[test]
     fn a_file_is_read() {
         let text = r##"
@@ -418,10 +411,10 @@ mod tests {
             frames = 8
             shares = 2
         "##;
-        let file = parse(text).unwrap();
+        let file = HerdFile::parse("h.toml", text).unwrap();
         assert_eq!(file.recipes[0].models.0, ["*fox*", "*wolf*"]);
         assert_eq!(file.views[0].models, all());
-        assert_eq!(file.folders().into_iter().collect::<Vec<_>>(), ["a"]);
+        assert_eq!(file.folders().into_iter().collect::<Vec<_>>(), [("a".to_owned(), "model[0].files".to_owned())]);
         let rules = &file.rules;
         assert_eq!((rules.model("a/fox.glb"), rules.model("a/fox.obj")), (Some(0), None));
     }
@@ -446,20 +439,8 @@ mod tests {
                 "[[model]]\nfiles = \"*\"\n[[sequence]]\nname = \"s\"\nframes = 2\nview = \"x\"",
                 "sequence[0].view: found \"x\"",
             ),
-            (
-                "[[model]]\nfiles = \"*\"\n[[view]]\nname = \"a\"\nsize = \"96\"",
-                "h.toml: line 5, view[0].size: no size",
-            ),
-            (
-                "[[model]]\nfiles = \"*\"\n[[recipe]]\n[recipe.set]\n\"hair.density\" = 9\n\"hair.lenght_m\" = 1",
-                "h.toml: line 6, recipe[0].set.hair.lenght_m: unknown key",
-            ),
-            (
-                "[[model]]\nfiles = \"*\"\n[[variant]]\nname = \"a\"\nset = { hair = { density = -1 } }",
-                "h.toml: line 5, variant[0].set.hair.density: found -1",
-            ),
         ] {
-            let error = parse(text).unwrap_err().to_string();
+            let error = HerdFile::parse("h.toml", text).unwrap_err().to_string();
             assert!(error.contains(message), "{text}: {error}");
         }
     }
@@ -483,7 +464,7 @@ mod tests {
             [[chart]]
             topic = "shells"
         "#;
-        let file = parse(text).unwrap();
+        let file = HerdFile::parse("h.toml", text).unwrap();
         let models = ["fox.glb", "hare.obj"].map(|path| Found { path: path.into(), bytes: 1 });
         let idle = file.idle("h.toml", text, &models, &|file| file == "hare.toml");
         let expected = [

@@ -5,6 +5,7 @@
 
 mod estimate;
 mod file;
+mod found;
 mod kind;
 pub mod ninja;
 mod pattern;
@@ -16,8 +17,10 @@ mod words;
 
 pub use estimate::{History, Known};
 pub use file::{Chart, HerdFile, Models, RecipeRule, Rules, Sequence, Truth, Variant, View, Words};
+pub use found::{Found, NAME};
 pub use kind::Kind;
 pub use pattern::Patterns;
-pub use plan::{Found, NAME, Plan, Row, Task, Told, plan};
+pub use plan::{Plan, Row, Task, Told, plan};
 pub use report::{Became, Report, State};
 pub use shell::{shell_line, shell_word};
+pub use words::Judge;

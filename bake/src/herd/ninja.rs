@@ -9,6 +9,9 @@ use std::fmt::Write as _;
 /// drawn by software takes all of them otherwise.
 pub const THREADS: [&str; 2] = ["RAYON_NUM_THREADS", "LP_NUM_THREADS"];
 
+/// How Ninja shall begin a line about a command (`NINJA_STATUS`): how many are over of how many.
+pub const STATUS: &str = "[%f/%t] ";
+
 /// How many commands run at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {

@@ -2,34 +2,21 @@
 
 use super::estimate::{History, Known};
 use super::file::{Chart, HerdFile, Sequence, Truth, Variant, View, fitting};
+use super::found::{Found, NAME};
 use super::kind::Kind;
 use super::words::{Word, sets};
 use crate::BakeError;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-
-/// A model on disk.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Found {
-    /// From the herd file's folder, with slashes.
-    pub path: String,
-    /// Of the file.
-    pub bytes: u64,
-}
-
-impl Found {
-    /// A file of its own name: [`NAME`] stands for that.
-    pub(super) fn named(&self, file: &str) -> String {
-        file.replace(NAME, &Path::new(&self.path).file_stem().unwrap_or_default().to_string_lossy())
-    }
-}
 
 /// What a plan is made of.
 #[derive(Clone, Copy)]
 pub struct Told<'a> {
     /// The herd file's name, for messages.
     pub name: &'a str,
+    /// Its text, for their lines.
+    pub text: &'a str,
     /// What it says.
     pub file: &'a HerdFile,
     /// The models, in the order of their paths.
@@ -134,9 +121,6 @@ impl Plan {
     }
 }
 
-/// Stands for the name of a model's file, without its extension, in the name of a recipe.
-pub const NAME: &str = "{name}";
-
 /// A path below another.
 pub(super) fn join(folder: &str, name: &str) -> String {
     if folder.is_empty() || folder == "." {
@@ -175,20 +159,24 @@ pub fn plan(told: &Told<'_>) -> Result<Plan, BakeError> {
         let model = &Found::default();
         Planner { told, plan: &mut plan, model, called: "" }.chart(chart, None);
     }
-    let mut makers = BTreeMap::new();
+    let (mut makers, mut names) = (BTreeMap::new(), BTreeSet::new());
     for task in &plan.tasks {
+        if !names.insert(task.name.as_str()) {
+            let reason = format!("two commands would both be called {:?}, expected other names", task.name);
+            return Err(fault(told, "", reason));
+        }
         for output in task.outputs.iter().chain([&task.record]) {
             if let Some(other) = makers.insert(output.as_str(), task.name.as_str()) {
                 let reason = format!("{:?} and {other:?} would both write {output}, expected other names", task.name);
-                return Err(fault(told, "whole file", reason));
+                return Err(fault(told, "", reason));
             }
         }
     }
     Ok(plan)
 }
 
-fn fault(told: &Told<'_>, place: &str, reason: String) -> BakeError {
-    BakeError::Input { file: told.name.to_owned(), place: place.to_owned(), reason }
+fn fault(told: &Told<'_>, key: &str, reason: String) -> BakeError {
+    HerdFile::fault(told.name, told.text, key, reason)
 }
 
 /// Names of models: their paths without what leads out of the herd's folder, and without extensions where these do not tell models apart.

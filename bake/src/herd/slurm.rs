@@ -4,7 +4,7 @@
 //! is not, wherever a node died. No two shards write the same file, and each has a log of its own.
 
 use super::kind::Kind;
-use super::ninja::THREADS;
+use super::ninja::{STATUS, THREADS};
 use super::plan::Plan;
 use super::shell::shell_word;
 use std::collections::BTreeMap;
@@ -151,7 +151,8 @@ impl Script<'_> {
              set -u\n\
              cd {folder} || exit 2\n\
              shard=$(echo \"$1\" | cut -d, -f$((SLURM_ARRAY_TASK_ID + 1)))\n\
-             export {threads}\n\
+             export {threads} NINJA_STATUS='{STATUS}'\n\
+             unset CLICOLOR_FORCE\n\
              status=1\n\
              for try in $(seq 0 {retries}); do\n\
              \x20   [ \"$try\" = 0 ] || echo \"trying again what failed, $try of {retries}\"\n\
@@ -240,6 +241,7 @@ mod tests {
             "#SBATCH --partition=night",
             "#SBATCH --exclusive",
             "cd '/a b' || exit 2",
+            "export RAYON_NUM_THREADS=1 LP_NUM_THREADS=1 NINJA_STATUS='[%f/%t] '",
             "    ninja -f out/.herd/slurm/models-$shard.ninja -j 1 -k 0 && status=0 && break",
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\n{text}");

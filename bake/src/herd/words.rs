@@ -2,7 +2,17 @@
 
 use super::file::{Fault, HerdFile, Sequence, Truth, View};
 use crate::BakeError;
-use crate::recipe::Recipe;
+
+/// Who knows which words commands take.
+#[derive(Clone, Copy)]
+pub struct Judge<'a> {
+    /// Keys of looks that mean nothing to a truth, such as `fur.layers`.
+    pub only_drawn: &'a [&'a str],
+    /// Why `pelage` refuses such a command line, if it does.
+    pub refusal: &'a dyn Fn(&[String]) -> Option<String>,
+    /// Why `bake --set` refuses such a change, if it does.
+    pub recipe: &'a dyn Fn(&str) -> Option<String>,
+}
 
 /// A key of a table, and the word that it is on a command line.
 pub(super) type Word = (String, String);
@@ -84,23 +94,27 @@ fn key_of(assignment: &str) -> &str {
 }
 
 impl HerdFile {
-    /// The first word that a command would refuse.
+    /// Reads a herd file, and holds its words against the commands that have them.
     ///
-    /// * `only_drawn`: keys of looks that mean nothing to a truth
-    /// * `refusal`: why `pelage` refuses such words, if it does
-    pub(super) fn words_fault(
-        &self,
-        only_drawn: &[&str],
-        refusal: &dyn Fn(&[String]) -> Option<String>,
-    ) -> Option<Fault> {
+    /// # Errors
+    ///
+    /// As [`Self::parse`]; [`BakeError::Input`] with line and key, too, for what a command would refuse.
+    pub fn read(name: &str, text: &str, judge: &Judge<'_>) -> Result<Self, BakeError> {
+        let file = Self::parse(name, text)?;
+        let fault = file.words_fault(judge);
+        fault.map_or(Ok(file), |(key, reason)| Err(Self::fault(name, text, &key, reason)))
+    }
+
+    /// The first word that a command would refuse.
+    fn words_fault(&self, judge: &Judge<'_>) -> Option<Fault> {
         let recipes = self.recipes.iter().enumerate().map(|(i, rule)| (format!("recipe[{i}]"), &rule.set));
         let variants = self.variants.iter().enumerate().map(|(i, variant)| (format!("variant[{i}]"), &variant.set));
         let mut sets = recipes.chain(variants);
-        sets.find_map(|(place, set)| recipe_fault(&place, set))
-            .or_else(|| self.trials(only_drawn).into_iter().find_map(|trial| trial.fault(refusal)))
+        sets.find_map(|(place, set)| recipe_fault(&place, set, judge))
+            .or_else(|| self.trials(judge.only_drawn).into_iter().find_map(|trial| trial.fault(judge.refusal)))
     }
 
-    /// Commands that have all words of the file between them.
+    /// Commands that have all words of the file between them which a command line can judge.
     fn trials(&self, only_drawn: &[&str]) -> Vec<Trial> {
         let render = ["render", "a.pelage", "-o", "a.png"];
         let reference = ["reference", "a.pelage", "-o", "a.png"];
@@ -155,11 +169,8 @@ impl Trial {
 }
 
 /// The first key of a recipe that means nothing, or cannot be that.
-fn recipe_fault(place: &str, set: &toml::Table) -> Option<Fault> {
-    assignments(set).iter().find_map(|set| match Recipe::default().set(set).err()? {
-        BakeError::Input { reason, .. } => Some((format!("{place}.set.{}", key_of(set)), reason)),
-        other => Some((format!("{place}.set"), other.to_string())),
-    })
+fn recipe_fault(place: &str, set: &toml::Table, judge: &Judge<'_>) -> Option<Fault> {
+    assignments(set).iter().find_map(|set| Some((format!("{place}.set.{}", key_of(set)), (judge.recipe)(set)?)))
 }
 
 #[cfg(test)]
@@ -190,12 +201,33 @@ mod tests {
         let view = View { size: Some("8".into()), orbit: Some("1,2".into()), ..View::default() };
         let file = HerdFile { views: vec![view], ..HerdFile::default() };
         let fault = |refused: &'static [&'static str]| {
-            file.words_fault(&[], &|words| {
-                refused.iter().all(|word| words.iter().any(|w| w == word)).then(|| "no".to_owned())
-            })
+            let has = |words: &[String]| refused.iter().all(|word| words.iter().any(|w| w == word));
+            let refusal = |words: &[String]| has(words).then(|| "no".to_owned());
+            file.words_fault(&Judge { only_drawn: &[], refusal: &refusal, recipe: &|_| None })
         };
         assert_eq!(fault(&["--orbit=1,2"]), Some(("view[0].orbit".into(), "no".into())));
         assert_eq!(fault(&["--orbit=1,2", "--size=8"]), Some(("view[0]".into(), "no".into())));
         assert_eq!(fault(&["--camera=1,2"]), None);
+    }
+
+    #[test]
+    fn what_a_command_would_refuse_is_told_with_its_line() {
+        let refusal = |words: &[String]| words.contains(&"--size=96".to_owned()).then(|| "no size".to_owned());
+        let recipe = |set: &str| set.contains("lenght").then(|| "no key".to_owned());
+        let judge = Judge { only_drawn: &[], refusal: &refusal, recipe: &recipe };
+        for (text, message) in [
+            ("[[view]]\nname = \"a\"\nsize = \"96\"", "h.toml: line 5, view[0].size: no size"),
+            (
+                "[[recipe]]\n[recipe.set]\n\"hair.density\" = 9\n\"hair.lenght_m\" = 1",
+                "h.toml: line 6, recipe[0].set.hair.lenght_m: no key",
+            ),
+            (
+                "[[variant]]\nname = \"a\"\nset = { hair = { lenght_m = -1 } }",
+                "h.toml: line 5, variant[0].set.hair.lenght_m: no key",
+            ),
+        ] {
+            let text = format!("[[model]]\nfiles = \"*\"\n{text}");
+            assert_eq!(HerdFile::read("h.toml", &text, &judge).unwrap_err().to_string(), message);
+        }
     }
 }

@@ -37,8 +37,8 @@ pub struct HerdFiles {
 pub struct PlanArgs {
     #[command(flatten)]
     pub files: HerdFiles,
-    /// Those alone that `run` would run now, as Ninja finds it. What is made of the files of one of them is among them, though it stays where they come out
-    /// the same
+    /// Those alone that `run` would run now on this machine, as Ninja finds it. What is made of the files of one of them is among them, though it stays where
+    /// they come out the same
     #[arg(long)]
     pub due: bool,
 }

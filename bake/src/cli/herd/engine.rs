@@ -1,13 +1,13 @@
 //! Ninja, as a process.
 
-use super::finish::Ran;
+use super::finish;
 use super::on_disk::Herd;
 use super::paths::io_error;
+use super::ran::{Ran, status};
 use crate::cli::exit::Failure;
 use crate::cli::output::{Output, human_bytes};
 use pelage_bake::BakeError;
-use pelage_bake::herd::Kind;
-use pelage_bake::herd::ninja::THREADS;
+use pelage_bake::herd::ninja::{STATUS, THREADS};
 use std::collections::BTreeSet;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
@@ -34,17 +34,21 @@ pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Re
     Ok(ran)
 }
 
-/// The names of commands that would run now. Those that hang on one of them are among them: whether it comes out the same, nobody knows before.
+/// The names of commands that this machine would run now. Those that hang on one of them are among them: whether it comes out the same, nobody knows before.
 pub fn due(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
-    let mut due = dry_run(herd, file)?;
+    let mut named = dry_run(herd, file)?;
     let timed = herd.timed();
     if !timed.is_empty() {
-        due.extend(dry_run(herd, &herd.write_timed(&timed, u64::MAX)?)?);
+        named.extend(dry_run(herd, &herd.write_timed(&timed, u64::MAX)?)?);
     }
+    // What failed is tried again, whatever Ninja thinks of its files.
+    let failed: BTreeSet<String> = finish::failed_before(herd).into_iter().collect();
     let makers = herd.plan.makers();
-    for task in herd.plan.tasks.iter().filter(|task| task.kind == Kind::Bench) {
-        let made = |input: &String| makers.get(input.as_str()).is_some_and(|i| due.contains(&herd.plan.tasks[*i].name));
-        if task.inputs.iter().any(made) {
+    let mut due = BTreeSet::new();
+    for task in &herd.plan.tasks {
+        let is_made =
+            |input: &String| makers.get(input.as_str()).is_some_and(|i| due.contains(&herd.plan.tasks[*i].name));
+        if named.contains(&task.name) || failed.contains(&task.record) || task.inputs.iter().any(is_made) {
             due.insert(task.name.clone());
         }
     }
@@ -52,7 +56,7 @@ pub fn due(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
 }
 
 fn dry_run(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
-    let said = command(herd, file).arg("-n").env("NINJA_STATUS", STATUS).output().map_err(cannot_run)?;
+    let said = command(herd, file).arg("-n").output().map_err(cannot_run)?;
     if !said.status.success() {
         let why = String::from_utf8_lossy(&said.stderr).trim().to_owned();
         return Err(io_error(&herd.path(file), "run ninja on", io::Error::other(why)));
@@ -65,6 +69,8 @@ fn dry_run(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
 pub fn command(herd: &Herd, file: &str) -> Command {
     let mut command = Command::new("ninja");
     command.current_dir(&herd.folder).args(["-f", file]);
+    // What it says is read here: in this form, and without colours.
+    command.env("NINJA_STATUS", STATUS).env_remove("CLICOLOR_FORCE");
     for threads in THREADS {
         if std::env::var_os(threads).is_none() {
             command.env(threads, "1");
@@ -79,13 +85,10 @@ pub fn cannot_run(source: io::Error) -> Failure {
     io_error(Path::new("ninja"), "run", source)
 }
 
-/// How Ninja begins a line about a command: how many are over of how many.
-const STATUS: &str = "[%f/%t] ";
-
 fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut Ran, output: &mut Output) -> Result<(), Failure> {
     let mut command = command(herd, file);
     // It goes on after failures.
-    command.args(["-k", "0", "-j", &jobs.to_string()]).env("NINJA_STATUS", STATUS);
+    command.args(["-k", "0", "-j", &jobs.to_string()]);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().map_err(cannot_run)?;
     let errors = child.stderr.take();
@@ -96,9 +99,11 @@ fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut Ran, output: &mut Output)
     {
         let line = line.map_err(|source| io_error(Path::new("ninja"), "read from", source))?;
         let line = String::from_utf8_lossy(&line);
-        ran.failed.hear(&line);
+        if ran.tasks.is_empty() && status(&line).is_some() {
+            finish::forget_page(herd)?;
+        }
+        ran.hear(&line);
         if let Some((done, total, task)) = status(&line) {
-            ran.tasks.insert(task.to_owned());
             output.progress_of(done, total, task);
         } else if line.starts_with("ninja: error:") || line.starts_with("ninja: fatal:") {
             faults.push(line.into_owned());
@@ -112,82 +117,4 @@ fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut Ran, output: &mut Output)
         return Err(io_error(&herd.path(file), "run ninja on", io::Error::other(faults.join("; "))));
     }
     Ok(())
-}
-
-/// What Ninja says of commands that failed.
-#[derive(Clone, Debug, Default)]
-pub struct Failed {
-    /// The files that each would have made, and the last lines that it wrote.
-    all: Vec<(String, Vec<String>)>,
-    /// Whether the last of them is being heard.
-    open: bool,
-}
-
-impl Failed {
-    /// Last lines that are kept of each.
-    const LINES: usize = 3;
-
-    /// Hears a line of Ninja's. It names the files of a command that failed, then the command, and then what that wrote.
-    pub fn hear(&mut self, line: &str) {
-        if let Some(files) = line.strip_prefix("FAILED: ") {
-            self.all.push((files.to_owned(), Vec::new()));
-            self.open = true;
-        } else if status(line).is_some() || line.starts_with("ninja: ") {
-            self.open = false;
-        } else if let Some((_, lines)) = self.all.last_mut().filter(|_| self.open && !line.trim().is_empty()) {
-            // The command itself stays, that no more than the rest goes.
-            if lines.len() > Self::LINES {
-                lines.remove(1);
-            }
-            lines.push(line.trim().to_owned());
-        }
-    }
-
-    /// The last words of the command that would have made that file, where it failed: empty where it had none.
-    pub fn last_words(&self, file: &str) -> Option<String> {
-        let (_, lines) = self.all.iter().rev().find(|(files, _)| files.contains(file))?;
-        Some(lines.get(1..).unwrap_or_default().join("; "))
-    }
-}
-
-/// `[3/10] bake fox`: how many are over, of how many, and which.
-fn status(line: &str) -> Option<(usize, usize, &str)> {
-    let (count, task) = line.strip_prefix('[')?.split_once("] ")?;
-    let (done, total) = count.split_once('/')?;
-    Some((done.parse().ok()?, total.parse().ok()?, task))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_failed_is_heard() {
-        let mut failed = Failed::default();
-        let lines = [
-            "[1/3] bake a",
-            "FAILED: a.pelage r/a.json ",
-            "pelage bake a",
-            "FAILED: [code=137] b.pelage r/b.json ",
-            "pelage bake b",
-            "one",
-            "two",
-            "",
-            "three",
-            "four",
-            "[2/3] bake c",
-            "of c",
-            "ninja: build stopped: subcommands failed.",
-        ];
-        lines.iter().for_each(|line| failed.hear(line));
-        assert_eq!(failed.last_words("r/a.json").as_deref(), Some(""));
-        assert_eq!(failed.last_words("r/b.json").as_deref(), Some("two; three; four"));
-        assert_eq!(failed.last_words("r/c.json"), None);
-    }
-
-    #[test]
-    fn what_ninja_says_is_understood() {
-        assert_eq!(status("[3/10] bake a] b"), Some((3, 10, "bake a] b")));
-        assert!(["FAILED: a", "[x/2] a", "ninja: no work to do.", ""].iter().all(|line| status(line).is_none()));
-    }
 }

@@ -1,10 +1,11 @@
 //! Slurm, by its commands.
 
 use super::args::RunArgs;
-use super::engine::{self, Failed};
-use super::finish::Ran;
+use super::engine;
+use super::finish;
 use super::on_disk::Herd;
 use super::paths::io_error;
+use super::ran::Ran;
 use crate::cli::exit::Failure;
 use crate::cli::output::{Output, make_folder};
 use pelage_bake::herd::slurm::{Script, Shard, Stage, TIMED, demand, known, stages};
@@ -13,7 +14,7 @@ use pelage_bake::{BakeError, io};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::io::{Error, ErrorKind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
@@ -61,13 +62,16 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
         before.clone_from(&jobs);
         ids.extend(jobs);
     }
-    let tasks = open.iter().flatten().flat_map(|shard| &shard.tasks).map(|i| herd.plan.tasks[*i].name.clone());
-    let tasks: BTreeSet<String> = tasks.collect();
+    let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
+    io::write_atomic(&logs_file(herd), json!(logs).to_string().as_bytes())?;
+    if !ids.is_empty() {
+        finish::forget_page(herd)?;
+    }
     if args.detach {
         let text = format!("submitted {} jobs, {} shards: {}", ids.len(), shards.len(), ids.join(" "));
         output.result(
             &text,
-            &json!({ "action": "submitted", "jobs_submitted": ids, "shards": shards.len(), "tasks": tasks.len() }),
+            &json!({ "action": "submitted", "jobs_submitted": ids, "shards": shards.len(), "tasks": tasks }),
         )?;
         return Ok(None);
     }
@@ -75,21 +79,28 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
         output.note(&format!("submitted jobs {0}; `scancel {0}` ends them", ids.join(" ")));
     }
     wait(herd, &ids, &shards, output)?;
-    Ok(Some(Ran { tasks, failed: failed(herd, &files, &logs) }))
+    Ok(Some(ran(herd)))
 }
 
-/// What Ninja said on the farm of commands that failed, where its logs can be read.
-fn failed(herd: &Herd, files: &str, logs: &[String]) -> Failed {
-    let mut failed = Failed::default();
-    for entry in std::fs::read_dir(herd.path(files)).into_iter().flatten().flatten() {
+/// Where it stands how the logs begin of what was submitted last.
+fn logs_file(herd: &Herd) -> PathBuf {
+    herd.path(&format!("{}/slurm/logs.json", herd.own()))
+}
+
+/// What Ninja says in the logs of what was submitted last, as far as they can be read.
+pub fn ran(herd: &Herd) -> Ran {
+    let logs = std::fs::read(logs_file(herd)).unwrap_or_default();
+    let logs: Vec<String> = serde_json::from_slice(&logs).unwrap_or_default();
+    let mut ran = Ran::default();
+    for entry in std::fs::read_dir(herd.path(&format!("{}/slurm", herd.own()))).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         if logs.iter().any(|log| name.starts_with(log.as_str())) {
             let text = std::fs::read(entry.path()).unwrap_or_default();
-            String::from_utf8_lossy(&text).lines().for_each(|line| failed.hear(line));
+            String::from_utf8_lossy(&text).lines().for_each(|line| ran.hear(line));
         }
     }
-    failed
+    ran
 }
 
 /// Writes the build files of all shards: those that are not done, for each stage.

@@ -1,8 +1,8 @@
 //! What became of a herd: read, told and put on a page.
 
-use super::engine::Failed;
 use super::on_disk::{Herd, history_file};
 use super::paths::io_error;
+use super::ran::Ran;
 use crate::cli::errand;
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::output::{Output, make_folder};
@@ -17,15 +17,6 @@ use std::collections::BTreeSet;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// What an engine has done.
-#[derive(Clone, Debug, Default)]
-pub struct Ran {
-    /// The names of commands that were run.
-    pub tasks: BTreeSet<String>,
-    /// Those that failed.
-    pub failed: Failed,
-}
-
 /// Pixels of the longer side of a small picture.
 const THUMB: u32 = 224;
 /// Herds of more rows have a page that shows the pictures themselves as they come into sight, where small ones are on the page.
@@ -39,30 +30,42 @@ fn failures_file(own: &str) -> String {
     format!("{own}/failures.json")
 }
 
+/// What the page was made of, from the herd's folder.
+fn key_file(own: &str) -> String {
+    format!("{own}/report.key")
+}
+
+/// From now on the page is not what became of it: it is written anew, however this run ends.
+pub fn forget_page(herd: &Herd) -> Result<(), Failure> {
+    remove(&herd.path(&key_file(&herd.own())))
+}
+
+fn remove(path: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(io_error(path, "remove", source)),
+        _ => Ok(()),
+    }
+}
+
 /// The records of commands that failed when the page was written.
-fn failed_before(herd: &Herd) -> Vec<String> {
+pub fn failed_before(herd: &Herd) -> Vec<String> {
     let text = std::fs::read(herd.path(&failures_file(&herd.own()))).unwrap_or_default();
     serde_json::from_slice(&text).unwrap_or_default()
 }
 
 /// Removes the records of commands that failed: no engine may take these for done.
 pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
-    for record in failed_before(herd) {
-        match std::fs::remove_file(herd.path(&record)) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                return Err(io_error(&herd.path(&record), "remove", source));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
+    failed_before(herd).iter().try_for_each(|record| remove(&herd.path(record)))
 }
 
-fn became(herd: &Herd, failed: &Failed) -> Result<Vec<Option<Became>>, Failure> {
+fn became(herd: &Herd, ran: &Ran) -> Result<Vec<Option<Became>>, Failure> {
     let read = |record: &str| serde_json::from_slice(&std::fs::read(herd.path(record)).ok()?).ok();
-    let of = |task: &Task| match (read(&task.record), failed.last_words(&task.record)) {
-        (None, Some(last_words)) => bury(herd, task, &last_words).map(|()| read(&task.record)),
-        (found, _) => Ok(found),
+    let of = |task: &Task| {
+        let found = read(&task.record);
+        match ran.last_words(task).filter(|_| found.is_none()) {
+            Some(last_words) => bury(herd, task, &last_words).map(|()| read(&task.record)),
+            None => Ok(found),
+        }
     };
     herd.plan.tasks.par_iter().map(of).collect()
 }
@@ -91,7 +94,7 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     let page = herd.path(&format!("{}/report.html", herd.plan.out));
     let own = herd.own();
     let plan = plan_key(herd)?;
-    let key_file = herd.path(&format!("{own}/report.key"));
+    let key_file = herd.path(&key_file(&own));
     let known = page.is_file() && std::fs::read_to_string(&key_file).is_ok_and(|key| key == plan);
     if ran.tasks.is_empty() && known && failed_before(herd).is_empty() {
         // Of a large farm's herd there are very many records; all of them say that all is well.
@@ -99,7 +102,7 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
         return tell(herd, counts, &[], (0, 0), &page, output);
     }
     output.progress("writing the report");
-    let became = became(herd, &ran.failed)?;
+    let became = became(herd, ran)?;
     let report = Report::new(&herd.plan, &became);
     let failures = report.failures();
     let thumbs = Thumbs::new(herd)?;

@@ -8,11 +8,12 @@ mod memory;
 mod models;
 mod on_disk;
 mod paths;
+mod ran;
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
-use args::{Action, Engine, PlanArgs, RunArgs};
-use on_disk::Herd;
+use args::{Action, Engine, HerdFiles, PlanArgs, RunArgs};
+use on_disk::{Herd, Refusal};
 use pelage_bake::herd::{Kind, Task, shell_line};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -20,26 +21,31 @@ use std::path::Path;
 
 pub use args::HerdArgs;
 
-/// Runs the subcommand; `cache` is the one that was given for all commands.
-pub fn run(args: &HerdArgs, cache: Option<&Path>, output: &mut Output) -> Result<Exit, Failure> {
+/// Runs the subcommand.
+///
+/// * `cache`: the one that was given for all commands
+/// * `refusal`: why the tool refuses a command line
+pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output: &mut Output) -> Result<Exit, Failure> {
+    let read = |files: &HerdFiles| Herd::read(files, cache, refusal);
     match &args.action {
-        Action::Plan(args) => say_plan(args, cache, output),
-        Action::Run(args) => run_all(args, cache, output),
+        Action::Plan(args) => say_plan(&read(&args.files)?, args, output),
+        Action::Run(args) => run_all(args, read, output),
         Action::Report(files) => {
             output.progress("reading what became of it");
-            let herd = Herd::read(files, cache)?;
-            finish::finish(&herd, &finish::Ran::default(), output)
+            let herd = read(files)?;
+            // What was submitted and left alone has told the farm's logs alone how it ended.
+            let ran = farm::ran(&herd).failures_alone();
+            finish::finish(&herd, &ran, output)
         }
     }
 }
 
-fn say_plan(args: &PlanArgs, cache: Option<&Path>, output: &mut Output) -> Result<Exit, Failure> {
-    let herd = Herd::read(&args.files, cache)?;
+fn say_plan(herd: &Herd, args: &PlanArgs, output: &mut Output) -> Result<Exit, Failure> {
     herd.say_idle(output);
     make_folder(&herd.path(&herd.plan.out))?;
     let (name, room) = herd.write_ninja(memory::cores(), memory::free_bytes())?;
     let cache = herd.cache.as_deref();
-    let due = if args.due { Some(engine::due(&herd, &name)?) } else { None };
+    let due = if args.due { Some(engine::due(herd, &name)?) } else { None };
     let tasks = herd.plan.tasks.iter().filter(|task| due.as_ref().is_none_or(|due| due.contains(&task.name)));
     let tasks: Vec<&Task> = tasks.collect();
     if !output.is_json() {
@@ -81,7 +87,11 @@ fn kinds(tasks: &[&Task]) -> Value {
     kinds.into_iter().map(of).collect()
 }
 
-fn run_all(args: &RunArgs, cache: Option<&Path>, output: &mut Output) -> Result<Exit, Failure> {
+fn run_all(
+    args: &RunArgs,
+    read: impl Fn(&HerdFiles) -> Result<Herd, Failure>,
+    output: &mut Output,
+) -> Result<Exit, Failure> {
     let farm = args.engine == Engine::Slurm;
     for (name, given, slurm) in [
         ("--jobs", args.jobs.is_some(), false),
@@ -95,7 +105,7 @@ fn run_all(args: &RunArgs, cache: Option<&Path>, output: &mut Output) -> Result<
         }
     }
     output.progress("planning");
-    let herd = Herd::read(&args.files, cache)?;
+    let herd = read(&args.files)?;
     herd.say_idle(output);
     herd.make_folders()?;
     finish::forget_failures(&herd)?;

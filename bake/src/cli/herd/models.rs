@@ -10,17 +10,17 @@ use walkdir::WalkDir;
 
 /// Finds the models of a herd, in the order of their paths. Folders whose names begin with a dot, and that of the results, are passed by.
 ///
-/// * `name`: the herd file, for messages
+/// * `name`, `text`: the herd file, for messages
 /// * `folder`: its folder
 /// * `out`: that of the results, from there
-pub fn find(name: &str, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
+pub fn find(name: &str, text: &str, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
     let results = folder.join(out);
     let mut found: BTreeMap<String, u64> = BTreeMap::new();
-    for base in file.folders() {
+    for (base, key) in file.folders() {
         let from = folder.join(&base);
         if !from.is_dir() {
             let reason = format!("{base:?} is no folder; expected one, from the folder of {name}");
-            return Err(BakeError::Input { file: name.to_owned(), place: "model".into(), reason }.into());
+            return Err(HerdFile::fault(name, text, &key, reason).into());
         }
         let hidden = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with('.');
         let walk = WalkDir::new(&from).follow_links(true).into_iter().filter_entry(|entry| {

@@ -3,15 +3,18 @@
 use super::args::HerdFiles;
 use super::models;
 use super::paths::{absolute, io_error, seen_from, utf8};
+use crate::cli::bake::RecipeArgs;
 use crate::cli::exit::Failure;
 use crate::cli::output::{Output, make_folder};
 use crate::cli::reference::only_drawn;
-use crate::cli::refusal;
-use pelage_bake::herd::{HerdFile, History, Kind, NAME, Plan, Task, Told, ninja, plan};
-use pelage_bake::{BakeError, io};
+use pelage_bake::herd::{HerdFile, History, Judge, Kind, NAME, Plan, Task, Told, ninja, plan};
+use pelage_bake::io;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// Why the tool refuses a command line, if it does.
+pub type Refusal<'a> = dyn Fn(&[String]) -> Option<String> + 'a;
 
 /// A herd as it lies on disk.
 pub struct Herd {
@@ -33,21 +36,23 @@ pub struct Herd {
 
 impl Herd {
     /// Reads a herd file, finds its models and plans.
-    pub fn read(files: &HerdFiles, cache: Option<&Path>) -> Result<Self, Failure> {
+    pub fn read(files: &HerdFiles, cache: Option<&Path>, refusal: &Refusal<'_>) -> Result<Self, Failure> {
         let name = files.herd.display().to_string();
         let text = io::read_text(&files.herd, "a herd in TOML")?;
         let only_drawn = only_drawn();
-        let file = HerdFile::parse(&name, &text, &only_drawn, &refusal)?;
+        let judge = Judge { only_drawn: &only_drawn, refusal, recipe: &RecipeArgs::refusal };
+        let file = HerdFile::read(&name, &text, &judge)?;
         let parent = files.herd.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = absolute(parent)?;
         let out = seen_from(&folder, &absolute(&files.output)?)?;
         let cache = cache.map(|cache| seen_from(&folder, &absolute(cache)?)).transpose()?;
-        let models = models::find(&name, &file, &folder, &out)?;
-        check_files(&name, &file, &folder)?;
+        let models = models::find(&name, &text, &file, &folder, &out)?;
+        check_files(&name, &text, &file, &folder)?;
         let history = history(&folder, &out);
         let is_file = |path: &str| folder.join(path).is_file();
         let plan = plan(&Told {
             name: &name,
+            text: &text,
             file: &file,
             models: &models,
             out: &out,
@@ -143,7 +148,7 @@ fn sweep(folder: &Path) {
 }
 
 /// Recipes and looks have to be there before anything begins: no engine can say what is wrong with the file that named them.
-fn check_files(name: &str, file: &HerdFile, folder: &Path) -> Result<(), Failure> {
+fn check_files(name: &str, text: &str, file: &HerdFile, folder: &Path) -> Result<(), Failure> {
     let recipes = file.recipes.iter().enumerate().map(|(i, rule)| (format!("recipe[{i}].file"), &rule.file));
     let variants = file.variants.iter().enumerate().map(|(i, variant)| (format!("variant[{i}].file"), &variant.file));
     let looks = file.views.iter().enumerate().map(|(i, view)| (format!("view[{i}].look"), &view.look));
@@ -151,7 +156,7 @@ fn check_files(name: &str, file: &HerdFile, folder: &Path) -> Result<(), Failure
         let missing = |path: &&String| !path.contains(NAME) && !folder.join(path).is_file();
         let Some(path) = path.as_ref().filter(missing) else { continue };
         let reason = format!("{path:?} is no file; expected one, from the folder of {name}");
-        return Err(BakeError::Input { file: name.to_owned(), place, reason }.into());
+        return Err(HerdFile::fault(name, text, &place, reason).into());
     }
     Ok(())
 }
