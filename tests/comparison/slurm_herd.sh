@@ -104,6 +104,17 @@ wait $! || true
 say "two commands were killed: $(tail -2 "$folder/task.txt" | head -1)"
 same "after commands were killed" task
 
+# Where nothing is tried again and nobody waits, the report tells it by the farm's logs.
+on_slurm dead --retries 0 --detach >/dev/null
+await dead 3
+for process in $(pgrep -f "^$pelage (bake|render|reference)" | head -2); do kill -9 "$process" || true; done
+while [ -n "$(squeue --noheader)" ]; do sleep 1; done
+told=$("$pelage" herd report "$herd" -o "$folder/dead" --quiet 2>&1 | grep -c 'it ended without a' || true)
+say "killed for good: $told commands are told to be"
+[ "$told" -gt 0 ] || failed=1
+say "with another run: $(on_slurm dead | tail -2 | head -1)"
+same "after commands were killed for good" dead
+
 # The node dies with all that runs on it; its shards go back into the queue, and begin anew when it is there again.
 on_slurm node >"$folder/node.txt" &
 await node 4
