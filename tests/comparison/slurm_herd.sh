@@ -52,6 +52,17 @@ made() { find "$1" \( -name '*.pelage' -o -name '*.png' \) 2>/dev/null | wc -l; 
 # await NAME COUNT: until a herd that runs has made so many.
 await() { for _ in $(seq 600); do if [ "$(made "$folder/$1")" -ge "$2" ]; then return; fi; sleep 0.1; done; }
 
+# Kills the next two commands that are found at work: between two of them there are moments without any.
+kill_two() {
+    local killed=0 process
+    for _ in $(seq 2000); do
+        process=$(pgrep -f "^$pelage (bake|render|reference)" | head -1) || true
+        if [ -n "$process" ] && kill -9 "$process" 2>/dev/null; then killed=$((killed + 1)); fi
+        if [ "$killed" = 2 ]; then return; fi
+        sleep 0.02
+    done
+}
+
 ran() { sed -n 's/ commands were run.*//p'; }
 
 mkdir -p "$folder/models"
@@ -99,7 +110,7 @@ say "again: $(on_slurm slurm | ran) commands"
 # A command that is killed from outside: its shard tries again.
 on_slurm task >"$folder/task.txt" &
 await task 3
-for process in $(pgrep -f "^$pelage (bake|render|reference)" | head -2); do kill -9 "$process" || true; done
+kill_two
 wait $! || true
 say "two commands were killed: $(tail -2 "$folder/task.txt" | head -1)"
 same "after commands were killed" task
@@ -107,7 +118,7 @@ same "after commands were killed" task
 # Where nothing is tried again and nobody waits, the report tells it by the farm's logs.
 on_slurm dead --retries 0 --detach >/dev/null
 await dead 3
-for process in $(pgrep -f "^$pelage (bake|render|reference)" | head -2); do kill -9 "$process" || true; done
+kill_two
 while [ -n "$(squeue --noheader)" ]; do sleep 1; done
 told=$("$pelage" herd report "$herd" -o "$folder/dead" --quiet 2>&1 | grep -c 'it ended without a' || true)
 say "killed for good: $told commands are told to be"
