@@ -120,7 +120,7 @@ pub fn run(
     }
     if let Some(path) = &args.record {
         let record = record(&result, &output.said(), began.elapsed().as_secs_f64(), cached);
-        let recorded = io::write_atomic(path, format!("{record:#}\n").as_bytes());
+        let recorded = write_record(path, &record);
         // An error of the command is what its user has to know first.
         result = result.and_then(|exit| recorded.map(|()| exit).map_err(Into::into));
     }
@@ -257,12 +257,14 @@ pub fn unrecorded(words: Vec<String>, exit: Exit, error: Option<&str>) -> Value 
 /// Writes the record of a command line that is refused, where its words ask for one.
 pub fn record_refusal(why: &str) -> Result<(), BakeError> {
     match record_asked(std::env::args_os()) {
-        Some(path) => {
-            let record = unrecorded(words(), Exit::Usage, Some(why));
-            io::write_atomic(&path, format!("{record:#}\n").as_bytes())
-        }
+        Some(path) => write_record(&path, &unrecorded(words(), Exit::Usage, Some(why))),
         None => Ok(()),
     }
+}
+
+/// Writes what became of a command.
+pub fn write_record(path: &Path, record: &Value) -> Result<(), BakeError> {
+    io::write_atomic(path, format!("{record:#}\n").as_bytes())
 }
 
 /// The words of this process.

@@ -203,26 +203,25 @@ impl HerdFile {
     /// # Errors
     ///
     /// [`BakeError::Input`] with line and key for what means nothing, and what contradicts something else.
-    pub fn parse(name: &str, text: &str) -> Result<Self, BakeError> {
-        let source = source(name, text);
+    pub fn parse(source: TomlText<'_>) -> Result<Self, BakeError> {
         let mut file: Self = source.parse().map_err(input)?;
-        let fault = |(key, reason): Fault| input(source.fault(&key, reason));
+        let fault = |(key, reason): Fault| Self::fault(source, &key, reason);
         file.names_fault().map_or(Ok(()), |found| Err(fault(found)))?;
         file.rules = Rules::of(&file).map_err(fault)?;
         file.numbers_fault().map_or(Ok(file), |found| Err(fault(found)))
     }
 
     /// An error at a key of the file, with its line.
-    pub fn fault(name: &str, text: &str, key: &str, reason: String) -> BakeError {
-        input(source(name, text).fault(key, reason))
+    pub fn fault(source: TomlText<'_>, key: &str, reason: String) -> BakeError {
+        input(source.fault(key, reason))
     }
 
     /// What of it does nothing, as a message each: patterns that fit no model, and recipes by name of which none is there.
     ///
-    /// * `name`, `text`: as it was read
+    /// * `source`: what it was read from
     /// * `models`: those that it found
     /// * `is_file`: whether a file is there, from its folder
-    pub fn idle(&self, name: &str, text: &str, models: &[Found], is_file: &dyn Fn(&str) -> bool) -> Vec<String> {
+    pub fn idle(&self, source: TomlText<'_>, models: &[Found], is_file: &dyn Fn(&str) -> bool) -> Vec<String> {
         let rules = &self.rules;
         let fits = |patterns: &Patterns| models.iter().any(|model| patterns.fits(&model.path));
         let all = [
@@ -238,18 +237,23 @@ impl HerdFile {
             let of_table = rules.into_iter().enumerate().filter(|(_, rule)| rule.is_some_and(|rule| !fits(rule)));
             idle.extend(of_table.map(|(i, _)| (format!("{table}[{i}].{key}"), "it fits no model".to_owned())));
         }
-        let recipes = self.recipes.iter().map(|rule| &rule.file).zip(&rules.recipes).enumerate();
-        let variants = self.variants.iter().map(|variant| &variant.file).zip(&rules.variants).enumerate();
-        let recipes = recipes.map(|(i, rule)| (format!("recipe[{i}].file"), rule));
-        for (key, (file, patterns)) in recipes.chain(variants.map(|(i, rule)| (format!("variant[{i}].file"), rule))) {
-            let Some(file) = file.as_ref().filter(|file| file.contains(NAME)) else { continue };
+        for (key, file, patterns) in self.recipe_files().filter(|(_, file, _)| file.contains(NAME)) {
             let mut named = models.iter().filter(|model| patterns.fits(&model.path)).map(|model| model.named(file));
             let Some(first) = named.next() else { continue };
             if !is_file(&first) && !named.any(|file| is_file(&file)) {
                 idle.push((key, format!("no model has such a recipe; that of the first would be {first:?}")));
             }
         }
-        idle.into_iter().map(|(key, reason)| Self::fault(name, text, &key, reason).to_string()).collect()
+        idle.into_iter().map(|(key, reason)| Self::fault(source, &key, reason).to_string()).collect()
+    }
+
+    /// The recipes that it names, each with its key and the models that it is for.
+    pub fn recipe_files(&self) -> impl Iterator<Item = (String, &String, &Patterns)> {
+        let rules = self.recipes.iter().map(|rule| &rule.file).zip(&self.rules.recipes).enumerate();
+        let variants = self.variants.iter().map(|variant| &variant.file).zip(&self.rules.variants).enumerate();
+        let rules = rules.map(|(i, named)| (format!("recipe[{i}].file"), named));
+        let all = rules.chain(variants.map(|(i, named)| (format!("variant[{i}].file"), named)));
+        all.filter_map(|(key, (file, patterns))| Some((key, file.as_ref()?, patterns)))
     }
 
     /// The first name that cannot be.
@@ -360,10 +364,6 @@ impl Rules {
     }
 }
 
-fn source<'a>(name: &'a str, text: &'a str) -> TomlText<'a> {
-    TomlText { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) }
-}
-
 /// At least one pattern.
 fn patterns(key: String, words: &Words) -> Result<Patterns, Fault> {
     if words.0.is_empty() {
@@ -411,7 +411,7 @@ mod tests {
             frames = 8
             shares = 2
         "##;
-        let file = HerdFile::parse("h.toml", text).unwrap();
+        let file = HerdFile::parse(TomlText::new("h.toml", text)).unwrap();
         assert_eq!(file.recipes[0].models.0, ["*fox*", "*wolf*"]);
         assert_eq!(file.views[0].models, all());
         assert_eq!(file.folders().into_iter().collect::<Vec<_>>(), [("a".to_owned(), "model[0].files".to_owned())]);
@@ -440,7 +440,7 @@ mod tests {
                 "sequence[0].view: found \"x\"",
             ),
         ] {
-            let error = HerdFile::parse("h.toml", text).unwrap_err().to_string();
+            let error = HerdFile::parse(TomlText::new("h.toml", text)).unwrap_err().to_string();
             assert!(error.contains(message), "{text}: {error}");
         }
     }
@@ -464,9 +464,9 @@ mod tests {
             [[chart]]
             topic = "shells"
         "#;
-        let file = HerdFile::parse("h.toml", text).unwrap();
+        let file = HerdFile::parse(TomlText::new("h.toml", text)).unwrap();
         let models = ["fox.glb", "hare.obj"].map(|path| Found { path: path.into(), bytes: 1 });
-        let idle = file.idle("h.toml", text, &models, &|file| file == "hare.toml");
+        let idle = file.idle(TomlText::new("h.toml", text), &models, &|file| file == "hare.toml");
         let expected = [
             "h.toml: line 5, model[1].files: it fits no model",
             "h.toml: line 12, recipe[2].models: it fits no model",

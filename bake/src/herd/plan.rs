@@ -6,6 +6,7 @@ use super::found::{Found, NAME};
 use super::kind::Kind;
 use super::words::{Word, sets};
 use crate::BakeError;
+use pelage_stage::TomlText;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,10 +14,8 @@ use std::path::Path;
 /// What a plan is made of.
 #[derive(Clone, Copy)]
 pub struct Told<'a> {
-    /// The herd file's name, for messages.
-    pub name: &'a str,
-    /// Its text, for their lines.
-    pub text: &'a str,
+    /// The herd file's name and text, for messages.
+    pub source: TomlText<'a>,
     /// What it says.
     pub file: &'a HerdFile,
     /// The models, in the order of their paths.
@@ -176,7 +175,7 @@ pub fn plan(told: &Told<'_>) -> Result<Plan, BakeError> {
 }
 
 fn fault(told: &Told<'_>, key: &str, reason: String) -> BakeError {
-    HerdFile::fault(told.name, told.text, key, reason)
+    HerdFile::fault(told.source, key, reason)
 }
 
 /// Names of models: their paths without what leads out of the herd's folder, and without extensions where these do not tell models apart.

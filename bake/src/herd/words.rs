@@ -2,6 +2,7 @@
 
 use super::file::{Fault, HerdFile, Sequence, Truth, View};
 use crate::BakeError;
+use pelage_stage::TomlText;
 
 /// Who knows which words commands take.
 #[derive(Clone, Copy)]
@@ -99,10 +100,10 @@ impl HerdFile {
     /// # Errors
     ///
     /// As [`Self::parse`]; [`BakeError::Input`] with line and key, too, for what a command would refuse.
-    pub fn read(name: &str, text: &str, judge: &Judge<'_>) -> Result<Self, BakeError> {
-        let file = Self::parse(name, text)?;
+    pub fn read(source: TomlText<'_>, judge: &Judge<'_>) -> Result<Self, BakeError> {
+        let file = Self::parse(source)?;
         let fault = file.words_fault(judge);
-        fault.map_or(Ok(file), |(key, reason)| Err(Self::fault(name, text, &key, reason)))
+        fault.map_or(Ok(file), |(key, reason)| Err(Self::fault(source, &key, reason)))
     }
 
     /// The first word that a command would refuse.
@@ -163,8 +164,9 @@ impl Trial {
             refusal(&command.iter().cloned().chain(words).collect::<Vec<_>>())
         };
         let alone = |word: &Word| refused(std::slice::from_ref(word)).map(|why| (format!("{place}.{}", word.0), why));
-        let together = || refused(words).map(|why| (place.clone(), why));
-        words.iter().find_map(alone).or_else(|| together().filter(|_| words.len() > 1))
+        // All is well with nearly all of them, and that takes one look.
+        let together = refused(words)?;
+        Some(words.iter().find_map(alone).unwrap_or_else(|| (place.clone(), together)))
     }
 }
 
@@ -227,7 +229,7 @@ mod tests {
             ),
         ] {
             let text = format!("[[model]]\nfiles = \"*\"\n{text}");
-            assert_eq!(HerdFile::read("h.toml", &text, &judge).unwrap_err().to_string(), message);
+            assert_eq!(HerdFile::read(TomlText::new("h.toml", &text), &judge).unwrap_err().to_string(), message);
         }
     }
 }

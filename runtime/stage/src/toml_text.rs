@@ -15,7 +15,12 @@ pub struct TomlText<'a> {
     pub text: &'a str,
 }
 
-impl TomlText<'_> {
+impl<'a> TomlText<'a> {
+    /// The text of a file, without the mark that some editors put before it.
+    pub fn new(name: &'a str, text: &'a str) -> Self {
+        Self { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) }
+    }
+
     /// Reads the words.
     ///
     /// # Errors

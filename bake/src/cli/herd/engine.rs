@@ -3,7 +3,7 @@
 use super::finish;
 use super::on_disk::Herd;
 use super::paths::io_error;
-use super::ran::{Ran, status};
+use super::ran::Ran;
 use crate::cli::exit::Failure;
 use crate::cli::output::{Output, human_bytes};
 use pelage_bake::BakeError;
@@ -61,8 +61,7 @@ fn dry_run(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
         let why = String::from_utf8_lossy(&said.stderr).trim().to_owned();
         return Err(io_error(&herd.path(file), "run ninja on", io::Error::other(why)));
     }
-    let text = String::from_utf8_lossy(&said.stdout);
-    Ok(text.lines().filter_map(status).map(|(.., task)| task.to_owned()).collect())
+    Ok(Ran::of(&said.stdout).tasks)
 }
 
 /// A command of Ninja in the herd's folder.
@@ -99,11 +98,11 @@ fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut Ran, output: &mut Output)
     {
         let line = line.map_err(|source| io_error(Path::new("ninja"), "read from", source))?;
         let line = String::from_utf8_lossy(&line);
-        if ran.tasks.is_empty() && status(&line).is_some() {
-            finish::forget_page(herd)?;
-        }
-        ran.hear(&line);
-        if let Some((done, total, task)) = status(&line) {
+        let begins = ran.tasks.is_empty();
+        if let Some((done, total, task)) = ran.hear(&line) {
+            if begins {
+                finish::forget_page(herd)?;
+            }
             output.progress_of(done, total, task);
         } else if line.starts_with("ninja: error:") || line.starts_with("ninja: fatal:") {
             faults.push(line.into_owned());

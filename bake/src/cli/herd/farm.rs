@@ -3,6 +3,7 @@
 use super::args::RunArgs;
 use super::engine;
 use super::finish;
+use super::notes;
 use super::on_disk::Herd;
 use super::paths::io_error;
 use super::ran::Ran;
@@ -28,10 +29,12 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
     let files = format!("{}/slurm", herd.own());
     make_folder(&herd.path(&files))?;
     let shards_file = herd.path(&format!("{files}/shards.json"));
-    let before = std::fs::read(&shards_file).ok().and_then(|text| serde_json::from_slice(&text).ok());
-    let stages = stages(&herd.plan, args.shard_seconds, &before.unwrap_or_default());
-    io::write_atomic(&shards_file, json!(known(&herd.plan, &stages)).to_string().as_bytes())?;
+    let stages = stages(&herd.plan, args.shard_seconds, &notes::read(&shards_file));
+    notes::write(&shards_file, &known(&herd.plan, &stages))?;
     let open = open_shards(herd, &files, &stages, output)?;
+    if open.iter().any(|open| !open.is_empty()) {
+        finish::forget_page(herd)?;
+    }
     let mut ids: Vec<String> = Vec::new();
     let (mut shards, mut logs) = (Vec::new(), Vec::new());
     let most = array_size();
@@ -62,12 +65,9 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
         before.clone_from(&jobs);
         ids.extend(jobs);
     }
-    let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
-    io::write_atomic(&logs_file(herd), json!(logs).to_string().as_bytes())?;
-    if !ids.is_empty() {
-        finish::forget_page(herd)?;
-    }
+    notes::write(&logs_file(herd), &logs)?;
     if args.detach {
+        let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
         let text = format!("submitted {} jobs, {} shards: {}", ids.len(), shards.len(), ids.join(" "));
         output.result(
             &text,
@@ -89,15 +89,13 @@ fn logs_file(herd: &Herd) -> PathBuf {
 
 /// What Ninja says in the logs of what was submitted last, as far as they can be read.
 pub fn ran(herd: &Herd) -> Ran {
-    let logs = std::fs::read(logs_file(herd)).unwrap_or_default();
-    let logs: Vec<String> = serde_json::from_slice(&logs).unwrap_or_default();
+    let logs: Vec<String> = notes::read(&logs_file(herd));
     let mut ran = Ran::default();
     for entry in std::fs::read_dir(herd.path(&format!("{}/slurm", herd.own()))).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         if logs.iter().any(|log| name.starts_with(log.as_str())) {
-            let text = std::fs::read(entry.path()).unwrap_or_default();
-            String::from_utf8_lossy(&text).lines().for_each(|line| ran.hear(line));
+            ran.hear_all(&std::fs::read(entry.path()).unwrap_or_default());
         }
     }
     ran

@@ -1,5 +1,6 @@
 //! What became of a herd: read, told and put on a page.
 
+use super::notes;
 use super::on_disk::{Herd, history_file};
 use super::paths::io_error;
 use super::ran::Ran;
@@ -49,8 +50,7 @@ fn remove(path: &Path) -> Result<(), Failure> {
 
 /// The records of commands that failed when the page was written.
 pub fn failed_before(herd: &Herd) -> Vec<String> {
-    let text = std::fs::read(herd.path(&failures_file(&herd.own()))).unwrap_or_default();
-    serde_json::from_slice(&text).unwrap_or_default()
+    notes::read(&herd.path(&failures_file(&herd.own())))
 }
 
 /// Removes the records of commands that failed: no engine may take these for done.
@@ -59,7 +59,7 @@ pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
 }
 
 fn became(herd: &Herd, ran: &Ran) -> Result<Vec<Option<Became>>, Failure> {
-    let read = |record: &str| serde_json::from_slice(&std::fs::read(herd.path(record)).ok()?).ok();
+    let read = |record: &str| notes::read::<Option<Became>>(&herd.path(record));
     let of = |task: &Task| {
         let found = read(&task.record);
         match ran.last_words(task).filter(|_| found.is_none()) {
@@ -77,7 +77,8 @@ fn bury(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
         why = format!("it ended without a record, and its last words were: {last_words}");
     }
     let record = errand::unrecorded(task.command(herd.cache.as_deref()), Exit::FileSystem, Some(&why));
-    write_json(&herd.path(&task.record), &record)
+    errand::write_record(&herd.path(&task.record), &record)?;
+    Ok(())
 }
 
 /// How many commands are in which state.
@@ -120,9 +121,9 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     }
     let names: BTreeSet<&str> = herd.plan.tasks.iter().map(|task| task.name.as_str()).collect();
     history.retain(|name, _| names.contains(name.as_str()));
-    write_json(&herd.path(&history_file(&own)), &json!(history))?;
+    notes::write(&herd.path(&history_file(&own)), &history)?;
     let records: Vec<&str> = failures.iter().map(|(i, ..)| herd.plan.tasks[*i].record.as_str()).collect();
-    write_json(&herd.path(&failures_file(&own)), &json!(records))?;
+    notes::write(&herd.path(&failures_file(&own)), &records)?;
     io::write_atomic(&key_file, plan.as_bytes())?;
     let count = |state| report.count(state);
     let counts = Counts {
@@ -137,11 +138,6 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     };
     let ran = (ran.tasks.len(), tasks.filter(from_cache).count());
     tell(herd, counts, &failures, ran, &page, output)
-}
-
-fn write_json(path: &Path, value: &Value) -> Result<(), Failure> {
-    io::write_atomic(path, format!("{value}\n").as_bytes())?;
-    Ok(())
 }
 
 /// Stands for a plan, as far as its page shows it.

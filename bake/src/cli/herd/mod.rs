@@ -6,6 +6,7 @@ mod farm;
 mod finish;
 mod memory;
 mod models;
+mod notes;
 mod on_disk;
 mod paths;
 mod ran;

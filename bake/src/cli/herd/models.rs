@@ -4,23 +4,24 @@ use super::paths::utf8;
 use crate::cli::exit::Failure;
 use pelage_bake::BakeError;
 use pelage_bake::herd::{Found, HerdFile};
+use pelage_stage::TomlText;
 use std::collections::BTreeMap;
 use std::path::Path;
 use walkdir::WalkDir;
 
 /// Finds the models of a herd, in the order of their paths. Folders whose names begin with a dot, and that of the results, are passed by.
 ///
-/// * `name`, `text`: the herd file, for messages
+/// * `source`: the herd file, for messages
 /// * `folder`: its folder
 /// * `out`: that of the results, from there
-pub fn find(name: &str, text: &str, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
+pub fn find(source: TomlText<'_>, file: &HerdFile, folder: &Path, out: &str) -> Result<Vec<Found>, Failure> {
     let results = folder.join(out);
     let mut found: BTreeMap<String, u64> = BTreeMap::new();
     for (base, key) in file.folders() {
         let from = folder.join(&base);
         if !from.is_dir() {
-            let reason = format!("{base:?} is no folder; expected one, from the folder of {name}");
-            return Err(HerdFile::fault(name, text, &key, reason).into());
+            let reason = format!("{base:?} is no folder; expected one, from the folder of {}", source.name);
+            return Err(HerdFile::fault(source, &key, reason).into());
         }
         let hidden = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with('.');
         let walk = WalkDir::new(&from).follow_links(true).into_iter().filter_entry(|entry| {

@@ -2,6 +2,7 @@
 
 use super::args::HerdFiles;
 use super::models;
+use super::notes;
 use super::paths::{absolute, io_error, seen_from, utf8};
 use crate::cli::bake::RecipeArgs;
 use crate::cli::exit::Failure;
@@ -9,6 +10,7 @@ use crate::cli::output::{Output, make_folder};
 use crate::cli::reference::only_drawn;
 use pelage_bake::herd::{HerdFile, History, Judge, Kind, NAME, Plan, Task, Told, ninja, plan};
 use pelage_bake::io;
+use pelage_stage::TomlText;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -41,18 +43,18 @@ impl Herd {
         let text = io::read_text(&files.herd, "a herd in TOML")?;
         let only_drawn = only_drawn();
         let judge = Judge { only_drawn: &only_drawn, refusal, recipe: &RecipeArgs::refusal };
-        let file = HerdFile::read(&name, &text, &judge)?;
+        let source = TomlText::new(&name, &text);
+        let file = HerdFile::read(source, &judge)?;
         let parent = files.herd.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = absolute(parent)?;
         let out = seen_from(&folder, &absolute(&files.output)?)?;
         let cache = cache.map(|cache| seen_from(&folder, &absolute(cache)?)).transpose()?;
-        let models = models::find(&name, &text, &file, &folder, &out)?;
-        check_files(&name, &text, &file, &folder)?;
+        let models = models::find(source, &file, &folder, &out)?;
+        check_files(source, &file, &folder)?;
         let history = history(&folder, &out);
         let is_file = |path: &str| folder.join(path).is_file();
         let plan = plan(&Told {
-            name: &name,
-            text: &text,
+            source,
             file: &file,
             models: &models,
             out: &out,
@@ -60,7 +62,7 @@ impl Herd {
             history: &history,
             is_file: &is_file,
         })?;
-        let idle = file.idle(&name, &text, &models, &is_file);
+        let idle = file.idle(source, &models, &is_file);
         let title = file.title.clone().unwrap_or(name);
         let tool = std::env::current_exe().map_err(|source| io_error(Path::new("pelage"), "find", source))?;
         let tool = utf8(&tool)?.to_owned();
@@ -148,17 +150,17 @@ fn sweep(folder: &Path) {
 }
 
 /// Recipes and looks have to be there before anything begins: no engine can say what is wrong with the file that named them.
-fn check_files(name: &str, text: &str, file: &HerdFile, folder: &Path) -> Result<(), Failure> {
-    let recipes = file.recipes.iter().enumerate().map(|(i, rule)| (format!("recipe[{i}].file"), &rule.file));
-    let variants = file.variants.iter().enumerate().map(|(i, variant)| (format!("variant[{i}].file"), &variant.file));
-    let looks = file.views.iter().enumerate().map(|(i, view)| (format!("view[{i}].look"), &view.look));
-    for (place, path) in recipes.chain(variants).chain(looks) {
-        let missing = |path: &&String| !path.contains(NAME) && !folder.join(path).is_file();
-        let Some(path) = path.as_ref().filter(missing) else { continue };
-        let reason = format!("{path:?} is no file; expected one, from the folder of {name}");
-        return Err(HerdFile::fault(name, text, &place, reason).into());
+fn check_files(source: TomlText<'_>, file: &HerdFile, folder: &Path) -> Result<(), Failure> {
+    let recipes = file.recipe_files().filter(|(_, path, _)| !path.contains(NAME)).map(|(key, path, _)| (key, path));
+    let looks = file.views.iter().enumerate();
+    let looks = looks.filter_map(|(i, view)| Some((format!("view[{i}].look"), view.look.as_ref()?)));
+    match recipes.chain(looks).find(|(_, path)| !folder.join(path).is_file()) {
+        Some((key, path)) => {
+            let reason = format!("{path:?} is no file; expected one, from the folder of {}", source.name);
+            Err(HerdFile::fault(source, &key, reason).into())
+        }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Where it stands what commands have needed, from the herd's folder.
@@ -168,6 +170,5 @@ pub fn history_file(own: &str) -> String {
 
 /// What commands have needed before; nothing where nothing has run.
 fn history(folder: &Path, out: &str) -> History {
-    let text = std::fs::read(folder.join(history_file(&Plan::own_folder(out)))).unwrap_or_default();
-    serde_json::from_slice(&text).unwrap_or_default()
+    notes::read(&folder.join(history_file(&Plan::own_folder(out))))
 }

@@ -18,17 +18,33 @@ impl Ran {
     /// Last lines that are kept of each.
     const LINES: usize = 3;
 
-    /// Hears a line. Of a command that failed Ninja names the files, then the command, and then what that wrote.
-    pub fn hear(&mut self, line: &str) {
-        if let Some(files) = line.strip_prefix("FAILED: ") {
+    /// What such lines say.
+    pub fn of(lines: &[u8]) -> Self {
+        let mut ran = Self::default();
+        ran.hear_all(lines);
+        ran
+    }
+
+    /// Hears several lines.
+    pub fn hear_all(&mut self, lines: &[u8]) {
+        for line in String::from_utf8_lossy(lines).lines() {
+            self.hear(line);
+        }
+    }
+
+    /// Hears a line, which may say of a command how many are over, of how many, and which that is. Of one that failed Ninja names the files, then the command,
+    /// and then what that wrote.
+    pub fn hear<'a>(&mut self, line: &'a str) -> Option<(usize, usize, &'a str)> {
+        let said = status(line);
+        if let Some((.., task)) = said {
+            self.tasks.insert(task.to_owned());
+            self.open = None;
+        } else if let Some(files) = line.strip_prefix("FAILED: ") {
             // Later versions say the exit code first.
             let code = files.strip_prefix("[code=").and_then(|rest| rest.split_once("] "));
             let files = code.map_or(files, |(_, files)| files).trim();
             self.failed.insert(files.to_owned(), Vec::new());
             self.open = Some(files.to_owned());
-        } else if let Some((.., task)) = status(line) {
-            self.tasks.insert(task.to_owned());
-            self.open = None;
         } else if line.starts_with("ninja: ") {
             self.open = None;
         } else if let Some(lines) = self.open.as_ref().and_then(|files| self.failed.get_mut(files))
@@ -39,6 +55,7 @@ impl Ran {
             }
             lines.push(line.trim().to_owned());
         }
+        said
     }
 
     /// The same without the names of what was run.
@@ -54,7 +71,7 @@ impl Ran {
 }
 
 /// `[3/10] bake fox`: how many are over, of how many, and which.
-pub fn status(line: &str) -> Option<(usize, usize, &str)> {
+fn status(line: &str) -> Option<(usize, usize, &str)> {
     let (count, task) = line.strip_prefix('[')?.split_once("] ")?;
     let (done, total) = count.split_once('/')?;
     Some((done.parse().ok()?, total.parse().ok()?, task))
@@ -84,7 +101,9 @@ mod tests {
             "ninja: build stopped: subcommands failed.",
             "of none",
         ];
-        lines.iter().for_each(|line| ran.hear(line));
+        for line in lines {
+            ran.hear(line);
+        }
         let last_words = |output: &[&str], record: &str| {
             let outputs = output.iter().map(|output| (*output).to_owned()).collect();
             ran.last_words(&Task { outputs, record: record.to_owned(), ..Task::default() })

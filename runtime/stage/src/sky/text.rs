@@ -11,7 +11,7 @@ use pelage_params::Raw;
 ///
 /// [`StageError::Input`] with line and key of what is wrong.
 pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, StageError> {
-    let source = TomlText { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
+    let source = TomlText::new(name, text);
     let mut environment = Environment::default();
     for (key, value) in source.table()? {
         match (key.as_str(), &value) {
