@@ -12,6 +12,7 @@ pub mod compare_motion;
 pub mod decide;
 #[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod doctor;
+mod least_squares;
 #[allow(clippy::disallowed_methods, reason = "figures and pictures, no package")]
 pub mod likeness;
 pub mod printed_light;
