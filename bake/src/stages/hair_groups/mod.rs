@@ -20,6 +20,7 @@ use crate::guides::Guides;
 use crate::mesh::MeshPart;
 use crate::recipe::{HairGroupParams, ScalarMap, StrandParams, Style};
 use crate::stages::groom::scalar_at;
+use crate::stages::hair::StyleForces;
 use body::Body;
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use ground::{bytes, parts_of};
@@ -106,8 +107,8 @@ fn group_of(
 ) -> Result<HairGroup, Fault> {
     let scalp = scalp(params, ground)?;
     let length_m = params.length_m.unwrap_or(ground.radius_m / 6.0);
-    let style = params.style.unwrap_or(Style::Straight);
-    let guide_points = params.guide_points.unwrap_or(if style == Style::Curly { 29 } else { 8 });
+    let forces = StyleForces::of(params.style.unwrap_or(Style::Straight)).guides;
+    let guide_points = params.guide_points.unwrap_or(forces.points);
     let root_radius_m = params.root_radius_m.unwrap_or(5e-5);
     let mut group = HairGroup {
         name: params.name.clone(),
@@ -138,7 +139,7 @@ fn group_of(
         None => {
             let fall = Vec3::from(params.fall.unwrap_or([0.0, -1.0, 0.0])).try_normalize();
             let growth = Growth {
-                style,
+                forces,
                 fall: fall.ok_or_else(|| Fault::Here("fall is [0, 0, 0], expected a direction".into()))?,
                 comb: Vec3::from(params.comb.unwrap_or_default()).normalize_or_zero(),
                 parting_m: params.parting_m,
