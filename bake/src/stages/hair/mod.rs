@@ -24,11 +24,11 @@ pub use shades::linear;
 pub use styles::{GuideForces, StyleForces};
 pub use tile::{TileHair, simulate_recipe};
 
-use crate::BakeError;
 use crate::recipe::{ColorParams, HairParams, UnderfurParams};
 use forces::Grower;
 use glam::Vec3;
 use locks::Locks;
+use pelage_import::BakeError;
 use rayon::prelude::*;
 use shades::Shades;
 

@@ -2,9 +2,9 @@
 
 use super::styles::{StyleForces, WET};
 use super::{Strands, VolumeParams, simulate_coats};
-use crate::BakeError;
 use crate::recipe::{HairParams, Recipe, Style};
 use crate::stages::groom::{Lengths, Water};
+use pelage_import::BakeError;
 
 /// The strands of one tile: dry, and where the coat is wet in places the same hairs wet.
 #[derive(Clone, Debug, Default, PartialEq)]
