@@ -1,12 +1,16 @@
-//! The command line as a page of Markdown, made from the definition that reads it: a hidden subcommand, because only the binary has that.
+//! The command line as a page of Markdown, and the results of `--json` as JSON schemas, generated from their definitions.
+//! It is a hidden subcommand, because only the binary has these.
 
+use super::chart::{ChartResult, MeasuredRow, StabilityRow};
 use super::exit::{Exit, Failure};
 use super::output::Output;
 use clap::{Arg, ArgAction, Command};
 use pelage_params::wrap;
-use serde_json::json;
+use schemars::generate::{SchemaGenerator, SchemaSettings};
+use schemars::{JsonSchema, Schema};
+use serde_json::{Map, Value, json};
 
-/// Print this command line as Markdown: what bake/docs/commands.md holds
+/// Print bake/docs/commands.md; with --json also bake/docs/schemas.json
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(hide = true)]
 pub struct CommandsPageArgs {}
@@ -14,8 +18,54 @@ pub struct CommandsPageArgs {}
 /// Runs the subcommand on the whole command line.
 pub fn run(mut command: Command, output: &mut Output) -> Result<Exit, Failure> {
     let text = page(&mut command);
-    output.result(text.trim_end(), &json!({ "page": text }))?;
+    output.result(text.trim_end(), &json!({ "page": text, "schemas": schemas() }))?;
     Ok(Exit::Done)
+}
+
+/// Row of a chart.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum ChartRow {
+    /// A configuration of any other topic.
+    Measured(MeasuredRow),
+    /// A row of stability.
+    Stability(StabilityRow),
+}
+
+/// Returns the JSON schema of the results of each command, by its name; shared types are in `$defs`.
+fn schemas() -> Value {
+    type Make = fn(&mut SchemaGenerator) -> Schema;
+    let results: &[(&str, Make)] = &[
+        ("bake", super::bake::BakeResult::json_schema),
+        #[cfg(feature = "preview")]
+        ("bench", super::bench::BenchResult::json_schema),
+        ("chart", ChartResult::<ChartRow>::json_schema),
+        ("compare", super::compare::CompareResult::json_schema),
+        #[cfg(feature = "preview")]
+        ("demo", super::demo::DemoResult::json_schema),
+        ("doctor", super::doctor::DoctorResult::json_schema),
+        ("error", super::output::ErrorResult::json_schema),
+        ("export", super::export::ExportResult::json_schema),
+        ("groom", super::groom::GroomResult::json_schema),
+        ("herd", super::herd::HerdResult::json_schema),
+        ("inspect", super::inspect::InspectResult::json_schema),
+        ("merge", super::merge::MergeResult::json_schema),
+        ("pack", super::pack::PackResult::json_schema),
+        ("record", super::errand::CommandRecord::json_schema),
+        ("reference", super::reference::ReferenceResult::json_schema),
+        #[cfg(feature = "preview")]
+        ("render", super::render::RenderResult::json_schema),
+        ("sky", super::fit_sky::SkyResult::json_schema),
+        ("unpack", super::unpack::UnpackResult::json_schema),
+        ("validate", super::validate::ValidateResult::json_schema),
+    ];
+    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    let mut all = Map::new();
+    all.insert("$schema".into(), generator.settings().meta_schema.as_deref().into());
+    all.extend(results.iter().map(|(name, make)| ((*name).into(), make(&mut generator).to_value())));
+    all.insert("$defs".into(), generator.take_definitions(true).into());
+    all.into()
 }
 
 /// What stands before the subcommands.

@@ -5,7 +5,7 @@ use super::output::Output;
 use super::staged::{pixels, stage_of};
 use super::truth::{self, Truth};
 use super::view::View;
-use pelage_bake::judge::doctor::{Advice, is_harmless};
+use pelage_bake::judge::doctor::{Advice, ErrorChange, is_harmless};
 use pelage_bake::judge::likeness::Likeness;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
@@ -58,7 +58,7 @@ pub fn try_advice(
                 if !is_harmless(before, after) {
                     continue;
                 }
-                advice.measured = Some([before, after]);
+                advice.measured = Some(ErrorChange { before, after });
                 recipe = changed;
             }
         }

@@ -84,7 +84,7 @@ struct Global {
     /// No progress and no notes on stderr, only errors
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Print exactly one JSON object on stdout instead of text (schemas: bake/src/cli/schema/)
+    /// Print exactly one JSON object on stdout instead of text (schemas: bake/docs/schemas.json)
     #[arg(long, global = true)]
     json: bool,
     #[command(flatten)]

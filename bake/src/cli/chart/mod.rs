@@ -47,8 +47,10 @@ use pelage_bake::BakeError;
 use subject::Subject;
 
 pub use args::ChartArgs;
+pub use driver::{ChartResult, MeasuredRow};
 #[cfg(feature = "preview")]
 pub(super) use machine::measured_on;
+pub use stability::StabilityRow;
 
 /// Runs the subcommand.
 pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {

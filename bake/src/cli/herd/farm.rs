@@ -1,5 +1,6 @@
 //! Slurm, by its commands.
 
+use super::HerdResult;
 use super::args::RunArgs;
 use super::engine;
 use super::finish;
@@ -12,7 +13,6 @@ use crate::cli::output::{Output, make_folder};
 use pelage_bake::herd::slurm::{Script, Shard, Stage, TIMED, demand, known, stages};
 use pelage_bake::herd::{Task, ninja};
 use pelage_bake::{BakeError, io};
-use serde_json::json;
 use std::collections::BTreeSet;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -69,10 +69,7 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
     if args.detach {
         let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
         let text = format!("submitted {} jobs, {} shards: {}", ids.len(), shards.len(), ids.join(" "));
-        output.result(
-            &text,
-            &json!({ "action": "submitted", "jobs_submitted": ids, "shards": shards.len(), "tasks": tasks }),
-        )?;
+        output.result(&text, &HerdResult::Submitted { jobs_submitted: ids, shards: shards.len(), tasks })?;
         return Ok(None);
     }
     if !ids.is_empty() {

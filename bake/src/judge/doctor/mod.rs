@@ -13,7 +13,7 @@ pub mod raster;
 
 pub use advice::is_harmless;
 pub use fit::fitted;
-pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, Saved, View};
+pub use prognosis::{Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis, Saved, View};
 
 use crate::BakeError;
 use glam::{Mat4, Vec2, Vec3, Vec4};
