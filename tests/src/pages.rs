@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// # Panics
 /// Where the binary does not say what its command line is.
 pub fn pages() -> Vec<(PathBuf, String)> {
-    let run = Sandbox::new().run(&["commands-page", "--json"]);
+    let run = Sandbox::new().with_lab().run(&["commands-page", "--json"]);
     assert_eq!(run.code, Some(0), "{run:?}");
     let said: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
     let page = |name: &str, text: String| (workspace().join("bake/docs").join(name), text);
