@@ -1,18 +1,19 @@
 //! How much memory and time a command may need, before it has ever run and after.
 
 use super::kind::Kind;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What commands have needed when they ran last, by the names of their tasks.
 pub type History = BTreeMap<String, Known>;
 
-/// What a command has needed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Time and memory of a command.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Known {
-    /// Wall-clock.
+    /// Wall-clock time.
     pub seconds: f64,
-    /// Its largest memory.
+    /// Peak memory.
     pub peak_bytes: u64,
 }
 

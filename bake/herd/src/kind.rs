@@ -1,32 +1,33 @@
 //! What commands of a herd do.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What a command does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+/// Kind of a command of a herd.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// A model into a package.
+    /// Bake a model.
     #[default]
     Bake,
-    /// What is in a package, its levels of detail too.
+    /// Inspect a package.
     Inspect,
-    /// A picture.
+    /// Draw a picture.
     Render,
-    /// The true one.
+    /// Trace the true picture.
     Truth,
-    /// A part of a true one.
+    /// Trace a part of the true picture.
     Part,
-    /// Those put together.
+    /// Merge parts of a true picture.
     Merge,
-    /// How far a picture is from the true one.
+    /// Compare a picture with the true one.
     Compare,
-    /// A share of a sequence.
+    /// Draw a share of a sequence.
     Sequence,
-    /// Rows of a chart.
+    /// Measure rows of a chart.
     Rows,
-    /// A chart.
+    /// Write a chart.
     Chart,
-    /// Milliseconds of a frame.
+    /// Time a frame.
     Bench,
 }

@@ -7,6 +7,7 @@ use super::kind::Kind;
 use super::words::{Word, sets};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -30,31 +31,31 @@ pub struct Told<'a> {
     pub is_file: &'a dyn Fn(&str) -> bool,
 }
 
-/// A command, and what it depends on.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+/// A command of a herd, with its inputs and outputs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Task {
-    /// What it is called.
+    /// Unique name.
     pub name: String,
-    /// What it does.
+    /// Kind of command.
     pub kind: Kind,
-    /// Number of the row that it belongs to; `None` for a chart without a model.
+    /// Index of its row; `None` for a chart without a model.
     pub row: Option<usize>,
-    /// The view that it is of.
+    /// Name of its view.
     pub view: Option<String>,
-    /// After `pelage`.
+    /// Arguments after `pelage`.
     pub words: Vec<String>,
-    /// Files that it reads; it may find more, and names them in its depfile.
+    /// Files that it reads; its depfile lists the ones that it finds itself.
     pub inputs: Vec<String>,
     /// Files that it writes.
     pub outputs: Vec<String>,
-    /// Where it says what became of it.
+    /// File that its record is written to.
     pub record: String,
-    /// Where it names all that it has read.
+    /// File that lists everything it has read.
     pub depfile: Option<String>,
     /// Whether it is a part of something large, which several machines share.
     #[serde(skip)]
     pub part: bool,
-    /// What it is expected to need.
+    /// Expected time and memory.
     pub expected: Known,
 }
 
@@ -78,17 +79,17 @@ impl Task {
 }
 
 /// A model in one variant: a row of the report.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Row {
-    /// The model's name.
+    /// Name of the model.
     pub name: String,
-    /// The variant.
+    /// Name of the variant.
     pub variant: Option<String>,
-    /// The model, from the herd file's folder.
+    /// Path of the model, relative to the herd file's folder.
     pub model: String,
-    /// Its recipe.
+    /// Path of the recipe.
     pub recipe: Option<String>,
-    /// Where its package is.
+    /// Path of the package.
     pub package: String,
 }
 

@@ -5,7 +5,7 @@ use pelage_lab::command::{self, ChartArgs};
 use pelage_tool::errand::Errand;
 use pelage_tool::exit::{Exit, Failure};
 use pelage_tool::output::Output;
-use pelage_tool::{Commands, Invocation};
+use pelage_tool::{Commands, Invocation, ResultSchema};
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -27,6 +27,10 @@ impl Commands for Command {
             Self::Tool(command) => command.errand(),
             Self::Chart(_) => None,
         }
+    }
+
+    fn results() -> Vec<ResultSchema> {
+        [pelage_tool::Command::results(), vec![("chart", command::result_schema)]].concat()
     }
 }
 

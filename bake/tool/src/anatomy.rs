@@ -6,57 +6,137 @@ use pelage_bake::stages::size;
 use pelage_bake::stages::textures::decode_texture;
 use pelage_formats::meaning::{linear_to_srgb, posed_vertices, srgb_to_linear};
 use pelage_formats::{FormatError, Package, Pose};
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
-/// Says of a package's model: `size_m`, `materials`, `joint_names`, `clips`, `morphs`.
-///
-/// # Errors
-///
-/// Those of damaged sections.
-pub fn anatomy(package: &Package<'_>) -> Result<Value, FormatError> {
-    let manifest = package.manifest();
-    let animation = package.animation()?;
-    let mut pose = Pose::default();
-    if let Some(animation) = &animation {
-        pose.sample(animation, None, 0.0);
+/// Size, materials, joints and clips of a model.
+#[derive(Serialize, JsonSchema)]
+pub struct Anatomy {
+    /// Size of the bounding box at rest along x, y and z, metres.
+    pub size_m: [f64; 3],
+    pub materials: Vec<MaterialSummary>,
+    /// Names of the joints, in their order.
+    pub joint_names: Vec<String>,
+    pub clips: Vec<ClipSummary>,
+    /// Morph targets, in their order.
+    pub morphs: Vec<MorphSummary>,
+}
+
+/// A material of a model.
+#[derive(Serialize, JsonSchema)]
+pub struct MaterialSummary {
+    name: String,
+    furred: bool,
+    textured: bool,
+    /// Mean base colour, `#rrggbb` in sRGB.
+    color: String,
+    triangles: u64,
+    /// Share of the model's surface, 0 to 1.
+    share: f64,
+    /// Smallest x, y and z of the triangles at rest, metres; null without triangles.
+    from_m: Option<[f32; 3]>,
+    /// Largest x, y and z of the triangles at rest, metres; null without triangles.
+    to_m: Option<[f32; 3]>,
+}
+
+/// A clip of an animation.
+#[derive(Serialize, JsonSchema)]
+pub struct ClipSummary {
+    name: String,
+    seconds: f32,
+}
+
+/// A morph target.
+#[derive(Serialize, JsonSchema)]
+pub struct MorphSummary {
+    name: String,
+    /// Weight at rest.
+    weight: f32,
+}
+
+impl Anatomy {
+    /// Reads the anatomy from a package.
+    ///
+    /// # Errors
+    ///
+    /// Errors of damaged sections.
+    pub fn of(package: &Package<'_>) -> Result<Self, FormatError> {
+        let manifest = package.manifest();
+        let animation = package.animation()?;
+        let mut pose = Pose::default();
+        if let Some(animation) = &animation {
+            pose.sample(animation, None, 0.0);
+        }
+        let mesh = package.mesh()?;
+        let positions: Vec<Vec3> =
+            mesh.iter().flat_map(|m| posed_vertices(m, None, &pose)).map(|v| v.position.into()).collect();
+        let indices: Vec<u32> = mesh.iter().flat_map(pelage_formats::MeshView::indices).collect();
+        let mut found: Vec<Found> = manifest.materials.iter().map(|_| Found::default()).collect();
+        for part in &manifest.parts {
+            let corners = indices.get(part.first_index as usize..(part.first_index + part.index_count) as usize);
+            let found = &mut found[part.material as usize];
+            corners.unwrap_or_default().as_chunks::<3>().0.iter().for_each(|triangle| {
+                found.add(triangle.map(|v| positions[v as usize]));
+            });
+        }
+        let area: f64 = found.iter().map(|found| found.area).sum();
+        let mut materials = Vec::new();
+        for (index, (material, found)) in manifest.materials.iter().zip(&found).enumerate() {
+            let placed = found.triangles > 0;
+            materials.push(MaterialSummary {
+                name: material.name.clone(),
+                furred: material.furred,
+                textured: material.base_color_texture.is_some(),
+                color: color(package, index)?,
+                triangles: found.triangles,
+                share: if area > 0.0 { found.area / area } else { 0.0 },
+                from_m: placed.then_some(found.from.to_array()),
+                to_m: placed.then_some(found.to.to_array()),
+            });
+        }
+        let joints =
+            animation.iter().flat_map(|a| a.joints.iter().map(|joint| a.nodes[joint.node as usize].name.clone()));
+        let clips = animation.iter().flat_map(|a| &a.clips);
+        let morphs = animation.iter().flat_map(|a| &a.morphs.targets);
+        Ok(Self {
+            size_m: size::sides_m(&manifest.bounds),
+            materials,
+            joint_names: joints.collect(),
+            clips: clips.map(|clip| ClipSummary { name: clip.name.clone(), seconds: clip.duration_s }).collect(),
+            morphs: morphs.map(|morph| MorphSummary { name: morph.name.clone(), weight: morph.weight }).collect(),
+        })
     }
-    let mesh = package.mesh()?;
-    let positions: Vec<Vec3> =
-        mesh.iter().flat_map(|m| posed_vertices(m, None, &pose)).map(|v| v.position.into()).collect();
-    let indices: Vec<u32> = mesh.iter().flat_map(pelage_formats::MeshView::indices).collect();
-    let mut found: Vec<Found> = manifest.materials.iter().map(|_| Found::default()).collect();
-    for part in &manifest.parts {
-        let corners = indices.get(part.first_index as usize..(part.first_index + part.index_count) as usize);
-        let found = &mut found[part.material as usize];
-        corners.unwrap_or_default().as_chunks::<3>().0.iter().for_each(|triangle| {
-            found.add(triangle.map(|v| positions[v as usize]));
-        });
+
+    /// Formats the anatomy as rows of a name and a value.
+    pub fn rows(&self, row: &mut dyn FnMut(&str, String)) {
+        row("size", format!("{} (x, y, z), at rest", size::words(self.size_m)));
+        for m in &self.materials {
+            let furred = if m.furred { "furred" } else { "bare" };
+            let textured = if m.textured { ", textured" } else { "" };
+            let place = |corner: [f32; 3]| size::lengths(corner.map(f64::from)).join(" ");
+            let where_ = match m.from_m.zip(m.to_m) {
+                Some((from, to)) => format!("from {} to {} m", place(from), place(to)),
+                None => "nowhere".to_owned(),
+            };
+            let (share, color) = (100.0 * m.share, &m.color);
+            row(
+                "material",
+                format!(
+                    "{:?}, {furred}, {color}{textured}, {} triangles, {share:.1} % of the surface, {where_}",
+                    m.name, m.triangles
+                ),
+            );
+        }
+        if !self.joint_names.is_empty() {
+            row("joints", format!("{}: {}", self.joint_names.len(), self.joint_names.join(", ")));
+        }
+        for clip in &self.clips {
+            row("clip", format!("{:?}, {:.3} s", clip.name, clip.seconds));
+        }
+        for morph in &self.morphs {
+            row("morph target", format!("{:?}, at {} at rest", morph.name, f64::from(morph.weight)));
+        }
     }
-    let area: f64 = found.iter().map(|found| found.area).sum();
-    let mut materials = Vec::new();
-    for (index, (material, found)) in manifest.materials.iter().zip(&found).enumerate() {
-        let placed = found.triangles > 0;
-        materials.push(json!({
-            "name": material.name,
-            "furred": material.furred,
-            "textured": material.base_color_texture.is_some(),
-            "color": color(package, index)?,
-            "triangles": found.triangles,
-            "share": if area > 0.0 { found.area / area } else { 0.0 },
-            "from_m": placed.then_some(found.from.to_array()),
-            "to_m": placed.then_some(found.to.to_array()),
-        }));
-    }
-    let joints = animation.iter().flat_map(|a| a.joints.iter().map(|joint| a.nodes[joint.node as usize].name.as_str()));
-    let clips = animation.iter().flat_map(|a| &a.clips);
-    let morphs = animation.iter().flat_map(|a| &a.morphs.targets);
-    Ok(json!({
-        "size_m": size::sides_m(&manifest.bounds),
-        "materials": materials,
-        "joint_names": joints.collect::<Vec<_>>(),
-        "clips": clips.map(|clip| json!({ "name": clip.name, "seconds": clip.duration_s })).collect::<Vec<_>>(),
-        "morphs": morphs.map(|morph| json!({ "name": morph.name, "weight": morph.weight })).collect::<Vec<_>>(),
-    }))
 }
 
 /// The triangles of a material, at rest.
@@ -92,43 +172,4 @@ fn color(package: &Package<'_>, material: usize) -> Result<String, FormatError> 
     }
     let [r, g, b] = mean.to_array().map(linear_to_srgb);
     Ok(format!("#{r:02x}{g:02x}{b:02x}"))
-}
-
-/// The same in lines of two columns: what it is about, and what there is to say.
-pub fn rows(anatomy: &Value, row: &mut dyn FnMut(&str, String)) {
-    let text = |v: &Value| v.as_str().unwrap_or_default().to_owned();
-    let list = |key: &str| anatomy[key].as_array().cloned().unwrap_or_default();
-    let number = |v: &Value| v.as_f64().unwrap_or(0.0);
-    let place = |v: &Value| size::lengths([0, 1, 2].map(|axis| number(&v[axis]))).join(" ");
-    let sides = [0, 1, 2].map(|axis| number(&anatomy["size_m"][axis]));
-    row("size", format!("{} (x, y, z), at rest", size::words(sides)));
-    for m in list("materials") {
-        let furred = if m["furred"] == true { "furred" } else { "bare" };
-        let textured = if m["textured"] == true { ", textured" } else { "" };
-        let where_ = if m["from_m"].is_null() {
-            "nowhere".to_owned()
-        } else {
-            format!("from {} to {} m", place(&m["from_m"]), place(&m["to_m"]))
-        };
-        row(
-            "material",
-            format!(
-                "{:?}, {furred}, {}{textured}, {} triangles, {:.1} % of the surface, {where_}",
-                text(&m["name"]),
-                text(&m["color"]),
-                m["triangles"],
-                100.0 * number(&m["share"]),
-            ),
-        );
-    }
-    let joints: Vec<String> = list("joint_names").iter().map(text).collect();
-    if !joints.is_empty() {
-        row("joints", format!("{}: {}", joints.len(), joints.join(", ")));
-    }
-    for clip in list("clips") {
-        row("clip", format!("{:?}, {:.3} s", text(&clip["name"]), number(&clip["seconds"])));
-    }
-    for morph in list("morphs") {
-        row("morph target", format!("{:?}, at {} at rest", text(&morph["name"]), number(&morph["weight"])));
-    }
 }

@@ -1,6 +1,6 @@
 //! `pelage bake`: a model into a package.
 
-use super::anatomy::{self, anatomy};
+use super::anatomy::Anatomy;
 use super::errand::Errand;
 use super::exit::{Exit, Failure};
 use super::limits::choose;
@@ -9,6 +9,7 @@ use super::picture_args::{PictureArgs, positive};
 use super::shell_judge::Source;
 use super::threads;
 use super::write_recipe::{self, Chosen};
+use pelage_bake::decision::Decision;
 use pelage_bake::io::{self, Reach};
 use pelage_bake::pipeline::{self, Baked, Told};
 use pelage_bake::recipe::{Recipe, SliceParams};
@@ -19,6 +20,7 @@ use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::metric;
 use pelage_bake::stages::metric::InTile;
 use pelage_bake::stages::pack;
+use pelage_bake::stages::surface::Measures;
 use pelage_bake::stages::textures::shell_bytes;
 use pelage_bake::steps::Steps;
 use pelage_bake::traffic;
@@ -27,7 +29,8 @@ use pelage_import::BakeError;
 use pelage_import::mesh::RestPose;
 use pelage_import::{ImportOptions, input_record};
 use pelage_truth::decide::Limits;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -217,8 +220,45 @@ impl<'a> Named<'a> {
     }
 }
 
-/// A stage and the seconds it took.
-pub type Stage = (&'static str, f64);
+/// A finished bake.
+#[derive(Serialize, JsonSchema)]
+pub struct BakeResult<'a> {
+    output: String,
+    bytes: usize,
+    seconds: f64,
+    stages: &'a [StageTime],
+    warnings: &'a [String],
+    decisions: &'a [Decision],
+    /// Recipe written by `--write-recipe`; null without that option.
+    recipe: Option<String>,
+    #[serde(flatten)]
+    measures: &'a Measures,
+    model: &'a Anatomy,
+    /// Settings chosen for the limits, as in the package's manifest; null without limits.
+    choice: Option<&'a Choice>,
+    /// Figures of the trials of `choice`, in their order, that the package does not keep; null without limits.
+    judged: Option<&'a [Judged]>,
+}
+
+/// Time of a stage.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct StageTime {
+    name: &'static str,
+    seconds: f64,
+}
+
+/// Figures of a trial.
+#[derive(Serialize, JsonSchema)]
+pub struct Judged {
+    /// Mean FLIP against the true pictures, 0 to 1.
+    pub flip: f64,
+    /// Mean absolute difference of coverage within the height of the fur of the true outline, 0 to 1.
+    pub outline: f64,
+    /// Ratio of local contrast to the contrast of the true pictures, above 0.
+    pub contrast: f64,
+    /// Lower and upper quartile of the frame time, milliseconds; equal if the frame was timed once.
+    pub frame_ms_quartiles: [f64; 2],
+}
 
 /// Runs the subcommand.
 pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
@@ -243,9 +283,9 @@ pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
 /// A finished bake with what the command has to say about it.
 struct Done {
     baked: Baked,
-    stages: Vec<Stage>,
+    stages: Vec<StageTime>,
     /// How its settings were chosen, for scripts and for people.
-    choice: Option<(Choice, Vec<Value>, String)>,
+    choice: Option<(Choice, Vec<Judged>, String)>,
     /// Whether it was said before the work that the package will be large.
     told_size: bool,
     /// The recipe to write.
@@ -269,7 +309,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Do
     let placed = |error| args.recipe.placed(&file, error);
     // What was chosen of the tile before the bake.
     let mut tile = InTile::default();
-    let mut choice: Option<(Choice, Vec<Value>, String)> = None;
+    let mut choice: Option<(Choice, Vec<Judged>, String)> = None;
     if !limits.is_empty() {
         watch.begin("choose");
         // Settings that are tried differ in their texels, and not in their tile.
@@ -356,7 +396,7 @@ fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
 #[derive(Debug)]
 pub struct StageWatch<'a> {
     output: &'a mut Output,
-    stages: Vec<Stage>,
+    stages: Vec<StageTime>,
     begun: Instant,
 }
 
@@ -380,18 +420,18 @@ impl<'a> StageWatch<'a> {
     pub fn begin(&mut self, stage: &'static str) {
         self.end();
         self.output.progress(stage);
-        self.stages.push((stage, 0.0));
+        self.stages.push(StageTime { name: stage, seconds: 0.0 });
         self.begun = Instant::now();
     }
 
     fn end(&mut self) {
-        if let Some((_, seconds)) = self.stages.last_mut() {
+        if let Some(StageTime { seconds, .. }) = self.stages.last_mut() {
             *seconds = self.begun.elapsed().as_secs_f64();
         }
     }
 
     /// Ends the last stage.
-    pub fn finish(mut self) -> Vec<Stage> {
+    pub fn finish(mut self) -> Vec<StageTime> {
         self.end();
         self.stages
     }
@@ -403,37 +443,29 @@ fn report(output: &mut Output, args: &BakeArgs, done: &Done, seconds: f64) -> Re
     for warning in &baked.warnings {
         output.note(&format!("warning: {warning}"));
     }
-    let m = &baked.measures;
     let fault = |fault| BakeError::Internal(format!("the package that was baked does not read back: {fault}"));
     let package = Package::open(&baked.package, &FormatLimits::default()).map_err(fault)?;
-    let anatomy = anatomy(&package).map_err(fault)?;
+    let anatomy = Anatomy::of(&package).map_err(fault)?;
     if !told_size {
         large_package(&package).map_err(fault)?.iter().for_each(|note| output.note(note));
     }
-    let value = json!({
-        "output": path.display().to_string(),
-        "bytes": baked.package.len(),
-        "seconds": seconds,
-        "stages": stages.iter().map(|(name, seconds)| json!({ "name": name, "seconds": seconds })).collect::<Vec<_>>(),
-        "warnings": baked.warnings,
-        "decisions": baked.decisions,
-        "recipe": args.write_recipe.as_ref().map(|path| path.display().to_string()),
-        "patches": m.patches,
-        "flipped_triangles": m.flipped_triangles,
-        "angle_distortion": m.angle_distortion,
-        "area_distortion": m.area_distortion,
-        "stretch_l2": m.stretch_l2,
-        "seam_length_ratio": m.seam_length_ratio,
-        "comb_misalignment_deg": m.comb_misalignment_deg,
-        "singularities": m.singularities,
-        "model": anatomy,
-        "choice": choice.as_ref().map(|(choice, ..)| choice),
-        "judged": choice.as_ref().map(|(_, judged, _)| judged),
-    });
+    let result = BakeResult {
+        output: path.display().to_string(),
+        bytes: baked.package.len(),
+        seconds,
+        stages,
+        warnings: &baked.warnings,
+        decisions: &baked.decisions,
+        recipe: args.write_recipe.as_ref().map(|path| path.display().to_string()),
+        measures: &baked.measures,
+        model: &anatomy,
+        choice: choice.as_ref().map(|(choice, ..)| choice),
+        judged: choice.as_ref().map(|(_, judged, _)| judged.as_slice()),
+    };
     let size = human_bytes(baked.package.len() as u64);
     let mut text = format!("{}: {size} in {seconds:.2} s", path.display());
     let mut said = |key: &str, value: String| text += &format!("\n{key:<14} {value}");
-    anatomy::rows(&anatomy, &mut said);
+    anatomy.rows(&mut said);
     for decision in &baked.decisions {
         said("chosen", format!("{}: {}  ({})", decision.what, decision.chosen, decision.line));
     }
@@ -443,5 +475,5 @@ fn report(output: &mut Output, args: &BakeArgs, done: &Done, seconds: f64) -> Re
     if let Some((.., why)) = choice {
         text += &format!("\n{why}");
     }
-    output.result(&text, &value)
+    output.result(&text, &result)
 }

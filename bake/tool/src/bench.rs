@@ -3,13 +3,13 @@
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file;
-use super::staged::detail;
-use super::staged::stage_of;
+use super::staged::{FurDetail, detail, stage_of};
 use super::view::View;
 use super::view_args::{Frames, ViewArgs};
 use pelage_runtime::{Frame, PassId};
 use pelage_stage::{Clock, FrameTimes, Gpu, Look, Meter, Spread, Stage};
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -21,6 +21,49 @@ pub struct BenchArgs {
     package: PathBuf,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+/// Cost of a frame on this machine's adapter.
+#[derive(Serialize, JsonSchema)]
+pub struct BenchResult<'a> {
+    adapter: &'a str,
+    driver: String,
+    frames: usize,
+    timing: Clock,
+    frame_ms: Spread,
+    passes: Vec<PassTime>,
+    /// Time of the same frame without self-shadow and soft shadow, milliseconds.
+    unshadowed_frame_ms: Spread,
+    /// Median ratio of a frame to the same frame without shadows, with a still light; null without shadows.
+    frame_over_unshadowed: Option<f64>,
+    /// Time to redraw the shadow maps (layer_shadow and shadow_width together), milliseconds.
+    shadow_maps_ms: f64,
+    /// Median ratio of `shadow_maps_ms` to `frame_ms`; null without shadows.
+    shadow_maps_over_frame: Option<f64>,
+    /// Time of the same layers with one texture read and no lighting, milliseconds.
+    yardstick_ms: Spread,
+    /// Ratio of the shells pass to the yardstick; null if the yardstick takes no time.
+    shells_over_yardstick: Option<f64>,
+    upload_ms: f64,
+    pipelines_ms: f64,
+    gpu_bytes: u64,
+    /// Shell layers, skin included.
+    layers: u32,
+    /// Copies of the model.
+    instances: usize,
+    /// Layers drawn in a frame, all copies, skins excluded.
+    drawn_layers: u64,
+    /// Fur drawn for each copy.
+    detail: Vec<FurDetail>,
+    triangles: u32,
+}
+
+/// Time of a pass.
+#[derive(Serialize, JsonSchema)]
+struct PassTime {
+    name: &'static str,
+    median_ms: f64,
+    fragments: Option<u64>,
 }
 
 /// Frames before the timed ones: pipelines, caches and clocks settle.
@@ -85,30 +128,29 @@ fn report(
     let shells = median(PassId::SHELLS);
     let ratio = (yardstick.median > 0.0).then(|| shells / yardstick.median);
     let gpu_bytes = model.gpu_bytes() + scene.shadow_bytes() + drawn.report().target_bytes + scene.copies_bytes();
-    let passes: Vec<_> =
-        measured().map(|id| json!({ "name": id.name(), "median_ms": median(id), "fragments": count(id) })).collect();
-    let value = json!({
-        "adapter": scene.gpu.info.name,
-        "driver": format!("{} {}", scene.gpu.info.driver, scene.gpu.info.driver_info),
-        "frames": times.len(),
-        "timing": clock,
-        "frame_ms": frame,
-        "passes": passes,
-        "unshadowed_frame_ms": unshadowed,
-        "frame_over_unshadowed": shadowed.then_some(over_unshadowed.median),
-        "shadow_maps_ms": maps_ms,
-        "shadow_maps_over_frame": shadowed.then_some(over_frame.median),
-        "yardstick_ms": yardstick,
-        "shells_over_yardstick": ratio,
-        "upload_ms": scene.upload.as_secs_f64() * 1e3,
-        "pipelines_ms": scene.compile.as_secs_f64() * 1e3,
-        "gpu_bytes": gpu_bytes,
-        "layers": layers,
-        "instances": scene.instances.len(),
-        "drawn_layers": drawn.report().instances.iter().map(|d| u64::from(d.layers)).sum::<u64>(),
-        "detail": detail(drawn),
-        "triangles": triangles,
-    });
+    let passes = measured().map(|id| PassTime { name: id.name(), median_ms: median(id), fragments: count(id) });
+    let result = BenchResult {
+        adapter: &scene.gpu.info.name,
+        driver: format!("{} {}", scene.gpu.info.driver, scene.gpu.info.driver_info),
+        frames: times.len(),
+        timing: clock,
+        frame_ms: frame,
+        passes: passes.collect(),
+        unshadowed_frame_ms: unshadowed,
+        frame_over_unshadowed: shadowed.then_some(over_unshadowed.median),
+        shadow_maps_ms: maps_ms,
+        shadow_maps_over_frame: shadowed.then_some(over_frame.median),
+        yardstick_ms: yardstick,
+        shells_over_yardstick: ratio,
+        upload_ms: scene.upload.as_secs_f64() * 1e3,
+        pipelines_ms: scene.compile.as_secs_f64() * 1e3,
+        gpu_bytes,
+        layers,
+        instances: scene.instances.len(),
+        drawn_layers: drawn.report().instances.iter().map(|d| u64::from(d.layers)).sum(),
+        detail: detail(drawn),
+        triangles,
+    };
     let mut text = String::new();
     let mut line = |args: std::fmt::Arguments<'_>| {
         let _ = writeln!(text, "{args}");
@@ -134,7 +176,6 @@ fn report(
     if let Some(ratio) = ratio {
         line(format_args!("shells take {ratio:.2} times the same layers with one texture read and no lighting"));
     }
-    let (upload, compile) = (scene.upload.as_secs_f64() * 1e3, scene.compile.as_secs_f64() * 1e3);
-    line(format_args!("upload {upload:.1} ms, pipelines {compile:.1} ms"));
-    output.result(&text, &value)
+    line(format_args!("upload {:.1} ms, pipelines {:.1} ms", result.upload_ms, result.pipelines_ms));
+    output.result(&text, &result)
 }

@@ -1,21 +1,35 @@
-//! The command line as a page of Markdown, made from the definition that reads it: a hidden subcommand, because only the binary has that.
+//! The command line as a page of Markdown, and the results of `--json` as JSON schemas, generated from their definitions.
+//! It is a hidden subcommand, because only the binary has these.
 
 use super::exit::{Exit, Failure};
 use super::output::Output;
+use crate::ResultSchema;
 use clap::{Arg, ArgAction, Command};
 use pelage_params::wrap;
-use serde_json::json;
+use schemars::generate::SchemaSettings;
+use serde_json::{Map, Value, json};
 
-/// Print this command line as Markdown: what bake/docs/commands.md holds
+/// Print bake/docs/commands.md; with --json also bake/docs/schemas.json
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(hide = true)]
 pub struct CommandsPageArgs {}
 
-/// Runs the subcommand on the whole command line.
-pub fn run(mut command: Command, output: &mut Output) -> Result<Exit, Failure> {
+/// Runs the subcommand on the whole command line and all results.
+pub fn run(mut command: Command, results: Vec<ResultSchema>, output: &mut Output) -> Result<Exit, Failure> {
     let text = page(&mut command);
-    output.result(text.trim_end(), &json!({ "page": text }))?;
+    output.result(text.trim_end(), &json!({ "page": text, "schemas": schemas(results) }))?;
     Ok(Exit::Done)
+}
+
+/// Returns the JSON schema of the results of each command, by its name; shared types are in `$defs`.
+fn schemas(mut results: Vec<ResultSchema>) -> Value {
+    results.sort_by_key(|(name, _)| *name);
+    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    let mut all = Map::new();
+    all.insert("$schema".into(), generator.settings().meta_schema.as_deref().into());
+    all.extend(results.iter().map(|(name, make)| ((*name).into(), make(&mut generator).to_value())));
+    all.insert("$defs".into(), generator.take_definitions(true).into());
+    all.into()
 }
 
 /// What stands before the subcommands.

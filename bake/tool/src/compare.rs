@@ -6,7 +6,8 @@ use super::output::{Output, require_parent};
 use pelage_bake::io;
 use pelage_import::BakeError;
 use pelage_truth::compare::{CompareParams, Comparison, compare_pictures};
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -77,10 +78,32 @@ fn parse_pixels_per_degree(text: &str) -> Result<f32, String> {
     number.ok_or("expected a number from 1 to 1000".into())
 }
 
-/// A limit that was given.
+/// Difference of two pictures. Exit code 7 if a limit is exceeded, else 0.
+#[derive(Serialize, JsonSchema)]
+pub struct CompareResult {
+    a: String,
+    b: String,
+    width: u32,
+    height: u32,
+    /// Background of transparent pictures for FLIP: sRGB-encoded red, green and blue.
+    over: [u8; 3],
+    pixels_per_degree: f32,
+    #[serde(flatten)]
+    comparison: Comparison,
+    limits: Vec<Limit>,
+    different: bool,
+    /// Picture of FLIP that was written; null without `--output`.
+    output: Option<String>,
+}
+
+/// A limit of a comparison.
+#[derive(Serialize, JsonSchema)]
 struct Limit {
+    #[schemars(extend("enum" = ["--max-flip", "--max-rmse", "--max-coverage", "--min-psnr"]))]
     option: &'static str,
     bound: f64,
+    /// Value measured; null for the infinite ratio of equal pictures.
+    #[schemars(with = "Option<f64>")]
     found: f64,
     exceeded: bool,
 }
@@ -116,9 +139,22 @@ pub fn run(args: &CompareArgs, output: &mut Output) -> Result<Exit, Failure> {
         io::write_atomic(file, &map.png()?)?;
     }
     let limits = limits(args, &comparison);
-    let exceeded = limits.iter().any(|limit| limit.exceeded);
-    output.result(&text(args, &comparison, &limits), &object(args, (a.width, a.height), &comparison, &limits))?;
-    Ok(if exceeded { Exit::Differences } else { Exit::Done })
+    let text = text(args, &comparison, &limits);
+    let different = limits.iter().any(|limit| limit.exceeded);
+    let result = CompareResult {
+        a: args.a.display().to_string(),
+        b: args.b.display().to_string(),
+        width: a.width,
+        height: a.height,
+        over: args.over.0,
+        pixels_per_degree: args.pixels_per_degree,
+        comparison,
+        limits,
+        different,
+        output: args.output.as_ref().map(|file| file.display().to_string()),
+    };
+    output.result(&text, &result)?;
+    Ok(if different { Exit::Differences } else { Exit::Done })
 }
 
 fn text(args: &CompareArgs, c: &Comparison, limits: &[Limit]) -> String {
@@ -142,29 +178,4 @@ fn text(args: &CompareArgs, c: &Comparison, limits: &[Limit]) -> String {
     }
     lines.extend(args.output.as_ref().map(|file| file.display().to_string()));
     lines.join("\n")
-}
-
-fn object(args: &CompareArgs, size: (u32, u32), c: &Comparison, limits: &[Limit]) -> Value {
-    let limit = |l: &Limit| json!({ "option": l.option, "bound": l.bound, "found": l.found, "exceeded": l.exceeded });
-    json!({
-        "a": args.a.display().to_string(),
-        "b": args.b.display().to_string(),
-        "width": size.0,
-        "height": size.1,
-        "over": args.over.0,
-        "pixels_per_degree": args.pixels_per_degree,
-        "flip": {
-            "mean": c.flip.mean,
-            "covered": c.flip.covered,
-            "weighted_median": c.flip.weighted_median,
-            "max": c.flip.max,
-        },
-        "rmse": c.rmse,
-        // Infinity, of equal pictures, has no number in JSON and becomes null.
-        "psnr_db": c.psnr_db,
-        "coverage": c.coverage,
-        "limits": limits.iter().map(limit).collect::<Vec<_>>(),
-        "different": limits.iter().any(|l| l.exceeded),
-        "output": args.output.as_ref().map(|file| file.display().to_string()),
-    })
 }

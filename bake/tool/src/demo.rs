@@ -11,7 +11,8 @@ use pelage_bake::io;
 use pelage_bake::pipeline::{self, Baked, Told};
 use pelage_bake::stages::groom::MapImages;
 use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Rgb, Samples, find_clip};
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Bake and draw the built-in hare and torus; needs no input
@@ -20,6 +21,13 @@ pub struct DemoArgs {
     /// Folder for packages and pictures; made where it is missing
     #[arg(long, short, value_name = "DIR", default_value = "pelage-demo")]
     output: PathBuf,
+}
+
+/// Packages and pictures written.
+#[derive(Serialize, JsonSchema)]
+pub struct DemoResult {
+    packages: Vec<String>,
+    pictures: Vec<String>,
 }
 
 /// The models, and a clip and a moment of it to draw besides the rest pose.
@@ -53,8 +61,8 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
             pictures.extend(gait(&file, &gpu, &args.output.join(format!("{}_walk", model.name)), output)?);
         }
     }
-    let value = json!({ "packages": packages, "pictures": pictures });
-    output.result(&[packages, pictures].concat().join("\n"), &value)?;
+    let result = DemoResult { packages, pictures };
+    output.result(&[&*result.packages, &*result.pictures].concat().join("\n"), &result)?;
     Ok(Exit::Done)
 }
 

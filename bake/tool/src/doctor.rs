@@ -8,9 +8,9 @@ use super::package_file;
 use super::view::View;
 use pelage_import::BakeError;
 use pelage_stage::{Size, Viewpoint};
-use pelage_truth::doctor;
-use pelage_truth::doctor::{PassWork, Prognosis};
-use serde_json::{Value, json};
+use pelage_truth::doctor::{self, Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -36,6 +36,46 @@ pub struct DoctorArgs {
     shadow_map: u32,
 }
 
+/// Predicted cost of a package on a screen, counted without a GPU, and recommended changes.
+#[derive(Serialize, JsonSchema)]
+pub struct DoctorResult<'a> {
+    package: String,
+    width: u32,
+    height: u32,
+    /// Copies of the model, each at the same size.
+    instances: u32,
+    camera: DoctorCamera,
+    /// Pixels covered by the skin of one copy.
+    skin_pixels: u64,
+    /// Pixels with at least one layer of fur.
+    fur_pixels: u64,
+    overdraw: Overdraw,
+    on_screen: OnScreen,
+    passes: &'a [PassWork],
+    /// Size on the device, all copies, bytes.
+    gpu_bytes: u64,
+    memory: Memory,
+    /// Recommended changes: first improvements of the look, then savings, largest first.
+    advice: &'a [Advice],
+}
+
+/// Camera of the picture.
+#[derive(Serialize, JsonSchema)]
+struct DoctorCamera {
+    eye: [f32; 3],
+    /// Point in the middle of the picture, metres.
+    target: [f32; 3],
+    /// Height of the view, degrees.
+    fov_deg: f32,
+}
+
+/// Layers on a pixel with fur.
+#[derive(Serialize, JsonSchema)]
+struct Overdraw {
+    mean: f64,
+    max: u16,
+}
+
 /// Runs the subcommand.
 pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
     let file = package_file::read(&args.package)?;
@@ -53,8 +93,22 @@ pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
         let shown = View { camera: Some(Viewpoint { eye, target, fov_deg }), ..shown };
         found.advice = try_advice(&file, &shown, found.advice, output)?;
     }
-    let camera = json!({ "eye": eye.to_array(), "target": target.to_array(), "fov_deg": fov_deg });
-    output.result(&text(&found), &object(args, camera, &found))?;
+    let result = DoctorResult {
+        package: args.package.display().to_string(),
+        width: args.size.width,
+        height: args.size.height,
+        instances,
+        camera: DoctorCamera { eye: eye.to_array(), target: target.to_array(), fov_deg },
+        skin_pixels: found.covered_pixels[0],
+        fur_pixels: found.covered_pixels[1],
+        overdraw: Overdraw { mean: found.overdraw.0, max: found.overdraw.1 },
+        on_screen: found.on_screen,
+        passes: &found.passes,
+        gpu_bytes: found.memory.total(),
+        memory: found.memory,
+        advice: &found.advice,
+    };
+    output.result(&text(&found), &result)?;
     Ok(Exit::Done)
 }
 
@@ -95,68 +149,9 @@ fn text(p: &Prognosis) -> String {
         line(format!("advice: {}", advice.change));
         line(format!("  {}", advice.found));
         line(format!("  saves {}; costs {}", advice.saves, advice.costs));
-        if let Some([before, after]) = advice.measured {
+        if let Some(ErrorChange { before, after }) = advice.measured {
             line(format!("  measured: error {before:.4} without it, {after:.4} with it and all above"));
         }
     }
     out
-}
-
-fn object(args: &DoctorArgs, camera: Value, p: &Prognosis) -> Value {
-    let pass = |pass: &PassWork| {
-        json!({
-            "name": pass.name,
-            "runs": pass.runs,
-            "reason": pass.reason,
-            "vertices": pass.vertices,
-            "fragments": pass.fragments,
-            "fragments_in_blocks": pass.fragments_in_blocks,
-        })
-    };
-    let m = &p.memory;
-    let advice = p.advice.iter();
-    let advice = advice.map(|a| {
-        json!({
-            "change": a.change,
-            "found": a.found,
-            "saves": a.saves,
-            "costs": a.costs,
-            "saved": a.saved.map(|saved| json!({
-                "fragments": saved.fragments,
-                "vertices": saved.vertices,
-                "bytes": saved.bytes,
-            })),
-            "error": a.measured.map(|[before, after]| json!({ "before": before, "after": after })),
-        })
-    });
-    json!({
-        "package": args.package.display().to_string(),
-        "width": args.size.width,
-        "height": args.size.height,
-        "instances": args.instances,
-        "camera": camera,
-        "skin_pixels": p.covered_pixels[0],
-        "fur_pixels": p.covered_pixels[1],
-        "overdraw": { "mean": p.overdraw.0, "max": p.overdraw.1 },
-        "on_screen": {
-            "texel_px": p.on_screen.texel_px,
-            "layer_gap_px": p.on_screen.layer_gap_px,
-            "layers_drawn": p.on_screen.layers_drawn,
-            "height_px": p.on_screen.height_px,
-            "near_m": p.on_screen.near_m,
-            "triangle_px": p.on_screen.triangle_px,
-            "small_triangles": p.on_screen.small_triangles,
-            "triangles": p.on_screen.triangles,
-        },
-        "passes": p.passes.iter().map(pass).collect::<Vec<_>>(),
-        "gpu_bytes": m.total(),
-        "memory": {
-            "textures": m.textures,
-            "buffers": m.buffers,
-            "posed": m.posed,
-            "strands": m.strands,
-            "shadow_maps": m.shadow_maps,
-        },
-        "advice": advice.collect::<Vec<_>>(),
-    })
 }

@@ -9,7 +9,7 @@ use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::reslice;
 use pelage_stage::{Gpu, NamedPackage};
-use pelage_truth::doctor::{Advice, is_harmless};
+use pelage_truth::doctor::{Advice, ErrorChange, is_harmless};
 use pelage_truth::likeness::Likeness;
 
 /// Rays through all pixels of the true picture: some seconds on any machine. Noise that is left is the same in all comparisons.
@@ -58,7 +58,7 @@ pub fn try_advice(
                 if !is_harmless(before, after) {
                     continue;
                 }
-                advice.measured = Some([before, after]);
+                advice.measured = Some(ErrorChange { before, after });
                 recipe = changed;
             }
         }

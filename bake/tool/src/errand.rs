@@ -7,7 +7,9 @@ use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
 use pelage_bake::traffic::{self, Digest, Traffic};
 use pelage_import::BakeError;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::{Map, Value};
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsString;
 use std::fmt::Debug;
@@ -119,8 +121,7 @@ pub fn run(
         });
     }
     if let Some(path) = &args.record {
-        let record = record(&result, &output.said(), began.elapsed().as_secs_f64(), cached);
-        let recorded = write_record(path, &record);
+        let recorded = CommandRecord::of(&result, output.said(), began.elapsed().as_secs_f64(), cached).write(path);
         // An error of the command is what its user has to know first.
         result = result.and_then(|exit| recorded.map(|()| exit).map_err(Into::into));
     }
@@ -222,47 +223,63 @@ fn rename(value: &mut Value, old: &str, new: &str) {
     }
 }
 
-/// What became of a command.
-fn record(result: &Result<Exit, Failure>, said: &Said, seconds: f64, cached: bool) -> Value {
-    let (exit, error) = match result {
-        Ok(exit) => (*exit, None),
-        Err(failure) => (failure.exit(), Some(failure.to_string())),
-    };
-    let mut record = unrecorded(words(), exit, error.as_deref());
-    record["seconds"] = json!(seconds);
-    record["peak_bytes"] = json!(peak_bytes());
-    record["cached"] = json!(cached);
-    record["result"] = json!(said.result.as_ref().map(|(_, json)| json));
-    record["notes"] = json!(said.notes);
-    record
+/// Record of a command, written with `--record` by every subcommand, also if it failed.
+#[derive(Serialize, JsonSchema)]
+pub struct CommandRecord {
+    command: Vec<String>,
+    version: &'static str,
+    exit_code: u8,
+    seconds: f64,
+    /// Peak memory; null if the system does not report it.
+    peak_bytes: Option<u64>,
+    /// Whether the result is a cache hit; it then has the figures of the run that made it.
+    cached: bool,
+    /// Result that the subcommand prints with `--json`; null if it failed.
+    #[schemars(with = "Option<Map<String, Value>>")]
+    result: Option<Value>,
+    error: Option<String>,
+    /// Notes printed to stderr.
+    notes: Vec<String>,
 }
 
-/// The record of a command that could write none itself.
-pub fn unrecorded(words: Vec<String>, exit: Exit, error: Option<&str>) -> Value {
-    json!({
-        "command": words,
-        "version": env!("CARGO_PKG_VERSION"),
-        "exit_code": exit as u8,
-        "seconds": 0.0,
-        "peak_bytes": null,
-        "cached": false,
-        "result": null,
-        "error": error,
-        "notes": [],
-    })
+impl CommandRecord {
+    /// Returns the record of a command that could not write its own.
+    pub fn new(command: Vec<String>, exit: Exit, error: Option<String>) -> Self {
+        Self {
+            command,
+            version: env!("CARGO_PKG_VERSION"),
+            exit_code: exit as u8,
+            seconds: 0.0,
+            peak_bytes: None,
+            cached: false,
+            result: None,
+            error,
+            notes: Vec::new(),
+        }
+    }
+
+    fn of(result: &Result<Exit, Failure>, said: Said, seconds: f64, cached: bool) -> Self {
+        let (exit, error) = match result {
+            Ok(exit) => (*exit, None),
+            Err(failure) => (failure.exit(), Some(failure.to_string())),
+        };
+        let result = said.result.map(|(_, json)| json);
+        Self { seconds, peak_bytes: peak_bytes(), cached, result, notes: said.notes, ..Self::new(words(), exit, error) }
+    }
+
+    /// Writes the record to a file.
+    pub fn write(&self, path: &Path) -> Result<(), BakeError> {
+        let text = serde_json::to_value(self).map_err(|error| BakeError::Internal(error.to_string()))?;
+        io::write_atomic(path, format!("{text:#}\n").as_bytes())
+    }
 }
 
 /// Writes the record of a command line that is refused, where its words ask for one.
 pub fn record_refusal(why: &str) -> Result<(), BakeError> {
     match record_asked(std::env::args_os()) {
-        Some(path) => write_record(&path, &unrecorded(words(), Exit::Usage, Some(why))),
+        Some(path) => CommandRecord::new(words(), Exit::Usage, Some(why.to_owned())).write(&path),
         None => Ok(()),
     }
-}
-
-/// Writes what became of a command.
-pub fn write_record(path: &Path, record: &Value) -> Result<(), BakeError> {
-    io::write_atomic(path, format!("{record:#}\n").as_bytes())
 }
 
 /// The words of this process.
@@ -319,6 +336,7 @@ fn make_word(path: &str) -> String {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn a_rule_names_what_was_read() {

@@ -3,18 +3,19 @@
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::package_file;
-use super::reference::{camera_json, groom_json};
+use super::reference::CameraResult;
 use super::truth::Truth;
 use super::view::View;
 use super::view_args::parse_seconds;
 use glam::DVec3;
 use pelage_bake::io::write_atomic_with;
 use pelage_bake::strands::export::{StrandFormat, write_mtl, write_obj};
-use pelage_bake::strands::{CurveGroup, CurvePoint, Curves};
+use pelage_bake::strands::{CurveGroup, CurvePoint, Curves, GroomReport};
 use pelage_formats::meaning::scattering::colour;
 use pelage_stage::Size;
 use pelage_truth::TrueScattering;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -50,6 +51,52 @@ pub struct ExportArgs {
     /// Size of the picture that the camera in the --json result is for, pixels
     #[arg(long, value_name = "WxH", default_value = "834x424")]
     size: Size,
+}
+
+/// Files written, and the strands and skin in them.
+#[derive(Serialize, JsonSchema)]
+pub struct ExportResult<'a> {
+    files: &'a [String],
+    strands: usize,
+    /// Named groups of the strands, in file order. Together they hold all strands; none is empty.
+    groups: Vec<StrandGroup<'a>>,
+    /// Straight segments of the strands after simplification.
+    segments: usize,
+    /// Strands on the whole skin.
+    of_strands: u64,
+    groom: GroomReport,
+    vertices: usize,
+    triangles: usize,
+    camera: CameraResult,
+    /// Width of the picture that the camera is for, pixels.
+    width: u32,
+    /// Height of the picture that the camera is for, pixels.
+    height: u32,
+}
+
+/// A named group of strands.
+#[derive(Serialize, JsonSchema)]
+struct StrandGroup<'a> {
+    /// Name of the group; `coat` for the strands of the tile.
+    name: &'a str,
+    /// Index of the first strand in the file.
+    first: u32,
+    /// Number of consecutive strands.
+    strands: usize,
+    /// Fibre of the group; absent if the package has no fibres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fibre: Option<GroupFibre>,
+}
+
+/// A fibre as pbrt-4 and Mitsuba 3 define it; both tilt lobes by twice the angle of the scales.
+#[derive(Serialize, JsonSchema)]
+struct GroupFibre {
+    index_of_refraction: f64,
+    longitudinal_roughness: f64,
+    azimuthal_roughness: f64,
+    scale_tilt_deg: f64,
+    /// Mean absorption of red, green and blue over a radius.
+    absorption_per_radius: [f64; 3],
 }
 
 /// Runs the subcommand.
@@ -88,21 +135,19 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
         files.extend([path.to_owned(), materials]);
     }
     let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
-    let groups: Vec<Value> =
-        curves.groups().iter().map(|group| group_json(group, &curves, truth.scattering())).collect();
-    let value = json!({
-        "files": names,
-        "strands": curves.len(),
-        "groups": groups,
-        "segments": curves.segments(),
-        "of_strands": truth.report.strands,
-        "groom": groom_json(&truth.report),
-        "vertices": truth.scene.skin().vertices.len(),
-        "triangles": truth.scene.skin().triangles.len(),
-        "camera": camera_json(&truth.camera(&view)),
-        "width": args.size.width,
-        "height": args.size.height,
-    });
+    let result = ExportResult {
+        files: &names,
+        strands: curves.len(),
+        groups: curves.groups().iter().map(|group| StrandGroup::new(group, &curves, truth.scattering())).collect(),
+        segments: curves.segments(),
+        of_strands: truth.report.strands,
+        groom: truth.report,
+        vertices: truth.scene.skin().vertices.len(),
+        triangles: truth.scene.skin().triangles.len(),
+        camera: (&truth.camera(&view)).into(),
+        width: args.size.width,
+        height: args.size.height,
+    };
     let of = if (curves.len() as u64) < truth.report.strands {
         format!(" of {}", truth.report.strands)
     } else {
@@ -113,31 +158,32 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
         let each: Vec<String> = groups.iter().map(|group| format!("{} {}", group.name, group.strands.len())).collect();
         count += &format!(": {}", each.join(", "));
     }
-    output.result(&format!("{}\n{count}", names.join("\n")), &value)?;
+    output.result(&format!("{}\n{count}", names.join("\n")), &result)?;
     Ok(Exit::Done)
 }
 
 /// A text of so many points has 100 MB or more.
 const MANY_POINTS: usize = 2_000_000;
 
-fn group_json(group: &CurveGroup, curves: &Curves, scattering: Option<&TrueScattering>) -> Value {
-    let mut value = json!({ "name": group.name, "first": group.strands.start, "strands": group.strands.len() });
-    if let Some((fibre, scale)) = scattering.map(|scattering| scattering.of_group(&group.name)) {
-        let points = curves.points_of(group);
-        let absorbed = |sum: DVec3, point: &CurvePoint| {
-            sum + DVec3::from(colour::absorption(point.color.as_dvec3().to_array(), scale))
-        };
-        let mean = points.iter().fold(DVec3::ZERO, absorbed) / points.len().max(1) as f64;
-        // As pbrt-4 and Mitsuba 3 have it, which turn lobes by twice that angle.
-        value["fibre"] = json!({
-            "index_of_refraction": fibre.eta,
-            "longitudinal_roughness": colour::roughness_along(2.0 * fibre.along),
-            "azimuthal_roughness": colour::roughness(scale),
-            "scale_tilt_deg": fibre.tilt.to_degrees(),
-            "absorption_per_radius": mean.to_array(),
+impl<'a> StrandGroup<'a> {
+    fn new(group: &'a CurveGroup, curves: &Curves, scattering: Option<&TrueScattering>) -> Self {
+        let fibre = scattering.map(|scattering| {
+            let (fibre, scale) = scattering.of_group(&group.name);
+            let points = curves.points_of(group);
+            let absorbed = |sum: DVec3, point: &CurvePoint| {
+                sum + DVec3::from(colour::absorption(point.color.as_dvec3().to_array(), scale))
+            };
+            let mean = points.iter().fold(DVec3::ZERO, absorbed) / points.len().max(1) as f64;
+            GroupFibre {
+                index_of_refraction: fibre.eta,
+                longitudinal_roughness: colour::roughness_along(2.0 * fibre.along),
+                azimuthal_roughness: colour::roughness(scale),
+                scale_tilt_deg: fibre.tilt.to_degrees(),
+                absorption_per_radius: mean.to_array(),
+            }
         });
+        Self { name: &group.name, first: group.strands.start, strands: group.strands.len(), fibre }
     }
-    value
 }
 
 impl ExportArgs {

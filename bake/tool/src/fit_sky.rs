@@ -7,7 +7,8 @@ use pelage_bake::io::write_atomic;
 use pelage_bake::sky_file::SkyFile;
 use pelage_stage::Look;
 use pelage_stage::sky::{Environment, FitParams, Fitted, environment_to_toml};
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -31,6 +32,32 @@ pub struct SkyArgs {
     /// Least share of all light, 0 to 1, that a sun has to have to be a light of its own; 1 keeps it among the lobes
     #[arg(long, value_name = "SHARE", default_value_t = FitParams::default().sun, value_parser = parse_share)]
     sun: f64,
+}
+
+/// Lights that were written, and their distance from the panorama.
+#[derive(Serialize, JsonSchema)]
+pub struct SkyResult {
+    output: String,
+    /// Width and height of the panorama, pixels; null for lights in TOML.
+    size: Option<[u32; 2]>,
+    lobes: usize,
+    sun: Option<SkySun>,
+    /// Relative difference of all light from the light of the sky without its sun, for the colour that deviates most.
+    energy: f64,
+    /// RMSE of the lights against the sky without its sun, relative to that sky.
+    error: f64,
+    /// Pixels repaired because they held no valid radiance.
+    mended: u32,
+    seconds: f64,
+}
+
+/// A sun.
+#[derive(Serialize, JsonSchema)]
+struct SkySun {
+    towards: [f32; 3],
+    /// Linear colour; 1 gives an irradiance of π.
+    color: [f32; 3],
+    share: f64,
 }
 
 impl SkyArgs {
@@ -105,16 +132,16 @@ fn report(
         None => String::new(),
     };
     let text = format!("{name}: {} lobes{with_sun}{near}", lobes.len());
-    let value = json!({
-        "output": name,
-        "size": size.map(|(width, height)| [width, height]),
-        "lobes": lobes.len(),
-        "sun": sun.map(|sun| json!({ "towards": sun.towards, "color": sun.color, "share": fitted.sun_share })),
-        "energy": fitted.energy,
-        "error": fitted.error,
-        "mended": fitted.mended,
-        "seconds": seconds,
-    });
-    output.result(&text, &value)?;
+    let result = SkyResult {
+        output: name,
+        size: size.map(|(width, height)| [width, height]),
+        lobes: lobes.len(),
+        sun: sun.map(|sun| SkySun { towards: sun.towards, color: sun.color, share: fitted.sun_share }),
+        energy: fitted.energy,
+        error: fitted.error,
+        mended: fitted.mended,
+        seconds,
+    };
+    output.result(&text, &result)?;
     Ok(Exit::Done)
 }

@@ -11,7 +11,8 @@ use pelage_bake::picture::encode_png;
 use pelage_bake::pipeline::Told;
 use pelage_bake::recipe::GroomCoordinates;
 use pelage_import::ImportOptions;
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Write what varies over a model, such as the length of its hair, as an image to paint on
@@ -45,6 +46,24 @@ pub struct GroomArgs {
     /// Threads to use, by default one per core; the image is the same with any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+}
+
+/// A groom map that was written.
+#[derive(Serialize, JsonSchema)]
+pub struct GroomResult {
+    /// Paths of the image and of the mesh of `--mesh`.
+    files: Vec<String>,
+    /// Key of `[groom]`.
+    map: &'static str,
+    /// Texture coordinates that the image lies over.
+    #[schemars(extend("enum" = ["model", "atlas"]))]
+    coordinates: &'static str,
+    texels: u32,
+    /// Largest difference, 0 to 1, of a vertex's value from the image before rounding to bytes.
+    misses_by: f32,
+    /// Recipe lines that read the image back, for a recipe in its folder.
+    recipe: Vec<String>,
+    warnings: Vec<String>,
 }
 
 fn quantity_words() -> clap::builder::PossibleValuesParser {
@@ -92,16 +111,17 @@ pub fn run(args: &GroomArgs, output: &mut Output) -> Result<Exit, Failure> {
     if map.coordinates == GroomCoordinates::Atlas {
         lines.push("groom.coordinates = \"atlas\"".to_owned());
     }
-    let value = json!({
-        "files": files,
-        "map": key,
-        "coordinates": map.coordinates.word(),
-        "texels": map.image.width,
-        "misses_by": map.misses_by,
-        "recipe": lines,
-        "warnings": map.warnings,
-    });
-    output.result(&format!("{}\nread back with: {}", files.join("\n"), lines.join(", ")), &value)?;
+    let text = format!("{}\nread back with: {}", files.join("\n"), lines.join(", "));
+    let result = GroomResult {
+        files,
+        map: key,
+        coordinates: map.coordinates.word(),
+        texels: map.image.width,
+        misses_by: map.misses_by,
+        recipe: lines,
+        warnings: map.warnings,
+    };
+    output.result(&text, &result)?;
     Ok(Exit::Done)
 }
 

@@ -71,6 +71,7 @@ use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use exit::{Exit, Failure};
 use output::Output;
 use pelage_bake::unfinished;
+use schemars::{JsonSchema as _, Schema, SchemaGenerator};
 use std::panic::{self, AssertUnwindSafe};
 
 /// Real-time fur for glTF characters: bake a model into a package, look into packages, draw them.
@@ -94,7 +95,13 @@ pub trait Commands: Subcommand {
 
     /// Inputs, options and outputs of a subcommand whose outputs depend on nothing else.
     fn errand(&self) -> Option<errand::Errand>;
+
+    /// Lists the results printed with `--json`.
+    fn results() -> Vec<ResultSchema>;
 }
+
+/// Name of a subcommand, and the schema of its result.
+pub type ResultSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
 
 /// The command line around a subcommand.
 pub struct Invocation<'a> {
@@ -103,6 +110,8 @@ pub struct Invocation<'a> {
     refusal: fn(&[String]) -> Option<String>,
     /// The definition of all subcommands.
     definition: fn() -> clap::Command,
+    /// Results of all subcommands.
+    results: fn() -> Vec<ResultSchema>,
 }
 
 /// Options of every subcommand.
@@ -111,7 +120,7 @@ struct Global {
     /// No progress and no notes on stderr, only errors
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Print exactly one JSON object on stdout instead of text (schemas: bake/tool/src/schema/)
+    /// Print exactly one JSON object on stdout instead of text (schemas: bake/docs/schemas.json)
     #[arg(long, global = true)]
     json: bool,
     #[command(flatten)]
@@ -161,7 +170,7 @@ impl Commands for Command {
             Self::Export(args) => export::run(args, output),
             Self::Groom(args) => groom::run(args, output),
             Self::Sky(args) => fit_sky::run(args, output),
-            Self::CommandsPage(_) => commands_page::run((invocation.definition)(), output),
+            Self::CommandsPage(_) => commands_page::run((invocation.definition)(), (invocation.results)(), output),
             Self::Compare(args) => compare::run(args, output),
             Self::Doctor(args) => doctor::run(args, output),
             Self::Herd(args) => herd::run(args, invocation.global.errand.cache(), &invocation.refusal, output),
@@ -179,6 +188,29 @@ impl Commands for Command {
             _ => None,
         }
     }
+
+    fn results() -> Vec<ResultSchema> {
+        vec![
+            ("bake", bake::BakeResult::json_schema),
+            ("bench", bench::BenchResult::json_schema),
+            ("compare", compare::CompareResult::json_schema),
+            ("demo", demo::DemoResult::json_schema),
+            ("doctor", doctor::DoctorResult::json_schema),
+            ("error", output::ErrorResult::json_schema),
+            ("export", export::ExportResult::json_schema),
+            ("groom", groom::GroomResult::json_schema),
+            ("herd", herd::HerdResult::json_schema),
+            ("inspect", inspect::InspectResult::json_schema),
+            ("merge", merge::MergeResult::json_schema),
+            ("pack", pack::PackResult::json_schema),
+            ("record", errand::CommandRecord::json_schema),
+            ("reference", reference::ReferenceResult::json_schema),
+            ("render", render::RenderResult::json_schema),
+            ("sky", fit_sky::SkyResult::json_schema),
+            ("unpack", unpack::UnpackResult::json_schema),
+            ("validate", validate::ValidateResult::json_schema),
+        ]
+    }
 }
 
 /// Runs the command line of this process.
@@ -189,7 +221,8 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
         Ok(cli) => {
             let mut output = Output::new(cli.global.quiet, cli.global.json);
             let errand = cli.command.errand();
-            let invocation = Invocation { global: &cli.global, refusal: refusal::<C>, definition: Cli::<C>::command };
+            let definition = Cli::<C>::command;
+            let invocation = Invocation { global: &cli.global, refusal: refusal::<C>, definition, results: C::results };
             let run = |output: &mut Output| catch(|| cli.command.run(&invocation, output));
             let result = errand::run(&cli.global.errand, errand.as_ref(), run, &mut output);
             finish(result, &mut output)

@@ -1,5 +1,6 @@
 //! `pelage bake` with limits: the search of `pelage_truth::decide` over pictures of this machine's adapter.
 
+use super::bake::Judged;
 use super::exit::Failure;
 use super::machine::measured_on;
 use super::output::{Output, human_bytes};
@@ -11,7 +12,6 @@ use pelage_stage::{Gpu, LookDetail};
 use pelage_truth::decide;
 use pelage_truth::decide::{Decision, Figure, FrameTime, Judge, Limits, Measured, Setting, Space, Trial};
 use pelage_truth::likeness::Likeness;
-use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// What the evidence may add to a package, bytes: part of every measured size, so that a package with it keeps its limit.
@@ -24,7 +24,7 @@ pub struct Chosen {
     /// For the manifest.
     pub choice: Choice,
     /// What the package does not keep of the trials, for scripts: one of each, in their order.
-    pub judged: Vec<Value>,
+    pub judged: Vec<Judged>,
     /// For people.
     pub text: String,
 }
@@ -148,15 +148,11 @@ impl Judge for Counted<'_, '_> {
     }
 }
 
-/// What was found of a trial beyond what the package keeps.
-fn judged((trial, likeness): (&Trial, &Likeness)) -> Value {
+/// Returns the figures of a trial that the package does not keep.
+fn judged((trial, likeness): (&Trial, &Likeness)) -> Judged {
     let FrameTime { low, high, .. } = trial.measured.frame;
-    json!({
-        "flip": likeness.flip,
-        "outline": likeness.outline,
-        "contrast": likeness.contrast,
-        "frame_ms_quartiles": [low, high],
-    })
+    let Likeness { flip, outline, contrast, .. } = *likeness;
+    Judged { flip, outline, contrast, frame_ms_quartiles: [low, high] }
 }
 
 /// The limits as they were given.

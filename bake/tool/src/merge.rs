@@ -7,7 +7,8 @@ use super::reference::{Format, exr, png};
 use pelage_bake::io;
 use pelage_import::BakeError;
 use pelage_truth::TracedPart;
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Put the parts of a reference together, which `pelage reference --part K/N` has traced: the same bytes as in one piece
@@ -19,6 +20,22 @@ pub struct MergeArgs {
     /// The picture to write: .png as `reference` writes it, or .exr with linear colours times alpha
     #[arg(long, short, value_name = "PNG|EXR")]
     output: PathBuf,
+}
+
+/// A picture that was put together from its parts.
+#[derive(Serialize, JsonSchema)]
+pub struct MergeResult {
+    output: String,
+    width: u32,
+    height: u32,
+    spp: u32,
+    parts: usize,
+    /// Rays from the eye, all parts.
+    primary_rays: u64,
+    /// Rays to the lights, all parts.
+    shadow_rays: u64,
+    /// Pixels with any opacity.
+    covered_pixels: usize,
 }
 
 impl MergeArgs {
@@ -73,17 +90,16 @@ pub fn run(args: &MergeArgs, output: &mut Output) -> Result<Exit, Failure> {
         _ => png(&whole.shown)?,
     };
     io::write_atomic(&args.output, &bytes)?;
-    let name = args.output.display().to_string();
-    let value = json!({
-        "output": name,
-        "width": whole.of.width,
-        "height": whole.of.height,
-        "spp": whole.of.spp,
-        "parts": files.len(),
-        "primary_rays": whole.traced.rays.primary,
-        "shadow_rays": whole.traced.rays.shadow,
-        "covered_pixels": whole.traced.covered(),
-    });
-    output.result(&name, &value)?;
+    let result = MergeResult {
+        output: args.output.display().to_string(),
+        width: whole.of.width,
+        height: whole.of.height,
+        spp: whole.of.spp,
+        parts: files.len(),
+        primary_rays: whole.traced.rays.primary,
+        shadow_rays: whole.traced.rays.shadow,
+        covered_pixels: whole.traced.covered(),
+    };
+    output.result(&result.output, &result)?;
     Ok(Exit::Done)
 }

@@ -5,6 +5,8 @@ use super::work::{Herald, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use pelage_bake::steps::Steps;
 use pelage_import::BakeError;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::fmt;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
@@ -62,9 +64,10 @@ impl Output {
         self.json
     }
 
-    /// Prints the result: `json` with `--json`, else the lines of `text`.
-    pub fn result(&mut self, text: &str, json: &serde_json::Value) -> Result<(), Failure> {
+    /// Prints the result: `result` as JSON with `--json`, else the lines of `text`.
+    pub fn result(&mut self, text: &str, result: &impl Serialize) -> Result<(), Failure> {
         self.end_progress();
+        let json = serde_json::to_value(result).map_err(|error| BakeError::Internal(error.to_string()))?;
         let mut bytes = if self.json { format!("{json:#}") } else { text.to_owned() };
         // Of no lines there is none.
         if !bytes.is_empty() && !bytes.ends_with('\n') {
@@ -72,7 +75,7 @@ impl Output {
         }
         self.done = true;
         if let Some(said) = &mut *self.heard() {
-            said.result = Some((text.to_owned(), json.clone()));
+            said.result = Some((text.to_owned(), json));
         }
         let mut stdout = io::stdout().lock();
         stdout.write_all(bytes.as_bytes()).and_then(|()| stdout.flush()).map_err(Failure::Stdout)
@@ -182,12 +185,26 @@ impl Output {
         }
     }
 
-    /// `{"error": …}` on stdout (`schema/error.json`).
+    /// Prints an [`ErrorResult`].
     pub fn error_object(&mut self, exit: Exit, message: &str) {
-        let object = serde_json::json!({ "error": { "exit_code": exit as u8, "message": message } });
+        let error = ErrorObject { exit_code: exit as u8, message: message.to_owned() };
         // The failure is being reported already; a stdout that fails as well changes nothing.
-        let _ = self.result("", &object);
+        let _ = self.result("", &ErrorResult { error });
     }
+}
+
+/// Failure of a command: with `--json` this is printed to stdout, beside the message on stderr.
+#[derive(Serialize, JsonSchema)]
+pub struct ErrorResult {
+    error: ErrorObject,
+}
+
+/// Reason of a failure.
+#[derive(Serialize, JsonSchema)]
+struct ErrorObject {
+    #[schemars(range(min = 1, max = 5))]
+    exit_code: u8,
+    message: String,
 }
 
 /// Writes to stderr; nobody is left to tell when that fails.

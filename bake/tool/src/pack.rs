@@ -8,7 +8,9 @@ use pelage_bake::recipe::Recipe;
 use pelage_bake::traffic;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
 use std::io;
 use std::path::PathBuf;
 
@@ -24,6 +26,13 @@ pub struct PackArgs {
     /// Package to write
     #[arg(value_name = "PKG")]
     package: PathBuf,
+}
+
+/// A package that was written.
+#[derive(Serialize, JsonSchema)]
+pub struct PackResult {
+    output: String,
+    bytes: usize,
 }
 
 /// Runs the subcommand.
@@ -48,9 +57,8 @@ pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
     })?;
     report_leftovers(args, &bytes, output);
     write_atomic(&args.package, &bytes)?;
-    let name = args.package.display().to_string();
-    let text = format!("{name} ({} bytes)\n", bytes.len());
-    output.result(&text, &json!({ "output": name, "bytes": bytes.len() }))?;
+    let result = PackResult { output: args.package.display().to_string(), bytes: bytes.len() };
+    output.result(&format!("{} ({} bytes)\n", result.output, result.bytes), &result)?;
     Ok(Exit::Done)
 }
 

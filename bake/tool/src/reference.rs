@@ -18,7 +18,8 @@ use pelage_import::BakeError;
 use pelage_params::Knob;
 use pelage_stage::{Background, Look, NamedPackage, SHORT_FORMS, ShortForm};
 use pelage_truth::{Lens, OfPicture, Part, Portion, TracedPart, TracedPicture, TrueCamera, TrueScattering};
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::io::Cursor;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -79,6 +80,33 @@ enum FibreTruth {
     Package,
     /// By light that goes from fibre to fibre
     Exact,
+}
+
+/// A traced picture, and what it took.
+#[derive(Serialize, JsonSchema)]
+pub struct ReferenceResult {
+    output: String,
+    width: u32,
+    height: u32,
+    spp: u32,
+    /// Strands on the whole skin.
+    strands: u64,
+    /// Straight segments of the strands after simplification.
+    segments: u64,
+    groom: GroomReport,
+    /// Memory for each strand: points, segments and their tree.
+    bytes_per_strand: f64,
+    camera: CameraResult,
+    /// Rays from the eye.
+    primary_rays: u64,
+    /// Rays to the lights.
+    shadow_rays: u64,
+    /// Time to grow the strands and build the trees.
+    grow_seconds: f64,
+    seconds: f64,
+    mrays_per_s: f64,
+    /// Pixels with any opacity.
+    covered_pixels: usize,
 }
 
 /// Runs the subcommand.
@@ -184,26 +212,25 @@ fn report(
 ) -> Result<Exit, Failure> {
     let rays = picture.rays.primary + picture.rays.shadow;
     let mrays_per_s = rays as f64 * 1e-6 / seconds.max(1e-9);
-    let covered = picture.covered();
     let groom = &truth.report;
     let bytes_per_strand = truth.scene.bytes_per_strand();
-    let value = json!({
-        "output": args.output.display().to_string(),
-        "width": picture.width,
-        "height": picture.height,
-        "spp": args.spp,
-        "strands": groom.strands,
-        "segments": groom.segments,
-        "groom": groom_json(groom),
-        "bytes_per_strand": bytes_per_strand,
-        "camera": camera_json(camera),
-        "primary_rays": picture.rays.primary,
-        "shadow_rays": picture.rays.shadow,
-        "grow_seconds": grown_s,
-        "seconds": seconds,
-        "mrays_per_s": mrays_per_s,
-        "covered_pixels": covered,
-    });
+    let result = ReferenceResult {
+        output: args.output.display().to_string(),
+        width: picture.width,
+        height: picture.height,
+        spp: args.spp,
+        strands: groom.strands,
+        segments: groom.segments,
+        groom: *groom,
+        bytes_per_strand,
+        camera: camera.into(),
+        primary_rays: picture.rays.primary,
+        shadow_rays: picture.rays.shadow,
+        grow_seconds: grown_s,
+        seconds,
+        mrays_per_s,
+        covered_pixels: picture.covered(),
+    };
     let text = format!(
         "{}\n{} strands in {} pieces, {} each, grown in {grown_s:.1} s; {:.1} million rays in {seconds:.1} s, {mrays_per_s:.2} million a second",
         args.output.display(),
@@ -212,37 +239,32 @@ fn report(
         human_bytes(bytes_per_strand as u64),
         rays as f64 * 1e-6,
     );
-    output.result(&text, &value)?;
+    output.result(&text, &result)?;
     Ok(Exit::Done)
 }
 
-/// What became of the tile's strands.
-pub fn groom_json(groom: &GroomReport) -> serde_json::Value {
-    json!({
-        "points_before_simplification": groom.points_before,
-        "crossed_patch_border": groom.crossed_patch_border,
-        "crossed_mesh_border": groom.crossed_mesh_border,
-        "slid_along_border": groom.slid_along_border,
-        "lost": groom.lost,
-        "dropped_cut_out": groom.dropped_cut,
-        "dropped_no_length": groom.dropped_bare,
-        "dropped_thinned_out": groom.dropped_thinned,
-        "triangles_without_coordinates": groom.triangles_without_coordinates,
-    })
+/// The camera of `render` for the same view.
+#[derive(Serialize, JsonSchema)]
+pub struct CameraResult {
+    /// Position of the eye, metres.
+    eye: [f32; 3],
+    /// Point in the middle of the picture, metres.
+    target: [f32; 3],
+    /// Up direction of the picture.
+    up: [f32; 3],
+    /// Height of the view, degrees; null for a parallel projection.
+    fov_y_deg: Option<f64>,
 }
 
-/// A camera as other programs want it.
-pub fn camera_json(camera: &TrueCamera) -> serde_json::Value {
-    let fov_deg = match camera.lens {
-        Lens::Perspective { fov_y_rad } => Some(f64::from(fov_y_rad).to_degrees()),
-        Lens::Orthographic { .. } => None,
-    };
-    json!({
-        "eye": camera.eye_ws.to_array(),
-        "target": camera.target_ws.to_array(),
-        "up": camera.up_ws.to_array(),
-        "fov_y_deg": fov_deg,
-    })
+impl From<&TrueCamera> for CameraResult {
+    fn from(camera: &TrueCamera) -> Self {
+        let fov_y_deg = match camera.lens {
+            Lens::Perspective { fov_y_rad } => Some(f64::from(fov_y_rad).to_degrees()),
+            Lens::Orthographic { .. } => None,
+        };
+        let [eye, target, up] = [camera.eye_ws, camera.target_ws, camera.up_ws].map(|v| v.to_array());
+        Self { eye, target, up, fov_y_deg }
+    }
 }
 
 /// Flags that say how the fast path shall draw, and whether to name one is too much even if it asks for the default.

@@ -8,14 +8,15 @@ use super::output::Output;
 use super::package_file;
 use super::scene::{Scene, speaks_of_models};
 use super::sequence::{Drawn, Sink};
-use super::shoot::{Picture, Shoot};
-use super::staged::{self, crowd};
+use super::shoot::{PassRun, Shoot};
+use super::staged::{self, FurDetail, crowd};
 use super::view::View;
 use super::view_args::{Frames, ViewArgs};
 use pelage_bake::traffic;
 use pelage_formats::MAGIC;
 use pelage_stage::{Cast, Gpu, Look, NamedPackage, SAMPLES, StageError};
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Draw a package or a scene into a PNG, or over time into numbered ones or a video
@@ -63,6 +64,45 @@ pub struct RenderArgs {
     restart: bool,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+/// Pictures or video drawn. The figures of a sequence are those of its first picture; lists cover all pictures.
+#[derive(Serialize, JsonSchema)]
+pub struct RenderResult<'a> {
+    /// Path of the first picture, or of the video.
+    output: &'a str,
+    outputs: &'a [String],
+    adapter: &'a str,
+    driver: String,
+    width: u32,
+    height: u32,
+    /// Number of pictures, including those of a video.
+    frames: usize,
+    /// Pictures per second.
+    fps: u32,
+    /// Pictures kept from an interrupted run; their figures are those that it recorded.
+    skipped: usize,
+    scene: Option<RenderedScene<'a>>,
+    /// Camera of the first picture as `--camera` takes it: eye/target/height of the view in degrees.
+    camera: String,
+    /// Pixels with any opacity.
+    covered_pixels: u64,
+    /// Pixels with any opacity, for each picture.
+    covered_pixels_per_picture: Vec<u64>,
+    /// Mean luminance of the covered pixels of each picture, linear, 0 to 1.
+    mean_luminance_per_picture: Vec<f64>,
+    passes: &'a [PassRun],
+    /// Fur drawn for each copy in the first picture.
+    detail: &'a [FurDetail],
+}
+
+/// Models of a scene file.
+#[derive(Serialize, JsonSchema)]
+struct RenderedScene<'a> {
+    /// Names of the models, in file order.
+    models: &'a [String],
+    /// Packages of the models, each listed once.
+    packages: Vec<&'a str>,
 }
 
 impl RenderArgs {
@@ -203,29 +243,29 @@ fn report(
     files: &[String],
     Drawn { pictures, skipped }: &Drawn,
 ) -> Result<(), Failure> {
-    let covered = |p: &Picture| json!(p.covered_pixels);
     let info = &shoot.scene.gpu.info;
-    let scene = subject.scene().map(|scene| {
-        let packages: Vec<&str> = scene.loaded.packages.iter().map(|file| file.name.as_str()).collect();
-        json!({ "models": scene.loaded.names, "packages": packages })
+    let (width, height) = shoot.view.size();
+    let scene = subject.scene().map(|scene| RenderedScene {
+        models: &scene.loaded.names,
+        packages: scene.loaded.packages.iter().map(|file| file.name.as_str()).collect(),
     });
-    let value = json!({
-        "output": files[0],
-        "outputs": files,
-        "adapter": info.name,
-        "driver": format!("{} {}", info.driver, info.driver_info),
-        "width": shoot.view.size().0,
-        "height": shoot.view.size().1,
-        "frames": pictures.len(),
-        "fps": shoot.fps,
-        "skipped": skipped,
-        "scene": scene,
-        "camera": shoot.shot.at(shoot.view.time_s).to_string(),
-        "covered_pixels": covered(&pictures[0]),
-        "covered_pixels_per_picture": pictures.iter().map(covered).collect::<Vec<_>>(),
-        "mean_luminance_per_picture": pictures.iter().map(|p| p.mean_luminance).collect::<Vec<_>>(),
-        "passes": pictures[0].passes,
-        "detail": pictures[0].detail,
-    });
-    output.result(&files.join("\n"), &value)
+    let result = RenderResult {
+        output: &files[0],
+        outputs: files,
+        adapter: &info.name,
+        driver: format!("{} {}", info.driver, info.driver_info),
+        width,
+        height,
+        frames: pictures.len(),
+        fps: shoot.fps,
+        skipped: *skipped,
+        scene,
+        camera: shoot.shot.at(shoot.view.time_s).to_string(),
+        covered_pixels: pictures[0].covered_pixels,
+        covered_pixels_per_picture: pictures.iter().map(|p| p.covered_pixels).collect(),
+        mean_luminance_per_picture: pictures.iter().map(|p| p.mean_luminance).collect(),
+        passes: &pictures[0].passes,
+        detail: &pictures[0].detail,
+    };
+    output.result(&files.join("\n"), &result)
 }

@@ -4,18 +4,18 @@ use super::backdrop::lay_over_sky;
 use super::exit::Failure;
 use super::journal::Key;
 use super::output::Output;
-use super::staged::{self, detail};
+use super::staged::{self, FurDetail, detail};
 use super::view::View;
 use glam::Quat;
 use image::RgbaImage;
 use pelage_bake::io;
 use pelage_bake::picture::encode_png;
 use pelage_formats::meaning::{hair_motion, srgb_to_linear};
-use pelage_runtime::{Camera, Frame, Light, Projection};
+use pelage_runtime::{Camera, Frame, Light, PassReport, Projection};
 use pelage_stage::{Shot, Stage};
 use pelage_truth::{Lens, TrueCamera};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use std::path::Path;
 
 /// Moments a second that what swings lives through at least: as many as it takes steps, so that 12, 24, 30 and 60 pictures a second see the same.
@@ -30,10 +30,19 @@ pub struct Picture {
     pub mean_luminance: f64,
     /// The report of the frame that it was drawn from; of a sequence, that of the first alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub passes: Vec<Value>,
+    pub passes: Vec<PassRun>,
     /// What is drawn of each copy's fur; of a sequence, that of the first alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub detail: Vec<Value>,
+    pub detail: Vec<FurDetail>,
+}
+
+/// Report of a pass of a frame.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct PassRun {
+    name: String,
+    ran: bool,
+    /// Reason why it ran or not.
+    reason: String,
 }
 
 /// A scene, and the moments at which pictures are taken of it.
@@ -204,8 +213,8 @@ fn mean_luminance(pixels: &RgbaImage) -> f64 {
     covered().map(of).sum::<f64>() / covered().count().max(1) as f64
 }
 
-/// The frame's report as JSON.
-fn passes(frame: &Frame) -> Vec<Value> {
-    let report = frame.report();
-    report.passes.iter().map(|p| json!({ "name": p.name, "ran": p.ran, "reason": p.reason })).collect()
+/// Returns the report of each pass of a frame.
+fn passes(frame: &Frame) -> Vec<PassRun> {
+    let of = |p: &PassReport| PassRun { name: p.name.into(), ran: p.ran, reason: p.reason.clone() };
+    frame.report().passes.iter().map(of).collect()
 }

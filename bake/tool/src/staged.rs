@@ -5,7 +5,8 @@ use super::view::View;
 use image::RgbaImage;
 use pelage_runtime::{Frame, InstanceDetail};
 use pelage_stage::{Cast, Gpu, NamedPackage, Stage, StageError};
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// The model of a package, or a crowd of it, on the device that `open_gpu` gives.
 pub fn stage_of(
@@ -44,20 +45,38 @@ pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, St
     view.morphs.iter().try_fold(crowd, |crowd, morph| crowd.morphing(&morph.target, morph.weight))
 }
 
-/// What is drawn of each copy's fur, as JSON.
-pub fn detail(frame: &Frame) -> Vec<Value> {
-    let of = |d: &InstanceDetail| {
-        json!({
-            "level": d.level,
-            "fade": d.fade,
-            "layers": d.layers,
-            "of_layers": d.of_layers,
-            "triangles": d.triangles,
-            "fins": d.fins,
-            "coat": d.coat,
-            // JSON has no infinity: the eye is among the hair.
-            "fur_px": d.fur_px.filter(|px| px.is_finite()),
-        })
+/// Fur drawn for a copy of the model.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FurDetail {
+    /// Index into the package's levels of detail.
+    level: u32,
+    /// Progress of the fade to the next level, 0 to 1.
+    fade: f32,
+    /// Layers drawn, skin excluded.
+    layers: u32,
+    /// Layers of the package, skin excluded.
+    of_layers: u32,
+    /// Triangles of the index list drawn.
+    triangles: u32,
+    /// Opacity of the fins, 0 to 1.
+    fins: f32,
+    /// Opacity of the far coat, 0 to 1.
+    coat: f32,
+    /// Height of the fur on screen with `--detail auto`, pixels; null if the eye is among the hair.
+    fur_px: Option<f32>,
+}
+
+/// Returns the fur drawn for each copy.
+pub fn detail(frame: &Frame) -> Vec<FurDetail> {
+    let of = |d: &InstanceDetail| FurDetail {
+        level: d.level,
+        fade: d.fade,
+        layers: d.layers,
+        of_layers: d.of_layers,
+        triangles: d.triangles,
+        fins: d.fins,
+        coat: d.coat,
+        fur_px: d.fur_px.filter(|px| px.is_finite()),
     };
     frame.report().instances.iter().map(of).collect()
 }

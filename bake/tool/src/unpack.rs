@@ -6,7 +6,9 @@ use super::package_file;
 use super::unpacked::{self, File};
 use pelage_bake::unfinished::Unfinished;
 use pelage_import::BakeError;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -28,19 +30,32 @@ pub struct UnpackArgs {
     force: bool,
 }
 
+/// Files that were written.
+#[derive(Serialize, JsonSchema)]
+pub struct UnpackResult {
+    output: String,
+    files: Vec<UnpackedFile>,
+}
+
+/// A file of an unpacked package.
+#[derive(Serialize, JsonSchema)]
+struct UnpackedFile {
+    name: String,
+    bytes: usize,
+}
+
 /// Runs the subcommand.
 pub fn run(args: &UnpackArgs, output: &mut Output) -> Result<Exit, Failure> {
     let input = package_file::read(&args.package)?;
     let package = input.open()?;
     let files = unpacked::unpack(&input.name, &package)?;
     write_folder(&args.folder, &files, args.force)?;
-    let folder = args.folder.display().to_string();
     let mut text = String::new();
     for (name, bytes) in &files {
         let _ = writeln!(text, "{} ({} bytes)", args.folder.join(name).display(), bytes.len());
     }
-    let list: Vec<_> = files.iter().map(|(name, bytes)| json!({ "name": name, "bytes": bytes.len() })).collect();
-    output.result(&text, &json!({ "output": folder, "files": list }))?;
+    let files = files.into_iter().map(|(name, bytes)| UnpackedFile { name, bytes: bytes.len() }).collect();
+    output.result(&text, &UnpackResult { output: args.folder.display().to_string(), files })?;
     Ok(Exit::Done)
 }
 

@@ -7,7 +7,8 @@ use pelage_bake::recipe::Recipe;
 use pelage_bake::recorded::disagreements;
 use pelage_formats::{FormatError, Limits, MAGIC, Package, Tag};
 use pelage_stage::NamedPackage;
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -21,12 +22,24 @@ pub struct ValidateArgs {
     package: PathBuf,
 }
 
-/// One thing that is wrong.
+/// All faults of a package. Exit code 0 without faults, else 7.
+#[derive(Serialize, JsonSchema)]
+pub struct ValidateResult<'a> {
+    package: &'a str,
+    bytes: usize,
+    valid: bool,
+    faults: Vec<Fault>,
+}
+
+/// A fault of a package.
+#[derive(Serialize, JsonSchema)]
 struct Fault {
+    /// Tag of the section, or `head` for header and table.
     section: String,
+    /// Byte of the package; null if the fault has no place.
     offset: Option<u64>,
     message: String,
-    /// Whether the runtime refuses to draw the package because of it.
+    /// Whether the runtime refuses to draw the package because of the fault.
     stops_drawing: bool,
 }
 
@@ -47,20 +60,9 @@ pub fn run(args: &ValidateArgs, output: &mut Output) -> Result<Exit, Failure> {
         1 => writeln!(text, "{}: 1 fault", file.name),
         n => writeln!(text, "{}: {n} faults", file.name),
     };
-    let list: Vec<_> = faults
-        .iter()
-        .map(|f| {
-            json!({ "section": f.section, "offset": f.offset, "message": f.message, "stops_drawing": f.stops_drawing })
-        })
-        .collect();
-    let object = json!({
-        "package": file.name,
-        "bytes": file.bytes.len(),
-        "valid": faults.is_empty(),
-        "faults": list,
-    });
-    output.result(&text, &object)?;
-    Ok(if faults.is_empty() { Exit::Done } else { Exit::Differences })
+    let valid = faults.is_empty();
+    output.result(&text, &ValidateResult { package: &file.name, bytes: file.bytes.len(), valid, faults })?;
+    Ok(if valid { Exit::Done } else { Exit::Differences })
 }
 
 fn find(file: &NamedPackage<'_>) -> Result<Vec<Fault>, Failure> {

@@ -8,6 +8,8 @@ use image::{Rgb, RgbImage, RgbaImage};
 use nv_flip::FlipImageRgb8;
 use pelage_bake::picture::{Picture, encode_png};
 use pelage_import::BakeError;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// How pictures are looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +29,7 @@ impl Default for CompareParams {
 }
 
 /// FLIP of all pixels, each 0 (the same) to 1 (black against white).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct FlipFigures {
     /// Mean over the picture: the one figure that its authors recommend.
     pub mean: f64,
@@ -40,13 +42,14 @@ pub struct FlipFigures {
 }
 
 /// How much two pictures differ.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Comparison {
-    /// What a person sees.
+    /// FLIP: the difference that a person sees.
     pub flip: FlipFigures,
     /// Root of the mean squared difference of premultiplied linear red, green and blue over all pixels; 1 is black against white.
     pub rmse: f64,
-    /// The same against a peak of 1, decibels: −20 log10 of [`Self::rmse`]. Infinite for equal pictures.
+    /// Peak signal-to-noise ratio, decibels: −20 log10 of `rmse`. Infinite for equal pictures; null in JSON.
+    #[schemars(with = "Option<f64>")]
     pub psnr_db: f64,
     /// Mean absolute difference of alpha, 0..=1.
     pub coverage: f64,

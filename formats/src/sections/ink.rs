@@ -95,6 +95,7 @@ impl PackageWriter<'_> {
 
 /// Textures and constants of the ink style.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InkInfo {
     /// Index into the manifest's `textures`: the stroke, looked up by the normal in the frame perpendicular to the view, so that the rim
     /// of the unit disc is the outline. One layer, four components, not sRGB: red is the stroke's grey, 0 black to 1 none, green the same
@@ -118,6 +119,7 @@ pub struct InkInfo {
 
 /// Constants of the ink style, of one model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InkShading {
     /// a of Fang 2006, §3, finite (default 0.8): how fast the wash fades from its centre.
     pub wash_speed: f32,

@@ -95,7 +95,8 @@ mod tests {
 }
 
 /// What can be charted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, schemars::JsonSchema)]
+#[schemars(rename_all = "kebab-case")]
 pub(super) enum Topic {
     /// Layers, tile, filter, formats and fins: how far their pictures are from the true strands, and what they cost
     Shells,

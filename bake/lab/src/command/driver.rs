@@ -1,6 +1,6 @@
 //! What all charts share: rows are measured one by one, each is noted down at once, and the table and its picture are written when all are there.
 
-use super::args::ChartArgs;
+use super::args::{self, ChartArgs};
 use super::journal::Rows;
 use super::subject::Subject;
 use crate::chart;
@@ -10,8 +10,40 @@ use pelage_herd::shell_word;
 use pelage_tool::exit::{Exit, Failure};
 use pelage_tool::journal::Key;
 use pelage_tool::output::{Output, make_folder};
-use serde_json::{Map, Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::{Map, Value};
 use std::path::Path;
+
+/// Table that was measured, as in the CSV file.
+#[derive(Serialize, JsonSchema)]
+pub struct ChartResult<R> {
+    #[schemars(with = "args::Topic")]
+    pub topic: &'static str,
+    /// Adapter or processor that it was measured on.
+    pub adapter: String,
+    /// Paths of the files written.
+    pub files: Vec<String>,
+    /// Rows of the table.
+    pub rows: Vec<R>,
+    /// With `--part`, numbers of the rows that were measured, which are in the file and not in `rows`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<Vec<usize>>,
+}
+
+/// A configuration and its figures.
+#[derive(Serialize, JsonSchema)]
+pub struct MeasuredRow {
+    /// Name of what is varied.
+    series: String,
+    /// Whether it is the default configuration.
+    default: bool,
+    /// Command that reproduces the row.
+    command: String,
+    /// Knobs, errors and costs of the topic, null if they do not apply. `on_front`: whether no row is better in both.
+    #[serde(flatten)]
+    figures: Map<String, Value>,
+}
 
 /// A topic: what could be measured, and how a row of it is.
 ///
@@ -124,9 +156,10 @@ pub fn run(
     }
     if args.part {
         let file = journal.path().display().to_string();
-        let value =
-            json!({ "topic": plan.topic, "adapter": plan.adapter, "files": [file], "rows": [], "measured": numbers });
-        output.result(&file, &value)?;
+        let files = vec![file.clone()];
+        let Plan { topic, adapter, .. } = plan;
+        let result = ChartResult::<MeasuredRow> { topic, adapter, files, rows: Vec::new(), measured: Some(numbers) };
+        output.result(&file, &result)?;
         return Ok(Exit::Done);
     }
     let Plan { topic, title, adapter, columns, panels, .. } = plan;
@@ -160,30 +193,24 @@ fn write(chart: &Chart, folder: &Path, output: &mut Output) -> Result<Exit, Fail
         io::write_atomic(path, text.as_bytes())?;
     }
     let files: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    let value = json!({
-        "topic": chart.topic,
-        "adapter": chart.adapter,
-        "files": files,
-        "rows": rows(chart),
-    });
-    output.result(&files.join("\n"), &value)?;
+    let text = files.join("\n");
+    let (topic, adapter) = (chart.topic, chart.adapter.clone());
+    output.result(&text, &ChartResult { topic, adapter, files, rows: rows(chart), measured: None })?;
     Ok(Exit::Done)
 }
 
-fn rows(chart: &Chart) -> Vec<Value> {
+/// Builds the rows of the result.
+fn rows(chart: &Chart) -> Vec<MeasuredRow> {
     let fronts = chart.fronts();
     let row = |(i, row): (usize, &Row)| {
-        let mut object = Map::new();
-        object.insert("series".into(), json!(row.series));
-        for (column, cell) in chart.columns.iter().zip(&row.cells) {
-            object.insert((*column).into(), value(cell));
+        let cells = chart.columns.iter().zip(&row.cells).map(|(column, cell)| ((*column).into(), value(cell)));
+        let fronts = fronts.iter().map(|(name, front)| (name.clone(), front[i].into()));
+        MeasuredRow {
+            series: row.series.clone(),
+            default: row.default,
+            command: row.command.clone(),
+            figures: cells.chain(fronts).collect(),
         }
-        object.insert("default".into(), json!(row.default));
-        for (name, front) in &fronts {
-            object.insert(name.clone(), json!(front[i]));
-        }
-        object.insert("command".into(), json!(row.command));
-        Value::Object(object)
     };
     chart.rows.iter().enumerate().map(row).collect()
 }
@@ -191,8 +218,8 @@ fn rows(chart: &Chart) -> Vec<Value> {
 /// A figure as JSON; what is not a number is null.
 pub fn value(cell: &Cell) -> Value {
     match cell {
-        Cell::Number(x) => json!(x),
-        Cell::Text(text) => json!(text),
+        Cell::Number(x) => (*x).into(),
+        Cell::Text(text) => text.as_str().into(),
         Cell::Empty => Value::Null,
     }
 }

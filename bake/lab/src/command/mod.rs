@@ -31,9 +31,26 @@ use clap::ValueEnum as _;
 use pelage_import::BakeError;
 use pelage_tool::exit::{Exit, Failure};
 use pelage_tool::output::Output;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use subject::Subject;
 
 pub use args::ChartArgs;
+
+/// A row of a result.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum ResultRow {
+    /// A configuration of any other topic.
+    Measured(driver::MeasuredRow),
+    /// A row of stability.
+    Stability(stability::StabilityRow),
+}
+
+/// Returns the JSON schema of the result.
+pub fn result_schema(generator: &mut SchemaGenerator) -> Schema {
+    driver::ChartResult::<ResultRow>::json_schema(generator)
+}
 
 /// Runs the subcommand.
 pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {

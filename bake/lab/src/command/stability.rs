@@ -1,7 +1,7 @@
 //! `pelage chart stability`: the table of `bake/lab/src/stability/`, each row driven here and now.
 
 use super::args::ChartArgs;
-use super::driver::value;
+use super::driver::ChartResult;
 use crate::chart;
 use crate::chart::Cell;
 use crate::stability::{Finding, ROWS, Row};
@@ -9,12 +9,56 @@ use pelage_bake::io;
 use pelage_tool::exit::{Exit, Failure};
 use pelage_tool::machine::processor;
 use pelage_tool::output::{Output, make_folder};
-use serde_json::{Map, Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// A numerical cliff, driven in one case.
+#[derive(Serialize, JsonSchema)]
+pub struct StabilityRow {
+    /// Name of the method.
+    series: &'static str,
+    /// Description of the cliff.
+    cliff: &'static str,
+    /// Description of the naive form.
+    naive_form: &'static str,
+    /// Description of pelage's form.
+    safe_form: &'static str,
+    /// Name of the case.
+    case: String,
+    /// Name of the error.
+    measure: &'static str,
+    /// Adapter or processor that drove the row.
+    adapter: String,
+    /// Error of the naive form; null if it is not finite.
+    #[schemars(with = "Option<f64>")]
+    naive: f64,
+    /// Error of pelage's form; null if it is not finite.
+    #[schemars(with = "Option<f64>")]
+    safe: f64,
+    /// Bound on the error of pelage's form.
+    bound: f64,
+    /// Whether the error of pelage's form stays within the bound.
+    holds: bool,
+    /// Command that reproduces the row.
+    command: &'static str,
+}
+
+impl StabilityRow {
+    const HEADER: [&str; 11] =
+        ["series", "cliff", "naive_form", "safe_form", "case", "measure", "adapter", "naive", "safe", "bound", "holds"];
+
+    fn cells(&self) -> Vec<String> {
+        let texts = [self.series, self.cliff, self.naive_form, self.safe_form, &self.case, self.measure, &self.adapter];
+        let numbers = [self.naive, self.safe, self.bound, f64::from(u8::from(self.holds))];
+        let numbers = numbers.map(|x| Cell::Number(x).text());
+        texts.map(str::to_owned).into_iter().chain(numbers).collect()
+    }
+}
 
 /// What was found so far.
 #[derive(Default)]
 struct Table {
-    rows: Vec<Vec<(&'static str, Cell)>>,
+    rows: Vec<StabilityRow>,
     lines: Vec<String>,
     broken: bool,
 }
@@ -29,19 +73,20 @@ impl Table {
             let word = if f.holds() { "holds" } else { "BROKEN" };
             self.lines.push(format!("  {}: {}: naive {naive}, ours {safe}, bound {bound}: {word}", f.case, f.measure));
             self.broken |= !f.holds();
-            let texts = [
-                ("series", row.method),
-                ("cliff", row.cliff),
-                ("naive_form", row.naive),
-                ("safe_form", row.safe),
-                ("case", &f.case),
-                ("measure", f.measure),
-                ("adapter", adapter),
-            ];
-            let mut cells: Vec<(&'static str, Cell)> = texts.map(|(name, text)| (name, Cell::Text(text.into()))).into();
-            cells.extend([("naive", f.naive), ("safe", f.safe), ("bound", f.bound)].map(|(n, x)| (n, Cell::Number(x))));
-            cells.push(("holds", Cell::Number(f64::from(u8::from(f.holds())))));
-            self.rows.push(cells);
+            self.rows.push(StabilityRow {
+                series: row.method,
+                cliff: row.cliff,
+                naive_form: row.naive,
+                safe_form: row.safe,
+                case: f.case.clone(),
+                measure: f.measure,
+                adapter: adapter.to_owned(),
+                naive: f.naive,
+                safe: f.safe,
+                bound: f.bound,
+                holds: f.holds(),
+                command: "pelage chart stability",
+            });
         }
     }
 }
@@ -71,7 +116,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
         Err(failure @ Failure::NoAdapter(_)) => Some(failure),
         other => other.map(|()| None)?,
     };
-    report(args, table.lines, &table.rows, output)?;
+    report(args, table.lines, table.rows, output)?;
     match no_adapter {
         Some(failure) => Err(failure),
         None => Ok(if table.broken { Exit::Differences } else { Exit::Done }),
@@ -81,30 +126,21 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
 fn report(
     args: &ChartArgs,
     mut lines: Vec<String>,
-    rows: &[Vec<(&'static str, Cell)>],
+    rows: Vec<StabilityRow>,
     output: &mut Output,
 ) -> Result<(), Failure> {
     let mut files = Vec::new();
     if let Some(folder) = &args.output {
         make_folder(folder)?;
-        let header = rows.first().into_iter().flatten().map(|(name, _)| (*name).to_owned()).collect();
-        let table =
-            std::iter::once(header).chain(rows.iter().map(|row| row.iter().map(|(_, cell)| cell.text()).collect()));
+        let header = StabilityRow::HEADER.map(str::to_owned).to_vec();
+        let table = std::iter::once(header).chain(rows.iter().map(StabilityRow::cells));
         let path = folder.join("stability.csv");
         io::write_atomic(&path, chart::csv(table).as_bytes())?;
         files.push(path.display().to_string());
         lines.push(path.display().to_string());
     }
-    let object = |row: &Vec<(&'static str, Cell)>| {
-        let mut object: Map<String, Value> = row.iter().map(|(name, cell)| ((*name).into(), value(cell))).collect();
-        let held = object.get("holds").and_then(Value::as_f64) == Some(1.0);
-        object.insert("holds".into(), json!(held));
-        object.insert("command".into(), json!("pelage chart stability"));
-        Value::Object(object)
-    };
-    let rows: Vec<Value> = rows.iter().map(object).collect();
-    let json = json!({ "topic": "stability", "adapter": processor(), "files": files, "rows": rows });
-    output.result(&lines.join("\n"), &json)
+    let result = ChartResult { topic: "stability", adapter: processor(), files, rows, measured: None };
+    output.result(&lines.join("\n"), &result)
 }
 
 /// The rows that need pictures.

@@ -1,5 +1,6 @@
 //! Slurm, by its commands.
 
+use super::HerdResult;
 use super::args::RunArgs;
 use super::engine;
 use super::finish;
@@ -13,7 +14,6 @@ use pelage_bake::io;
 use pelage_herd::slurm::{Script, Shard, Stage, TIMED, demand, known, stages};
 use pelage_herd::{Task, ninja};
 use pelage_import::BakeError;
-use serde_json::json;
 use std::collections::BTreeSet;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -70,10 +70,7 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ra
     if args.detach {
         let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
         let text = format!("submitted {} jobs, {} shards: {}", ids.len(), shards.len(), ids.join(" "));
-        output.result(
-            &text,
-            &json!({ "action": "submitted", "jobs_submitted": ids, "shards": shards.len(), "tasks": tasks }),
-        )?;
+        output.result(&text, &HerdResult::Submitted { jobs_submitted: ids, shards: shards.len(), tasks })?;
         return Ok(None);
     }
     if !ids.is_empty() {

@@ -4,7 +4,8 @@ use super::notes;
 use super::on_disk::{Herd, history_file};
 use super::paths::io_error;
 use super::ran::Ran;
-use crate::errand;
+use super::{HerdFailure, HerdResult, HerdTasks};
+use crate::errand::CommandRecord;
 use crate::exit::{Exit, Failure};
 use crate::output::{Output, make_folder};
 use image::{DynamicImage, Rgb, RgbImage, imageops};
@@ -13,7 +14,6 @@ use pelage_bake::io;
 use pelage_herd::{Became, Known, Report, State, Task};
 use pelage_import::BakeError;
 use rayon::prelude::*;
-use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;
 use std::io::Cursor;
@@ -77,18 +77,8 @@ fn bury(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
     if !last_words.is_empty() {
         why = format!("it ended without a record, and its last words were: {last_words}");
     }
-    let record = errand::unrecorded(task.command(herd.cache.as_deref()), Exit::FileSystem, Some(&why));
-    errand::write_record(&herd.path(&task.record), &record)?;
-    Ok(())
-}
-
-/// How many commands are in which state.
-#[derive(Clone, Copy, Debug, Default)]
-struct Counts {
-    done: usize,
-    failed: usize,
-    differ: usize,
-    missing: usize,
+    let record = CommandRecord::new(task.command(herd.cache.as_deref()), Exit::FileSystem, Some(why));
+    Ok(record.write(&herd.path(&task.record))?)
 }
 
 /// Tells what became of a herd, and writes its page where anything changed.
@@ -100,7 +90,8 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     let known = page.is_file() && std::fs::read_to_string(&key_file).is_ok_and(|key| key == plan);
     if ran.tasks.is_empty() && known && failed_before(herd).is_empty() {
         // Of a large farm's herd there are very many records; all of them say that all is well.
-        let counts = Counts { done: herd.plan.tasks.len(), ..Counts::default() };
+        let all = herd.plan.tasks.len();
+        let counts = HerdTasks { all, done: all, ..HerdTasks::default() };
         return tell(herd, counts, &[], (0, 0), &page, output);
     }
     output.progress("writing the report");
@@ -127,7 +118,8 @@ pub fn finish(herd: &Herd, ran: &Ran, output: &mut Output) -> Result<Exit, Failu
     notes::write(&herd.path(&failures_file(&own)), &records)?;
     io::write_atomic(&key_file, plan.as_bytes())?;
     let count = |state| report.count(state);
-    let counts = Counts {
+    let counts = HerdTasks {
+        all: herd.plan.tasks.len(),
         done: count(State::Done),
         failed: count(State::Failed),
         differ: count(State::Differs),
@@ -150,13 +142,13 @@ fn plan_key(herd: &Herd) -> Result<String, Failure> {
 
 fn tell(
     herd: &Herd,
-    counts: Counts,
+    tasks: HerdTasks,
     failures: &[(usize, u8, String)],
     (ran, cached): (usize, usize),
     page: &Path,
     output: &mut Output,
 ) -> Result<Exit, Failure> {
-    let Counts { done, failed, differ, missing } = counts;
+    let HerdTasks { all, done, failed, differ, missing } = tasks;
     let mut lines = Vec::new();
     for (i, _, why) in failures.iter().take(TOLD) {
         lines.push(format!("{}: {why}", herd.plan.tasks[*i].name));
@@ -164,7 +156,7 @@ fn tell(
     if failures.len() > TOLD {
         lines.push(format!("and {} more, which the report has", failures.len() - TOLD));
     }
-    let mut told = vec![format!("{ran} of {} commands were run", herd.plan.tasks.len())];
+    let mut told = vec![format!("{ran} of {all} commands were run")];
     if cached > 0 {
         told.push(format!("{cached} of them from the cache"));
     }
@@ -176,28 +168,17 @@ fn tell(
         }
     }
     lines.push(told.join(", "));
-    let page = page.display().to_string();
-    lines.push(page.clone());
-    let told: Vec<Value> = failures
-        .iter()
-        .map(|(i, exit, why)| json!({ "task": herd.plan.tasks[*i].name, "exit_code": exit, "message": why }))
-        .collect();
-    let value = json!({
-        "action": "run",
-        "report": page,
-        "models": herd.plan.rows.len(),
-        "ran": ran,
-        "cached": cached,
-        "tasks": {
-            "all": herd.plan.tasks.len(),
-            "done": done,
-            "failed": failed,
-            "differ": differ,
-            "missing": missing,
-        },
-        "failures": told,
-    });
-    output.result(&lines.join("\n"), &value)?;
+    let report = page.display().to_string();
+    lines.push(report.clone());
+    let failure = |(i, exit, why): &(usize, u8, String)| HerdFailure {
+        task: herd.plan.tasks[*i].name.clone(),
+        exit_code: *exit,
+        message: why.clone(),
+    };
+    let failures_told = failures.iter().map(failure).collect();
+    let models = herd.plan.rows.len();
+    let result = HerdResult::Run { report, models, ran, cached, tasks, failures: failures_told };
+    output.result(&lines.join("\n"), &result)?;
     // The first of those that failed says what kind of failure it is; a difference is one where nothing else is wrong.
     let code = failures.first().map_or(if missing > 0 { Exit::FileSystem as u8 } else { 0 }, |(_, exit, _)| *exit);
     Ok(Exit::of(code).unwrap_or(Exit::Internal))

@@ -15,12 +15,104 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
 use args::{Action, Engine, HerdFiles, PlanArgs, RunArgs};
 use on_disk::{Herd, Refusal};
-use pelage_herd::{Kind, Task, shell_line};
-use serde_json::{Value, json};
+use pelage_herd::{Kind, Row, Task, shell_line};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 pub use args::HerdArgs;
+
+/// Commands of a herd (`plan`), their outcome (`run`, also of `pelage herd report`), or the jobs submitted to Slurm.
+///
+/// Exit code of `run`: that of the first command that failed; 7 if only comparisons exceeded their limit.
+#[derive(Serialize, JsonSchema)]
+#[serde(tag = "action", rename_all = "lowercase")]
+pub enum HerdResult<'a> {
+    /// Plan of a herd.
+    Plan {
+        /// Absolute path of the folder that commands run in.
+        folder: String,
+        /// Build file of Ninja, relative to that folder.
+        ninja: String,
+        /// Models, each in each of its variants.
+        rows: &'a [Row],
+        /// Commands, with the files that each reads and writes.
+        tasks: Vec<PlannedTask<'a>>,
+        /// Number and expected needs of the commands of each kind.
+        kinds: Vec<KindSummary>,
+        /// Commands run at once on this machine.
+        jobs: u32,
+        /// Commands run at once that need much memory.
+        heavy_jobs: u32,
+    },
+    /// Outcome of a run.
+    Run {
+        /// Path of the report.
+        report: String,
+        /// Number of rows.
+        models: usize,
+        /// Commands that were run.
+        ran: usize,
+        /// Commands among them that were cache hits.
+        cached: usize,
+        tasks: HerdTasks,
+        /// Commands that failed, then comparisons that exceeded their limit.
+        failures: Vec<HerdFailure>,
+    },
+    /// Jobs submitted to Slurm.
+    Submitted {
+        /// Job numbers.
+        jobs_submitted: Vec<String>,
+        /// Number of array tasks.
+        shards: usize,
+        /// Number of commands.
+        tasks: usize,
+    },
+}
+
+/// A command of a plan.
+#[derive(Serialize, JsonSchema)]
+pub struct PlannedTask<'a> {
+    #[serde(flatten)]
+    task: &'a Task,
+    /// Command line.
+    command: Vec<String>,
+}
+
+/// Number and expected needs of the commands of a kind.
+#[derive(Serialize, JsonSchema)]
+pub struct KindSummary {
+    kind: Kind,
+    /// Number of commands.
+    tasks: usize,
+    /// Total time.
+    seconds: f64,
+    /// Peak memory of the largest command.
+    peak_bytes: u64,
+}
+
+/// Number of commands in each state.
+#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
+pub struct HerdTasks {
+    all: usize,
+    done: usize,
+    failed: usize,
+    /// Comparisons that exceeded their limit.
+    differ: usize,
+    /// Commands that could not run.
+    missing: usize,
+}
+
+/// A command that failed, or a comparison that exceeded its limit.
+#[derive(Serialize, JsonSchema)]
+pub struct HerdFailure {
+    /// Name of the command.
+    task: String,
+    exit_code: u8,
+    message: String,
+}
 
 /// Runs the subcommand.
 ///
@@ -54,38 +146,31 @@ fn say_plan(herd: &Herd, args: &PlanArgs, output: &mut Output) -> Result<Exit, F
         output.result(&lines.join("\n"), &Value::Null)?;
         return Ok(Exit::Done);
     }
-    let of = |task: &Task| {
-        let mut value = serde_json::to_value(task).unwrap_or_default();
-        value["command"] = task.command(cache).into();
-        value
-    };
     let kinds = kinds(&tasks);
-    let tasks: Vec<Value> = tasks.into_iter().map(of).collect();
-    let value = json!({
-        "action": "plan",
-        "folder": herd.folder.display().to_string(),
-        "ninja": name,
-        "rows": herd.plan.rows,
-        "tasks": tasks,
-        "kinds": kinds,
-        "jobs": room.jobs,
-        "heavy_jobs": room.heavy,
-    });
-    output.result("", &value)?;
+    let result = HerdResult::Plan {
+        folder: herd.folder.display().to_string(),
+        ninja: name,
+        rows: &herd.plan.rows,
+        tasks: tasks.into_iter().map(|task| PlannedTask { task, command: task.command(cache) }).collect(),
+        kinds,
+        jobs: room.jobs,
+        heavy_jobs: room.heavy,
+    };
+    output.result("", &result)?;
     Ok(Exit::Done)
 }
 
-/// How many commands of each kind there are, and what they are expected to need.
-fn kinds(tasks: &[&Task]) -> Value {
-    let mut kinds: BTreeMap<Kind, (usize, f64, u64)> = BTreeMap::new();
+/// Sums up the commands of each kind.
+fn kinds(tasks: &[&Task]) -> Vec<KindSummary> {
+    let mut kinds: BTreeMap<Kind, KindSummary> = BTreeMap::new();
     for task in tasks {
-        let (count, seconds, peak) = kinds.entry(task.kind).or_default();
-        *count += 1;
-        *seconds += task.expected.seconds;
-        *peak = (*peak).max(task.expected.peak_bytes);
+        let new = || KindSummary { kind: task.kind, tasks: 0, seconds: 0.0, peak_bytes: 0 };
+        let sum = kinds.entry(task.kind).or_insert_with(new);
+        sum.tasks += 1;
+        sum.seconds += task.expected.seconds;
+        sum.peak_bytes = sum.peak_bytes.max(task.expected.peak_bytes);
     }
-    let of = |(kind, (count, seconds, peak)): (Kind, (usize, f64, u64))| json!({ "kind": kind, "tasks": count, "seconds": seconds, "peak_bytes": peak });
-    kinds.into_iter().map(of).collect()
+    kinds.into_values().collect()
 }
 
 fn run_all(

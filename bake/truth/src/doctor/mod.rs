@@ -13,7 +13,7 @@ pub mod raster;
 
 pub use advice::is_harmless;
 pub use fit::fitted;
-pub use prognosis::{Advice, Memory, OnScreen, PassWork, Prognosis, Saved, View};
+pub use prognosis::{Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis, Saved, View};
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{Ground, Roots, SurfaceWalk};

@@ -1,6 +1,8 @@
 //! How a package will be looked at, and what is found out about that.
 
 use glam::Vec3;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// How the package will be looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,27 +21,27 @@ pub struct View {
     pub shadow_map: u32,
 }
 
-/// A pass of the runtime.
-#[derive(Clone, Debug, PartialEq)]
+/// Work of a pass of the runtime.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PassWork {
-    /// As in the runtime's report.
+    /// Name in the runtime's report.
     pub name: &'static str,
     /// Whether it runs.
     pub runs: bool,
-    /// Why, or why not.
+    /// Reason why it runs or not.
     pub reason: String,
-    /// Vertices that its shader is run for, at the least: each once a layer.
+    /// Minimum runs of its vertex shader: each vertex once a layer.
     pub vertices: u64,
-    /// Pixels that it draws; of passes that draw the picture.
+    /// Pixels that it draws; `None` for passes that do not draw the picture.
     pub fragments: Option<u64>,
-    /// The same where a shader runs on blocks of 4 by 4 pixels, as on a software rasteriser.
+    /// Pixels in whole blocks of 4 by 4 pixels, as software rasterisers run shaders.
     pub fragments_in_blocks: Option<u64>,
 }
 
-/// Bytes on the device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Memory on the device, bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Memory {
-    /// All textures as they are stored. A software adapter holds four bytes a texel of any format.
+    /// Textures as they are stored. A software adapter uses four bytes a texel for any format.
     pub textures: u64,
     /// Vertices, indices and fins.
     pub buffers: u64,
@@ -58,24 +60,24 @@ impl Memory {
     }
 }
 
-/// Sizes on the screen, where the fur is nearest to the eye.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Sizes on the screen where the fur is nearest to the eye; 0 if nothing is in sight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct OnScreen {
     /// Width of a texel of the tile, pixels.
     pub texel_px: f64,
     /// Gap between two layers, pixels, seen from the side.
     pub layer_gap_px: f64,
-    /// Height of the fur, pixels, likewise.
+    /// Height of the fur, pixels, seen from the side.
     pub height_px: f64,
-    /// Layers that a renderer draws of fur so high, the skin not counted.
+    /// Layers drawn of fur of that height, skin excluded.
     pub layers_drawn: u32,
-    /// How far before the eye that is, metres; 0 where nothing is in sight.
+    /// Distance from the eye, metres; 0 if nothing is in sight.
     pub near_m: f64,
-    /// Median area of the triangles of the skin that are seen, pixels.
+    /// Median area of the visible triangles of the skin, pixels.
     pub triangle_px: f64,
-    /// Share of them that are smaller than 4 by 4 pixels.
+    /// Share of the visible triangles that are smaller than 4 by 4 pixels.
     pub small_triangles: f64,
-    /// How many are seen.
+    /// Number of visible triangles.
     pub triangles: u64,
 }
 
@@ -111,27 +113,38 @@ pub struct Prognosis {
     pub advice: Vec<Advice>,
 }
 
-/// What to change, and what for.
-#[derive(Clone, Debug, PartialEq)]
+/// A recommended change and its effect.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Advice {
-    /// The change, as `--set` takes it; or, where no recipe can change it, what to do.
+    /// Change as `--set` takes it, or what to do to the model.
     pub change: String,
-    /// What was found.
+    /// Finding that the advice is based on.
     pub found: String,
-    /// What the change would save.
+    /// Savings of the change, in words.
     pub saves: String,
-    /// What it would cost.
+    /// Cost of the change, in words.
     pub costs: String,
-    /// The savings as figures; `None` of what mends the look and saves nothing.
+    /// Savings as figures, all copies; `None` for advice that improves the look and saves nothing.
     pub saved: Option<Saved>,
     /// Whether pictures of the package with and without it can be compared: slicing it anew makes the change.
+    #[serde(skip)]
     pub can_be_tried: bool,
-    /// The error ([`crate::likeness`]) of the picture before and after, once somebody has drawn both.
-    pub measured: Option<[f64; 2]>,
+    /// Error of the picture without and with the change and those above it; `None` if no picture was drawn.
+    #[serde(rename = "error")]
+    pub measured: Option<ErrorChange>,
 }
 
-/// What a change saves in a frame and on the device. The order is that of advice: work before memory.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+/// Error ([`crate::judge::likeness`]) of a picture without a change and with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct ErrorChange {
+    /// Error without the change.
+    pub before: f64,
+    /// Error with the change and those above it.
+    pub after: f64,
+}
+
+/// Savings of a change in a frame and on the device. The order is that of advice: work before memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 pub struct Saved {
     /// Fragments of a frame, all copies.
     pub fragments: u64,

@@ -241,6 +241,7 @@ pub struct TextureEntry {
 
 /// One measured figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct QualityFigure {
     /// Name, such as `angle_distortion`.
     pub name: String,
