@@ -1,7 +1,7 @@
 //! The `pelage` command, run as its users run it: fresh folders, real arguments, exit codes, what lies there afterwards.
 
 /// Random numbers and packages of the formats' own tests.
-#[path = "../../../formats/tests/common/mod.rs"]
+#[path = "../../../formats/tests/formats/common/mod.rs"]
 mod common;
 
 mod bad_input;

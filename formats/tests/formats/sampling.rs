@@ -1,6 +1,4 @@
 //! Posing: exact values of the three interpolations, and the row "animation" of the stability table.
-#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::*;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2};

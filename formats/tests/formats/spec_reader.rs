@@ -1,7 +1,4 @@
 //! `FORMAT.md` proves itself: `c/read_pelage.c`, written from it alone, must say of a package what the Rust reader says.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
-
-mod common;
 
 use pelage_formats::*;
 use pelage_needs::{Need, had, lacked};
@@ -112,8 +109,8 @@ fn a_reader_written_from_the_specification_agrees() {
         Command::new(&program).arg(&file).output().unwrap()
     };
 
-    let golden = include_bytes!("golden/v3.pelage");
-    let old = [&include_bytes!("golden/v1.pelage")[..], include_bytes!("golden/v2.pelage")];
+    let golden = include_bytes!("../golden/v3.pelage");
+    let old = [&include_bytes!("../golden/v1.pelage")[..], include_bytes!("../golden/v2.pelage")];
     let bald = PackageWriter::new(Manifest::default()).section(Tag(*b"NONE"), Vec::new()).finish().unwrap();
     for bytes in [&golden[..], old[0], old[1], &bald] {
         let output = run(bytes);

@@ -1,8 +1,6 @@
 //! Every .ktx2 file of the test data, well-formed and malformed, through the texture reader.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
+use crate::common;
 use pelage_formats::*;
 use pelage_needs::data;
 

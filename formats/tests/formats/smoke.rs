@@ -1,14 +1,13 @@
 //! The fuzz targets' bodies over mutations of the golden packages and of one with morph targets, on stable, bounded, the same on every machine.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-#[path = "../fuzz/src/bodies.rs"]
-mod bodies;
-mod common;
+use crate::bodies;
+use crate::common::{self, random::Random};
 
-use common::random::Random;
-
-const GOLDEN: [&[u8]; 3] =
-    [include_bytes!("golden/v1.pelage"), include_bytes!("golden/v2.pelage"), include_bytes!("golden/v3.pelage")];
+const GOLDEN: [&[u8]; 3] = [
+    include_bytes!("../golden/v1.pelage"),
+    include_bytes!("../golden/v2.pelage"),
+    include_bytes!("../golden/v3.pelage"),
+];
 
 /// The golden packages, and one with morph targets.
 fn bases() -> Vec<Vec<u8>> {

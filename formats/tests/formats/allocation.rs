@@ -1,29 +1,38 @@
 //! What reading allocates: next to nothing for opening a large package, and never more than in proportion to the file, whatever
-//! lengths the file states. Alone in its binary, because it counts every allocation of the process.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+//! lengths the file states.
 #![allow(unsafe_code, reason = "only a global allocator sees every allocation")]
 
-mod common;
-
+use crate::bodies::reseal;
+use crate::common;
 use pelage_formats::*;
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
+use std::cell::Cell;
 
+/// Counts the bytes that each thread has allocated, so that tests may run side by side.
 struct Counting;
-static NOW: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: every call goes to the system's allocator unchanged.
+thread_local! {
+    /// Bytes allocated minus bytes freed by this thread; freeing for another thread makes it negative.
+    static NOW: Cell<isize> = const { Cell::new(0) };
+    static PEAK: Cell<isize> = const { Cell::new(0) };
+}
+
+fn count(bytes: isize) {
+    let now = NOW.get() + bytes;
+    NOW.set(now);
+    PEAK.set(PEAK.get().max(now));
+}
+
+// SAFETY: every call goes to the system's allocator unchanged; the counters neither allocate nor have destructors.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let now = NOW.fetch_add(layout.size(), SeqCst) + layout.size();
-        PEAK.fetch_max(now, SeqCst);
+        count(layout.size() as isize);
         // SAFETY: the caller's layout, as it came.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        NOW.fetch_sub(layout.size(), SeqCst);
+        count(-(layout.size() as isize));
         // SAFETY: the caller's pointer and layout, as they came.
         unsafe { System.dealloc(pointer, layout) }
     }
@@ -32,15 +41,14 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Most bytes that were allocated at once while `f` ran, beyond those before.
+/// Maximum number of bytes that this thread had allocated at once while `f` ran, beyond those before.
 fn peak<T>(f: impl FnOnce() -> T) -> (usize, T) {
-    let before = NOW.load(SeqCst);
-    PEAK.store(before, SeqCst);
+    let before = NOW.get();
+    PEAK.set(before);
     let result = f();
-    (PEAK.load(SeqCst) - before, result)
+    ((PEAK.get() - before) as usize, result)
 }
 
-// One test: a second one would allocate on another thread at the same time.
 #[test]
 fn allocations_are_bounded() {
     let (seen, _) = peak(|| vec![0u8; 1 << 20]);
@@ -72,8 +80,3 @@ fn allocations_are_bounded() {
     }
     assert!(refused > 1000, "only {refused} of the lengths were refused");
 }
-
-#[path = "../fuzz/src/bodies.rs"]
-#[allow(dead_code, reason = "of the fuzz targets' bodies only the resealing serves here")]
-mod bodies;
-use bodies::reseal;

@@ -1,9 +1,6 @@
 //! Generated packages: written and read again they are the same, value for value and byte for byte.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::ktx2_file;
+use crate::common::{self, ktx2_file};
 use pelage_formats::*;
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -1,9 +1,6 @@
 //! The `HAIR` section: what comes back, and what is refused.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::sample_package;
+use crate::common::sample_package;
 use glam::Vec3;
 use pelage_formats::*;
 

@@ -1,8 +1,6 @@
 //! The golden packages: a file of each version that must stay readable, byte for byte, for ever.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
+use crate::common;
 use pelage_formats::*;
 use std::path::Path;
 

@@ -1,9 +1,6 @@
 //! The `OPEN` section: what comes back, and what is refused.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::sample_package;
+use crate::common::sample_package;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::*;
 

@@ -1,5 +1,5 @@
 //! Things that several tests need: a minimal .ktx2 writer (the real one is in bake) and a package with everything in it.
-#![allow(dead_code, reason = "every test binary compiles this module and uses its own part of it")]
+#![allow(dead_code, reason = "the tests of the command include this module too, and each uses its own part of it")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 pub mod random;

@@ -1,10 +1,6 @@
 //! The `FIBR` section: what comes back, and what is refused.
-#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::{furless_manifest, ktx2_file, sample_animation, sample_mesh};
+use crate::common::{self, furless_manifest, ktx2_file, sample_animation, sample_mesh};
 use pelage_formats::meaning::scattering::means::Means;
 use pelage_formats::meaning::scattering::tables::Tables;
 use pelage_formats::*;

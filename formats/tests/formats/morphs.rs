@@ -1,10 +1,6 @@
 //! Morph targets: what a package keeps of them, what a clip makes of their weights, and where they put a vertex.
-#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::{morphed_package as packed, sample_animation, sample_morphs as sample};
+use crate::common::{morphed_package as packed, sample_animation, sample_morphs as sample};
 use pelage_formats::meaning::{morphed, posed_vertices};
 use pelage_formats::*;
 

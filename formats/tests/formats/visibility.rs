@@ -1,9 +1,6 @@
 //! The `VISI` section: what comes back, and what is refused.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::{ktx2_file, sample_manifest, sample_mesh};
+use crate::common::{self, ktx2_file, sample_manifest, sample_mesh};
 use pelage_formats::*;
 
 const TEXELS: TextureFormat = TextureFormat::Rgba8Unorm;

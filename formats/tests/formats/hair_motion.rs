@@ -1,10 +1,6 @@
 //! How hair moves: what a package keeps of it, and what is refused.
-#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::{furless_manifest, sample_animation, sample_mesh};
+use crate::common::{furless_manifest, sample_animation, sample_mesh};
 use pelage_formats::*;
 
 fn group() -> HairGroup {

@@ -1,28 +1,10 @@
 //! Damaged packages: whatever is done to the bytes, the reader says what is wrong and where, and never panics.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::{ktx2_file, sample_fins, sample_manifest, sample_mesh, sample_package, sample_package_v1};
+use crate::bodies::reseal;
+use crate::common::{self, ktx2_file, sample_fins, sample_manifest, sample_mesh, sample_package, sample_package_v1};
 use pelage_formats::*;
 
 const LIMITS: fn() -> Limits = Limits::default;
-
-/// Puts right every checksum, so that a change of the contents reaches the code behind them.
-fn reseal(bytes: &mut [u8]) {
-    let u64_at = |b: &[u8], at: usize| u64::from_le_bytes(b[at..at + 8].try_into().unwrap()) as usize;
-    let count = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    for at in (0..count).map(|k| 32 + 32 * k) {
-        let (offset, length) = (u64_at(bytes, at + 8), u64_at(bytes, at + 16));
-        let Some(section) = bytes.get(offset..).and_then(|rest| rest.get(..length)) else { continue };
-        let checksum = crc32fast::hash(section).to_le_bytes();
-        bytes[at + 24..at + 28].copy_from_slice(&checksum);
-    }
-    let mut head = crc32fast::Hasher::new();
-    head.update(&bytes[..24]);
-    head.update(&bytes[28..32 + 32 * count]);
-    bytes[24..28].copy_from_slice(&head.finalize().to_le_bytes());
-}
 
 fn section(bytes: &[u8], tag: Tag) -> Section {
     *Package::open(bytes, &LIMITS()).unwrap().sections().iter().find(|s| s.tag == tag).unwrap()

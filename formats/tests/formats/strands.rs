@@ -1,9 +1,6 @@
 //! The `STRN` section: what comes back, and what is refused.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::{sample_manifest, sample_package};
+use crate::common::{sample_manifest, sample_package};
 use pelage_formats::*;
 
 /// The sample package with these strands.

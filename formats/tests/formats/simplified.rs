@@ -1,9 +1,6 @@
 //! The `SIMP` section: what comes back, and what is refused.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::{sample_manifest, sample_mesh};
+use crate::common::{self, sample_manifest, sample_mesh};
 use pelage_formats::*;
 
 /// A package of one part of 12 indices without hair, and these lists.

@@ -1,9 +1,6 @@
 //! The `INKW` section: a golden package, what comes back, and what is refused.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod common;
-
-use common::{ktx2_file, sample_mesh};
+use crate::common::{self, ktx2_file, sample_mesh};
 use pelage_formats::*;
 use std::path::Path;
 
