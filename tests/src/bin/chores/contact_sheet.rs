@@ -1,5 +1,5 @@
 //! Many furred models in one picture, to be looked at:
-//! `cargo run --bin contact_sheet -- OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake options]]…`.
+//! `chores contact-sheet OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake options]]…`.
 //!
 //! Bakes and draws every model through the real binary, each `WxH` pixels, row by row, and says on stdout which is where and what its
 //! surface stage measured. A model that cannot be baked or drawn ends the run with the binary's own words.
@@ -8,9 +8,8 @@ use anyhow::{Context as _, bail, ensure};
 use image::RgbImage;
 use pelage_tests::chores::{Workshop, sheet};
 
-fn main() -> anyhow::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [out, columns, size, models @ ..] = arguments.as_slice() else {
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let [out, columns, size, models @ ..] = arguments else {
         bail!("expected OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake options]]…");
     };
     let columns: usize =

@@ -1,5 +1,5 @@
 //! Whether two builds of `pelage` bake and draw the same, byte for byte, for changes that must change no picture:
-//! `cargo run --release -p pelage-tests --bin same_pictures -- BEFORE AFTER [-o OUT] [--only WORD]`; and what each pass costs in
+//! `chores same-pictures BEFORE AFTER [-o OUT] [--only WORD]`; and what each pass costs in
 //! both, as a table: `… -- BEFORE AFTER --bench [--rounds N] [-o OUT]`.
 //!
 //! BEFORE and AFTER are the two binaries. Both bake every model, and both draw the packages of BEFORE. OUT, by default
@@ -514,11 +514,11 @@ const MEASURED: &[(&str, &str)] = &[("hare", ""), ("bunny", ""), ("hare", "--sty
 const DIFFERENT: u8 = 7;
 const INCOMPLETE: u8 = 2;
 
-fn main() -> anyhow::Result<ExitCode> {
+pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
     let mut binaries = Vec::new();
     let mut out = workspace().join("target/same_pictures");
     let (mut only, mut bench, mut rounds) = (String::new(), false, 5);
-    let mut arguments = std::env::args().skip(1);
+    let mut arguments = arguments.iter().cloned();
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().with_context(|| format!("{argument} needs a value"));
         match argument.as_str() {

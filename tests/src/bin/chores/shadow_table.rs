@@ -1,5 +1,5 @@
 //! What shadows cost, as Table 1 of Yang 2006 has it, with the paper's own figures as ratios beside it:
-//! `cargo run --release --bin shadow_table -- [MODEL [bake options] [+ MODEL [bake options]]…]`.
+//! `chores shadow-table [MODEL [bake options] [+ MODEL [bake options]]…]`.
 //!
 //! Bakes and measures the built-in torus, knot and hare, and the models given, with `pelage bench` at its defaults. Milliseconds are
 //! medians; ratios are medians of frame by frame ratios.
@@ -20,8 +20,7 @@ const PAPER: [(&str, u32, f64, f64, f64, f64); 5] = [
     ("zebra", 6_010, 110.0, 15.0, 14.3, 9.2),
 ];
 
-fn main() -> anyhow::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let asset = |kind: &str, name: String| workspace().join("assets").join(kind).join(name).display().to_string();
     let built_in = ["torus", "knot", "hare"].map(|name| {
         vec![asset("models", format!("{name}.glb")), "--recipe".into(), asset("recipes", format!("{name}.toml"))]

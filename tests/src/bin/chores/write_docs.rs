@@ -1,9 +1,9 @@
-//! Writes the reference pages that are made from the code: `cargo run -p pelage-tests --bin write_docs`.
+//! Writes the reference pages that are made from the code: `chores write-docs`.
 
 use anyhow::Context as _;
 use pelage_tests::pages::pages;
 
-fn main() -> anyhow::Result<()> {
+pub fn run() -> anyhow::Result<()> {
     for (path, text) in pages() {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot create", folder.display()))?;

@@ -1,5 +1,5 @@
 //! The pictures of Yang 2006 that show light in fur, redrawn with this project's own models:
-//! `cargo run --release --bin light_pictures -- FOLDER`.
+//! `chores light-pictures FOLDER`.
 //!
 //! * `light_single_hairs.png`: sparse hair whose single shadows lie on the skin, without and with self-shadow (Fig. 6)
 //! * `light_self_shadow.png`: without and with self-shadow (Fig. 7)
@@ -15,9 +15,8 @@ use std::path::{Path, PathBuf};
 const OFF: [&str; 8] =
     ["--self-shadow", "off", "--soft-shadow", "off", "--ambient-attenuation", "off", "--back-attenuation", "off"];
 
-fn main() -> anyhow::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder] = arguments.as_slice() else { bail!("expected a FOLDER for the pictures") };
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let [folder] = arguments else { bail!("expected a FOLDER for the pictures") };
     let gallery = Gallery { workshop: Workshop::default(), folder: folder.into() };
     let asset = |kind: &str, name: &str| workspace().join("assets").join(kind).join(name).display().to_string();
     let model = |name: &str| {

@@ -1,4 +1,4 @@
-//! The pictures of the window in the gallery: `cargo run --release --bin window_pictures -- assets/gallery MODEL [RECIPE]`.
+//! The pictures of the window in the gallery: `chores window-pictures assets/gallery MODEL [RECIPE]`.
 //!
 //! The model is opened in a real window on a screen without glass: once with both panels, once with its traced truth of 16 samples beside.
 
@@ -8,11 +8,8 @@ use std::path::{Path, PathBuf};
 
 const SIZE: &str = "1440x900";
 
-fn main() -> anyhow::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, model, recipe @ ..] = arguments.as_slice() else {
-        bail!("expected the FOLDER of the gallery, then a MODEL")
-    };
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let [folder, model, recipe @ ..] = arguments else { bail!("expected the FOLDER of the gallery, then a MODEL") };
     let absolute = |path: &String| std::fs::canonicalize(path).with_context(|| path.clone());
     let model = absolute(model)?;
     let recipe: Vec<PathBuf> = recipe.iter().take(1).map(absolute).collect::<Result<_, _>>()?;

@@ -1,4 +1,4 @@
-//! How much of an animal's eyes its hair covers: `cargo run --release --bin eyes_covered -- MODEL [bake options] [+ MODEL [bake options]]…`.
+//! How much of an animal's eyes its hair covers: `chores eyes-covered MODEL [bake options] [+ MODEL [bake options]]…`.
 //!
 //! Of each package a copy is drawn whose eyes are green and all else black, bare and furred, without shadows: what of the green is gone, is covered. A
 //! highlight on hair is white and counts for nothing. Eyes are the bare materials whose names say so; seen from the front, and from the front left, through a
@@ -18,8 +18,7 @@ const AWAY: f32 = 6.0;
 /// A pixel is covered where less than that share of its green is left.
 const LEFT: f64 = 0.9;
 
-fn main() -> anyhow::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let workshop = Workshop::default();
     println!("| model | eyes | view | pixels of eyes | covered pixels, % | covered area, % |");
     println!("|---|---|---|---|---|---|");

@@ -1,5 +1,5 @@
 //! Damaged inputs through the real binary, tens of thousands of them:
-//! `cargo run --release --bin mutate -- [--seed N] [--cases N] [--only KIND[:NUMBER]] [--jobs N] [--out DIR] [--no-gpu]`.
+//! `chores mutate [--seed N] [--cases N] [--only KIND[:NUMBER]] [--jobs N] [--out DIR] [--no-gpu]`.
 //!
 //! Prints how the commands ended, and every fault with the case that shows it; exits with 1 where there is one. The defaults are 24 000 cases of seed 1,
 //! two at a time, which takes a quarter of an hour. `--only models` runs the cases of one kind, `--only models:17` a single one; `--out` keeps what shows
@@ -8,14 +8,14 @@
 
 use anyhow::{Context as _, bail};
 use pelage_tests::mutate::judge::Loader;
-use pelage_tests::mutate::{KINDS, Plan, run};
+use pelage_tests::mutate::{self, KINDS, Plan};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-fn main() -> anyhow::Result<ExitCode> {
+pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
     let (mut seed, mut cases, mut jobs, mut gpu) = (1, 24_000, 2, true);
     let (mut only, mut out) = (None, None);
-    let mut arguments = std::env::args().skip(1);
+    let mut arguments = arguments.iter().cloned();
     while let Some(name) = arguments.next() {
         if name == "--no-gpu" {
             gpu = false;
@@ -48,7 +48,7 @@ fn main() -> anyhow::Result<ExitCode> {
     // Panics are caught and told as faults; their own words would drown the report.
     std::panic::set_hook(Box::new(|_| ()));
     let loader = if gpu { Some(Loader::open().context("no adapter; --no-gpu goes without")?) } else { None };
-    let report = run(&plan, loader.as_ref(), out.as_deref())?;
+    let report = mutate::run(&plan, loader.as_ref(), out.as_deref())?;
     print!("{}", report.text(seed));
     Ok(if report.faulty() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -1,4 +1,4 @@
-//! Sequences of what moves, four pictures of each in a row: `cargo run --release --bin motion_pictures -- PICTURE.png [FOX.glb]`.
+//! Sequences of what moves, four pictures of each in a row: `chores motion-pictures PICTURE.png [FOX.glb]`.
 //!
 //! The pony's mane and tail as it gallops; the head in a breeze; the hare that lands; the hare in a gust; with a model, the same of it as it runs.
 
@@ -11,9 +11,8 @@ const SIZE: &str = "320x250";
 const BREEZE: &str = "--wind 1.6,0,0.6 --gust 0.9 --gust-seconds 1.2 --fps 6";
 const GUST: &str = "--wind 5,0,2 --gust 0.9 --gust-seconds 1.2 --fps 6";
 
-fn main() -> anyhow::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (picture, more) = match arguments.as_slice() {
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let (picture, more) = match arguments {
         [picture] => (picture, None),
         [picture, model] => (picture, Some(model)),
         _ => bail!("expected PICTURE.png, and perhaps a model"),

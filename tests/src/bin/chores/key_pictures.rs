@@ -1,4 +1,4 @@
-//! The small pictures of the recipe reference: `cargo run --release --bin key_pictures -- bake/docs [KEY…]`.
+//! The small pictures of the recipe reference: `chores key-pictures bake/docs [KEY…]`.
 //!
 //! Each is the hare without a recipe with three values of one key, side by side. Without keys all are drawn.
 
@@ -11,9 +11,8 @@ use std::path::Path;
 const WHOLE: &str = "--camera=0.5,0.42,0.66/0,0.235,0.01/28";
 const SHOULDER: &str = "--camera=0.6,0.4,0.6/0.03,0.225,-0.045/6";
 
-fn main() -> anyhow::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, keys @ ..] = arguments.as_slice() else { bail!("expected the FOLDER of the page, then keys") };
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let [folder, keys @ ..] = arguments else { bail!("expected the FOLDER of the page, then keys") };
     let unknown = keys.iter().find(|key| KEY_PICTURES.iter().all(|picture| picture.key != key.as_str()));
     ensure!(unknown.is_none(), "no picture is of {unknown:?}");
     let workshop = Workshop::default();

@@ -1,5 +1,5 @@
 //! The pictures that a person ranked, and what the error of a bake with limits makes of them:
-//! `cargo run --release --bin likeness_pairs -- [WIDTHxHEIGHT FOLDER]`.
+//! `chores likeness-pairs [WIDTHxHEIGHT FOLDER]`.
 //!
 //! Without arguments draws those of `tests/golden/likeness` anew, 417x212 pixels; with them larger ones elsewhere, to look at. Needs the test data.
 
@@ -23,9 +23,8 @@ const ANIMALS: [(&str, &str, &[&str]); 6] = [
 /// Samples a pixel of the true pictures.
 const SAMPLES: &str = "64";
 
-fn main() -> anyhow::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (size, to) = match &arguments[..] {
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let (size, to) = match arguments {
         [] => ("417x212", folder()),
         [size, folder] => (size.as_str(), PathBuf::from(folder)),
         _ => anyhow::bail!("expected nothing, or a size and a folder"),
