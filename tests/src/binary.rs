@@ -25,9 +25,9 @@ pub fn pelage() -> &'static Path {
         };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let output = Command::new(cargo)
-            // The whole workspace, and with it a test, so that the features are those of `cargo test --workspace`: then there
-            // is nothing left to compile but pelage.
-            .args(["build", "--workspace", "--bin", "pelage", "--test", "house", "--profile", profile])
+            // The whole workspace, and with it a small test, so that the features are those of `cargo test --workspace`: then
+            // there is nothing left to compile but pelage.
+            .args(["build", "--workspace", "--bin", "pelage", "--test", "formats", "--profile", profile])
             // `tests/timed.sh` sets it for the test harness; build scripts would run again for it.
             .env_remove("RUSTC_BOOTSTRAP")
             .current_dir(workspace())
