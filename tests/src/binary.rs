@@ -1,6 +1,7 @@
 //! The real `pelage` binary, run in fresh folders.
 
 use std::ffi::OsStr;
+use std::hash::{Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
@@ -37,6 +38,20 @@ pub fn pelage() -> &'static Path {
         let binary = folder.join(format!("pelage{}", std::env::consts::EXE_SUFFIX));
         assert!(binary.is_file(), "cargo built pelage, but not as {}", binary.display());
         binary
+    })
+}
+
+/// The folder of packages that tests share, beside the binary; emptied when the binary is newer.
+fn fixtures() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let folder = pelage().with_file_name("fixtures");
+        let changed = |path: &Path| path.metadata().and_then(|found| found.modified());
+        if changed(&folder).is_ok_and(|folder| changed(pelage()).is_ok_and(|binary| binary > folder)) {
+            std::fs::remove_dir_all(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        }
+        std::fs::create_dir_all(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        folder
     })
 }
 
@@ -135,6 +150,25 @@ impl Sandbox {
         // Mesa's device selection looks there for a display; where it is unset, as in a container, the driver writes "error:" lines of its own on stderr.
         command.env("XDG_RUNTIME_DIR", self.path());
         command
+    }
+
+    /// Bakes a package here that a test needs for something else than its bake: `args` are those of `pelage bake`.
+    ///
+    /// The command's own cache serves what was baked before by the same tool from the same files, settings and name of the
+    /// package. Threads and processes that want the same package wait for the first.
+    ///
+    /// # Panics
+    ///
+    /// Where the bake fails.
+    pub fn fixture(&self, args: &[impl AsRef<OsStr>]) {
+        let args: Vec<&OsStr> = args.iter().map(AsRef::as_ref).collect();
+        let mut hasher = std::hash::DefaultHasher::new();
+        args.hash(&mut hasher);
+        let lock = fixtures().join(format!("{:016x}.lock", hasher.finish()));
+        let locked = std::fs::File::create(&lock).and_then(|file| file.lock().map(|()| file));
+        let _locked = locked.unwrap_or_else(|e| panic!("{}: {e}", lock.display()));
+        let run = self.run(&[&["bake".as_ref(), "--cache".as_ref(), fixtures().as_os_str()], &args[..]].concat());
+        assert_eq!(run.code, Some(0), "{args:?}: {run:?}");
     }
 
     /// Runs `pelage` here. No run may ever panic, whatever its input.
