@@ -42,7 +42,18 @@ fn folder() -> &'static Path {
         let output = Command::new(cargo)
             // The whole workspace, and with it a small test, so that the features are those of `cargo test --workspace`: then
             // there is nothing left to compile but pelage.
-            .args(["build", "--workspace", "--bin", "pelage", "--bin", "pelage-lab", "--test", "formats", "--profile", profile])
+            .args([
+                "build",
+                "--workspace",
+                "--bin",
+                "pelage",
+                "--bin",
+                "pelage-lab",
+                "--test",
+                "formats",
+                "--profile",
+                profile,
+            ])
             // `tests/timed.sh` sets it for the test harness; build scripts would run again for it.
             .env_remove("RUSTC_BOOTSTRAP")
             .current_dir(workspace())

@@ -2,7 +2,9 @@
 
 mod assets;
 mod house;
+mod import;
 mod runtime;
 mod stability;
+mod stages;
 mod tool;
 mod window;

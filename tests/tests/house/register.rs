@@ -22,9 +22,7 @@ const ASKED: [(&str, Need); 7] = [
 /// Files with tests that may ask.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
-    for folder in
-        ["formats/tests", "runtime/src", "runtime/bevy/tests", "runtime/web/tests", "bake/tests", "tests/tests"]
-    {
+    for folder in ["formats/tests", "runtime/src", "runtime/bevy/tests", "runtime/web/tests", "tests/tests"] {
         walk(&workspace().join(folder), &mut files);
     }
     // This file names functions, and tests that there are not; what npm installs is none of ours.
@@ -106,7 +104,7 @@ fn stem(path: &Path) -> Option<String> {
 #[test]
 fn every_file_of_tests_is_part_of_its_binary() {
     let mut roots = 0;
-    for crates_tests in ["formats/tests", "runtime/bevy/tests", "bake/tests", "tests/tests"] {
+    for crates_tests in ["formats/tests", "runtime/bevy/tests", "tests/tests"] {
         let folder = workspace().join(crates_tests);
         let mut files = Vec::new();
         walk(&folder, &mut files);

@@ -1,7 +1,7 @@
 //! Lines and empty nodes of a model that say how its hair is combed.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use crate::support::{Bytes as _, Doc, U8, U16, assert_near, assert_warns};
+use crate::import::support::{Bytes as _, Doc, U8, U16, assert_near, assert_warns};
 use glam::Vec3;
 use serde_json::{Value, json};
 

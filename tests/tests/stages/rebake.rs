@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 //! A model that is baked again while its recipe changes gives what a whole bake gives, whichever key changes.
 
-use crate::pipeline::{asset, import_built_in};
+use crate::stages::pipeline::{asset, import_built_in};
 use pelage_bake::pipeline::{self, Told};
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::{self, Recipe};

@@ -1,7 +1,7 @@
 //! Shapes, transforms and materials: models built in code against numbers worked out by hand.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use glam::{Vec2, Vec3};
 use pelage_bake::stages::import::{ImportOptions, import};
 use serde_json::json;

@@ -1,7 +1,7 @@
 //! Broken models: each fault is an error that says where it is, what was found and what was expected.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use pelage_import::BakeError;
 use serde_json::{Value, json};
 

@@ -1,7 +1,7 @@
 //! Every glTF file of the shared test data: what it must give, or how it must fail.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use glam::Vec3;
 use pelage_bake::io::{Reach, read_model};
 use pelage_import::BakeError;

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: what the importer makes of it, and how it complains.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use glam::{Vec2, Vec3};
 use pelage_bake::io::{Reach, read_model};
 use pelage_bake::stages::import::{ImportOptions, import};

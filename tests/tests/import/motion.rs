@@ -1,7 +1,7 @@
 //! Skins and clips: models built in code against numbers worked out by hand.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use glam::{Mat4, Vec3};
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_formats::{Interpolation, Pose, Property, SkinVertex};

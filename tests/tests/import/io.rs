@@ -1,7 +1,7 @@
 //! Files in and out: paths that models name, and output that is whole or absent.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use pelage_bake::io::{Reach, read_file, read_model, write_all_atomic, write_atomic};
 use pelage_import::BakeError;
 use pelage_import::ImportOptions;

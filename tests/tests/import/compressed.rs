@@ -1,7 +1,7 @@
 //! Compressed glTF: what meshopt's own encoder packs must come out of our decoder bit for bit, and no damage may do harm.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use glam::Vec3;
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_import::BakeError;

@@ -1,7 +1,7 @@
 //! A second opinion: what the `gltf` crate's own reader finds in sound files, number by number.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3};
 use gltf::animation::util::ReadOutputs;
 use pelage_bake::io::{Reach, read_model};

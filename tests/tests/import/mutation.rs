@@ -2,7 +2,7 @@
 //! error that has a place, and never panic. The seed is fixed, so a failure repeats.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_import::BakeError;
 use serde_json::{Value, json};

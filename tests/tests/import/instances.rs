@@ -1,7 +1,7 @@
 //! `EXT_mesh_gpu_instancing`: meshes that a node shows at many places.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::support::*;
+use crate::import::support::*;
 use pelage_import::mesh::RestPose;
 use serde_json::{Value, json};
 

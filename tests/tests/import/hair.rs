@@ -1,8 +1,8 @@
 //! Hair files of other programs from the test data: what they hold, and how near hair grown between a tenth of their strands comes to the rest.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-use crate::support::Bytes as _;
-use crate::support::{Doc, F32, U16};
+use crate::import::support::Bytes as _;
+use crate::import::support::{Doc, F32, U16};
 use glam::{Vec2, Vec3};
 use pelage_bake::strands::export::StrandFormat;
 use pelage_bake::strands::{CurvePoint, Curves};

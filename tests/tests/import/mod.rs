@@ -1,5 +1,4 @@
 //! What the importer makes of files: right ones, wrong ones, hostile ones; other crates as judges.
-#![allow(clippy::disallowed_methods, reason = "tests make no package that anyone keeps")]
 
 mod compressed;
 mod crosscheck;
