@@ -2,7 +2,7 @@
 //! `cargo run --release -p pelage-tests --bin same_pictures -- BEFORE AFTER [-o OUT] [--only WORD]`; and what each pass costs in
 //! both, as a table: `… -- BEFORE AFTER --bench [--rounds N] [-o OUT]`.
 //!
-//! BEFORE and AFTER are the two binaries. Both bake every model, and both draw the packages of BEFORE. OUT, by default
+//! BEFORE and AFTER are the two binaries, built with the feature `study`: many cases draw printed forms. Both bake every model, and both draw the packages of BEFORE. OUT, by default
 //! `target/same_pictures`, keeps those in `packages`, what it made for them in `made`, and of what differs both pictures in `pictures`
 //! and the other package in `packages_after`. `--only` takes the cases whose name has that word in it.
 //!

@@ -4,35 +4,35 @@
 //! same for all ([`driver`]).
 
 mod args;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod detail;
 mod driver;
 mod environment;
 mod environment_fit;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod greys;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod ink;
 mod journal;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod light_bench;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod lighting;
 mod machine;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod multiple;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod opacity_shadow;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod scattering;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod self_shadow;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod shells;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod soft_shadow;
 mod stability;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod strands;
 mod subject;
 mod surface;
@@ -102,27 +102,27 @@ fn topic<'a>(args: &ChartArgs, subject: &'a Subject) -> Result<Box<dyn driver::T
         Topic::Surface => Box::new(surface::SurfaceTopic::new(subject)?),
         Topic::Textures => Box::new(textures::TexturesTopic::new(subject)?),
         Topic::Verlet => Box::new(verlet::VerletTopic::new()),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::Scattering => Box::new(scattering::ScatteringTopic::new()?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::Multiple => Box::new(multiple::MultipleTopic::new(subject)?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::Shells => Box::new(shells::ShellsTopic::new(subject)?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::Detail => Box::new(detail::DetailTopic::new(subject)?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::Strands => Box::new(strands::StrandsTopic::new(subject)?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::Lighting => Box::new(lighting::LightingTopic::new(subject)?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::SelfShadow => Box::new(self_shadow::SelfShadowTopic::new(subject)?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::OpacityShadow => Box::new(opacity_shadow::OpacityShadowTopic::new(subject)?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::SoftShadow => Box::new(soft_shadow::SoftShadowTopic::new(subject)?),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "study")]
         Topic::Ink => Box::new(ink::InkTopic::new(subject)?),
-        #[cfg(not(feature = "preview"))]
+        #[cfg(not(feature = "study"))]
         Topic::Ink
         | Topic::Shells
         | Topic::Detail
@@ -134,7 +134,7 @@ fn topic<'a>(args: &ChartArgs, subject: &'a Subject) -> Result<Box<dyn driver::T
         | Topic::Scattering
         | Topic::Multiple => {
             return Err(Failure::Usage(
-                "light is drawn by the runtime, and this build is without it (feature `preview`)".into(),
+                "found a chart of what is drawn, expected the laboratory's build, which alone draws it: `./run chart`, `pelage-lab`".into(),
             ));
         }
         Topic::Stability => return Err(BakeError::Internal("stability has no picture".into()).into()),

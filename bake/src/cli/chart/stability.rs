@@ -65,9 +65,9 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
         output.progress_of(i, ROWS.len() + 1, row.method);
         table.add(row, &processor(), &(row.drive)()?);
     }
-    #[cfg(feature = "preview")]
+    #[cfg(feature = "study")]
     let undriven = drawn::add(&mut table, output);
-    #[cfg(not(feature = "preview"))]
+    #[cfg(not(feature = "study"))]
     let undriven = Ok(());
     let no_adapter = match undriven {
         Err(failure @ Failure::NoAdapter(_)) => Some(failure),
@@ -110,7 +110,7 @@ fn report(
 }
 
 /// The rows that need pictures.
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod drawn {
     use super::Table;
     use crate::cli::chart::machine::measured_on;

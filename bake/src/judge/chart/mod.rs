@@ -11,24 +11,24 @@ pub mod environment_fit;
 mod errors;
 #[cfg(feature = "preview")]
 mod hair_texels;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod ink;
 mod labels;
 #[cfg(feature = "preview")]
 pub mod light_maps;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod lighting;
 pub mod multiple;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod opacity_shadow;
 pub mod scattering;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod self_shadow;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod self_shadow_forms;
 pub mod shells;
 pub mod skies;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod soft_shadow;
 #[cfg(feature = "preview")]
 pub mod strands;

@@ -3,51 +3,51 @@
 //! `pelage chart stability` prints what they find, and `tests/tests/stability/rows.rs` holds our form to its bound, and the naive one to
 //! its failure: data that never reached the cliff would prove nothing. The naive forms stand here and nowhere else.
 
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod animation;
 pub mod direction_textures;
 pub mod environment;
 pub mod hair_motion;
 pub mod hair_simulation;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod ink;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod kajiya_kay;
 mod knot;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod layer_shadows;
 pub mod layers;
 mod measures;
 pub mod mip_levels;
 pub mod opacity_product;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod opacity_shadow;
 pub mod parting;
 mod row;
 pub mod scattering;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod shells;
 pub mod short_fur;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod silhouette;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod soft_shadow;
 pub mod solver;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod sphere_map;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod strand_light;
 pub mod strand_order;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub mod strand_width;
 pub mod surface;
 
 pub use measures::{grow, mean, natural_hair, opacity, slice, texels, transmittances};
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub use row::{Drawer, Drawing, DrawnDriver};
 pub use row::{Driver, Finding, Row};
 
-/// All rows, in the order of the way through bake and a frame. Those of the runtime need the feature `preview`.
+/// All rows, in the order of the way through bake and a frame. Those of the runtime need the feature `study`.
 pub const ROWS: &[Row] = &[
     surface::ROW,
     solver::ROW,
@@ -57,18 +57,18 @@ pub const ROWS: &[Row] = &[
     layers::ROW,
     mip_levels::ROW,
     direction_textures::ROW,
-    #[cfg(feature = "preview")]
+    #[cfg(feature = "study")]
     kajiya_kay::ROW,
-    #[cfg(feature = "preview")]
+    #[cfg(feature = "study")]
     layer_shadows::ROW,
     short_fur::ROW,
-    #[cfg(feature = "preview")]
+    #[cfg(feature = "study")]
     soft_shadow::ROW,
-    #[cfg(feature = "preview")]
+    #[cfg(feature = "study")]
     animation::ROW,
-    #[cfg(feature = "preview")]
+    #[cfg(feature = "study")]
     sphere_map::ROW,
-    #[cfg(feature = "preview")]
+    #[cfg(feature = "study")]
     opacity_shadow::ROW,
     strand_order::ROW,
     hair_motion::ROW,
@@ -77,5 +77,5 @@ pub const ROWS: &[Row] = &[
 ];
 
 /// The rows that need pictures.
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub const DRAWN_ROWS: &[Row<DrawnDriver>] = &[shells::ROW, ink::ROW, strand_width::ROW, strand_light::ROW];

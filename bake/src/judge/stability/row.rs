@@ -1,23 +1,23 @@
 //! A row of the table, and what its drive finds.
 
 use crate::BakeError;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 use pelage_runtime::{FrameParams, PassId};
 
 /// Drives both forms over the cliff on the processor.
 pub type Driver = fn() -> Result<Vec<Finding>, BakeError>;
 
 /// The same by pictures, which it asks for.
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub type DrawnDriver = fn(&mut Drawer<'_>) -> Result<Vec<Finding>, BakeError>;
 
 /// Who draws, on an adapter that this library knows nothing of: `width * height` texels of linear light times opacity, and opacity, row-major from the
 /// top, with ten bits at least.
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 pub type Drawer<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<[f32; 4]>, BakeError> + 'a;
 
 /// A picture to draw over nothing: one copy of a package at rest.
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing<'a> {
     /// The package.
