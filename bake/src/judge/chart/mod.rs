@@ -9,7 +9,7 @@ pub mod detail;
 pub mod environment;
 pub mod environment_fit;
 mod errors;
-#[cfg(feature = "preview")]
+#[cfg(feature = "study")]
 mod hair_texels;
 #[cfg(feature = "study")]
 pub mod ink;
