@@ -533,7 +533,7 @@ fn workgroups_agree() {
     }
 }
 
-/// Debug views and the study know pipelines by the names of their shaders: a name that no pass has would change nothing, in silence.
+/// Debug views and the study know pipelines by the names of their shaders: a name that no pass has would change nothing.
 #[test]
 fn amended_pipelines_name_shaders_that_passes_have() {
     let names: Vec<_> = PASSES.iter().flat_map(|pass| pass.shaders).map(|shader| shader.name).collect();

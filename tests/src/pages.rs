@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// # Panics
 /// Where the binary does not say what its command line is.
 pub fn pages() -> Vec<(PathBuf, String)> {
-    let run = Sandbox::new().run(&["commands-page"]);
+    let run = Sandbox::new().with_lab().run(&["commands-page"]);
     assert_eq!(run.code, Some(0), "{run:?}");
     let page = |name: &str, text: String| (workspace().join("bake/docs").join(name), text);
     vec![

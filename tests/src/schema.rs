@@ -1,9 +1,9 @@
-//! A checker for the part of JSON Schema that `bake/src/cli/schema/` uses: `type`, `required`, `properties`, `items`, `enum`.
+//! A checker for the part of JSON Schema that `bake/tool/src/schema/` uses: `type`, `required`, `properties`, `items`, `enum`.
 
 use crate::binary::{Run, workspace};
 use serde_json::Value;
 
-/// The one JSON object that a run wrote to stdout, held against the schema `name` of `bake/src/cli/schema/`.
+/// The one JSON object that a run wrote to stdout, held against the schema `name` of `bake/tool/src/schema/`.
 ///
 /// # Panics
 ///
@@ -22,7 +22,7 @@ pub fn answer(run: &Run, name: &str) -> Value {
 /// Where it breaks it.
 #[track_caller]
 pub fn hold(name: &str, value: &Value) {
-    let path = workspace().join(format!("bake/src/cli/schema/{name}.json"));
+    let path = workspace().join(format!("bake/tool/src/schema/{name}.json"));
     let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let schema = serde_json::from_slice(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     check(&schema, value).unwrap_or_else(|e| panic!("{name}: {e}"));

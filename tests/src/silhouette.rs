@@ -5,7 +5,7 @@ use pelage_bake::io::{self, Reach};
 use pelage_bake::pipeline::{self, Told};
 use pelage_bake::recipe::{Coat, Recipe};
 use pelage_bake::stages::groom::MapImages;
-use pelage_bake::stages::import::ImportOptions;
+use pelage_import::ImportOptions;
 use pelage_needs::data;
 use std::path::{Path, PathBuf};
 

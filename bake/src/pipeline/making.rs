@@ -2,7 +2,6 @@
 
 use super::lay::{Laid, lay};
 use super::outputs::{Groomed, Output, Outputs, Packed, Shells, SkinFiles, SkinImages, Told, Visible, made};
-use crate::BakeError;
 use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel, Style};
 use crate::stages::detail;
 use crate::stages::fins;
@@ -18,6 +17,7 @@ use crate::stages::textures;
 use crate::stages::visibility;
 use Output::*;
 use pelage_formats::Shading;
+use pelage_import::BakeError;
 use std::sync::Arc;
 
 pub(super) fn surface<'a>(told: &Told<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {

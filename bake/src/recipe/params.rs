@@ -7,6 +7,7 @@ use super::joint_groom::JointGroom;
 use super::maps::{ColorMap, FilePath, ScalarMap, VectorMap};
 use super::material_groom::{DENSITY, MaterialGroom, SHARE};
 use super::style::Style;
+use pelage_import::ImportOptions;
 use pelage_params::{PowerOfTwo, SrgbColor, params, words};
 use pelage_stage::Viewpoint;
 
@@ -14,7 +15,7 @@ params! {
     /// `[model]`: how the model is read.
     ModelParams in model {
         /// Metres per unit of the model. glTF says metres; set it where an exporter did not keep to that, and for OBJ, which does not say.
-        unit_m: f32 = 1.0, in 1e-6..=1e6;
+        unit_m: f32 = 1.0, in ImportOptions::UNIT_M;
         /// Names of materials where no hair grows, such as eyes and hooves. `*` stands for any characters, `?` for one; `[]` has hair grow everywhere. Left
         /// out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and clothes are found by the names of materials, nodes and meshes in eight languages,
         /// and small parts by gloss or by the shape of eyes. What is in doubt grows hair; the bake says what it found. Of a material that also covers

@@ -11,7 +11,6 @@
 
 use super::curves::{CurvePoint, Curves, simplified};
 use super::skin::{Skin, mix};
-use crate::BakeError;
 use crate::noise::{hash, uniform};
 use crate::recipe::Recipe;
 use crate::stages::groom::{Lengths, Water};
@@ -20,6 +19,7 @@ use glam::DVec3;
 use pelage_formats::Manifest;
 use pelage_formats::meaning::hair_offset;
 use pelage_formats::meaning::planting::{Crossed, Footing, Roots, SurfaceWalk};
+use pelage_import::BakeError;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 

@@ -91,7 +91,8 @@ pub trait Tables: Default {
     /// The tables, to be changed, in the same order.
     fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
 
-    /// Reason why a table or `table.key` is unknown here and would be known to another build; `None` (default) for a mistake.
+    /// Reason why a table or `table.key` is unknown here and would be known to another build;
+    /// `None` (default) for a mistake.
     fn elsewhere(_name: &str) -> Option<String> {
         None
     }

@@ -66,8 +66,8 @@ macro_rules! words {
 /// A field reads `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was "name";`, where everything after the default may be left
 /// out. Without a range the type's values are all allowed. `Checked` is the wrapper whose [`Field`](crate::Field) does the checking where
 /// the type alone does not say enough. `"word"` is what the type's own default is called, so that an `Option` can be emptied again. To set
-/// the field empties `other`: of two ways to say the same, the later one counts. `was` is the key of earlier files, which is still read;
-/// with its table where that was another.
+/// the field empties `other`: of two ways to say the same, the later one counts. `was` is the key of earlier files, which
+/// is still read; with its table where that was another.
 #[macro_export]
 macro_rules! params {
     (
@@ -191,7 +191,7 @@ macro_rules! params {
 }
 
 /// Puts tables together to what stands in one file: the struct, a field a table, and its [`Tables`](crate::Tables). `such as` gives messages an example of
-/// `key=value`; `elsewhere` names the function [`Tables::elsewhere`](crate::Tables::elsewhere). A table may exist under one `#[cfg]` alone.
+/// `key=value`; `elsewhere` names the function [`Tables::elsewhere`](crate::Tables::elsewhere). A table may have one `#[cfg]`.
 #[macro_export]
 macro_rules! tables {
     (

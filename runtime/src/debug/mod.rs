@@ -1,4 +1,4 @@
-//! Debug views: pipelines that show something else than the picture. A frame without one compiles and runs nothing of them.
+//! Debug views: pipelines that show something else than the picture. A frame without one pays nothing for them.
 
 use crate::gpu::RenderSpec;
 use crate::params::{FrameParams, FurShow, InkShow};

@@ -6,7 +6,7 @@ pub enum FurShow {
     /// Its light.
     #[default]
     Picture,
-    /// Which geometry each fragment is of: skin grey, the far coat violet, shells green, fins yellow, single strands red.
+    /// Geometry of each fragment: skin grey, the far coat violet, shells green, fins yellow, single strands red.
     Geometry,
     /// How many fragments lie over each other: what blends adds up, what is opaque is one.
     Overdraw,
@@ -26,7 +26,7 @@ pub enum InkShow {
     Wash,
 }
 
-/// Debug view: what a frame shows instead of its picture (default: nothing). Without one a frame costs what it would cost without this field.
+/// Debug view: what a frame shows instead of its picture (default: nothing). A frame without one pays nothing for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct DebugView {
@@ -34,7 +34,7 @@ pub struct DebugView {
     pub fur: FurShow,
     /// What of an ink painting is shown.
     pub ink: InkShow,
-    /// Draws the shells with one texture read and no lighting: the baseline that `pelage bench` compares their cost with.
+    /// Draws the shells with one texture read and no lighting: the baseline of `pelage bench`.
     pub yardstick: bool,
     /// Draws this layer of the shells alone, 1.. ; used to count fragments.
     pub only_layer: Option<u32>,

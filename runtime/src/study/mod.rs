@@ -1,8 +1,8 @@
-//! Forms as the papers print them, beside those that pelage draws with: compiled with the feature `study`. Without it neither code nor shaders know of
-//! them.
+//! Forms as the papers print them, beside those that pelage draws with: compiled with the feature `study`.
 //!
-//! Shaders keep what has another form in files of their own (`light/forms.wgsl`, `light/deep_forms.wgsl`, `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`):
-//! files of the same names in this folder take their place. `amend` then turns a pipeline that a pass asks for into the one that is studied.
+//! Shaders keep what has another form in files of their own (`light/forms.wgsl`, `light/deep_forms.wgsl`,
+//! `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`); with the feature, files of the same names in this folder take their
+//! place. `amend` then turns a pipeline that a pass asks for into the one that is studied.
 
 use crate::params::FrameParams;
 #[cfg(feature = "study")]

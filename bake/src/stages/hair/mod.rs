@@ -22,11 +22,11 @@ pub use asides::Asides;
 pub use shades::linear;
 pub use tile::{TileHair, simulate_recipe};
 
-use crate::BakeError;
 use crate::recipe::{ColorParams, HairParams, Style, UnderfurParams};
 use forces::Grower;
 use glam::Vec3;
 use locks::Locks;
+use pelage_import::BakeError;
 use rayon::prelude::*;
 use shades::Shades;
 

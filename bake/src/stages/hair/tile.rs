@@ -1,9 +1,9 @@
 //! All the hair of a coat's tile, as a resolved recipe describes it: the one place where a bake and the traced truth get their strands from.
 
 use super::{Strands, VolumeParams, simulate_coats};
-use crate::BakeError;
 use crate::recipe::{HairParams, Recipe, Style};
 use crate::stages::groom::{Lengths, Water};
+use pelage_import::BakeError;
 
 /// The strands of one tile: dry, and where the coat is wet in places the same hairs wet.
 #[derive(Clone, Debug, Default, PartialEq)]

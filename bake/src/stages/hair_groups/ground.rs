@@ -1,8 +1,8 @@
 //! What hair grows on.
 
-use crate::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
 use crate::recipe::SrgbColor;
 use crate::stages::groom::MapImages;
+use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPlace, RestPose};
 use pelage_params::glob;
 
 /// What hair grows on.

@@ -15,9 +15,6 @@ mod tests;
 pub use at_rest::{GuidesAtRest, Kept, RestSkin};
 pub use ground::Ground;
 
-use crate::BakeError;
-use crate::guides::Guides;
-use crate::mesh::MeshPart;
 use crate::recipe::{HairGroupParams, ScalarMap, StrandParams, Style};
 use crate::stages::groom::scalar_at;
 use body::Body;
@@ -26,6 +23,9 @@ use ground::{bytes, parts_of};
 use grow::Growth;
 use pelage_formats::meaning::hair_groups::{Near, roots, smoothed};
 use pelage_formats::{HairGroup, OnTriangle};
+use pelage_import::BakeError;
+use pelage_import::guides::Guides;
+use pelage_import::mesh::MeshPart;
 use rayon::prelude::*;
 use tuft::tuft_of;
 

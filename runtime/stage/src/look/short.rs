@@ -90,8 +90,8 @@ pub(super) fn in_laboratory(name: &str) -> Option<String> {
     let now = format!("study.{}{key}", if table == "ink" { "ink_" } else { "" });
     let is_printed = name == "study" || SHORT_FORMS.iter().any(|short| short.key == now);
     (is_printed && cfg!(not(feature = "study"))).then(|| {
-        "found a form as a paper prints it, expected the laboratory's build, which alone draws it: `./run chart`, `pelage-lab`"
-            .to_owned()
+        let expected = "expected the laboratory's build, which alone draws it: `./run chart`, `pelage-lab`";
+        format!("found a form as a paper prints it, {expected}")
     })
 }
 

@@ -72,7 +72,8 @@ words! {
 }
 
 params! {
-    /// `[study]`: forms as the papers print them, for charts and measurements. Only the laboratory's build, `pelage-lab`, has these keys.
+    /// `[study]`: forms as the papers print them, for charts and measurements.
+    /// Only the laboratory's build, `pelage-lab`, has these keys.
     LookStudy in study {
         /// What the light's slant does to the opacity of a layer.
         slant: LookSlant = LookSlant::Corrected, was "shadow.slant";

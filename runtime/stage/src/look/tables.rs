@@ -309,6 +309,15 @@ impl Look {
         read
     }
 
+    /// Whether ambient light fades towards the skin, and whether the key light ends behind the body: false in a printed
+    /// form alone.
+    pub fn attenuations(&self) -> [bool; 2] {
+        #[cfg(feature = "study")]
+        return [self.study.ambient_attenuation, self.study.back_attenuation];
+        #[cfg(not(feature = "study"))]
+        [true; 2]
+    }
+
     /// The lights without shadow: towards each, length 1, and its strength.
     pub fn fill_lights(&self) -> impl Iterator<Item = (Vec3, f32)> {
         self.light.fill.iter().map(|fill| (unit(fill.direction), fill.strength))

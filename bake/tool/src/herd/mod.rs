@@ -1,0 +1,121 @@
+//! `pelage herd`: thousands of models on engines that people already run.
+
+mod args;
+mod engine;
+mod farm;
+mod finish;
+mod memory;
+mod models;
+mod notes;
+mod on_disk;
+mod paths;
+mod ran;
+
+use super::exit::{Exit, Failure};
+use super::output::{Output, make_folder};
+use args::{Action, Engine, HerdFiles, PlanArgs, RunArgs};
+use on_disk::{Herd, Refusal};
+use pelage_herd::{Kind, Task, shell_line};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+pub use args::HerdArgs;
+
+/// Runs the subcommand.
+///
+/// * `cache`: the one that was given for all commands
+/// * `refusal`: why the tool refuses a command line
+pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output: &mut Output) -> Result<Exit, Failure> {
+    let read = |files: &HerdFiles| Herd::read(files, cache, refusal);
+    match &args.action {
+        Action::Plan(args) => say_plan(&read(&args.files)?, args, output),
+        Action::Run(args) => run_all(args, read, output),
+        Action::Report(files) => {
+            output.progress("reading what became of it");
+            let herd = read(files)?;
+            // What was submitted and left alone has told the farm's logs alone how it ended.
+            let ran = farm::ran(&herd).failures_alone();
+            finish::finish(&herd, &ran, output)
+        }
+    }
+}
+
+fn say_plan(herd: &Herd, args: &PlanArgs, output: &mut Output) -> Result<Exit, Failure> {
+    herd.say_idle(output);
+    make_folder(&herd.path(&herd.plan.out))?;
+    let (name, room) = herd.write_ninja(memory::cores(), memory::free_bytes())?;
+    let cache = herd.cache.as_deref();
+    let due = if args.due { Some(engine::due(herd, &name)?) } else { None };
+    let tasks = herd.plan.tasks.iter().filter(|task| due.as_ref().is_none_or(|due| due.contains(&task.name)));
+    let tasks: Vec<&Task> = tasks.collect();
+    if !output.is_json() {
+        let lines: Vec<String> = tasks.iter().map(|task| shell_line(&task.command(cache))).collect();
+        output.result(&lines.join("\n"), &Value::Null)?;
+        return Ok(Exit::Done);
+    }
+    let of = |task: &Task| {
+        let mut value = serde_json::to_value(task).unwrap_or_default();
+        value["command"] = task.command(cache).into();
+        value
+    };
+    let kinds = kinds(&tasks);
+    let tasks: Vec<Value> = tasks.into_iter().map(of).collect();
+    let value = json!({
+        "action": "plan",
+        "folder": herd.folder.display().to_string(),
+        "ninja": name,
+        "rows": herd.plan.rows,
+        "tasks": tasks,
+        "kinds": kinds,
+        "jobs": room.jobs,
+        "heavy_jobs": room.heavy,
+    });
+    output.result("", &value)?;
+    Ok(Exit::Done)
+}
+
+/// How many commands of each kind there are, and what they are expected to need.
+fn kinds(tasks: &[&Task]) -> Value {
+    let mut kinds: BTreeMap<Kind, (usize, f64, u64)> = BTreeMap::new();
+    for task in tasks {
+        let (count, seconds, peak) = kinds.entry(task.kind).or_default();
+        *count += 1;
+        *seconds += task.expected.seconds;
+        *peak = (*peak).max(task.expected.peak_bytes);
+    }
+    let of = |(kind, (count, seconds, peak)): (Kind, (usize, f64, u64))| json!({ "kind": kind, "tasks": count, "seconds": seconds, "peak_bytes": peak });
+    kinds.into_iter().map(of).collect()
+}
+
+fn run_all(
+    args: &RunArgs,
+    read: impl Fn(&HerdFiles) -> Result<Herd, Failure>,
+    output: &mut Output,
+) -> Result<Exit, Failure> {
+    let farm = args.engine == Engine::Slurm;
+    for (name, given, slurm) in [
+        ("--jobs", args.jobs.is_some(), false),
+        ("--memory", args.memory.is_some(), false),
+        ("--sbatch", !args.sbatch.is_empty(), true),
+        ("--detach", args.detach, true),
+    ] {
+        if given && slurm != farm {
+            let engine = if slurm { "slurm" } else { "ninja" };
+            return Err(Failure::Usage(format!("{name}: it is for --engine {engine}, expected it to be left out")));
+        }
+    }
+    output.progress("planning");
+    let herd = read(&args.files)?;
+    herd.say_idle(output);
+    herd.make_folders()?;
+    finish::forget_failures(&herd)?;
+    let ran = if farm {
+        let Some(ran) = farm::run(&herd, args, output)? else { return Ok(Exit::Done) };
+        ran
+    } else {
+        let memory_bytes = args.memory.map_or_else(memory::free_bytes, |mib| mib << 20);
+        engine::run(&herd, args.jobs.unwrap_or_else(memory::cores), memory_bytes, output)?
+    };
+    finish::finish(&herd, &ran, output)
+}
