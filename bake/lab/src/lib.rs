@@ -2,5 +2,8 @@
 
 pub mod chart;
 pub mod command;
+pub mod compare_lines;
+pub mod compare_motion;
 pub mod printed_light;
 pub mod stability;
+pub mod truth;

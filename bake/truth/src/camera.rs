@@ -56,7 +56,7 @@ impl Ways {
 }
 
 /// The rays of a camera.
-pub(super) struct RayCaster {
+pub struct RayCaster {
     origin: DVec3,
     forward: DVec3,
     /// From the middle of the picture to its right and upper edge: at distance 1 for a perspective, metres for a parallel projection.
@@ -67,7 +67,8 @@ pub(super) struct RayCaster {
 }
 
 impl RayCaster {
-    pub(super) fn new(camera: &TrueCamera, (width, height): (u32, u32)) -> Self {
+    /// Rays of a camera through a picture of that size, pixels.
+    pub fn new(camera: &TrueCamera, (width, height): (u32, u32)) -> Self {
         let origin = camera.eye_ws.as_dvec3();
         let forward = (camera.target_ws.as_dvec3() - origin).normalize_or(DVec3::NEG_Z);
         let right = forward.cross(camera.up_ws.as_dvec3()).normalize_or(DVec3::X);
@@ -81,7 +82,7 @@ impl RayCaster {
     }
 
     /// Through a point of the picture, pixels from its upper left corner: origin and unit direction.
-    pub(super) fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
+    pub fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
         let at = at / self.size * 2.0 - 1.0;
         let aside = self.right * at.x - self.up * at.y;
         if self.parallel {
@@ -93,7 +94,7 @@ impl RayCaster {
 
     /// Where a point lies in the picture, pixels from its upper left corner, and how far before the eye along the view, metres; `None` where it is not
     /// before the eye of a perspective.
-    pub(super) fn place(&self, point_ws: DVec3) -> Option<(DVec2, f64)> {
+    pub fn place(&self, point_ws: DVec3) -> Option<(DVec2, f64)> {
         let from = point_ws - self.origin;
         let depth = self.depth(point_ws);
         let scale = if self.parallel { 1.0 } else { depth };
@@ -106,7 +107,7 @@ impl RayCaster {
     }
 
     /// The ray that meets a point: origin, unit direction, and the way to the point, metres.
-    pub(super) fn ray_to(&self, point_ws: DVec3) -> (DVec3, DVec3, f64) {
+    pub fn ray_to(&self, point_ws: DVec3) -> (DVec3, DVec3, f64) {
         let from = point_ws - self.origin;
         if self.parallel {
             let depth = self.depth(point_ws);
@@ -117,17 +118,17 @@ impl RayCaster {
     }
 
     /// How far before the eye a point lies along the view, metres; below zero behind it.
-    pub(super) fn depth(&self, point_ws: DVec3) -> f64 {
+    pub fn depth(&self, point_ws: DVec3) -> f64 {
         (point_ws - self.origin).dot(self.forward)
     }
 
     /// Whether far things are as large as near ones.
-    pub(super) fn is_parallel(&self) -> bool {
+    pub fn is_parallel(&self) -> bool {
         self.parallel
     }
 
     /// Picture, pixels.
-    pub(super) fn size(&self) -> DVec2 {
+    pub fn size(&self) -> DVec2 {
         self.size
     }
 }

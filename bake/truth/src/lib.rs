@@ -1,13 +1,11 @@
 //! The slow truths that light in fur is measured against. Nothing of a bake depends on them.
 //!
-//! * [`SampledVolume`]: transmittance along the true light ray through the volume that the layers were sampled from. What is left between it
-//!   and the layer-wise shadow maps is the error of the maps.
-//! * [`StrandField`]: the same strands as round, opaque hairs. What is left between it and the volume is the error of slicing.
-//! * [`Occluder`]: a mesh between its points and a light that is a disc, for soft shadows.
 //! * [`TrueScene`]: the strands of [`pelage_bake::strands`], traced: what a whole picture should look like, by Yang's equation or, with
 //!   [`TrueScattering`], by light that goes from fibre to fibre.
-//! * [`TrueLines`]: contours, creases and borders of a posed skin as edges of its mesh, hidden parts removed by rays: what ink lines should be.
-//! * [`TrueGuide`]: hair on guides that swings, by its equations and steps as short as it takes: what Verlet and its lengths should come to.
+//! * [`compare`], [`likeness`]: how far a picture is from its truth. [`decide`]: the search for a setting within limits.
+//! * [`doctor`]: the cost of a package, and advice.
+//!
+//! The laboratory (`bake/lab`) has further truths that only charts need.
 //!
 //! They share with the fast paths the strands, the layers and the mesh that both read, and what `pelage_formats::meaning` says of them: where a
 //! posed vertex stands, and a point of its hair. Else they share no code: an error that both had would not show.
@@ -15,13 +13,8 @@
 mod camera;
 mod capsules;
 pub mod compare;
-pub mod compare_lines;
-pub mod compare_motion;
 pub mod decide;
-mod disc_light;
 pub mod doctor;
-mod hair_motion;
-mod ink_lines;
 mod lighting;
 pub mod likeness;
 mod part_file;
@@ -31,14 +24,9 @@ mod scattering;
 mod sight;
 mod sky;
 mod strand_light;
-mod strands;
 mod tracer;
-mod volume;
 
-pub use camera::{Lens, TrueCamera, Ways};
-pub use disc_light::{DiscLight, Occluder};
-pub use hair_motion::{Followed, SkinMotion, TrueGuide, TrueSwing};
-pub use ink_lines::{ContourForm, LineKind, LineParams, LineSegment, TrueLines, VisibleLines};
+pub use camera::{Lens, RayCaster, TrueCamera, Ways};
 pub use lighting::{TrueLight, TrueLighting};
 pub use part_file::{OfPicture, TracedPart};
 pub use picture::{Part, Portion, Rays, Square, TracedPicture, TrueScene};
@@ -46,15 +34,14 @@ pub use scattering::TrueScattering;
 pub use sight::{Look, SeenPoint, Sight};
 pub use sky::TrueSky;
 pub use strand_light::SeenStrand;
-pub use strands::StrandField;
-pub use volume::SampledVolume;
 
 use glam::DVec2;
 use pelage_bake::noise::{hash, uniform};
+use std::f64::consts::FRAC_PI_4;
 
 /// `samples` points of the unit square, rounded up to a square number: one anywhere in each cell of a square grid. The same for the same
 /// `seed`.
-fn stratified(seed: u64, samples: u32) -> impl ExactSizeIterator<Item = DVec2> {
+pub fn stratified(seed: u64, samples: u32) -> impl ExactSizeIterator<Item = DVec2> {
     let side = samples_per_side(samples);
     (0..side * side).map(move |i| {
         let jitter = [2 * u64::from(i), 2 * u64::from(i) + 1].map(|n| f64::from(uniform(seed, n)));
@@ -67,8 +54,19 @@ fn samples_per_side(samples: u32) -> u32 {
     (f64::from(samples).sqrt().ceil() as u32).clamp(1, 1 << 12)
 }
 
+/// The unit square onto the unit disc, keeping areas and neighbours (Shirley and Chiu 1997).
+pub fn disc(square: DVec2) -> DVec2 {
+    let p = 2.0 * square - 1.0;
+    if p == DVec2::ZERO {
+        return p;
+    }
+    let (radius, angle) =
+        if p.x.abs() > p.y.abs() { (p.x, FRAC_PI_4 * p.y / p.x) } else { (p.y, FRAC_PI_4 * (2.0 - p.x / p.y)) };
+    radius * DVec2::from_angle(angle)
+}
+
 /// A seed for a place, so that neighbouring places do not share their jitter: shared jitter is a pattern, and no noise.
-fn seed_of(place: &[f64]) -> u64 {
+pub fn seed_of(place: &[f64]) -> u64 {
     place.iter().fold(0x5eed, |seed, x| hash(seed, x.to_bits()))
 }
 

@@ -10,7 +10,7 @@
 //!
 //! **Bare skin** follows Lambert's law with the same constants, so that it is as bright as the fur beside it: ka · C + kd · C · max(N·L, 0) · V.
 
-use super::disc_light::disc;
+use super::disc;
 use super::scattering::TrueScattering;
 use super::sky::TrueSky;
 use super::tracer::{Hit, Start, Tracer};

@@ -50,7 +50,7 @@ impl Sight {
     }
 
     /// Half the diagonal of the box about the skin, metres; 1 where that is nothing.
-    pub(super) fn radius_m(&self) -> f64 {
+    pub fn radius_m(&self) -> f64 {
         self.tracer.radius()
     }
 }
@@ -89,11 +89,12 @@ impl Look<'_> {
     }
 
     /// Unit direction of the look at a point.
-    pub(super) fn way_to(&self, point_ws: DVec3) -> DVec3 {
+    pub fn way_to(&self, point_ws: DVec3) -> DVec3 {
         self.rays.ray_to(point_ws).1
     }
 
-    pub(super) fn rays(&self) -> &RayCaster {
+    /// The rays of this look.
+    pub fn rays(&self) -> &RayCaster {
         &self.rays
     }
 }

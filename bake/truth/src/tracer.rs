@@ -50,7 +50,7 @@ pub(super) struct Tracer {
 }
 
 impl Tracer {
-    pub(super) fn new(curves: Curves, skin: Skin) -> Result<Self, BakeError> {
+    pub fn new(curves: Curves, skin: Skin) -> Result<Self, BakeError> {
         let places = || {
             let hair = curves.points.iter().map(|p| (p.position_ws.as_dvec3(), f64::from(p.radius_m)));
             hair.chain(skin.vertices.iter().map(|v| (v.position_ws, 0.0)))
@@ -97,12 +97,12 @@ impl Tracer {
     }
 
     /// Half the diagonal of the box about all there is, metres; 1 where that is nothing.
-    pub(super) fn radius(&self) -> f64 {
+    pub fn radius(&self) -> f64 {
         self.radius
     }
 
     /// Bytes in memory for each strand: points, pieces and tree.
-    pub(super) fn bytes_per_strand(&self) -> f64 {
+    pub fn bytes_per_strand(&self) -> f64 {
         let tree = self.hair.as_ref().map_or(0, |t| size_of_val(&t.nodes[..]) + size_of_val(&t.primitive_indices[..]));
         let bytes = tree
             + size_of_val(&self.capsules[..])
@@ -113,12 +113,12 @@ impl Tracer {
     }
 
     /// What a ray from the eye meets first, and its distance in metres. `way` is of unit length.
-    pub(super) fn first(&self, origin_ws: DVec3, way: DVec3) -> Option<(Hit, f64)> {
+    pub fn first(&self, origin_ws: DVec3, way: DVec3) -> Option<(Hit, f64)> {
         self.first_from(origin_ws, way, Start::default())
     }
 
     /// The same of a ray that goes on from `start`, which it does not meet again.
-    pub(super) fn first_from(&self, origin_ws: DVec3, way: DVec3, start: Start) -> Option<(Hit, f64)> {
+    pub fn first_from(&self, origin_ws: DVec3, way: DVec3, start: Start) -> Option<(Hit, f64)> {
         let (mut origin, skipped) = self.enter_scene(origin_ws, way)?;
         if start.triangle.is_some() {
             origin += way * LIFT;
@@ -165,7 +165,7 @@ impl Tracer {
     ///
     /// Skin hides from both sides. A strand does not hide the light from itself: for a thin hair, how much light its round meets is what the
     /// lighting equation's sine says, and the half of it that the eye does not see counts as well.
-    pub(super) fn is_lit(&self, origin_ws: DVec3, way: DVec3, reach_m: f64, start: Start, past: (bool, bool)) -> bool {
+    pub fn is_lit(&self, origin_ws: DVec3, way: DVec3, reach_m: f64, start: Start, past: (bool, bool)) -> bool {
         let (past_hair, past_skin) = past;
         let mut origin = (origin_ws - self.center) / self.radius;
         if start.triangle.is_some() {

@@ -1,12 +1,12 @@
 //! Topic `ink`: lines found in a picture of normals against the lines of the mesh, by threshold, width, size and rule, and what they cost.
 //!
-//! The truth is `pelage_truth::TrueLines`. Precision, recall and their harmonic mean say whether lines are where they should be, the widest stroke
+//! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean say whether lines are where they should be, the widest stroke
 //! whether they stay lines (Fang 2006, Fig. 3: the sphere map alone blackens what is seen edge on), flicker whether wash and lines stay where they are on the
 //! model while the camera goes slowly round. Width and flicker are those on blank paper ([`on_blank_paper`]).
 
 use super::{Cell, Panel};
+use crate::compare_lines::LineMeasures;
 use pelage_runtime::{Anchoring, FeatureRule, InkParams, LineWidth, SphereMapForm, Study};
-use pelage_truth::compare_lines::LineMeasures;
 
 /// A way to draw lines.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,6 +9,7 @@ use super::hair_texels::{HairTexel, hair_texels};
 use super::light_maps::LightMaps;
 use super::self_shadow_forms::Form;
 use super::{Cell, Panel};
+use crate::truth::{SampledVolume, StrandField};
 use glam::{DVec3, Vec2, Vec3, Vec4, vec2, vec3};
 use pelage_bake::pipeline;
 use pelage_bake::pipeline::Told;
@@ -25,7 +26,6 @@ use pelage_import::mesh::{Material, Mesh, MeshPart, Model};
 use pelage_runtime::shared::layer_shadow::{layer_transmittance, slanted_path};
 use pelage_runtime::shared::visibility::visibility_towards;
 use pelage_runtime::{ShadowParams, SlantForm};
-use pelage_truth::{SampledVolume, StrandField};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -7,6 +7,7 @@ use super::errors::Errors;
 use super::light_maps::LightMaps;
 use super::{Cell, Panel};
 use crate::stability::soft_shadow::printed_attenuation;
+use crate::truth::{DiscLight, Occluder};
 use glam::{Vec3, Vec4};
 use pelage_bake::noise::uniform;
 use pelage_import::BakeError;
@@ -14,7 +15,6 @@ use pelage_import::mesh::{Model, RestPose};
 use pelage_runtime::shared::layer_shadow::slanted_path;
 use pelage_runtime::shared::soft_shadow::{depth_bias, inner_attenuation};
 use pelage_runtime::{PenumbraForm, ShadowParams, Study};
-use pelage_truth::{DiscLight, Occluder};
 use rayon::prelude::*;
 
 /// Points on the skin; those that face away from a light are left out under it.

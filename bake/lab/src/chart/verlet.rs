@@ -7,10 +7,10 @@
 
 use super::{Cell, Panel};
 use crate::stability::hair_motion::{Printed, PrintedStep, sweep};
+use crate::truth::{Followed, TrueGuide};
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 use pelage_formats::GroupMotion;
 use pelage_formats::meaning::hair_motion::{Frame, GRAVITY, Groomed, Pearl, Rooted, Solver, Springs, Wind, ballast};
-use pelage_truth::{Followed, TrueGuide};
 use std::f64::consts::TAU;
 
 /// Points of the guides.

@@ -4,6 +4,9 @@ use super::driver::{Plan, PlannedRow, Topic, once};
 use super::greys::greys;
 use super::subject::Subject;
 use crate::chart::{Cell, ink};
+use crate::compare_lines::measure_lines;
+use crate::compare_motion::{Flicker, Moment, flicker};
+use crate::truth::{LineParams, TrueLines};
 use glam::Vec3;
 use image::RgbaImage;
 use pelage_bake::mask::Mask;
@@ -16,9 +19,6 @@ use pelage_tool::shell_judge::Source;
 use pelage_tool::staged::{pixels, stage_of};
 use pelage_tool::truth::true_camera;
 use pelage_tool::view::View;
-use pelage_truth::compare_lines::measure_lines;
-use pelage_truth::compare_motion::{Flicker, Moment, flicker};
-use pelage_truth::{LineParams, TrueLines};
 
 /// Frames of the slow turn whose flicker is taken, and the degrees between them.
 const TURN: (u32, f32) = (4, 1.0);

@@ -5,6 +5,7 @@ use super::greys::greys;
 use super::subject::Subject;
 use crate::chart::Cell;
 use crate::chart::strands::{COLUMNS, Configuration, Found, Seen, Size, Way, cells, configurations, panels};
+use crate::compare_motion::{Moment, flicker};
 use pelage_bake::mask::Mask;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
@@ -22,7 +23,6 @@ use pelage_tool::truth::{Truth, true_camera};
 use pelage_tool::view::View;
 use pelage_truth::Sight;
 use pelage_truth::compare::{CompareParams, compare_pictures};
-use pelage_truth::compare_motion::{Moment, flicker};
 use std::time::Instant;
 
 /// Turns in which the ways of a group are timed, and frames of each in a turn: of all the fastest counts, because what else the machine does only adds.

@@ -5,9 +5,9 @@ use crate::chart::Cell;
 use crate::chart::verlet::{
     COLUMNS, Configuration, Form, Guide, Off, PANELS, POINTS, SECONDS, Scene, cells, configurations,
 };
+use crate::truth::Followed;
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use pelage_truth::Followed;
 use std::hint::black_box;
 use std::time::Instant;
 

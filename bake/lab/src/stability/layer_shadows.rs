@@ -3,6 +3,7 @@
 
 use super::measures::{grow, mean, natural_hair, opacity, slice};
 use super::row::{Finding, Row};
+use crate::truth::SampledVolume;
 use glam::DVec3;
 use pelage_bake::recipe::HairParams;
 use pelage_bake::stages::textures::ShellSet;
@@ -10,7 +11,6 @@ use pelage_formats::Shading;
 use pelage_import::BakeError;
 use pelage_runtime::shared::kajiya_kay::back_attenuation;
 use pelage_runtime::shared::layer_shadow::{layer_transmittance, slanted_path};
-use pelage_truth::SampledVolume;
 
 /// The row of the table.
 pub const ROW: Row = Row {

@@ -4,14 +4,13 @@
 //! penumbra over the distance between what throws the shadow and what it falls on. The light of a disc that is seen under the angle ρ, from its
 //! middle to its rim, has penumbrae of the width 2 · tan ρ at distance 1. It is 1/C_scale of Kirsch and Döllner 2003 and Yang 2006.
 
-use super::{seed_of, stratified};
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use pelage_import::BakeError;
-use std::f64::consts::FRAC_PI_4;
+use pelage_truth::{disc, seed_of, stratified};
 use std::time::Duration;
 
 /// How far above the skin rays start, radii of the mesh: a hundred times the rounding of f32 coordinates.
@@ -113,17 +112,6 @@ impl Occluder {
         let ray = Ray::new(origin.as_vec3a(), way.as_vec3a(), 0.0, reach as f32);
         tree.ray_traverse_miss(ray, |ray, id| self.triangles[id].intersect(ray))
     }
-}
-
-/// The unit square onto the unit disc, keeping areas and neighbours (Shirley and Chiu 1997).
-pub(super) fn disc(square: DVec2) -> DVec2 {
-    let p = 2.0 * square - 1.0;
-    if p == DVec2::ZERO {
-        return p;
-    }
-    let (radius, angle) =
-        if p.x.abs() > p.y.abs() { (p.x, FRAC_PI_4 * p.y / p.x) } else { (p.y, FRAC_PI_4 * (2.0 - p.x / p.y)) };
-    radius * DVec2::from_angle(angle)
 }
 
 #[cfg(test)]

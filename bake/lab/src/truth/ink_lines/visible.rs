@@ -1,8 +1,8 @@
 //! What is seen of a line: samples along it in the picture, each asked for by a ray.
 
 use super::line::{LineKind, LineSegment};
-use crate::sight::Look;
 use glam::{DVec2, DVec3};
+use pelage_truth::Look;
 
 /// Distance between samples along a line, pixels at most.
 pub(super) const STEP_PX: f64 = 0.5;

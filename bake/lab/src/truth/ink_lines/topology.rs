@@ -2,9 +2,9 @@
 
 use super::line::{ContourForm, LineParams};
 use super::visible::{Family, Piece};
-use crate::sight::{Look, Sight};
 use glam::DVec3;
 use pelage_bake::strands::Skin;
+use pelage_truth::{Look, Sight};
 use std::collections::HashMap;
 
 /// Edges of a mesh whose vertices at one place are one.

@@ -20,11 +20,10 @@ mod smooth;
 mod topology;
 mod visible;
 
-use super::camera::TrueCamera;
-use super::sight::Sight;
 use pelage_bake::mask::Mask;
 use pelage_bake::strands::Skin;
 use pelage_import::BakeError;
+use pelage_truth::{Sight, TrueCamera};
 use rayon::prelude::*;
 use topology::Topology;
 

@@ -1,7 +1,7 @@
 //! Contours of the smooth surface that a mesh stands for: the zeros of N·E with interpolated normals (Hertzmann and Zorin 2000, §4).
 
 use super::visible::{Family, Piece};
-use crate::sight::{Look, Sight};
+use pelage_truth::{Look, Sight};
 
 /// The zeros of N·E in all triangles, hidden or not.
 pub(super) fn contours(sight: &Sight, look: &Look<'_>) -> Vec<Piece> {

@@ -1,9 +1,9 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
-use crate::Lens;
 use glam::DVec2;
 use glam::{DVec3, Vec3};
 use pelage_bake::strands::{SkinMaterial, SkinPoint};
+use pelage_truth::Lens;
 
 /// A skin of one material; normals point away from the origin.
 fn skin(positions: &[DVec3], triangles: &[[u32; 3]], double_sided: bool) -> Skin {

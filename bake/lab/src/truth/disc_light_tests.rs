@@ -1,6 +1,6 @@
 use super::*;
+use crate::stability::surface::sphere;
 use glam::vec3;
-use pelage_lab::stability::surface::sphere;
 
 /// A floor at y = 0 of 20 m, and above it at `height` half a plane: everything with x < 0.
 fn floor_and_half_plane(height: f32) -> Occluder {
@@ -94,7 +94,7 @@ fn a_sphere_is_lit_on_one_side() {
 
 #[test]
 fn the_disc_is_covered_evenly() {
-    let points: Vec<DVec2> = stratified(3, 10_000).map(disc).collect();
+    let points: Vec<glam::DVec2> = stratified(3, 10_000).map(disc).collect();
     assert!(points.iter().all(|p| p.length() <= 1.0));
     for radius in [0.25, 0.5, 0.75] {
         let inside = points.iter().filter(|p| p.length() < radius).count() as f64 / 1e4;

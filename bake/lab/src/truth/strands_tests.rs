@@ -1,8 +1,8 @@
 use super::*;
-use crate::SampledVolume;
+use crate::stability::{grow, slice};
+use crate::truth::SampledVolume;
 use glam::{Vec3, vec3};
 use pelage_bake::recipe::natural;
-use pelage_lab::stability::{grow, slice};
 
 /// Straight strands of even radius between pairs of points.
 fn strands(lines: &[[Vec3; 2]], radius: f32, height: f32) -> Strands {

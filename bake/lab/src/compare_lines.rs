@@ -4,7 +4,7 @@
 //! within some pixels, middle to middle, by the exact distance. A drawn line counts by the pixel in its middle: hand in where features were found,
 //! if that is known, else [`Mask::core`] of the ink. Without that, a stroke that is meant to be wide would be wrong by its width.
 
-use crate::{LineKind, VisibleLines};
+use crate::truth::{LineKind, VisibleLines};
 use pelage_bake::mask::{Mask, Stroke};
 use pelage_import::BakeError;
 
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn kinds_are_told_apart() {
-        use crate::LineSegment;
+        use crate::truth::LineSegment;
         use glam::DVec2;
         let upright_at = |x: f64, kind| LineSegment { from_px: DVec2::new(x, 0.5), to_px: DVec2::new(x, 29.5), kind };
         let segments = vec![upright_at(10.5, LineKind::Silhouette), upright_at(30.5, LineKind::Crease)];

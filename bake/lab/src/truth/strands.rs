@@ -13,7 +13,6 @@
 //! A grid over the tile would do as well as bounding volumes while hair stands up evenly. Combed flat or gathered in locks it does not: then one
 //! cell holds most of the segments, and the tree stays as fast as it is.
 
-use super::{seed_of, stratified};
 use glam::{DVec2, DVec3};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
@@ -21,6 +20,7 @@ use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 use pelage_bake::stages::hair::Strands;
 use pelage_import::BakeError;
+use pelage_truth::{seed_of, stratified};
 use std::time::Duration;
 
 /// Tiles that a ray may cross before it counts as one that never leaves.

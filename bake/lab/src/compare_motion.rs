@@ -8,10 +8,10 @@
 //! Contours move over the surface even when nothing flickers, because they depend on the view. So what is a line in both frames, and what is none in either, is
 //! told apart from where a line comes or goes; and what is compared is one way to draw against another on the same motion, not a figure against 0.
 
-use crate::{Sight, TrueCamera};
 use glam::DVec2;
 use pelage_bake::mask::Mask;
 use pelage_import::BakeError;
+use pelage_truth::{Sight, TrueCamera};
 use rayon::prelude::*;
 
 /// A frame: a picture and what it shows.

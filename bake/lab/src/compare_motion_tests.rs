@@ -1,8 +1,8 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
-use crate::Lens;
 use glam::{DVec3, Vec3, Vec4};
 use pelage_bake::strands::{Skin, SkinMaterial, SkinPoint};
+use pelage_truth::Lens;
 
 const SIZE: (u32, u32) = (60, 40);
 
