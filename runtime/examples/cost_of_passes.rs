@@ -1,7 +1,7 @@
 //! What each pass costs on this machine, beside the yardstick: the same layers with one texture read and no lighting.
 //!
 //! ```text
-//! cargo run --release --features study --example cost_of_passes -- [PACKAGE.pelage] [FRAMES]
+//! cargo run --release --example cost_of_passes -- [PACKAGE.pelage] [FRAMES]
 //! ```
 //!
 //! Without a package (or with `-`) it takes a furry sphere of about 5 000 triangles and 16 layers. Times are medians of
@@ -50,7 +50,7 @@ fn main() {
     let mut times = [const { Vec::new() }; 3];
     for frame_number in 0..=frames {
         for ((_, with_shells, yardstick), times) in variants.iter().zip(&mut times) {
-            params.study.yardstick = *yardstick;
+            params.debug.yardstick = *yardstick;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
             let mut pass = targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT));
@@ -122,9 +122,9 @@ fn count(
     let mut counts = Counts::default();
     let mut through = vec![1.0f64; SIZE.0 as usize * SIZE.1 as usize];
     // The yardstick puts out the texels of a layer as they are.
-    params.study.yardstick = true;
+    params.debug.yardstick = true;
     for layer in (1..layers).rev() {
-        params.study.only_layer = Some(layer);
+        params.debug.only_layer = Some(layer);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, params, [instance]).unwrap();
         frame.draw_pass(PassId::SKIN, &mut targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));

@@ -46,13 +46,11 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Files of which a build has one or the other: what pelage draws with, and what a study puts in its place.
-const FORMS: [[&str; 2]; 6] = [
-    [include_str!("light/forms.wgsl"), include_str!("study/forms.wgsl")],
-    [include_str!("light/deep_forms.wgsl"), include_str!("study/deep_forms.wgsl")],
-    [include_str!("ink/line_forms.wgsl"), include_str!("study/ink_line_forms.wgsl")],
-    [include_str!("ink/surface_forms.wgsl"), include_str!("study/ink_surface_forms.wgsl")],
-    ["", include_str!("study/yardstick.wgsl")],
-    ["", include_str!("study/ink_show.wgsl")],
+const FORMS: [[&str; 2]; 4] = [
+    [include_str!("light/forms.wgsl"), include_str!("study/light/forms.wgsl")],
+    [include_str!("light/deep_forms.wgsl"), include_str!("study/light/deep_forms.wgsl")],
+    [include_str!("ink/line_forms.wgsl"), include_str!("study/ink/line_forms.wgsl")],
+    [include_str!("ink/surface_forms.wgsl"), include_str!("study/ink/surface_forms.wgsl")],
 ];
 
 /// All shaders, of the passes and the application's, as this build has them and as the other one does.
@@ -63,9 +61,7 @@ fn sources() -> Vec<(String, String)> {
         let (mut without, mut with) = (wgsl.clone(), wgsl.clone());
         for [ours, studied] in FORMS {
             without = without.replace(studied, ours);
-            if !ours.is_empty() {
-                with = with.replace(ours, studied);
-            }
+            with = with.replace(ours, studied);
         }
         sources.push((name.to_string(), wgsl));
         sources.push((format!("{name}, without study"), without));
@@ -537,12 +533,13 @@ fn workgroups_agree() {
     }
 }
 
-/// The study knows pipelines by the names of their shaders: one that no pass has would be studied in silence as ours.
+/// Debug views and the study know pipelines by the names of their shaders: a name that no pass has would change nothing.
 #[test]
-fn a_study_names_shaders_that_passes_have() {
+fn amended_pipelines_name_shaders_that_passes_have() {
     let names: Vec<_> = PASSES.iter().flat_map(|pass| pass.shaders).map(|shader| shader.name).collect();
-    let study = include_str!("study/mod.rs");
-    let studied: Vec<_> = study.split('"').filter(|text| text.starts_with("pelage ")).collect();
-    assert!(studied.len() >= 8, "{studied:?}");
-    assert!(studied.iter().all(|name| names.contains(name)), "{studied:?} of {names:?}");
+    for (source, least) in [(include_str!("study/amend.rs"), 8), (include_str!("debug/mod.rs"), 6)] {
+        let amended: Vec<_> = source.split('"').filter(|text| text.starts_with("pelage ")).collect();
+        assert!(amended.len() >= least, "{amended:?}");
+        assert!(amended.iter().all(|name| names.contains(name)), "{amended:?} of {names:?}");
+    }
 }

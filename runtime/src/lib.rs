@@ -38,6 +38,7 @@
 
 mod bounds;
 mod camera;
+mod debug;
 mod error;
 mod frame;
 mod gpu;
@@ -55,7 +56,6 @@ mod renderer;
 mod report;
 mod scene;
 pub mod shared;
-#[cfg_attr(not(feature = "study"), path = "study/off.rs")]
 mod study;
 mod surface;
 mod swing;
@@ -85,12 +85,11 @@ pub use instance::{Instance, Motion};
 pub use light::{CasterPass, Casters, LightView, ShadowMaps};
 pub use model::Model;
 #[cfg(feature = "study")]
+pub use params::{Anchoring, FeatureRule, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use params::{
-    Anchoring, FeatureRule, FurShow, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
-};
-pub use params::{
-    Detail, FrameParams, FurParams, Hair, HairMotionParams, InkBackground, InkParams, LineWidth, MAX_FILL_LIGHTS,
-    RendererOptions, Scattering, SelfShadow, ShadowParams, StrandEdges, Style, StyleKind, Wind,
+    DebugView, Detail, FrameParams, FurParams, FurShow, Hair, HairMotionParams, InkBackground, InkParams, InkShow,
+    LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering, SelfShadow, ShadowParams, StrandEdges, Style, StyleKind,
+    Wind,
 };
 pub use passes::{PassId, PassPlace};
 pub use renderer::Renderer;

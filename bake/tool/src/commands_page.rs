@@ -2,6 +2,7 @@
 //! It is a hidden subcommand, because only the binary has these.
 
 use super::exit::{Exit, Failure};
+use super::look_args::LABORATORY;
 use super::output::Output;
 use crate::ResultSchema;
 use clap::{Arg, ArgAction, Command};
@@ -86,9 +87,13 @@ fn section(command: &Command, above: &str) -> String {
     text
 }
 
-/// Not one that clap adds to every command.
+/// Whether it is neither one that clap adds to every command nor one of the laboratory.
 fn is_ours(arg: &Arg) -> bool {
-    !matches!(arg.get_action(), ArgAction::Help | ArgAction::HelpLong | ArgAction::HelpShort | ArgAction::Version)
+    arg.get_help_heading() != Some(LABORATORY)
+        && !matches!(
+            arg.get_action(),
+            ArgAction::Help | ArgAction::HelpLong | ArgAction::HelpShort | ArgAction::Version
+        )
 }
 
 /// How the command is called: what must be said, and that more can be.

@@ -73,6 +73,9 @@ fn is_assignment(word: &str) -> bool {
     key.is_some_and(|key| key.chars().all(|c| c.is_ascii_alphanumeric() || c == '.' || c == '_'))
 }
 
+/// Heading of the flags that only the laboratory's build has.
+pub const LABORATORY: &str = "Laboratory";
+
 /// An argument for a short form, with meaning, range and default of its knob.
 fn argument(short: &'static ShortForm) -> Arg {
     let arg = Arg::new(short.flag)
@@ -80,7 +83,12 @@ fn argument(short: &'static ShortForm) -> Arg {
         .value_name(short.value_name)
         .allow_hyphen_values(true)
         .action(if short.repeats { ArgAction::Append } else { ArgAction::Set });
-    let arg = if short.key.starts_with("ink.") { arg.help_heading("Ink style") } else { arg };
+    let arg = match short.key.split_once('.') {
+        Some(("ink", _)) => arg.help_heading("Ink style"),
+        // A build without printed forms reads their flags to say where they are.
+        Some(("study", _)) => arg.help_heading(LABORATORY).hide(short.knob().is_none()),
+        _ => arg,
+    };
     let arg = if short.flag == "light" { arg.conflicts_with("point-light") } else { arg };
     arg.help(help(short)).value_parser(parser(short))
 }

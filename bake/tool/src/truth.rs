@@ -165,22 +165,24 @@ fn lighting(view: &View) -> TrueLighting {
     let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
     let strength = Vec3::splat(look.key_strength());
     let (sky, sun) = view.sky.as_ref().map(|sky| sky.truth()).unzip();
+    let key = match (look.key_light(), sun.flatten().filter(|_| look.light.strength.is_none())) {
+        (_, Some(sun)) => distant(sun.towards.into(), sun.color.into()),
+        (KeyLight::Distant(towards), None) => distant(towards, strength),
+        (KeyLight::Nearby(position_ws), None) => TrueLight::Point { position_ws, color: strength },
+    };
+    let [ambient_attenuation, back_attenuation] = look.attenuations();
     TrueLighting {
-        key: match (look.key_light(), sun.flatten().filter(|_| look.light.strength.is_none())) {
-            (_, Some(sun)) => distant(sun.towards.into(), sun.color.into()),
-            (KeyLight::Distant(towards), None) => distant(towards, strength),
-            (KeyLight::Nearby(position_ws), None) => TrueLight::Point { position_ws, color: strength },
-        },
         penumbra: f64::from(look.shadow.penumbra),
         fill: look.fill_lights().map(|(towards, strength)| distant(towards, Vec3::splat(strength))).collect(),
-        ambient_attenuation: look.fur.ambient_attenuation,
-        back_attenuation: look.fur.back_attenuation,
+        ambient_attenuation,
+        back_attenuation,
         hair_shadows: look.shadow.self_shadow != LookSelfShadow::Off,
         fill_shadows: matches!(look.shadow.self_shadow, LookSelfShadow::Auto | LookSelfShadow::Baked),
         skin_shadows: look.shadow.soft_shadow,
         rolled_off: look.picture.style == LookStyle::Bare,
         scattering: None,
         sky,
+        key,
     }
 }
 

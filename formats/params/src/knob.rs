@@ -9,7 +9,7 @@ use crate::raw::Raw;
 pub struct Knob {
     /// `table.key`.
     pub name: &'static str,
-    /// What its key was called in earlier files, which are still read.
+    /// Its key in earlier files, which are still read; `table.key` where the table was another.
     pub was: &'static [&'static str],
     /// What it means, with unit and what the ends of the range do.
     pub doc: &'static str,
@@ -32,9 +32,11 @@ impl Knob {
         self.name.split_once('.').map_or(self.name, |(_, key)| key)
     }
 
-    /// Whether `key` is its key, or was.
-    pub(crate) fn answers_to(&self, key: &str) -> bool {
-        self.key() == key || self.was.contains(&key)
+    /// Whether `table.key` names it, or did in earlier files.
+    pub(crate) fn answers_to(&self, table: &str, key: &str) -> bool {
+        let is_here = self.table() == table;
+        let was = |old: &&str| (is_here && *old == key) || old.split_once('.') == Some((table, key));
+        (is_here && self.key() == key) || self.was.iter().any(was)
     }
 
     /// Its value in `set` as TOML, or `None` where it is left out, or the set has no such knob.
@@ -88,6 +90,12 @@ pub trait Tables: Default {
 
     /// The tables, to be changed, in the same order.
     fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
+
+    /// Reason why a table or `table.key` is unknown here and would be known to another build;
+    /// `None` (default) for a mistake.
+    fn elsewhere(_name: &str) -> Option<String> {
+        None
+    }
 }
 
 /// Every knob of a set in order.
@@ -98,7 +106,7 @@ pub fn knobs<S: Tables>() -> impl Iterator<Item = &'static Knob> {
 /// The knob of that name, `table.key`, whether it is called so or was.
 pub(crate) fn knob_named<S: Tables>(name: &str) -> Option<&'static Knob> {
     let (table, key) = name.split_once('.')?;
-    knobs::<S>().find(|knob| knob.table() == table && knob.answers_to(key))
+    knobs::<S>().find(|knob| knob.answers_to(table, key))
 }
 
 /// Checks every value of a set against its range.

@@ -66,7 +66,8 @@ macro_rules! words {
 /// A field reads `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was "name";`, where everything after the default may be left
 /// out. Without a range the type's values are all allowed. `Checked` is the wrapper whose [`Field`](crate::Field) does the checking where
 /// the type alone does not say enough. `"word"` is what the type's own default is called, so that an `Option` can be emptied again. To set
-/// the field empties `other`: of two ways to say the same, the later one counts. `was` is the key of earlier files, which is still read.
+/// the field empties `other`: of two ways to say the same, the later one counts. `was` is the key of earlier files, which
+/// is still read; with its table where that was another.
 #[macro_export]
 macro_rules! params {
     (
@@ -190,32 +191,37 @@ macro_rules! params {
 }
 
 /// Puts tables together to what stands in one file: the struct, a field a table, and its [`Tables`](crate::Tables). `such as` gives messages an example of
-/// `key=value`.
+/// `key=value`; `elsewhere` names the function [`Tables::elsewhere`](crate::Tables::elsewhere). A table may have one `#[cfg]`.
 #[macro_export]
 macro_rules! tables {
     (
         $(#[$meta:meta])*
-        pub struct $name:ident, such as $example:literal {
-            $($(#[$table_meta:meta])+ $table:ident: $ty:ty,)+
+        pub struct $name:ident, such as $example:literal $(, elsewhere $elsewhere:path)? {
+            $($(#[doc = $doc:literal])+ $(#[cfg($cfg:meta)])? $table:ident: $ty:ty,)+
         }
     ) => {
         $(#[$meta])*
         #[derive(Clone, Debug, Default, PartialEq)]
-        pub struct $name { $($(#[$table_meta])+ pub $table: $ty,)+ }
+        pub struct $name { $($(#[doc = $doc])+ $(#[cfg($cfg)])? pub $table: $ty,)+ }
 
-        $(const _: () = assert!($crate::same(<$ty>::TABLE.name, stringify!($table)), "a table's name is that of its field");)+
+        $($(#[cfg($cfg)])? const _: () = assert!($crate::same(<$ty>::TABLE.name, stringify!($table)), "a table's name is that of its field");)+
 
         impl $crate::Tables for $name {
-            const TABLES: &'static [$crate::TableInfo] = &[$(<$ty>::TABLE),+];
+            const TABLES: &'static [$crate::TableInfo] = &[$($(#[cfg($cfg)])? <$ty>::TABLE),+];
             const EXAMPLE: &'static str = $example;
 
             fn tables(&self) -> Vec<&dyn $crate::Table> {
-                vec![$(&self.$table),+]
+                [$($(#[cfg($cfg)])? (&self.$table as &dyn $crate::Table)),+].into()
             }
 
             fn tables_mut(&mut self) -> Vec<&mut dyn $crate::Table> {
-                vec![$(&mut self.$table),+]
+                [$($(#[cfg($cfg)])? (&mut self.$table as &mut dyn $crate::Table)),+].into()
             }
+            $(
+                fn elsewhere(name: &str) -> Option<String> {
+                    $elsewhere(name)
+                }
+            )?
         }
     };
 }

@@ -38,7 +38,7 @@ params! {
         /// Where it is, metres.
         position_m: Option<[f32; 3]> = None, in -1e6..=1e6;
         /// How strong it is.
-        strength: f32 = 1.0, in 0.001..=10.0;
+        strength: f32 = 1.0, in 0.001..=10.0, was "picture.exposure";
         /// Its colour.
         color: SrgbColor = SrgbColor::hex(0xff_00_00);
         /// Who sees it.
@@ -169,6 +169,8 @@ fn what_was_called_otherwise_is_still_read_and_written_anew() {
     let text = to_toml(&look);
     assert!(text.contains("enabled = false\n") && text.contains("drawn = \"sparse\"\n"), "{text}");
     assert_eq!(after(&["picture.visible=off", "picture.drawn=thin"]), look);
+    // A key that has moved to another table.
+    assert_eq!(after(&["picture.exposure=2"]), after(&["light.strength=2"]));
     let error = set(&mut look, "picture.visible=2").unwrap_err().to_string();
     assert_eq!(error, "picture.visible: found 2, expected true or false");
 }

@@ -1,7 +1,7 @@
 //! Reading, setting and writing sets of tables.
 
 use crate::error::ParamError;
-use crate::knob::{Knob, Table, Tables, knob_named, knobs};
+use crate::knob::{Knob, Tables, knob_named, knobs};
 use crate::nearest::nearest;
 use crate::raw::Raw;
 use toml::Spanned;
@@ -84,15 +84,10 @@ fn no_table<S: Tables>(name: &str, found: &Raw) -> ParamError {
 fn read_key<S: Tables>(set: &mut S, table: &str, key: &str, raw: &Raw) -> Result<(), ParamError> {
     let name = format!("{table}.{key}");
     let fail = |reason: String| ParamError { line: None, key: name.clone(), reason };
-    match (knob_named::<S>(&name), table_mut(set, table)) {
-        (Some(knob), Some(values)) => values.read(knob.key(), raw).map_err(fail),
-        _ => Err(fail(unknown_key::<S>(&name))),
-    }
-}
-
-fn table_mut<'a, S: Tables>(set: &'a mut S, name: &str) -> Option<&'a mut dyn Table> {
-    let at = S::TABLES.iter().position(|table| table.name == name)?;
-    set.tables_mut().into_iter().nth(at)
+    let knob = knob_named::<S>(&name).ok_or_else(|| fail(unknown_key::<S>(&name)))?;
+    let at = S::TABLES.iter().position(|table| table.name == knob.table());
+    let values = at.and_then(|at| set.tables_mut().into_iter().nth(at));
+    values.map_or(Ok(()), |values| values.read(knob.key(), raw)).map_err(fail)
 }
 
 /// Sets one value, as in `hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`.
@@ -162,6 +157,9 @@ fn write<S: Tables>(set: &S, comment: impl Fn(&Knob, Option<&str>) -> String) ->
 }
 
 fn unknown_table<S: Tables>(name: &str) -> String {
+    if let Some(reason) = S::elsewhere(name) {
+        return reason;
+    }
     let all: Vec<_> = S::TABLES.iter().map(|table| table.name).collect();
     match nearest(name, all.iter().copied()) {
         Some(near) => format!("unknown table; did you mean [{near}]? Tables: {}", all.join(", ")),
@@ -170,6 +168,9 @@ fn unknown_table<S: Tables>(name: &str) -> String {
 }
 
 fn unknown_key<S: Tables>(name: &str) -> String {
+    if let Some(reason) = S::elsewhere(name) {
+        return reason;
+    }
     let (table, key) = name.split_once('.').unwrap_or(("", name));
     // A key without its unit is looked for first, then one under the wrong table.
     let whole = knobs::<S>().find(|k| k.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('_')));

@@ -79,7 +79,7 @@ impl Drawing {
         let detail = params.style.fur().map_or(1.0, |fur| bias(fur.detail));
         let most_pieces = crate::study::strand_pieces(params);
         let drawing = Self { px_per_m: px_per_m * detail, most_pieces, ..Self::layered(instance, px_per_m, params) };
-        let Some(fur) = params.style.fur().filter(|_| crate::study::only_layer(params).is_none()) else {
+        let Some(fur) = params.style.fur().filter(|_| params.debug.only_layer.is_none()) else {
             return drawing;
         };
         let Some(strands) = instance.model.coat_strands().filter(|_| drawing.has_shells()) else { return drawing };
@@ -139,7 +139,7 @@ impl Drawing {
         let manifest = instance.model.manifest();
         let high_px = if px_per_m.is_finite() { manifest.fur.height_m * px_per_m } else { f32::INFINITY };
         let texel_level = texel_level(&manifest.fur, high_px);
-        let fur = params.style.fur().filter(|_| crate::study::only_layer(params).is_none());
+        let fur = params.style.fur().filter(|_| params.debug.only_layer.is_none());
         let Some(FurParams { layers: None, detail, .. }) = fur.filter(|_| !manifest.detail.is_empty()) else {
             return Self { texel_level, ..Self::at(manifest, params, 0, 0.0) }.with_list(&instance.model, 0);
         };

@@ -16,11 +16,6 @@ fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
     return mirrored(light, half);
 }
 
-// What a fragment shows of its geometry (0 skin, 1 far coat, 2 shells, 3 fins), or on the way from it to the next: its light.
-fn shown(color: vec4<f32>, geometry: u32, share: f32) -> vec4<f32> {
-    return color;
-}
-
 // What a hair sends of the key light.
 fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec2<f32> {
     return fibre(direction, light, half, wetness);

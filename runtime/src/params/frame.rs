@@ -1,5 +1,6 @@
 //! What is set per frame.
 
+use super::debug::DebugView;
 use super::fur::{FurParams, SelfShadow};
 use super::hair_motion::HairMotionParams;
 use super::ink::InkParams;
@@ -44,7 +45,9 @@ pub struct FrameParams {
     pub style: Style,
     /// Constants of the lighting equation instead of the package's own (default `None`).
     pub shading: Option<Shading>,
-    /// The papers' printed forms, and what is measured (default: ours, and nothing).
+    /// What is shown instead of the picture (default: nothing).
+    pub debug: DebugView,
+    /// Forms as the papers print them (default: those that pelage draws with).
     #[cfg(feature = "study")]
     pub study: Study,
 }
@@ -65,6 +68,7 @@ impl FrameParams {
             shadows: ShadowParams::default(),
             style: Style::default(),
             shading: None,
+            debug: DebugView::default(),
             #[cfg(feature = "study")]
             study: Study::default(),
         }

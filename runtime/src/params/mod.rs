@@ -1,5 +1,6 @@
 //! What is set once and what is set per frame: plain data.
 
+mod debug;
 mod detail;
 mod frame;
 mod fur;
@@ -11,6 +12,7 @@ mod shadows;
 mod study;
 mod style;
 
+pub use debug::{DebugView, FurShow, InkShow};
 pub use detail::Detail;
 pub(crate) use frame::check_shading;
 pub use frame::{FrameParams, MAX_FILL_LIGHTS};
@@ -20,7 +22,5 @@ pub use ink::{InkBackground, InkParams, LineWidth};
 pub use renderer::RendererOptions;
 pub use shadows::ShadowParams;
 #[cfg(feature = "study")]
-pub use study::{
-    Anchoring, FeatureRule, FurShow, InkShow, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study,
-};
+pub use study::{Anchoring, FeatureRule, Lighting, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use style::{Style, StyleKind};

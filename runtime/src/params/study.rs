@@ -1,4 +1,4 @@
-//! What only measuring asks for.
+//! Forms as the papers print them.
 
 /// What the slant of a ray does to the opacity of a layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -76,33 +76,7 @@ pub enum Anchoring {
     Screen,
 }
 
-/// What an ink frame shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum InkShow {
-    /// The painting.
-    #[default]
-    Painting,
-    /// Its lines, black on white.
-    Lines,
-    /// The pixels that lines run through, black on white.
-    Features,
-    /// The wash alone.
-    Wash,
-}
-
-/// What a frame of fur shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum FurShow {
-    /// Its light.
-    #[default]
-    Picture,
-    /// Which geometry each fragment is of: skin grey, the far coat violet, shells green, fins yellow, single strands red.
-    Geometry,
-    /// How many fragments lie over each other: what blends adds up, what is opaque is one.
-    Overdraw,
-}
-
-/// What of a frame is other than pelage draws it, for charts, tests and measurements.
+/// Forms that a frame is drawn with instead of those of pelage, for charts, tests and measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Study {
@@ -126,8 +100,6 @@ pub struct Study {
     pub ambient_attenuation: bool,
     /// Whether the light ends past the terminator, Attenu_Back of Yang 2006, eq. (3) (default true).
     pub back_attenuation: bool,
-    /// What a frame of fur shows.
-    pub fur: FurShow,
     /// Which of the four neighbours must differ for a line of ink.
     pub features: FeatureRule,
     /// Whether lines of ink keep to their width (default true). Without it the sphere map alone decides, which blackens what is seen edge on.
@@ -138,42 +110,32 @@ pub struct Study {
     pub printed_lines: bool,
     /// What varies along lines and in the wash is tied to this.
     pub anchoring: Anchoring,
-    /// What of an ink painting is shown.
-    pub show: InkShow,
-    /// Draws the shells with one texture read and no lighting: what `pelage bench` measures their cost against.
-    pub yardstick: bool,
-    /// Draws this layer of the shells alone, 1.. : what counting is done with.
-    pub only_layer: Option<u32>,
 }
 
 impl Default for Study {
     fn default() -> Self {
         Self {
-            lighting: Lighting::Pixel,
-            look_slant: SlantForm::Corrected,
-            light_slant: SlantForm::Corrected,
-            penumbra: PenumbraForm::Centred,
-            opacity: OpacityForm::Deep,
+            lighting: Lighting::default(),
+            look_slant: SlantForm::default(),
+            light_slant: SlantForm::default(),
+            penumbra: PenumbraForm::default(),
+            opacity: OpacityForm::default(),
             light_on_axis: false,
             thin_texels: false,
             strand_pieces: None,
             ambient_attenuation: true,
             back_attenuation: true,
-            fur: FurShow::Picture,
-            features: FeatureRule::AnyBelow,
+            features: FeatureRule::default(),
             template: true,
-            sphere_map: SphereMapForm::Perpendicular,
+            sphere_map: SphereMapForm::default(),
             printed_lines: false,
-            anchoring: Anchoring::Surface,
-            show: InkShow::Painting,
-            yardstick: false,
-            only_layer: None,
+            anchoring: Anchoring::default(),
         }
     }
 }
 
 impl Study {
-    /// The same with changes: `Study::default().with(|s| s.yardstick = true)`.
+    /// The same with changes: `Study::default().with(|s| s.template = false)`.
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self

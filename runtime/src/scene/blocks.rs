@@ -5,6 +5,7 @@ use crate::hair::Drawing;
 use crate::instance::Instance;
 use crate::light::ShadowMaps;
 use crate::params::{FrameParams, MAX_FILL_LIGHTS};
+use crate::shared::kajiya_kay::BACK_ATTENUATION_OFF;
 use crate::shared::{detail, frame as blocks, skinning};
 use crate::study;
 use glam::{Mat3, Mat4, Vec3, Vec4};
@@ -89,8 +90,8 @@ pub(super) fn instance_block(
         diffuse: constant(shading.diffuse, if scattered { Vec3::ONE } else { params.light.color() }),
         specular_half_exponent: 0.5 * shading.specular_exponent,
         specular: constant(shading.specular, params.light.color()),
-        back_light_range: study::back_light_range(params, shading.back_light_range),
-        ambient_floor: study::ambient_floor(params, shading.ambient_floor),
+        back_light_range: if study::back_attenuation(params) { shading.back_light_range } else { BACK_ATTENUATION_OFF },
+        ambient_floor: if study::ambient_attenuation(params) { shading.ambient_floor } else { 1.0 },
         scale: linear.determinant().abs().cbrt(),
         handedness,
         layer_share: drawing.layer_share,

@@ -4,6 +4,7 @@ use super::ink::InkScene;
 use super::nearest::{Nearest, NearestLists};
 use super::ribbons::Ribbons;
 use super::seen::Seen;
+use crate::debug;
 use crate::gpu::{
     Cache, ComputeSpec, Constants, Draw, Gpu, Group, RenderSpec, Ring, Shader, Shelf, TargetSet, Uniforms, depth_state,
     faces,
@@ -12,6 +13,7 @@ use crate::light::{Casters, ShadowMaps, Skies};
 use crate::model::Part;
 use crate::motion::States;
 use crate::params::{FrameParams, RendererOptions};
+#[cfg(feature = "study")]
 use crate::study;
 use crate::surface::{STREAMS, Surfaces};
 use std::ops::Range;
@@ -60,13 +62,16 @@ pub(crate) struct Recording<'f> {
 impl Recording<'_> {
     /// The pipeline that a pass asks for.
     pub(crate) fn pipeline(&mut self, mut spec: RenderSpec) -> wgpu::RenderPipeline {
+        #[cfg(feature = "study")]
         study::amend(self.params, &mut spec);
+        debug::amend(self.params, &mut spec);
         self.cache.pipelines.render(self.gpu, spec)
     }
 
     /// The pipeline that a pass computes with.
-    pub(crate) fn compute_pipeline(&mut self, mut spec: ComputeSpec) -> wgpu::ComputePipeline {
-        study::amend_compute(self.params, &mut spec);
+    pub(crate) fn compute_pipeline(&mut self, spec: ComputeSpec) -> wgpu::ComputePipeline {
+        #[cfg(feature = "study")]
+        let spec = study::amend_compute(self.params, spec);
         self.cache.pipelines.compute(self.gpu, spec)
     }
 

@@ -14,7 +14,7 @@ macro_rules! ink_screen_wgsl {
             include_str!("../../shared/ink.wgsl"),
             include_str!("../../shared/srgb.wgsl"),
             include_str!("../../ink/screen.wgsl"),
-            $crate::study::form_wgsl!("ink lines"),
+            $crate::study::form_wgsl!("ink/line_forms.wgsl"),
             $($file,)+
         ]
     };

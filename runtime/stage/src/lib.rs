@@ -42,11 +42,13 @@ pub use framing::{Framing, Orbit};
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;
 pub use look::{
-    Background, FillLight, Interval, KeyLight, LightsRead, Look, LookAnchoring, LookDetail, LookEnvironment, LookFur,
-    LookFurShow, LookHair, LookInk, LookLight, LookLighting, LookMotion, LookPenumbra, LookPicture, LookRule,
-    LookScattering, LookSelfShadow, LookShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
-    LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyOf, SkySource,
+    Background, FillLight, Interval, KeyLight, LightsRead, Look, LookDetail, LookEnvironment, LookFur, LookFurShow,
+    LookHair, LookInk, LookLight, LookMotion, LookPicture, LookScattering, LookSelfShadow, LookShadow, LookShow,
+    LookStrandEdges, LookStyle, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyOf,
+    SkySource,
 };
+#[cfg(feature = "study")]
+pub use look::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};
 #[cfg(feature = "draw")]
 pub use meter::{Clock, FrameTimes, Meter, Spread, belongs, count_fragments, fastest, is_shadowed};
 pub use navigator::Navigator;

@@ -130,10 +130,10 @@ impl Meter {
         if stage.params.style.kind() == StyleKind::Ink {
             return Ok(times);
         }
-        stage.params.study.yardstick = true;
+        stage.params.debug.yardstick = true;
         stage.params.time_s += Self::FRAME_S;
         let yardstick = self.passes(stage);
-        stage.params.study.yardstick = false;
+        stage.params.debug.yardstick = false;
         times.yardstick = of_pass(&yardstick?, PassId::SHELLS);
         Ok(times)
     }

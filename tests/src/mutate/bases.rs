@@ -156,21 +156,15 @@ fill = [{ direction = [1, 2, 1], strength = 0.5 }, "1,2,1/0.5"]
 self_shadow = true
 soft_shadow = true
 penumbra = 0.15
-penumbra_form = "centred"
 shrink = 4
 map_texels = 16
 map_layers = 4
 density = 1.0
-slant = "corrected"
 
 [fur]
 layers = 4
 detail = "auto"
 fins = true
-lighting = "pixel"
-view_slant = "corrected"
-ambient_attenuation = true
-back_attenuation = true
 
 [ink]
 threshold = 0.64
@@ -186,12 +180,20 @@ roughness_px = 1.2
 color = "auto"
 paper_grain = 1.0
 mist_m = [10, 60]
-rule = "any"
-sphere_map = "perpendicular"
-template = true
-printed_lines = false
-anchoring = "surface"
 show = "painting"
+
+[study]
+slant = "corrected"
+view_slant = "corrected"
+penumbra_form = "centred"
+lighting = "pixel"
+ambient_attenuation = true
+back_attenuation = true
+ink_rule = "any"
+ink_sphere_map = "perpendicular"
+ink_template = true
+ink_printed_lines = false
+ink_anchoring = "surface"
 "##;
 
 /// A box with each way to write a corner, materials and an image.

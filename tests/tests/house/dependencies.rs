@@ -146,3 +146,14 @@ fn the_tool_draws_and_has_no_laboratory() {
     assert_floor("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab", "plotters"]);
     assert_floor("pelage-lab", &[], &["pelage-tool", "plotters"], &[]);
 }
+
+/// The printed forms are compiled for the laboratory alone.
+#[test]
+fn nothing_that_ships_has_the_study() {
+    for (package, expected) in
+        [("pelage-tool", false), ("pelage-viewer", false), ("pelage-web", false), ("pelage-lab", true)]
+    {
+        let features = ["--package", package, "--edges", "normal,features", "--prefix", "none", "--target", "all"];
+        assert_eq!(cargo("tree", &features).contains("feature \"study\""), expected, "{package}");
+    }
+}

@@ -9,7 +9,7 @@ const RUNTIME: [&[&str]; 14] = [
     &["error", "report", "shared", "bounds"],
     &["camera", "gpu"],
     &["params"],
-    &["study", "surface"],
+    &["debug", "study", "surface"],
     &["model", "light"],
     &["instance", "ink"],
     &["swing"],

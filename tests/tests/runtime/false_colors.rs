@@ -14,7 +14,7 @@ use pelage_tests::plane::{PlaneGroom, groomed_plane};
 fn above(show: FurShow) -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.25, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
-    FrameParams::new(camera, [128; 2]).with(|p| p.soft_shadow = false).with(|p| p.study.fur = show)
+    FrameParams::new(camera, [128; 2]).with(|p| p.soft_shadow = false).with(|p| p.debug.fur = show)
 }
 
 /// Share of the pixels whose channel `of` is 1.25 times as bright as the two others.

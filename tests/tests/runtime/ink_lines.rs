@@ -112,17 +112,18 @@ impl Brush {
     }
 
     /// Bytes of the picture, RGBA.
-    fn draw(&mut self, instance: &Instance, camera: &Camera, study: Study) -> Vec<[u8; 4]> {
-        let ink = on_blank_paper(&InkParams::default());
-        let params = FrameParams::new(*camera, self.size.into()).with_ink(ink).with(|p| p.study = study);
+    fn draw(&mut self, instance: &Instance, camera: &Camera, study: Study, ink: InkShow) -> Vec<[u8; 4]> {
+        let blank = on_blank_paper(&InkParams::default());
+        let params = FrameParams::new(*camera, self.size.into()).with_ink(blank);
+        let params = params.with(|p| (p.study, p.debug.ink) = (study, ink));
         let passes = [PassId::INK_COMPOSITE];
         let bytes = draw_passes(self.gpu, &mut self.renderer, &params, &[instance], &passes);
         bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect()
     }
 
-    /// What is darker than half of white light.
+    /// Lines that are darker than half of white light.
     fn dark(&mut self, instance: &Instance, camera: &Camera, study: Study) -> Mask {
-        let pixels = self.draw(instance, camera, study).iter().map(|p| p[0] < 188).collect();
+        let pixels = self.draw(instance, camera, study, InkShow::Lines).iter().map(|p| p[0] < 188).collect();
         Mask { width: self.size.0, height: self.size.1, pixels }
     }
 }
@@ -138,8 +139,7 @@ fn widest(brush: &mut Brush, package: &[u8], towards: impl Fn(f32) -> (Vec3, f32
         let aspect = brush.size.0 as f32 / brush.size.1 as f32;
         let camera = Camera::framing(center, radius, from, FOV_Y_RAD, aspect);
         for (most, template) in most.iter_mut().zip([false, true]) {
-            let mut study = Study::default();
-            (study.template, study.show) = (template, InkShow::Lines);
+            let study = Study::default().with(|study| study.template = template);
             *most = most.max(brush.dark(&instance, &camera, study).widest_stroke().width_px);
         }
     }
@@ -201,12 +201,10 @@ fn walk(brush: &mut Brush, package: &[u8], clip: &str, anchoring: Anchoring) -> 
         let mut skin = Skin::posed("model", &opened, &[ClipLayer { clip: Some(clip), time_s, share: 1.0 }]).unwrap();
         skin.vertices.iter_mut().for_each(|v| v.position_ws += way.as_dvec3());
         let sight = Sight::new(skin).unwrap();
-        let mut painted = Study::default();
-        painted.anchoring = anchoring;
-        let mut lined = painted;
-        lined.show = InkShow::Lines;
-        let lines = brush.dark(&instance, &camera, lined);
-        let grey: Vec<f32> = brush.draw(&instance, &camera, painted).iter().map(|p| f32::from(p[1]) / 255.0).collect();
+        let study = Study::default().with(|study| study.anchoring = anchoring);
+        let lines = brush.dark(&instance, &camera, study);
+        let painting = brush.draw(&instance, &camera, study, InkShow::Painting);
+        let grey: Vec<f32> = painting.iter().map(|p| f32::from(p[1]) / 255.0).collect();
         if let Some((sight_before, grey_before, lines_before)) = &before {
             let camera = &true_camera;
             let now = Moment { sight: sight_before, camera, grey: grey_before, lines: lines_before };

@@ -52,7 +52,7 @@ fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
     let mut found = Specks::default();
     for camera in cameras(package) {
         let params = FrameParams::new(camera, SIZE.into()).with_ink(ink.clone());
-        let params = params.with(|p| p.study.show = InkShow::Lines);
+        let params = params.with(|p| p.debug.ink = InkShow::Lines);
         let texels = draw_passes(gpu, &mut renderer, &params, &[&instance], &[PassId::INK_COMPOSITE]);
         let pixels = texels.chunks_exact(4).map(|p| p[0] < 188).collect();
         found = found.joined(specks(&Mask { width: SIZE.0, height: SIZE.1, pixels }, shorter_than_px));

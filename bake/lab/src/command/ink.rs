@@ -113,7 +113,7 @@ impl Shared {
         let look = |scene: &mut Stage, camera, show, ink: InkParams| -> Result<RgbaImage, Failure> {
             scene.look_from(camera);
             scene.params.style = Style::Ink(ink);
-            scene.params.study = study.with(|study| study.show = show);
+            (scene.params.study, scene.params.debug.ink) = (*study, show);
             scene.draw()?;
             pixels(scene)
         };

@@ -64,7 +64,7 @@ impl Topic for LightingTopic<'_> {
         let view = View::default().with(|look| {
             look.shadow.self_shadow = LookSelfShadow::Off;
             look.shadow.soft_shadow = false;
-            look.fur.lighting = match configuration.lighting {
+            look.study.lighting = match configuration.lighting {
                 Lighting::Pixel => LookLighting::Pixel,
                 Lighting::Vertex => LookLighting::Vertex,
             };

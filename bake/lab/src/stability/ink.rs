@@ -60,7 +60,7 @@ fn widest(package: &[u8], draw: &mut Drawer<'_>) -> Result<[f64; 2], BakeError> 
         let camera = Camera::framing(Vec3::from(bounds.center), bounds.radius, towards, 0.5, 1.0);
         for (most, template) in most.iter_mut().zip([false, true]) {
             let params = FrameParams::new(camera, [SIZE.0, SIZE.1]).with_ink(ink.clone());
-            let params = params.with(|p| (p.study.template, p.study.show) = (template, InkShow::Lines));
+            let params = params.with(|p| (p.study.template, p.debug.ink) = (template, InkShow::Lines));
             let texels = draw(&Drawing { package, params: &params, size: SIZE, passes: &[PassId::INK_COMPOSITE] })?;
             let pixels = texels.iter().map(|texel| texel[0] < 0.5).collect();
             let strokes = Mask { width: SIZE.0, height: SIZE.1, pixels };

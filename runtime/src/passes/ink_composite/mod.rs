@@ -2,14 +2,13 @@
 
 use super::{Outcome, Pass, PassId, PassPlace, ink_normals, ink_stroke, ink_trace};
 use crate::gpu::{Draw, Shader, on};
-use crate::params::{InkBackground, StyleKind};
+use crate::params::{InkBackground, InkShow, StyleKind};
 use crate::scene::{Recording, Screen, ink_screen_wgsl};
-use crate::study;
 
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink composite",
-    parts: ink_screen_wgsl!(include_str!("ink_composite.wgsl"), crate::study::form_wgsl!("behind ink_composite")),
+    parts: ink_screen_wgsl!(include_str!("ink_composite.wgsl"), include_str!("../../debug/ink_show.wgsl")),
 };
 
 impl PassId {
@@ -30,7 +29,7 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    let lines = if study::shows_features(frame.params) { ink_trace::TRACED } else { ink_stroke::STROKES };
+    let lines = if frame.params.debug.ink == InkShow::Features { ink_trace::TRACED } else { ink_stroke::STROKES };
     let picture = frame.params.style.ink().is_some_and(|ink| ink.background == InkBackground::Picture);
     let screen = Screen {
         constants: vec![on("PICTURE", picture)],

@@ -4,9 +4,8 @@ use super::{Outcome, Pass, PassId, PassPlace, ink_normals};
 use crate::gpu::{Draw, RenderSpec, Shader, faces, on};
 use crate::hair::material;
 use crate::model::Part;
-use crate::params::StyleKind;
+use crate::params::{InkShow, StyleKind};
 use crate::scene::{Recording, Seen, fin_draws, has_strokes, ink_surface_wgsl};
-use crate::study;
 
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
@@ -72,7 +71,7 @@ fn draws(frame: &mut Recording<'_>, index: usize, seen: &Seen, with_fins: bool) 
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    if !study::paints(frame.params) {
+    if frame.params.debug.ink != InkShow::Painting {
         return Outcome::Skipped("the painting is not shown");
     }
     let Some(ink) = frame.params.style.ink() else { return Outcome::Skipped("the style is not ink") };

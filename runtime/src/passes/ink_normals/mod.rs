@@ -13,7 +13,7 @@ use std::mem::offset_of;
 /// The shader.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink normals",
-    parts: ink_surface_wgsl!(crate::study::form_wgsl!("ink surfaces"), include_str!("ink_normals.wgsl")),
+    parts: ink_surface_wgsl!(crate::study::form_wgsl!("ink/surface_forms.wgsl"), include_str!("ink_normals.wgsl")),
 };
 
 /// Normals and 1 / clip w. Dots of normals are compared with thresholds up to 1: eight bits would be too few.

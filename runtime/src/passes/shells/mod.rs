@@ -7,7 +7,6 @@ use crate::hair::{groom, hair_wgsl, material};
 use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{Recording, Seen};
-use crate::study;
 use std::ops::Range;
 
 /// The shader.
@@ -16,7 +15,7 @@ pub(crate) const SHADER: Shader = Shader {
     parts: hair_wgsl!(
         include_str!("varying.wgsl"),
         include_str!("shells.wgsl"),
-        crate::study::form_wgsl!("behind shells")
+        include_str!("../../debug/yardstick.wgsl")
     ),
 };
 
@@ -65,8 +64,7 @@ fn spec(frame: &Recording<'_>, seen: &Seen, part: &Part) -> RenderSpec {
 
 /// Instances of the draw, layer by layer.
 fn layers(frame: &Recording<'_>, seen: &Seen) -> Range<u32> {
-    let only = study::only_layer(frame.params);
-    only.map_or_else(
+    frame.params.debug.only_layer.map_or_else(
         || seen.drawing.shell_instances(),
         |k| k.min(seen.drawing.layers)..(k + 1).min(seen.drawing.layers),
     )
@@ -100,7 +98,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if drawn > 0 {
         let of: u32 = instances.iter().map(|seen| seen.drawing.detail.of_layers).sum();
         let of = if any_reduced(frame) { format!(" of {of}") } else { String::new() };
-        let words = study::words_of_shells(frame.params);
+        let words = if frame.params.debug.yardstick { ", yardstick: one read, no lighting" } else { "" };
         return Outcome::Ran(format!("{furry} instances, {drawn}{of} layers{words}"), all);
     }
     Outcome::Skipped(match (instances.is_empty(), frame.params.style.fur().and_then(|fur| fur.layers)) {

@@ -11,9 +11,8 @@ pub(crate) const SHADER: Shader = Shader {
     parts: &[
         include_str!("../../hair/packed_light.wgsl"),
         include_str!("../../hair/nearest.wgsl"),
+        include_str!("../../debug/shown.wgsl"),
         include_str!("strand_blend.wgsl"),
-        crate::study::form_wgsl!("shown"),
-        crate::study::form_wgsl!("behind strand_blend"),
     ],
 };
 

@@ -41,7 +41,8 @@ struct Blended {
     @builtin(frag_depth) depth: f32,
 }
 
-fn blended_in(in: TileVarying) -> Blended {
+@fragment
+fn fs_blend(in: TileVarying) -> Blended {
     let pixel = pixel_number(vec2<u32>(in.at));
     let key = keys[OF_A_PIXEL * pixel + in.layer];
     if key == 0u {
@@ -53,12 +54,8 @@ fn blended_in(in: TileVarying) -> Blended {
         through *= exp(-f32(keys[OF_A_PIXEL * pixel + NEAREST]) / OPTICAL_DEPTH);
     }
     let covered = 1.0 - through;
-    return Blended(vec4(covered * unpacked_light(lights[NEAREST * pixel + in.layer]), covered), depth_of(key));
-}
-
-@fragment
-fn fs_blend(in: TileVarying) -> Blended {
-    return blended_in(in);
+    let color = vec4(covered * unpacked_light(lights[NEAREST * pixel + in.layer]), covered);
+    return Blended(shown_as(color, geometry_color(4u), false), depth_of(key));
 }
 
 @vertex

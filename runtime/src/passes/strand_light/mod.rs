@@ -14,7 +14,7 @@ pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand light",
     parts: hair_wgsl!(
         include_str!("../../shared/deep_opacity.wgsl"),
-        crate::study::form_wgsl!("strand shadows"),
+        crate::study::form_wgsl!("light/deep_forms.wgsl"),
         include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/packed_light.wgsl"),
         include_str!("../../hair/strand.wgsl"),

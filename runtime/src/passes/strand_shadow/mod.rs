@@ -17,7 +17,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../shared/tile_frame.wgsl"),
         include_str!("../../surface/place.wgsl"),
         include_str!("../../shared/deep_opacity.wgsl"),
-        crate::study::form_wgsl!("strand shadows"),
+        crate::study::form_wgsl!("light/deep_forms.wgsl"),
         include_str!("../../hair/constants.wgsl"),
         include_str!("../../hair/strand.wgsl"),
         include_str!("../../hair/posed.wgsl"),

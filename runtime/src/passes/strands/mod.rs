@@ -11,9 +11,8 @@ pub(crate) const SHADER: Shader = Shader {
     name: "pelage strands",
     parts: &[
         include_str!("../../hair/packed_light.wgsl"),
+        include_str!("../../debug/shown.wgsl"),
         include_str!("strands.wgsl"),
-        crate::study::form_wgsl!("shown"),
-        crate::study::form_wgsl!("behind strands"),
     ],
 };
 

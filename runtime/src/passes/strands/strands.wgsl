@@ -20,5 +20,5 @@ fn vs_strands(@location(0) position: vec3<f32>, @location(1) light: u32) -> Stra
 
 @fragment
 fn fs_strands(in: StrandVarying) -> @location(0) vec4<f32> {
-    return vec4(in.light, 1.0);
+    return shown_as(vec4(in.light, 1.0), geometry_color(4u), true);
 }

@@ -1,17 +1,16 @@
 //! What a look comes to for the runtime.
 
 use super::kinds::{
-    Background, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra, LookRule, LookScattering,
-    LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle, LookWidth,
+    Background, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow, LookStrandEdges,
+    LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
 use crate::{Picture, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    Anchoring, Detail, FeatureRule, FrameParams, FurParams, FurShow, Hair, HairMotionParams, InkBackground, InkParams,
-    InkShow, Light, Lighting, LineWidth, PenumbraForm, Scattering, SelfShadow, ShadowParams, SlantForm, SphereMapForm,
-    StrandEdges, Study, Style,
+    DebugView, Detail, FrameParams, FurParams, FurShow, Hair, HairMotionParams, InkBackground, InkParams, InkShow,
+    Light, LineWidth, Scattering, SelfShadow, ShadowParams, StrandEdges, Style,
 };
 
 /// Any view: a stage sets its own.
@@ -47,7 +46,11 @@ impl Look {
             params.fill_lights = self.fill_lights().map(|(towards, strength)| distant(towards, strength)).collect();
             params.soft_shadow = self.shadow.soft_shadow;
             params.shadows = self.shadow_params();
-            params.study = self.study();
+            params.debug = self.debug_view();
+            #[cfg(feature = "study")]
+            {
+                params.study = self.study.params();
+            }
         })
     }
 
@@ -75,26 +78,10 @@ impl Look {
                 LookDetail::Level(level) => Detail::Level(level),
             };
             fur.fins = self.fur.fins;
-            fur.hair = match self.fur.hair {
-                LookHair::Auto => Hair::Auto,
-                LookHair::Shells => Hair::Shells,
-                LookHair::Strands => Hair::Strands,
-            };
-            fur.strand_edges = match self.fur.strand_edges {
-                LookStrandEdges::Samples => StrandEdges::Samples,
-                LookStrandEdges::Blended => StrandEdges::Blended,
-            };
-            fur.scattering = match self.fur.scattering {
-                LookScattering::Multiple => Scattering::Multiple,
-                LookScattering::Single => Scattering::Single,
-                LookScattering::Off => Scattering::Off,
-            };
-            fur.self_shadow = match self.shadow.self_shadow {
-                LookSelfShadow::Auto => SelfShadow::Auto,
-                LookSelfShadow::Baked => SelfShadow::Baked,
-                LookSelfShadow::Maps => SelfShadow::Maps,
-                LookSelfShadow::Off => SelfShadow::Off,
-            };
+            fur.hair = same!(self.fur.hair, LookHair => Hair: Auto, Shells, Strands);
+            fur.strand_edges = same!(self.fur.strand_edges, LookStrandEdges => StrandEdges: Samples, Blended);
+            fur.scattering = same!(self.fur.scattering, LookScattering => Scattering: Multiple, Single, Off);
+            fur.self_shadow = same!(self.shadow.self_shadow, LookSelfShadow => SelfShadow: Auto, Baked, Maps, Off);
         })
     }
 
@@ -140,55 +127,12 @@ impl Look {
         })
     }
 
-    /// Which printed forms are studied.
-    pub(crate) fn study(&self) -> Study {
-        Study::default().with(|study| {
-            study.look_slant = slant(self.fur.view_slant);
-            study.light_slant = slant(self.shadow.slant);
-            study.penumbra = match self.shadow.penumbra_form {
-                LookPenumbra::Centred => PenumbraForm::Centred,
-                LookPenumbra::Inner => PenumbraForm::Inner,
-            };
-            study.lighting = match self.fur.lighting {
-                LookLighting::Pixel => Lighting::Pixel,
-                LookLighting::Vertex => Lighting::Vertex,
-            };
-            study.fur = match self.fur.show {
-                LookFurShow::Picture => FurShow::Picture,
-                LookFurShow::Geometry => FurShow::Geometry,
-                LookFurShow::Overdraw => FurShow::Overdraw,
-            };
-            study.ambient_attenuation = self.fur.ambient_attenuation;
-            study.back_attenuation = self.fur.back_attenuation;
-            study.features = match self.ink.rule {
-                LookRule::Any => FeatureRule::AnyBelow,
-                LookRule::All => FeatureRule::AllBelow,
-            };
-            study.sphere_map = match self.ink.sphere_map {
-                LookSphereMap::Perpendicular => SphereMapForm::Perpendicular,
-                LookSphereMap::Reflection => SphereMapForm::Reflection,
-                LookSphereMap::Printed => SphereMapForm::Printed,
-            };
-            study.template = self.ink.template;
-            study.printed_lines = self.ink.printed_lines;
-            study.anchoring = match self.ink.anchoring {
-                LookAnchoring::Surface => Anchoring::Surface,
-                LookAnchoring::Screen => Anchoring::Screen,
-            };
-            study.show = match self.ink.show {
-                LookShow::Painting => InkShow::Painting,
-                LookShow::Lines => InkShow::Lines,
-                LookShow::Features => InkShow::Features,
-                LookShow::Wash => InkShow::Wash,
-            };
-        })
-    }
-}
-
-fn slant(slant: LookSlant) -> SlantForm {
-    match slant {
-        LookSlant::Corrected => SlantForm::Corrected,
-        LookSlant::Printed => SlantForm::Printed,
+    /// What is shown instead of the picture.
+    pub(crate) fn debug_view(&self) -> DebugView {
+        let mut view = DebugView::default();
+        view.fur = same!(self.fur.show, LookFurShow => FurShow: Picture, Geometry, Overdraw);
+        view.ink = same!(self.ink.show, LookShow => InkShow: Painting, Lines, Features, Wash);
+        view
     }
 }
 

@@ -71,17 +71,6 @@ words! {
 }
 
 words! {
-    /// Where a soft shadow's edge lies.
-    LookPenumbra {
-        /// On both sides of the hard edge.
-        #[default]
-        Centred = "centred",
-        /// Inside the hard edge.
-        Inner = "inner",
-    }
-}
-
-words! {
     /// What a frame of fur shows.
     LookFurShow {
         /// Its light.
@@ -91,63 +80,6 @@ words! {
         Geometry = "geometry",
         /// How many layers of hair lie over each other: brighter with each.
         Overdraw = "overdraw",
-    }
-}
-
-words! {
-    /// What the slant of a ray does to the opacity of a layer.
-    LookSlant {
-        /// The way through a layer grows with the slant.
-        #[default]
-        Corrected = "corrected",
-        /// A layer takes the same at every angle, as printed in Yang 2006.
-        Printed = "printed",
-    }
-}
-
-words! {
-    /// Where hair is lit.
-    LookLighting {
-        /// At every pixel, with the direction texture.
-        #[default]
-        Pixel = "pixel",
-        /// At the vertices.
-        Vertex = "vertex",
-    }
-}
-
-words! {
-    /// Which neighbours of a pixel must differ for a line of ink.
-    LookRule {
-        /// Any of the four.
-        #[default]
-        Any = "any",
-        /// All four, as printed in Fang 2006.
-        All = "all",
-    }
-}
-
-words! {
-    /// How the sphere map is looked up.
-    LookSphereMap {
-        /// In the frame perpendicular to the view.
-        #[default]
-        Perpendicular = "perpendicular",
-        /// By reflection of the eye.
-        Reflection = "reflection",
-        /// As printed in Fang 2006: one place for all normals.
-        Printed = "printed",
-    }
-}
-
-words! {
-    /// What varies is tied to the surface or to the picture.
-    LookAnchoring {
-        /// Strokes and wash move with the surface.
-        #[default]
-        Surface = "surface",
-        /// They stay where they are in the picture.
-        Screen = "screen",
     }
 }
 

@@ -12,19 +12,30 @@
 //! # Ok::<(), pelage_stage::ParamError>(())
 //! ```
 
+/// The runtime's value of the same name.
+#[cfg(feature = "draw")]
+macro_rules! same {
+    ($value:expr, $from:ident => $to:ident: $($name:ident),+) => {
+        match $value { $($from::$name => $to::$name),+ }
+    };
+}
+
 #[cfg(feature = "draw")]
 mod frame;
 mod kinds;
 mod page;
 mod short;
+#[cfg(feature = "study")]
+mod study;
 mod tables;
 
 pub use kinds::{
-    Background, FillLight, Interval, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra,
-    LookRule, LookScattering, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
-    LookWidth, Rgb, Samples, Size, SkyOf, SkySource,
+    Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow,
+    LookStrandEdges, LookStyle, LookWidth, Rgb, Samples, Size, SkyOf, SkySource,
 };
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
+#[cfg(feature = "study")]
+pub use study::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};
 pub use tables::{
     KeyLight, LightsRead, Look, LookEnvironment, LookFur, LookInk, LookLight, LookMotion, LookPicture, LookShadow,
     ReadLights,

@@ -1,10 +1,12 @@
 //! The knobs of a look.
 
 use super::kinds::{
-    Background, FillLight, Interval, LookAnchoring, LookDetail, LookFurShow, LookHair, LookLighting, LookPenumbra,
-    LookRule, LookScattering, LookSelfShadow, LookShow, LookSlant, LookSphereMap, LookStrandEdges, LookStyle,
-    LookWidth, PLACE, Rgb, Samples, Size, SkyOf, SkySource, Towards,
+    Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow,
+    LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, SkyOf, SkySource, Towards,
 };
+use super::short::in_laboratory;
+#[cfg(feature = "study")]
+use super::study::LookStudy;
 use crate::framing::TOWARDS_LIGHT;
 use glam::Vec3;
 use pelage_formats::meaning::environment::Environment;
@@ -84,8 +86,6 @@ params! {
         soft_shadow: bool = true;
         /// Width of a soft shadow's edge over the distance from what throws it; 0 is a hard shadow.
         penumbra: f32 = 0.15, in 0.0..=2.0;
-        /// Where a soft shadow's edge lies.
-        penumbra_form: LookPenumbra = LookPenumbra::Centred;
         /// How far the shadow-width map is shrunk before it is stretched again: more allows wider edges and loses thin things.
         shrink: u32 = 4, in 2..=32;
         /// Width and height of the shadow maps, texels.
@@ -94,8 +94,6 @@ params! {
         map_layers: Option<u32> = None, in 2..=256, or "drawn";
         /// Share of the layers' optical depth that the key light meets.
         density: f32 = 1.0, in 0.0..=4.0;
-        /// What the light's slant does to the opacity of a layer.
-        slant: LookSlant = LookSlant::Corrected;
     }
 }
 
@@ -117,14 +115,6 @@ params! {
         scattering: LookScattering = LookScattering::Multiple;
         /// What is shown: the picture, or false colours for what it is drawn with and how much of it.
         show: LookFurShow = LookFurShow::Picture;
-        /// Where hair is lit.
-        lighting: LookLighting = LookLighting::Pixel;
-        /// What the slant of the look does to the opacity of a layer.
-        view_slant: LookSlant = LookSlant::Corrected;
-        /// Whether ambient light fades towards the skin, as γ of Yang 2006, eq. (2).
-        ambient_attenuation: bool = true;
-        /// Whether the light ends behind the body, as Attenu_Back of Yang 2006, eq. (3).
-        back_attenuation: bool = true;
     }
 }
 
@@ -179,16 +169,6 @@ params! {
         paper_grain: f32 = 1.0, in 0.0..=1.0;
         /// Distances in metres where mist begins and where only it is left.
         mist_m: Option<Interval> = None, or "none";
-        /// Which neighbours of a pixel must differ for a line.
-        rule: LookRule = LookRule::Any;
-        /// How the sphere map is looked up.
-        sphere_map: LookSphereMap = LookSphereMap::Perpendicular;
-        /// Whether lines keep to their width; without, the sphere map alone decides.
-        template: bool = true;
-        /// Whether lines are as the printed algorithm draws them, pixels that are ink or not.
-        printed_lines: bool = false;
-        /// What varies is tied to the surface, or to the picture.
-        anchoring: LookAnchoring = LookAnchoring::Surface;
         /// What is shown: the painting, its lines or features black on white, or the wash.
         show: LookShow = LookShow::Painting;
     }
@@ -196,7 +176,7 @@ params! {
 
 tables! {
     /// The look of a picture. `Look::default()` is fur in soft daylight, 834 × 424 pixels.
-    pub struct Look, such as "shadow.penumbra=0.3" {
+    pub struct Look, such as "shadow.penumbra=0.3", elsewhere in_laboratory {
         /// The picture itself.
         picture: LookPicture,
         /// The lights.
@@ -211,6 +191,9 @@ tables! {
         motion: LookMotion,
         /// How the style `ink` is drawn.
         ink: LookInk,
+        /// Forms as the papers print them.
+        #[cfg(feature = "study")]
+        study: LookStudy,
     }
 }
 
@@ -324,6 +307,15 @@ impl Look {
             None => self.environment.sky = before,
         }
         read
+    }
+
+    /// Whether ambient light fades towards the skin, and whether the key light ends behind the body: false in a printed
+    /// form alone.
+    pub fn attenuations(&self) -> [bool; 2] {
+        #[cfg(feature = "study")]
+        return [self.study.ambient_attenuation, self.study.back_attenuation];
+        #[cfg(not(feature = "study"))]
+        [true; 2]
     }
 
     /// The lights without shadow: towards each, length 1, and its strength.

@@ -20,7 +20,8 @@ fn short(flag: &str) -> &'static ShortForm {
 fn every_short_form_sets_a_knob_of_its_own() {
     let all: Vec<_> = SHORT_FORMS.iter().chain([&SAMPLES]).collect();
     for (i, short) in all.iter().enumerate() {
-        assert!(short.knob().is_some(), "--{} sets {}, which is no key", short.flag, short.key);
+        let elsewhere = cfg!(not(feature = "study")) && short.key.starts_with("study.");
+        assert!(short.knob().is_some() != elsewhere, "--{} sets {}, which is no key", short.flag, short.key);
         assert!(all[..i].iter().all(|other| other.flag != short.flag && other.key != short.key), "{short:?}");
     }
     // A knob without one would be forgotten by those who type flags. False colours are for whoever looks into a picture, and are asked for by their key.
@@ -43,12 +44,9 @@ fn flags_read_the_words_that_they_always_read() {
         ("detail", "1.5"),
         ("self-shadow", "off"),
         ("penumbra", ".5"),
-        ("penumbra-form", "inner"),
-        ("slant", "printed"),
         ("shadow-map", "256"),
         ("shadow-layers", "4"),
         ("shadow-shrink", "16"),
-        ("lighting", "vertex"),
         ("background", "10,20,255"),
         ("ink-width", "0.02m"),
         ("ink-mist", "5,60"),
@@ -149,6 +147,44 @@ fn mistakes_name_line_key_found_and_expected() {
     assert_eq!(wrong.validate().unwrap_err().name, "light.direction");
 }
 
+/// Printed forms by their flags, by their keys, and by those of earlier files; another build says where they are.
+#[test]
+fn printed_forms_are_in_the_laboratory() {
+    let mut look = Look::default();
+    let results = [
+        short("slant").apply(&mut look, "printed"),
+        look.set("study.penumbra_form=inner"),
+        look.set("fur.lighting=vertex"),
+        look.read("[ink]\nrule = \"all\""),
+        look.read("[study]\nink_anchoring = \"screen\""),
+    ];
+    #[cfg(feature = "study")]
+    {
+        assert_eq!(results, [const { Ok(()) }; 5]);
+        let study = LookStudy {
+            slant: LookSlant::Printed,
+            penumbra_form: LookPenumbra::Inner,
+            lighting: LookLighting::Vertex,
+            ink_rule: LookRule::AllBelow,
+            ink_anchoring: LookAnchoring::Screen,
+            ..LookStudy::default()
+        };
+        assert_eq!(look, Look { study, ..Look::default() });
+    }
+    #[cfg(not(feature = "study"))]
+    {
+        assert_eq!(look, Look::default());
+        for (result, place) in
+            results.into_iter().zip(["study.slant", "study.pen", "fur.l", "line 2, ink.r", "line 1, study"])
+        {
+            let error = result.unwrap_err().to_string();
+            assert!(error.starts_with(place) && error.contains("laboratory's build"), "{error}");
+        }
+    }
+    // A mistake stays one.
+    assert!(look.set("fur.lightning=vertex").unwrap_err().to_string().contains("unknown key"));
+}
+
 #[test]
 fn numbers_can_be_sliders() {
     let sliders = knobs::<Look>().filter(|knob| matches!((knob.control)(), Control::Number { .. })).count();
@@ -158,12 +194,14 @@ fn numbers_can_be_sliders() {
 #[cfg(feature = "draw")]
 #[test]
 fn the_default_look_is_the_runtimes() {
-    use pelage_runtime::{FurParams, InkParams, LineWidth, ShadowParams, Study};
+    use pelage_runtime::{DebugView, FurParams, InkParams, LineWidth, ShadowParams};
     let look = Look::default();
     assert_eq!(look.ink_params(), InkParams::default());
     assert_eq!(look.shadow_params(), ShadowParams::default());
     assert_eq!(look.fur_params(), FurParams::default());
-    assert_eq!(look.study(), Study::default());
+    assert_eq!(look.debug_view(), DebugView::default());
+    #[cfg(feature = "study")]
+    assert_eq!(look.study.params(), pelage_runtime::Study::default());
     let ink = set(&["ink.width=0.02m", "picture.background=255,255,255", "fur.fins=off"]).ink_params();
     assert_eq!((ink.width, ink.paper, ink.fins), (LineWidth::Metres(0.02), Vec3::ONE, false));
 }

@@ -2,9 +2,9 @@
 //! `chores same-pictures BEFORE AFTER [-o OUT] [--only WORD]`; and what each pass costs in
 //! both, as a table: `… -- BEFORE AFTER --bench [--rounds N] [-o OUT]`.
 //!
-//! BEFORE and AFTER are the two binaries. Both bake every model, and both draw the packages of BEFORE. OUT, by default
-//! `target/same_pictures`, keeps those in `packages`, what it made for them in `made`, and of what differs both pictures in `pictures`
-//! and the other package in `packages_after`. `--only` takes the cases whose name has that word in it.
+//! BEFORE and AFTER are two binaries of `pelage-lab`: many cases draw printed forms. Both bake every model, and both draw the
+//! packages of BEFORE. OUT, by default `target/same_pictures`, keeps those in `packages`, what it made for them in `made`,
+//! and of what differs both pictures in `pictures` and the other package in `packages_after`. `--only` takes the cases whose name has that word in it.
 //!
 //! Some models come from the shared test data (`PELAGE_DATA`); without it their cases are left out, and named. Exit codes: 0 all the same;
 //! 7 something differs, or could not be baked or drawn; 2 nothing differs, but cases were left out; 1 no comparison.

@@ -6,15 +6,6 @@ override CENTRED: bool = true;
 // The key light's factors of eq. (1) are computed at vertices.
 override VERTEX_LIGHTING: bool = false;
 
-// What fragments show: 0 their light, 1 which geometry they are of, 2 one step each.
-override SHOW_AS: u32 = 0u;
-
-// Of its geometry, or on the way from the one to the next.
-fn shown(color: vec4<f32>, geometry: u32, share: f32) -> vec4<f32> {
-    let tint = mix(geometry_color(geometry), geometry_color(geometry + 1u), share);
-    return shown_as(SHOW_AS, color, tint, geometry < 2u);
-}
-
 // H, or the factors themselves. At a vertex all that is known of the hair is the mean direction of its layer, which is the last level of
 // the direction texture, how long the vertex's hair is and how it leans.
 fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {

@@ -1,0 +1,26 @@
+//! Debug views: pipelines that show something else than the picture. A frame without one pays nothing for them.
+
+use crate::gpu::RenderSpec;
+use crate::params::{FrameParams, FurShow, InkShow};
+
+/// Turns a pipeline that a pass asks for into the one of the debug view.
+pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
+    let view = &params.debug;
+    match spec.shader.name {
+        "pelage shells" if view.yardstick => {
+            (spec.vertex, spec.fragment) = ("vs_yardstick", Some("fs_yardstick"));
+            spec.constants.retain(|(name, _)| ["LEAN", "DETAIL"].contains(name));
+        }
+        "pelage skin" | "pelage fins" | "pelage shells" | "pelage strands" | "pelage strand blend"
+            if view.fur != FurShow::Picture && spec.fragment != Some("fs_depth") =>
+        {
+            spec.constants.push(("SHOW_AS", view.fur as u32));
+        }
+        "pelage ink composite" if view.ink != InkShow::Painting => {
+            spec.fragment = Some("fs_show");
+            spec.constants.retain(|(name, _)| *name != "PICTURE");
+            spec.constants.push(("SHOW", view.ink as u32));
+        }
+        _ => {}
+    }
+}
